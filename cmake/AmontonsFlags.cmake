@@ -1,0 +1,22 @@
+# Compiler flags of the project, on an interface target that only its own targets link.
+add_library(amontons_flags INTERFACE)
+
+set(_fortran "$<COMPILE_LANGUAGE:Fortran>")
+set(_c "$<COMPILE_LANGUAGE:C>")
+set(_debug "$<CONFIG:Debug>")
+
+target_compile_options(amontons_flags INTERFACE
+  "$<${_fortran}:-std=f2018;-ffree-line-length-132;-fimplicit-none>"
+  "$<${_fortran}:-Wall;-Wextra;-pedantic;-Wimplicit-interface;-Wimplicit-procedure;-Werror>"
+  "$<${_c}:-std=c11;-Wall;-Wextra;-pedantic;-Werror>"
+  "$<${_debug}:-g;-O0>"
+  "$<$<AND:${_fortran},${_debug}>:-fcheck=all;-finit-real=snan;-fbacktrace>")
+
+if(AMONTONS_SANITIZE)
+  target_compile_options(amontons_flags INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer)
+  target_link_options(amontons_flags INTERFACE -fsanitize=address,undefined)
+endif()
+if(AMONTONS_COVERAGE)
+  target_compile_options(amontons_flags INTERFACE --coverage)
+  target_link_options(amontons_flags INTERFACE --coverage)
+endif()

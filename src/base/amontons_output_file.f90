@@ -1,0 +1,90 @@
+!> Files that appear whole or not at all: written under a temporary name, renamed when complete.
+module amontons_output_file
+   use amontons_error, only: error_t, new_error, system_failure
+   use amontons_system, only: process_id, remove_file, rename_file
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: new_output_file, output_file_t
+
+   !> A file being written. Until `commit` the final name is untouched.
+   type :: output_file_t
+      private
+      integer, public :: unit = -1 !! The unit to write to while the file is open.
+      character(:), allocatable :: path
+      character(:), allocatable :: temporary_path
+      logical :: is_open = .false.
+   contains
+      procedure, public :: commit => output_file_commit
+      procedure, public :: discard => output_file_discard
+      procedure, public :: finish => output_file_finish
+   end type output_file_t
+
+contains
+
+   !> Opens a file for writing under a temporary name beside the final one.
+   subroutine new_output_file(file, path, is_binary, error)
+      type(output_file_t), intent(out) :: file !! the open file
+      character(*), intent(in) :: path !! final name
+      logical, intent(in) :: is_binary !! whether bytes are written (stream access) rather than lines
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be opened
+      character(256) :: reason
+      integer :: status
+
+      file%path = path
+      file%temporary_path = path//'.'//to_text(process_id())//'.tmp'
+      reason = ''
+      if (is_binary) then
+         open (newunit=file%unit, file=file%temporary_path, status='replace', action='write', access='stream', &
+            form='unformatted', iostat=status, iomsg=reason)
+      else
+         open (newunit=file%unit, file=file%temporary_path, status='replace', action='write', &
+            iostat=status, iomsg=reason)
+      end if
+      file%is_open = status == 0
+      if (status /= 0) call new_error(error, system_failure, path//': cannot write this file: '//trim(reason))
+   end subroutine new_output_file
+
+   !> Closes the file, every byte handed to the system; it still has its temporary name.
+   subroutine output_file_finish(self, error)
+      class(output_file_t), intent(inout) :: self !! the open file
+      type(error_t), allocatable, intent(out) :: error !! not everything could be written; the file is then discarded
+      character(256) :: reason
+      integer :: status
+
+      reason = ''
+      flush (self%unit, iostat=status, iomsg=reason)
+      if (status == 0) close (self%unit, iostat=status, iomsg=reason)
+      if (status == 0) then
+         self%is_open = .false.
+         return
+      end if
+      call self%discard()
+      call new_error(error, system_failure, self%path//': cannot write this file: '//trim(reason))
+   end subroutine output_file_finish
+
+   !> Gives the finished file its final name.
+   subroutine output_file_commit(self, error)
+      class(output_file_t), intent(inout) :: self !! the finished file
+      type(error_t), allocatable, intent(out) :: error !! it cannot be renamed; it is then discarded
+
+      if (self%is_open) then
+         call self%finish(error)
+         if (allocated(error)) return
+      end if
+      call rename_file(self%temporary_path, self%path, error)
+      if (allocated(error)) call self%discard()
+   end subroutine output_file_commit
+
+   !> Removes what was written; the final name stays as it was.
+   subroutine output_file_discard(self)
+      class(output_file_t), intent(inout) :: self !! the file, open or finished
+      integer :: status
+
+      if (self%is_open) close (self%unit, iostat=status)
+      self%is_open = .false.
+      if (allocated(self%temporary_path)) call remove_file(self%temporary_path)
+   end subroutine output_file_discard
+
+end module amontons_output_file

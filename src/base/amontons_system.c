@@ -1,0 +1,55 @@
+/* The few system calls that Fortran has no name for. */
+#include <errno.h>
+#include <stdio.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+/* Makes a directory and its parents. Returns 0 when it exists afterwards, the system's error number otherwise. */
+int amontons_make_directory(char *path)
+{
+    for (char *p = path + 1; *p; p++) {
+        if (*p != '/')
+            continue;
+        *p = '\0';
+        int failed = mkdir(path, 0777) != 0 && errno != EEXIST;
+        int code = errno;
+        *p = '/';
+        if (failed)
+            return code;
+    }
+    if (mkdir(path, 0777) == 0)
+        return 0;
+    if (errno != EEXIST)
+        return errno;
+    struct stat status;
+    if (stat(path, &status) != 0)
+        return errno;
+    return S_ISDIR(status.st_mode) ? 0 : ENOTDIR;
+}
+
+/* Puts a file in the place of another, in one step. Returns 0 or the system's error number. */
+int amontons_rename(const char *from, const char *to)
+{
+    return rename(from, to) == 0 ? 0 : errno;
+}
+
+/* Removes a file. Returns 0 or the system's error number. */
+int amontons_remove(const char *path)
+{
+    return unlink(path) == 0 ? 0 : errno;
+}
+
+/* The number of this process. */
+int amontons_process_id(void)
+{
+    return (int)getpid();
+}
+
+/* The most memory this process ever held, in kibibytes. */
+long amontons_peak_memory(void)
+{
+    struct rusage usage;
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? usage.ru_maxrss : 0;
+}

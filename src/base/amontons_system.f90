@@ -1,0 +1,101 @@
+!> What the program asks of the operating system: directories, renaming, memory, time.
+module amontons_system
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char
+   use amontons_error, only: error_t, new_error, system_failure
+   use amontons_kinds, only: dp, int64
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: make_directory, peak_memory_mb, process_id, remove_file, rename_file, wall_seconds
+
+   interface
+      function c_make_directory(path) bind(c, name='amontons_make_directory') result(code)
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(c_char), intent(inout) :: path(*)
+         integer(c_int) :: code
+      end function c_make_directory
+
+      function c_rename(from, to) bind(c, name='amontons_rename') result(code)
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(c_char), intent(in) :: from(*), to(*)
+         integer(c_int) :: code
+      end function c_rename
+
+      function c_remove(path) bind(c, name='amontons_remove') result(code)
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(c_char), intent(in) :: path(*)
+         integer(c_int) :: code
+      end function c_remove
+
+      function c_process_id() bind(c, name='amontons_process_id') result(id)
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int) :: id
+      end function c_process_id
+
+      function c_peak_memory() bind(c, name='amontons_peak_memory') result(kibibytes)
+         import :: c_long
+         implicit none (type, external)
+         integer(c_long) :: kibibytes
+      end function c_peak_memory
+   end interface
+
+contains
+
+   !> Makes a directory and its parents; one that exists already is fine.
+   subroutine make_directory(path, error)
+      character(*), intent(in) :: path !! name of the directory
+      type(error_t), allocatable, intent(out) :: error !! the directory cannot be made
+      character(:), allocatable :: c_path
+      integer :: code
+
+      c_path = path//c_null_char
+      code = int(c_make_directory(c_path))
+      if (code /= 0) call new_error(error, system_failure, &
+         path//': cannot make this directory (system error '//to_text(code)//')')
+   end subroutine make_directory
+
+   !> Puts a file in the place of another, in one step: a reader sees the old one or the new one.
+   subroutine rename_file(from, to, error)
+      character(*), intent(in) :: from !! the file's present name
+      character(*), intent(in) :: to !! the file's new name; what had it before is replaced
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be renamed
+      integer :: code
+
+      code = int(c_rename(from//c_null_char, to//c_null_char))
+      if (code /= 0) call new_error(error, system_failure, to//': cannot put this file in place (system error '// &
+         to_text(code)//')')
+   end subroutine rename_file
+
+   !> Removes a file if it is there.
+   subroutine remove_file(path)
+      character(*), intent(in) :: path !! name of the file
+      integer :: code
+
+      code = int(c_remove(path//c_null_char))
+      if (code /= 0) return
+   end subroutine remove_file
+
+   !> The number of this process, for names that no other process uses.
+   integer function process_id()
+      process_id = int(c_process_id())
+   end function process_id
+
+   !> The most memory this process ever held [MB].
+   real(dp) function peak_memory_mb()
+      peak_memory_mb = real(c_peak_memory(), dp)*1024.0e-6_dp
+   end function peak_memory_mb
+
+   !> Wall-clock time since some fixed moment [s].
+   real(dp) function wall_seconds()
+      integer(int64) :: ticks, rate
+
+      call system_clock(ticks, rate)
+      wall_seconds = real(ticks, dp)/real(rate, dp)
+   end function wall_seconds
+
+end module amontons_system

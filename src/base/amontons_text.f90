@@ -1,0 +1,243 @@
+!> Text helpers: numbers to text, text to numbers, words.
+module amontons_text
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_kinds, only: dp, int64
+   implicit none (type, external)
+   private
+
+   public :: lower_case, nearest_word, quoted, read_integer, read_real, to_text, to_text_17
+
+   !> Shortest text that reads back as the same value.
+   interface to_text
+      module procedure :: integer_to_text, long_to_text, real_to_text, logical_to_text
+   end interface to_text
+
+contains
+
+   !> A default integer as text without blanks.
+   pure function integer_to_text(value) result(text)
+      integer, intent(in) :: value !! the number
+      character(:), allocatable :: text
+      character(20) :: buffer
+
+      write (buffer, '(i0)') value
+      text = trim(buffer)
+   end function integer_to_text
+
+   !> A 64-bit integer as text without blanks.
+   pure function long_to_text(value) result(text)
+      integer(int64), intent(in) :: value !! the number
+      character(:), allocatable :: text
+      character(20) :: buffer
+
+      write (buffer, '(i0)') value
+      text = trim(buffer)
+   end function long_to_text
+
+   !> A real as the shortest decimal text that reads back as the same number; valid in JSON and in a namelist.
+   pure function real_to_text(value) result(text)
+      real(dp), intent(in) :: value !! the number, finite
+      character(:), allocatable :: text
+      character(32) :: buffer, pattern
+      real(dp) :: back
+      integer :: digits
+
+      do digits = 1, 17
+         write (pattern, '(a,i0,a)') '(es32.', digits - 1, 'e3)'
+         write (buffer, pattern) value
+         read (buffer, '(es32.0)') back
+         if (.not. abs(back - value) > 0.0_dp) exit
+      end do
+      text = plain_decimal(trim(adjustl(buffer)))
+   end function real_to_text
+
+   !> Rewrites scientific text without exponent where that is as readable: `1.25E+001` becomes `12.5`.
+   pure function plain_decimal(scientific) result(text)
+      character(*), intent(in) :: scientific !! text of the form `[-]d.dddE+ddd`
+      character(:), allocatable :: text, digits, sign
+      integer :: at_e, exponent, at_point
+
+      at_e = scan(scientific, 'E')
+      if (at_e == 0) then
+         text = scientific
+         return
+      end if
+      read (scientific(at_e + 1:), '(i4)') exponent
+      sign = ''
+      if (scientific(1:1) == '-') sign = '-'
+      at_point = scan(scientific, '.')
+      digits = scientific(at_point - 1:at_point - 1)//scientific(at_point + 1:at_e - 1)
+      if (exponent < -4 .or. exponent > 14) then
+         if (len(digits) == 1) digits = digits//'0'
+         text = sign//digits(1:1)//'.'//digits(2:)//'e'//integer_to_text(exponent)
+      else if (exponent < 0) then
+         text = sign//'0.'//repeat('0', -exponent - 1)//digits
+      else
+         if (len(digits) < exponent + 2) digits = digits//repeat('0', exponent + 2 - len(digits))
+         text = sign//digits(:exponent + 1)//'.'//digits(exponent + 2:)
+      end if
+   end function plain_decimal
+
+   !> A real with 17 significant digits, the fixed form of the tables.
+   pure function to_text_17(value) result(text)
+      real(dp), intent(in) :: value !! the number
+      character(:), allocatable :: text
+      character(25) :: buffer
+
+      write (buffer, '(es24.16e3)') value
+      text = trim(adjustl(buffer))
+   end function to_text_17
+
+   !> A logical as a namelist writes it.
+   pure function logical_to_text(value) result(text)
+      logical, intent(in) :: value !! the value
+      character(:), allocatable :: text
+
+      text = trim(merge('.true. ', '.false.', value))
+   end function logical_to_text
+
+   !> Text as a quoted namelist string; quotes inside are doubled.
+   pure function quoted(text) result(literal)
+      character(*), intent(in) :: text !! the text
+      character(:), allocatable :: literal
+      integer :: i
+
+      literal = "'"
+      do i = 1, len(text)
+         literal = literal//text(i:i)
+         if (text(i:i) == "'") literal = literal//"'"
+      end do
+      literal = literal//"'"
+   end function quoted
+
+   !> The text with its letters in lower case (ASCII).
+   elemental function lower_case(text) result(lower)
+      character(*), intent(in) :: text !! any text
+      character(len(text)) :: lower
+      integer :: i, code
+
+      do i = 1, len(text)
+         code = iachar(text(i:i))
+         if (code >= iachar('A') .and. code <= iachar('Z')) code = code + 32
+         lower(i:i) = achar(code)
+      end do
+   end function lower_case
+
+   !> Reads a whole word as an integer; blanks, signs alone and surplus characters make it fail.
+   pure subroutine read_integer(word, value, ok)
+      character(*), intent(in) :: word !! the word, without blanks
+      integer, intent(out) :: value !! the number, 0 on failure
+      logical, intent(out) :: ok !! whether the whole word is an integer in range
+      integer :: first, status
+
+      value = 0
+      first = 1
+      if (len(word) > 0) then
+         if (scan(word(1:1), '+-') == 1) first = 2
+      end if
+      ok = len(word) >= first .and. verify(word(first:), '0123456789') == 0
+      if (.not. ok) return
+      read (word, '(i32)', iostat=status) value
+      ok = status == 0 .and. len(word) <= 32
+      if (.not. ok) value = 0
+   end subroutine read_integer
+
+   !> Reads a whole word as a finite real: `5`, `5.`, `.5`, `5e-1`, `5d-1`.
+   pure subroutine read_real(word, value, ok)
+      character(*), intent(in) :: word !! the word, without blanks
+      real(dp), intent(out) :: value !! the number, 0 on failure
+      logical, intent(out) :: ok !! whether the whole word is a finite number
+      character(len(word) + 1) :: plain
+      integer :: at_exponent, status
+      logical :: has_exponent
+
+      value = 0.0_dp
+      plain = lower_case(word)
+      at_exponent = scan(plain, 'ed')
+      has_exponent = at_exponent > 0
+      if (.not. has_exponent) at_exponent = len(word) + 1
+      ok = is_mantissa(plain(:at_exponent - 1))
+      if (ok .and. has_exponent) ok = is_exponent(plain(at_exponent + 1:len(word)))
+      if (.not. ok) return
+      if (has_exponent) plain(at_exponent:at_exponent) = 'e'
+      if (scan(plain, '.') == 0) plain = plain(:at_exponent - 1)//'.'//plain(at_exponent:)
+      read (plain, *, iostat=status) value
+      ok = status == 0
+      if (ok) ok = ieee_is_finite(value)
+      if (.not. ok) value = 0.0_dp
+   end subroutine read_real
+
+   !> Whether text is a sign, digits and at most one point, with at least one digit.
+   pure logical function is_mantissa(text)
+      character(*), intent(in) :: text !! text before the exponent letter
+      integer :: first
+
+      first = 1
+      if (len(text) > 0) then
+         if (scan(text(1:1), '+-') == 1) first = 2
+      end if
+      is_mantissa = verify(text(first:), '0123456789.') == 0 .and. scan(text(first:), '0123456789') > 0 &
+         .and. index(text, '.') == index(text, '.', back=.true.)
+   end function is_mantissa
+
+   !> Whether text is a sign and one to four digits.
+   pure logical function is_exponent(text)
+      character(*), intent(in) :: text !! text after the exponent letter
+      integer :: first
+
+      first = 1
+      if (len(text) > 0) then
+         if (scan(text(1:1), '+-') == 1) first = 2
+      end if
+      is_exponent = len(text) >= first .and. len(text) <= first + 3 .and. verify(text(first:), '0123456789') == 0
+   end function is_exponent
+
+   !> The word of a list that is nearest to a misspelt one, or an empty text where none is near.
+   pure function nearest_word(word, words) result(nearest)
+      character(*), intent(in) :: word !! the word as written
+      character(*), intent(in) :: words(:) !! the words known, blank padded
+      character(:), allocatable :: nearest
+      integer :: i, distance, least
+
+      nearest = ''
+      least = max(1, len_trim(word)/3) + 1
+      do i = 1, size(words)
+         distance = edit_distance(trim(word), trim(words(i)))
+         if (distance >= least) cycle
+         least = distance
+         nearest = trim(words(i))
+      end do
+   end function nearest_word
+
+   !> Number of insertions, deletions, substitutions and swaps of neighbours that turn one word into another.
+   pure integer function edit_distance(a, b) result(distance)
+      character(*), intent(in) :: a !! one word
+      character(*), intent(in) :: b !! the other word
+      integer :: table(-1:len(a), -1:len(b)), i, j
+
+      table = len(a) + len(b)
+      table(0:, 0) = [(i, i=0, len(a))]
+      table(0, 0:) = [(j, j=0, len(b))]
+      do j = 1, len(b)
+         do i = 1, len(a)
+            table(i, j) = min(table(i - 1, j) + 1, table(i, j - 1) + 1, &
+               table(i - 1, j - 1) + merge(0, 1, a(i:i) == b(j:j)))
+            if (are_swapped(a(:i), b(:j))) table(i, j) = min(table(i, j), table(i - 2, j - 2) + 1)
+         end do
+      end do
+      distance = table(len(a), len(b))
+   end function edit_distance
+
+   !> Whether two texts end in the same two characters, in opposite order.
+   pure logical function are_swapped(a, b)
+      character(*), intent(in) :: a !! one text
+      character(*), intent(in) :: b !! the other text
+      integer :: i, j
+
+      i = len(a)
+      j = len(b)
+      are_swapped = i > 1 .and. j > 1
+      if (are_swapped) are_swapped = a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)
+   end function are_swapped
+
+end module amontons_text
