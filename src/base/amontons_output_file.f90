@@ -47,14 +47,16 @@ contains
    end subroutine new_output_file
 
    !> Closes the file, every byte handed to the system; it still has its temporary name.
-   subroutine output_file_finish(self, error)
+   subroutine output_file_finish(self, write_status, error)
       class(output_file_t), intent(inout) :: self !! the open file
+      integer, intent(in) :: write_status !! status of the last write statement: nonzero means that it failed
       type(error_t), allocatable, intent(out) :: error !! not everything could be written; the file is then discarded
       character(256) :: reason
       integer :: status
 
-      reason = ''
-      flush (self%unit, iostat=status, iomsg=reason)
+      status = write_status
+      reason = 'the disk may be full'
+      if (status == 0) flush (self%unit, iostat=status, iomsg=reason)
       if (status == 0) close (self%unit, iostat=status, iomsg=reason)
       if (status == 0) then
          self%is_open = .false.
@@ -69,10 +71,6 @@ contains
       class(output_file_t), intent(inout) :: self !! the finished file
       type(error_t), allocatable, intent(out) :: error !! it cannot be renamed; it is then discarded
 
-      if (self%is_open) then
-         call self%finish(error)
-         if (allocated(error)) return
-      end if
       call rename_file(self%temporary_path, self%path, error)
       if (allocated(error)) call self%discard()
    end subroutine output_file_commit

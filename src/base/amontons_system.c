@@ -9,6 +9,8 @@
 /* Makes a directory and its parents. Returns 0 when it exists afterwards, the system's error number otherwise. */
 int amontons_make_directory(char *path)
 {
+    if (!*path)
+        return ENOENT;
     for (char *p = path + 1; *p; p++) {
         if (*p != '/')
             continue;

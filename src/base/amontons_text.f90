@@ -100,14 +100,16 @@ contains
    pure function quoted(text) result(literal)
       character(*), intent(in) :: text !! the text
       character(:), allocatable :: literal
-      integer :: i
+      integer :: i, length
 
-      literal = "'"
+      literal = repeat("'", 2*len(text) + 2)
+      length = 1
       do i = 1, len(text)
-         literal = literal//text(i:i)
-         if (text(i:i) == "'") literal = literal//"'"
+         length = length + 1
+         literal(length:length) = text(i:i)
+         if (text(i:i) == "'") length = length + 1
       end do
-      literal = literal//"'"
+      literal = literal(:length + 1)
    end function quoted
 
    !> The text with its letters in lower case (ASCII).
@@ -142,28 +144,27 @@ contains
       if (.not. ok) value = 0
    end subroutine read_integer
 
-   !> Reads a whole word as a finite real: `5`, `5.`, `.5`, `5e-1`, `5d-1`.
+   !> Reads a whole word as a finite real: `5`, `5.`, `.5`, `5e-1`, `5d-1`; no number, however small, is taken for 0.
    pure subroutine read_real(word, value, ok)
       character(*), intent(in) :: word !! the word, without blanks
       real(dp), intent(out) :: value !! the number, 0 on failure
       logical, intent(out) :: ok !! whether the whole word is a finite number
-      character(len(word) + 1) :: plain
+      character(:), allocatable :: plain
       integer :: at_exponent, status
-      logical :: has_exponent
 
       value = 0.0_dp
       plain = lower_case(word)
       at_exponent = scan(plain, 'ed')
-      has_exponent = at_exponent > 0
-      if (.not. has_exponent) at_exponent = len(word) + 1
-      ok = is_mantissa(plain(:at_exponent - 1))
-      if (ok .and. has_exponent) ok = is_exponent(plain(at_exponent + 1:len(word)))
+      if (at_exponent == 0) then
+         at_exponent = len(word) + 1
+         plain = plain//'e0'
+      end if
+      ok = is_mantissa(plain(:at_exponent - 1)) .and. is_exponent(plain(at_exponent + 1:))
       if (.not. ok) return
-      if (has_exponent) plain(at_exponent:at_exponent) = 'e'
-      if (scan(plain, '.') == 0) plain = plain(:at_exponent - 1)//'.'//plain(at_exponent:)
+      plain(at_exponent:at_exponent) = 'e'
       read (plain, *, iostat=status) value
-      ok = status == 0
-      if (ok) ok = ieee_is_finite(value)
+      ok = status == 0 .and. ieee_is_finite(value)
+      if (ok) ok = abs(value) > 0.0_dp .or. scan(plain(:at_exponent), '123456789') == 0
       if (.not. ok) value = 0.0_dp
    end subroutine read_real
 
@@ -202,6 +203,7 @@ contains
       nearest = ''
       least = max(1, len_trim(word)/3) + 1
       do i = 1, size(words)
+         if (abs(len_trim(word) - len_trim(words(i))) >= least) cycle
          distance = edit_distance(trim(word), trim(words(i)))
          if (distance >= least) cycle
          least = distance

@@ -1,0 +1,37 @@
+# Installs the library, its modules, the program, and what finds them again: a CMake package and a pkg-config file.
+include(CMakePackageConfigHelpers)
+
+set(_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/amontons")
+set(_module_dir "${CMAKE_INSTALL_INCLUDEDIR}/amontons")
+
+install(TARGETS amontons EXPORT amontonsTargets)
+install(TARGETS amontons_app)
+install(DIRECTORY "$<TARGET_PROPERTY:amontons,Fortran_MODULE_DIRECTORY>/" DESTINATION "${_module_dir}"
+  FILES_MATCHING PATTERN "*.mod")
+install(EXPORT amontonsTargets NAMESPACE amontons:: DESTINATION "${_package_dir}")
+
+configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/amontonsConfig.cmake.in"
+  "${CMAKE_CURRENT_BINARY_DIR}/amontonsConfig.cmake" INSTALL_DESTINATION "${_package_dir}")
+write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/amontonsConfigVersion.cmake"
+  COMPATIBILITY SameMinorVersion)
+install(FILES
+  "${CMAKE_CURRENT_BINARY_DIR}/amontonsConfig.cmake"
+  "${CMAKE_CURRENT_BINARY_DIR}/amontonsConfigVersion.cmake"
+  "${CMAKE_CURRENT_LIST_DIR}/FindCHOLMOD.cmake"
+  DESTINATION "${_package_dir}")
+
+# The library is static, so the pkg-config file names everything below it. Full paths become -L and -l, since CMake's
+# reader of such files would put a path before the library on the link line.
+set(AMONTONS_LINK_LINE "")
+foreach(_library IN ITEMS ${CHOLMOD_LIBRARY} ${CAMD_LIBRARY} ${SUITESPARSECONFIG_LIBRARY} ${LAPACK_LIBRARIES})
+  if(IS_ABSOLUTE "${_library}")
+    cmake_path(GET _library PARENT_PATH _directory)
+    cmake_path(GET _library STEM _name)
+    string(REGEX REPLACE "^lib" "-L${_directory} -l" _library "${_name}")
+  endif()
+  string(APPEND AMONTONS_LINK_LINE " ${_library}")
+endforeach()
+file(RELATIVE_PATH AMONTONS_PREFIX_FROM_PC
+  "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")
+configure_file("${CMAKE_CURRENT_LIST_DIR}/amontons.pc.in" "${CMAKE_CURRENT_BINARY_DIR}/amontons.pc" @ONLY)
+install(FILES "${CMAKE_CURRENT_BINARY_DIR}/amontons.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")

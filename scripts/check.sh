@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# Checks every rule of the code that a machine can check: one line per check, findings where there are any.
+# shellcheck disable=SC2317 # the functions are called through check
+set -euo pipefail
+cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
+
+scripts/setup.sh build check
+scripts/tools.sh
+
+mapfile -t fortran < <(find src tests -name '*.f90' -o -name '*.f90.in' -o -name '*.pf' | sort)
+mapfile -t shell < <(grep -rlE '^#!.*\b(ba)?sh\b' .ci scripts tests | sort)
+
+# Two things stay as the author put them: continuation lines, and a `!!` that hangs under its declaration.
+findent_changes_nothing() {
+   local file found=0
+   for file in "${fortran[@]}"; do
+      diff --unified --ignore-matching-lines '^ *!!' --label "$file" --label findent \
+         "$file" <(.venv/bin/findent -ifree -i3 -c3 -k- <"$file") || found=1
+   done
+   return "$found"
+}
+
+ford_has_no_warnings() {
+   local output
+   output=$(.venv/bin/python -m ford doc/ford.md 2>&1) || { echo "$output"; return 1; }
+   ! grep --after-context 2 '^Warning' <<<"$output"
+}
+
+# A linter is silenced only in place and for a reason: `! allow(RULE): REASON`, `# shellcheck disable=RULE # REASON`.
+waivers_have_reasons() {
+   ! grep -rnE '! *allow\([^)]*\) *:? *$|shellcheck disable=[A-Z0-9,]+ *$' .ci scripts src tests
+}
+
+status=0
+check() {
+   local name=$1 output
+   shift
+   if output=$("$@" 2>&1); then
+      echo "ok    $name"
+   else
+      printf 'FAIL  %s\n%s\n' "$name" "$output"
+      status=1
+   fi
+}
+
+check 'release build without warnings' scripts/build.sh release
+check layers scripts/check_layers.py
+check 'lengths, comments, no stop, no print' scripts/check_sources.py
+check fortitude .venv/bin/fortitude check --quiet --output-format concise src tests
+check findent findent_changes_nothing
+check 'FORD without warnings' ford_has_no_warnings
+check shellcheck shellcheck "${shell[@]}"
+check 'waivers with reasons' waivers_have_reasons
+exit "$status"

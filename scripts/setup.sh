@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# Installs what is missing of the named sections of packages.txt. Usage: setup.sh SECTION...
+set -euo pipefail
+cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")"
+
+packages_of() {
+   sed -n "/^\[$1\]/,/^\[/ { /^\[/d; s/[[:blank:]]*#.*//; /./p }" packages.txt
+}
+
+is_installed() {
+   [[ $(dpkg-query --show --showformat '${db:Status-Status}' "$1" 2>/dev/null) == installed ]]
+}
+
+# Sets as_root to the words that make a command run as root; fails where this user may not install.
+become_root() {
+   as_root=(env)
+   [[ $(id -u) == 0 ]] && return
+   as_root=(sudo -n env)
+   "${as_root[@]}" true 2>/dev/null
+}
+
+missing=()
+for section in "$@"; do
+   packages=$(packages_of "$section")
+   if [[ -z $packages ]]; then
+      echo "setup.sh: packages.txt has no section [$section]." >&2
+      exit 2
+   fi
+   for package in $packages; do
+      is_installed "$package" || missing+=("$package")
+   done
+done
+[[ ${#missing[@]} -gt 0 ]] || exit 0
+
+if ! command -v apt-get >/dev/null || ! become_root; then
+   echo "setup.sh: these Debian packages are missing and cannot be installed from here: ${missing[*]}." >&2
+   exit 1
+fi
+
+echo "Installing ${missing[*]}"
+apt=("${as_root[@]}" DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0)
+# A third party's broken list is no reason to stop: the installation tells whether our packages are to be had.
+"${apt[@]}" update || echo 'setup.sh: not every package list could be fetched.' >&2
+"${apt[@]}" install --no-install-recommends "${missing[@]}" >/dev/null

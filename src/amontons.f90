@@ -1,0 +1,47 @@
+!> The public interface of the Amontons library, on one screen.
+!>
+!> From a deck: `read_config`, `solve_case`, `write_report`. In code: `new_rectangle_mesh`, `new_material`, `new_body`,
+!> `condense_body`, and the contact methods on the body's contact problem. A contact problem alone:
+!> `new_contact_problem`, `new_contact_method`, `new_contact_solution`.
+module amontons
+   use amontons_body, only: body_t, condense_body, new_body
+   use amontons_certificate, only: certificate_t, new_certificate
+   use amontons_config, only: config_t, read_config
+   use amontons_constraints, only: support_t
+   use amontons_contact_method, only: contact_method_t
+   use amontons_contact_problem, only: contact_problem_t, new_contact_problem
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_contact_zone, only: contact_t
+   use amontons_error, only: error_t, input_refused, numerical_failure, system_failure
+   use amontons_friction_law, only: open_point, slip_minus, slip_plus, status_names, stick_point
+   use amontons_kinds, only: dp
+   use amontons_loads, only: load_t
+   use amontons_material, only: material_t, new_material
+   use amontons_mesh, only: mesh_t
+   use amontons_methods, only: method_names, method_options_t, new_contact_method
+   use amontons_rectangle, only: new_rectangle_mesh, rectangle_t
+   use amontons_report, only: write_report
+   use amontons_result, only: result_t
+   use amontons_solve_case, only: prepare_case, solve_case, workshop_t
+   use amontons_threads, only: set_threads
+   use amontons_version, only: version
+   implicit none (type, external)
+   private
+
+   ! Values
+   public :: dp, error_t, input_refused, numerical_failure, system_failure, version
+   ! Cases
+   public :: config_t, prepare_case, read_config, result_t, solve_case, workshop_t, write_report
+   ! Bodies
+   public :: body_t, condense_body, contact_t, load_t, material_t, mesh_t, new_body, new_material, new_rectangle_mesh, &
+      rectangle_t, support_t
+   ! Contact problems and methods
+   public :: contact_method_t, contact_problem_t, contact_solution_t, method_names, method_options_t, &
+      new_contact_method, new_contact_problem, new_contact_solution
+   public :: open_point, slip_minus, slip_plus, status_names, stick_point
+   ! Certificates
+   public :: certificate_t, new_certificate
+   ! Threads
+   public :: set_threads
+
+end module amontons

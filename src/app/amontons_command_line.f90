@@ -1,0 +1,146 @@
+!> The command line: options and decks.
+module amontons_command_line
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_text, only: nearest_word, read_integer
+   implicit none (type, external)
+   private
+
+   public :: argument_t, command_line_t, help_text, read_command_line
+
+   !> Options, as they are written.
+   character(9), parameter :: option_names(6) = [character(9) :: '--output', '--check', '--quiet', '--threads', '--help', &
+      '--version']
+
+   !> A word of the command line.
+   type :: argument_t
+      character(:), allocatable :: text !! the word
+   end type argument_t
+
+   !> What the command line asks for.
+   type :: command_line_t
+      type(argument_t), allocatable :: decks(:) !! names of the decks, in their order
+      character(:), allocatable :: output !! output directory
+      integer :: n_threads = 0 !! number of threads; 0 for as many as the machine offers
+      logical :: is_check = .false. !! whether decks are only checked
+      logical :: is_quiet = .false. !! whether nothing is told of solved decks
+      logical :: is_help = .false. !! whether help is asked for
+      logical :: is_version = .false. !! whether the version is asked for
+   end type command_line_t
+
+contains
+
+   !> Reads the command line of this process.
+   subroutine read_command_line(command_line, error)
+      type(command_line_t), intent(out) :: command_line !! what it asks for
+      type(error_t), allocatable, intent(out) :: error !! an unknown option, or a value that is missing or wrong
+      character(:), allocatable :: word
+      integer :: i
+      logical :: only_decks
+
+      allocate (command_line%decks(0))
+      command_line%output = '.'
+      only_decks = .false.
+      i = 0
+      do while (i < command_argument_count())
+         i = i + 1
+         word = argument(i)
+         if (only_decks .or. index(word, '-') /= 1) then
+            command_line%decks = [command_line%decks, argument_t(word)]
+         else if (word == '--') then
+            only_decks = .true.
+         else
+            call read_option(command_line, word, i, error)
+            if (allocated(error)) return
+         end if
+      end do
+      if (command_line%is_help .or. command_line%is_version) return
+      if (size(command_line%decks) == 0) call new_error(error, input_refused, &
+         'amontons: expected a deck; try amontons --help')
+   end subroutine read_command_line
+
+   !> Reads one option and, if it takes one, its value: `--output DIR` or `--output=DIR`.
+   subroutine read_option(command_line, word, i, error)
+      type(command_line_t), intent(inout) :: command_line !! gains what the option asks for
+      character(*), intent(in) :: word !! the option as written
+      integer, intent(inout) :: i !! its place on the command line; moved on where the next word is its value
+      type(error_t), allocatable, intent(out) :: error !! an unknown option, or a value that is missing or wrong
+      character(:), allocatable :: name, value
+      integer :: at_equals
+      logical :: ok
+
+      at_equals = index(word//'=', '=')
+      name = word(:at_equals - 1)
+      select case (name)
+      case ('--output', '--threads')
+         if (at_equals <= len(word)) then
+            value = word(at_equals + 1:)
+         else
+            i = i + 1
+            value = argument(i)
+         end if
+         if (name == '--output') then
+            command_line%output = value
+            ok = len(value) > 0
+         else
+            call read_integer(value, command_line%n_threads, ok)
+            ok = ok .and. command_line%n_threads > 0
+         end if
+         if (.not. ok) call new_error(error, input_refused, 'amontons: '//name//' expects '// &
+            trim(merge('the name of a directory', 'a number of at least 1 ', name == '--output'))//", found '"//value//"'")
+         return
+      case ('--check')
+         command_line%is_check = .true.
+      case ('--quiet')
+         command_line%is_quiet = .true.
+      case ('--help', '-h')
+         command_line%is_help = .true.
+      case ('--version')
+         command_line%is_version = .true.
+      case default
+         value = nearest_word(name, option_names)
+         if (len(value) > 0) value = '; did you mean '//value//'?'
+         call new_error(error, input_refused, "amontons: '"//name//"' is no option"//value//'; try amontons --help')
+         return
+      end select
+      if (at_equals <= len(word)) call new_error(error, input_refused, 'amontons: '//name//' takes no value')
+   end subroutine read_option
+
+   !> A word of the command line; empty past the end.
+   function argument(i) result(word)
+      integer, intent(in) :: i !! its place, from 1
+      character(:), allocatable :: word
+      integer :: length
+
+      length = 0
+      if (i <= command_argument_count()) call get_command_argument(i, length=length)
+      allocate (character(length) :: word)
+      if (length > 0) call get_command_argument(i, word)
+   end function argument
+
+   !> What --help prints.
+   pure function help_text() result(text)
+      character(:), allocatable :: text
+      character(*), parameter :: newline = new_line('a')
+
+      text = 'amontons: plane contact with Coulomb friction by the dual method'//newline//newline// &
+         'Usage: amontons [options] DECK...'//newline//newline// &
+         'Solves the case of each deck and writes, in the output directory,'//newline// &
+         '  NAME.lst           the listing'//newline// &
+         '  NAME.contact.csv   gap, slip, forces, stresses and status of every contact point'//newline// &
+         '  NAME.summary.json  residual, certificate, lengths, resultants, times'//newline// &
+         '  NAME.vtu           mesh, displacements and stresses for ParaView'//newline// &
+         '  NAME.deck.nml      the deck with all defaults in place'//newline// &
+         'Decks whose mesh, material, supports and contact sets agree share one factorisation when they'//newline// &
+         'follow each other.'//newline//newline// &
+         'Options:'//newline// &
+         '  --output DIR   where the files go (made if missing; default: the current directory)'//newline// &
+         '  --check        check the decks and print their sizes; solve and write nothing'//newline// &
+         '  --quiet        print nothing but errors'//newline// &
+         '  --threads N    threads to use (default: OMP_NUM_THREADS, or all cores)'//newline// &
+         '  --help         print this text'//newline// &
+         '  --version      print the version'//newline//newline// &
+         'Exit status: 0 solved; 1 input refused; 2 numerical failure; 3 cannot write, or an internal'//newline// &
+         'fault; 4 not converged (files are written and marked). The largest of all decks counts.'
+   end function help_text
+
+end module amontons_command_line

@@ -1,0 +1,112 @@
+!> One run of the program: every deck of the command line, one after the other.
+module amontons_run
+   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+   use amontons_command_line, only: argument_t, command_line_t
+   use amontons_config, only: config_t, read_config
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_report, only: write_report
+   use amontons_result, only: result_t
+   use amontons_solve_case, only: prepare_case, solve_case, workshop_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: run_decks, status_not_converged
+
+   !> Exit status of a case that did not converge; the others are the kinds of `amontons_error`.
+   integer, parameter :: status_not_converged = 4
+
+contains
+
+   !> Tries every deck; the largest exit status counts.
+   subroutine run_decks(command_line, status)
+      type(command_line_t), intent(in) :: command_line !! decks and options
+      integer, intent(out) :: status !! exit status of the program
+      type(workshop_t) :: workshop
+      type(argument_t), allocatable :: names(:)
+      type(error_t), allocatable :: error
+      integer :: i, deck_status
+
+      status = 0
+      allocate (names(0))
+      do i = 1, size(command_line%decks)
+         call run_deck(command_line, command_line%decks(i)%text, workshop, names, deck_status, error)
+         if (allocated(error)) then
+            write (error_unit, '(a)') error%message
+            deck_status = error%kind
+         end if
+         status = max(status, deck_status)
+      end do
+   end subroutine run_decks
+
+   !> Checks or solves one deck.
+   subroutine run_deck(command_line, deck, workshop, names, status, error)
+      type(command_line_t), intent(in) :: command_line !! the options
+      character(*), intent(in) :: deck !! name of the deck
+      type(workshop_t), intent(inout) :: workshop !! what decks share
+      type(argument_t), allocatable, intent(inout) :: names(:) !! names of the cases so far
+      integer, intent(out) :: status !! 0, or `status_not_converged`
+      type(error_t), allocatable, intent(out) :: error !! the deck was refused or could not be solved
+      type(config_t) :: config
+      type(result_t) :: result
+      integer :: i
+
+      status = 0
+      call read_config(config, deck, error)
+      if (allocated(error)) return
+      do i = 1, size(names)
+         if (names(i)%text /= config%name) cycle
+         call new_error(error, input_refused, deck//": an earlier deck of this run has the case name '"//config%name// &
+            "' too; give each its own &case name")
+         return
+      end do
+      names = [names, argument_t(config%name)]
+      if (command_line%is_check) then
+         call prepare_case(workshop, config, result, error)
+         if (.not. allocated(error)) call tell(command_line, check_text(config, workshop))
+      else
+         call solve_case(workshop, config, result, error)
+         if (.not. allocated(error)) call write_report(command_line%output, config, workshop%body, result, error)
+         if (.not. allocated(error)) call tell(command_line, solved_text(config, result))
+         if (.not. result%solution%is_converged) status = status_not_converged
+      end if
+      ! What is wrong with a body or a solution is told with the deck it came from.
+      if (.not. allocated(error)) return
+      if (index(error%message, deck) /= 1) error%message = deck//': '//error%message
+   end subroutine run_deck
+
+   !> Prints a line unless the run is quiet.
+   subroutine tell(command_line, text)
+      type(command_line_t), intent(in) :: command_line !! the options
+      character(*), intent(in) :: text !! the line
+
+      if (.not. command_line%is_quiet) write (output_unit, '(a)') text
+   end subroutine tell
+
+   !> What is told of a checked deck.
+   pure function check_text(config, workshop) result(text)
+      type(config_t), intent(in) :: config !! the case
+      type(workshop_t), intent(in) :: workshop !! its body
+      character(:), allocatable :: text
+
+      associate (body => workshop%body)
+         text = config%name//': in order; '//to_text(body%mesh%n_nodes)//' nodes, '//to_text(body%mesh%n_elements)// &
+            ' elements, '//to_text(body%dof_map%n_dofs)//' unknowns, '//to_text(body%zone%n_points)//' contact points'
+      end associate
+   end function check_text
+
+   !> What is told of a solved deck.
+   pure function solved_text(config, result) result(text)
+      type(config_t), intent(in) :: config !! the case
+      type(result_t), intent(in) :: result !! the result
+      character(:), allocatable :: text
+      character(9) :: residual
+
+      write (residual, '(es9.2)') result%solution%residual
+      text = config%name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
+         to_text(result%solution%n_iterations)//' iterations, residual '//trim(adjustl(residual))//'; separated '// &
+         to_text(result%lengths%separated)//', sliding '//to_text(result%lengths%sliding)//', sticking '// &
+         to_text(result%lengths%sticking)
+   end function solved_text
+
+end module amontons_run

@@ -1,0 +1,57 @@
+!> Where the time of a case goes, phase by phase.
+module amontons_timings
+   use amontons_kinds, only: dp
+   use amontons_system, only: wall_seconds
+   implicit none (type, external)
+   private
+
+   public :: new_timings, phase_assemble, phase_condense, phase_factorize, phase_names, phase_read, phase_recover, &
+      phase_solve, phase_write, timings_t
+
+   !> Phase: reading the deck and making the mesh, supports and contact zone.
+   integer, parameter :: phase_read = 1
+   !> Phase: element stiffness and assembly.
+   integer, parameter :: phase_assemble = 2
+   !> Phase: ordering and Cholesky factorisation.
+   integer, parameter :: phase_factorize = 3
+   !> Phase: condensed stiffness and condensed load.
+   integer, parameter :: phase_condense = 4
+   !> Phase: the contact method.
+   integer, parameter :: phase_solve = 5
+   !> Phase: displacements of all nodes, and the certificate.
+   integer, parameter :: phase_recover = 6
+   !> Phase: writing the result files.
+   integer, parameter :: phase_write = 7
+   !> Names of the phases.
+   character(9), parameter :: phase_names(7) = [character(9) :: 'read', 'assemble', 'factorize', 'condense', 'solve', &
+      'recover', 'write']
+
+   !> Wall-clock time spent in each phase.
+   type :: timings_t
+      real(dp) :: seconds(7) = 0.0_dp !! time of each phase [s]
+      real(dp), private :: last = 0.0_dp !! when the phase under way began [s]
+   contains
+      procedure :: lap => timings_lap
+   end type timings_t
+
+contains
+
+   !> Starts the clock.
+   subroutine new_timings(timings)
+      type(timings_t), intent(out) :: timings !! the clock
+
+      timings%last = wall_seconds()
+   end subroutine new_timings
+
+   !> Books the time since the last call on a phase.
+   subroutine timings_lap(self, phase)
+      class(timings_t), intent(inout) :: self !! the clock
+      integer, intent(in) :: phase !! the phase that ends now
+      real(dp) :: now
+
+      now = wall_seconds()
+      self%seconds(phase) = self%seconds(phase) + now - self%last
+      self%last = now
+   end subroutine timings_lap
+
+end module amontons_timings

@@ -1,0 +1,87 @@
+!> A body made ready for loads: mesh, supports, contact zone, factorised and condensed stiffness.
+module amontons_body
+   use amontons_assembly, only: assemble_stiffness
+   use amontons_coloring, only: coloring_t, new_coloring
+   use amontons_condensation, only: condensation_t, new_condensation
+   use amontons_constraints, only: constraints_t, new_constraints, support_t
+   use amontons_contact_problem, only: contact_problem_t, new_contact_problem
+   use amontons_contact_zone, only: contact_t, contact_zone_t, new_contact_zone
+   use amontons_dof_map, only: dof_map_t, new_dof_map
+   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_kinds, only: dp
+   use amontons_material, only: material_t
+   use amontons_mesh, only: mesh_t
+   use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
+   use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_timings, only: phase_assemble, phase_condense, phase_factorize, timings_t
+   implicit none (type, external)
+   private
+
+   public :: body_t, condense_body, new_body
+
+   !> What many load cases share.
+   type :: body_t
+      type(mesh_t) :: mesh !! the mesh
+      type(material_t) :: material !! the material
+      type(coloring_t) :: coloring !! colours of the elements
+      type(constraints_t) :: constraints !! the supports
+      type(rigid_motions_t) :: motions !! the rigid motions that the supports leave free
+      type(contact_zone_t) :: zone !! the contact points
+      type(dof_map_t) :: dof_map !! numbers of the unknowns
+      type(condensation_t) :: condensation !! the factorised stiffness, after `condense_body`
+      type(contact_problem_t) :: problem !! the contact problem, after `condense_body`; its load is the case's
+   end type body_t
+
+contains
+
+   !> Makes a body from its mesh, material, supports and contact sets: everything but the costly part.
+   subroutine new_body(body, mesh, material, supports, contacts, error)
+      type(body_t), intent(out) :: body !! the body
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(material_t), intent(in) :: material !! its material
+      type(support_t), intent(in) :: supports(:) !! its supports
+      type(contact_t), intent(in) :: contacts(:) !! its contact sets
+      type(error_t), allocatable, intent(out) :: error !! mesh, supports or contact sets do not fit together
+
+      call mesh%check(error)
+      if (allocated(error)) return
+      body%mesh = mesh
+      body%material = material
+      call new_coloring(body%coloring, mesh)
+      call new_constraints(body%constraints, mesh, supports, error)
+      if (allocated(error)) return
+      call new_rigid_motions(body%motions, mesh, body%constraints)
+      call new_contact_zone(body%zone, mesh, contacts, body%constraints, error)
+      if (allocated(error)) return
+      call new_dof_map(body%dof_map, body%constraints, body%zone%node)
+   end subroutine new_body
+
+   !> Assembles and factorises the stiffness and condenses it to the contact points.
+   subroutine condense_body(body, factorization, timings, error)
+      type(body_t), intent(inout) :: body !! the body
+      character(*), intent(in) :: factorization !! 'auto', 'band' or 'sparse'
+      type(timings_t), intent(inout) :: timings !! gains the time of each step
+      type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
+      type(sparse_matrix_t) :: stiffness
+      real(dp), allocatable :: condensed(:, :)
+      logical :: is_held
+
+      is_held = body%motions%n_free == 0
+      if (.not. is_held .and. body%zone%n_points == 0) then
+         call new_error(error, numerical_failure, 'nothing holds the body against a '// &
+            body%motions%describe([1.0_dp, spread(0.0_dp, 1, body%motions%n_free - 1)])//'; add a support or a contact set')
+         return
+      end if
+      call assemble_stiffness(stiffness, body%mesh, body%material, body%coloring, body%constraints, body%dof_map, error)
+      if (allocated(error)) return
+      call timings%lap(phase_assemble)
+      call new_condensation(body%condensation, stiffness, factorization, is_held, body%zone, body%constraints, &
+         body%dof_map, error)
+      if (allocated(error)) return
+      call timings%lap(phase_factorize)
+      call body%condensation%condense_stiffness(condensed)
+      call new_contact_problem(body%problem, condensed, is_held)
+      call timings%lap(phase_condense)
+   end subroutine condense_body
+
+end module amontons_body

@@ -1,0 +1,177 @@
+!> Cuts the text of a deck into tokens: words, quoted texts, group names and punctuation.
+module amontons_deck_scanner
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: deck_scanner_t, deck_token_t, end_token, group_token, open_quote_token, text_token, word_token
+   public :: column_text, excerpt, token_text
+
+   !> Kind of the token behind the last one.
+   character, parameter :: end_token = ' '
+   !> Kind of a group's opening: `&` and the name that touches it.
+   character, parameter :: group_token = '&'
+   !> Kind of a quoted text, its quotes included.
+   character, parameter :: text_token = 't'
+   !> Kind of the rest of a line behind a quote that does not close.
+   character, parameter :: open_quote_token = 'o'
+   !> Kind of everything else that blanks, commas and punctuation surround: keys, numbers, logicals.
+   character, parameter :: word_token = 'w'
+
+   character, parameter :: tab = achar(9), line_feed = achar(10), carriage_return = achar(13)
+   character(*), parameter :: word_ends = ' ,/=*!&()"'//"'"//tab//line_feed//carriage_return
+   integer, parameter :: excerpt_length = 60
+
+   !> A piece of the deck's text.
+   type :: deck_token_t
+      character :: kind = end_token !! one of the kinds above, or the punctuation mark itself: one of `/=,()*`
+      integer :: first = 1 !! position of its first character in the text
+      integer :: last = 0 !! position of its last character in the text
+      integer :: line = 1 !! line it stands on
+   end type deck_token_t
+
+   !> A place in the deck's text, moving from token to token.
+   type :: deck_scanner_t
+      private
+      integer :: position = 1 !! position of the next character
+      integer :: line = 1 !! line of the next character
+   contains
+      procedure, public :: advance => deck_scanner_advance
+   end type deck_scanner_t
+
+contains
+
+   !> Finds the next token.
+   pure subroutine deck_scanner_advance(self, text, token)
+      class(deck_scanner_t), intent(inout) :: self !! the place
+      character(*), intent(in) :: text !! the deck's text
+      type(deck_token_t), intent(out) :: token !! the token there
+
+      call skip_blanks(self, text)
+      token%line = self%line
+      token%first = self%position
+      if (self%position > len(text)) then
+         token%last = len(text)
+         return
+      end if
+      select case (text(self%position:self%position))
+      case ("'", '"')
+         call find_closing_quote(text, token)
+      case ('/', '=', ',', '(', ')', '*')
+         token%kind = text(self%position:self%position)
+         token%last = self%position
+      case ('&')
+         token%kind = group_token
+         token%last = word_end(text, self%position + 1)
+      case default
+         token%kind = word_token
+         token%last = word_end(text, self%position)
+      end select
+      self%position = token%last + 1
+   end subroutine deck_scanner_advance
+
+   !> Moves over blanks, comments and ends of lines.
+   pure subroutine skip_blanks(self, text)
+      class(deck_scanner_t), intent(inout) :: self !! the place
+      character(*), intent(in) :: text !! the deck's text
+
+      do while (self%position <= len(text))
+         select case (text(self%position:self%position))
+         case (' ', tab, carriage_return)
+            self%position = self%position + 1
+         case (line_feed)
+            self%position = self%position + 1
+            self%line = self%line + 1
+         case ('!')
+            self%position = line_end(text, self%position) + 1
+         case default
+            return
+         end select
+      end do
+   end subroutine skip_blanks
+
+   !> Completes the token of a quoted text, which closes on its own line; a doubled quote inside stands for one.
+   pure subroutine find_closing_quote(text, token)
+      character(*), intent(in) :: text !! the deck's text
+      type(deck_token_t), intent(inout) :: token !! the token, its first position known
+      character :: quote
+      integer :: next, last
+
+      quote = text(token%first:token%first)
+      last = line_end(text, token%first)
+      token%kind = text_token
+      token%last = token%first
+      do
+         next = index(text(token%last + 1:last), quote)
+         if (next == 0) exit
+         token%last = token%last + next
+         if (token%last == last) return
+         if (text(token%last + 1:token%last + 1) /= quote) return
+         token%last = token%last + 1
+      end do
+      token%kind = open_quote_token
+      token%last = last
+   end subroutine find_closing_quote
+
+   !> Position of the last character of a word.
+   pure integer function word_end(text, start)
+      character(*), intent(in) :: text !! the deck's text
+      integer, intent(in) :: start !! position in the word
+      integer :: length
+
+      length = scan(text(start:), word_ends) - 1
+      word_end = merge(start + length - 1, len(text), length >= 0)
+   end function word_end
+
+   !> Position of the last character of a line, its end not counted.
+   pure integer function line_end(text, start)
+      character(*), intent(in) :: text !! the deck's text
+      integer, intent(in) :: start !! position in the line
+      integer :: length
+
+      length = scan(text(start:), carriage_return//line_feed) - 1
+      line_end = merge(start + length - 1, len(text), length >= 0)
+   end function line_end
+
+   !> A token as a message names it: as written, punctuation in quotes.
+   pure function token_text(text, token) result(name)
+      character(*), intent(in) :: text !! the deck's text
+      type(deck_token_t), intent(in) :: token !! the token
+      character(:), allocatable :: name
+
+      select case (token%kind)
+      case (end_token)
+         name = 'the end of the deck'
+      case ('/', '=', ',', '(', ')', '*')
+         name = "'"//text(token%first:token%last)//"'"
+      case default
+         name = excerpt(text(token%first:token%last))
+      end select
+   end function token_text
+
+   !> Where a message says that something stands in its line: ` (column 9)`, counted in bytes from 1.
+   pure function column_text(text, position) result(place)
+      character(*), intent(in) :: text !! the deck's text
+      integer, intent(in) :: position !! position in the text
+      character(:), allocatable :: place
+
+      place = ' (column '//to_text(position - index(text(:position - 1), line_feed, back=.true.))//')'
+   end function column_text
+
+   !> The beginning of a text, short enough for a message; no UTF-8 character is cut in two.
+   pure function excerpt(text) result(beginning)
+      character(*), intent(in) :: text !! any text
+      character(:), allocatable :: beginning
+      integer, parameter :: first_continuation = 128, last_continuation = 191
+      integer :: length, code
+
+      beginning = text
+      if (len(text) <= excerpt_length) return
+      do length = excerpt_length, 1, -1
+         code = iachar(text(length + 1:length + 1))
+         if (code < first_continuation .or. code > last_continuation) exit
+      end do
+      beginning = text(:length)//'...'
+   end function excerpt
+
+end module amontons_deck_scanner

@@ -1,0 +1,134 @@
+!> The effective deck: a configuration written out as a deck, every default in place. Reading it again gives the same
+!> case.
+module amontons_effective_deck
+   use amontons_config, only: config_t
+   use amontons_kinds, only: dp
+   use amontons_text, only: quoted, to_text
+   implicit none (type, external)
+   private
+
+   public :: body_text, effective_deck
+
+   character(*), parameter :: newline = new_line('a')
+
+contains
+
+   !> The whole deck.
+   pure function effective_deck(config) result(text)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: text
+      integer :: i
+
+      text = '&case name = '//quoted(config%name)//'  title = '//quoted(config%title)//' /'//newline//mesh_text(config) &
+         //material_text(config)
+      do i = 1, size(config%supports)
+         text = text//support_text(config, i)
+      end do
+      do i = 1, size(config%loads)
+         text = text//load_text(config, i)
+      end do
+      do i = 1, size(config%contacts)
+         associate (contact => config%contacts(i))
+            text = text//'&contact set = '//quoted(contact%set)//'  friction = '//to_text(contact%friction) &
+               //"  obstacle = 'plane'  point = "//pair(contact%point)//'  normal = '//pair(contact%normal)//' /'//newline
+         end associate
+      end do
+      text = text//solver_text(config)//'&output /'//newline
+   end function effective_deck
+
+   !> The part of the deck that a factorisation depends on: two cases whose texts agree can share it.
+   pure function body_text(config) result(text)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: text
+      integer :: i
+
+      text = mesh_text(config)//material_text(config)//config%factorization
+      do i = 1, size(config%supports)
+         text = text//support_text(config, i)
+      end do
+      do i = 1, size(config%contacts)
+         text = text//quoted(config%contacts(i)%set)
+      end do
+   end function body_text
+
+   !> `&mesh`.
+   pure function mesh_text(config) result(text)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: text
+
+      associate (r => config%rectangle)
+         text = "&mesh kind = 'rectangle'  size = "//pair(r%size)//'  cells = '//to_text(r%cells(1))//', ' &
+            //to_text(r%cells(2))//'  element = '//quoted(r%element)//'  diagonal = '//quoted(r%diagonal) &
+            //'  grading = '//to_text(r%grading)//' /'//newline
+      end associate
+   end function mesh_text
+
+   !> `&material`.
+   pure function material_text(config) result(text)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: text
+
+      associate (m => config%material)
+         text = '&material young = '//to_text(m%young)//'  poisson = '//to_text(m%poisson)//'  hypothesis = ' &
+            //quoted(m%hypothesis)//'  thickness = '//to_text(m%thickness)//' /'//newline
+      end associate
+   end function material_text
+
+   !> One `&support`.
+   pure function support_text(config, i) result(text)
+      type(config_t), intent(in) :: config !! the case
+      integer, intent(in) :: i !! which support
+      character(:), allocatable :: text
+      character(2), parameter :: keys(4) = ['ux', 'uy', 'un', 'ut']
+      integer :: k
+
+      associate (support => config%supports(i))
+         if (len(support%set) > 0) then
+            text = '&support set = '//quoted(support%set)
+         else
+            text = '&support point = '//pair(support%point)
+         end if
+         do k = 1, 4
+            if (support%is_held(k)) text = text//'  '//keys(k)//' = '//to_text(support%displacement(k))
+         end do
+      end associate
+      text = text//' /'//newline
+   end function support_text
+
+   !> One `&load`.
+   pure function load_text(config, i) result(text)
+      type(config_t), intent(in) :: config !! the case
+      integer, intent(in) :: i !! which load
+      character(:), allocatable :: text
+
+      associate (load => config%loads(i))
+         if (len(load%set) > 0) then
+            text = '&load set = '//quoted(load%set)//'  traction = '//pair(load%traction)//'  pressure = ' &
+               //to_text(load%pressure)//' /'//newline
+         else
+            text = '&load body_force = '//pair(load%body_force)//' /'//newline
+         end if
+      end associate
+   end function load_text
+
+   !> `&solver`.
+   pure function solver_text(config) result(text)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: text
+
+      associate (m => config%method)
+         text = '&solver method = '//quoted(m%method)//'  variant = '//quoted(m%variant)//'  space = '//quoted(m%space) &
+            //'  omega = '//to_text(m%omega)//newline//'   tolerance = '//to_text(m%tolerance)//'  max_iterations = ' &
+            //to_text(m%max_iterations)//'  factorization = '//quoted(config%factorization)//' /'//newline
+      end associate
+   end function solver_text
+
+   !> Two numbers separated by a comma.
+   pure function pair(values) result(text)
+      real(dp), intent(in) :: values(2) !! the numbers
+      character(:), allocatable :: text
+
+      text = to_text(values(1))//', '//to_text(values(2))
+   end function pair
+
+end module amontons_effective_deck

@@ -1,0 +1,77 @@
+!> The files of a solved case: all of them, each whole, or none.
+module amontons_report
+   use amontons_body, only: body_t
+   use amontons_config, only: config_t
+   use amontons_contact_table, only: write_contact_table
+   use amontons_effective_deck, only: effective_deck
+   use amontons_error, only: error_t
+   use amontons_listing, only: write_listing
+   use amontons_output_file, only: new_output_file, output_file_t
+   use amontons_result, only: result_t
+   use amontons_summary, only: write_summary
+   use amontons_system, only: make_directory
+   use amontons_timings, only: phase_write
+   use amontons_vtu, only: write_vtu
+   implicit none (type, external)
+   private
+
+   public :: write_report
+
+contains
+
+   !> Writes NAME.lst, NAME.contact.csv, NAME.vtu, NAME.deck.nml and NAME.summary.json. Names change hands only after
+   !> every file is complete.
+   subroutine write_report(directory, config, body, result, error)
+      character(*), intent(in) :: directory !! output directory, made if it is not there
+      type(config_t), intent(in) :: config !! the case
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(inout) :: result !! the result; gains the time of writing
+      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(output_file_t) :: files(5)
+      integer :: i
+
+      call make_directory(directory, error)
+      if (allocated(error)) return
+      call write_files(files, directory//'/'//config%name, config, body, result, error)
+      do i = 1, size(files)
+         if (.not. allocated(error)) call files(i)%commit(error)
+         if (allocated(error)) call files(i)%discard()
+      end do
+   end subroutine write_report
+
+   !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
+   subroutine write_files(files, stem, config, body, result, error)
+      type(output_file_t), intent(inout) :: files(5) !! the finished files
+      character(*), intent(in) :: stem !! directory and name of the case
+      type(config_t), intent(in) :: config !! the case
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(inout) :: result !! the result; gains the time of writing
+      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+
+      call write_listing(files(1), stem//'.lst', config, body, result, error)
+      if (allocated(error)) return
+      call write_contact_table(files(2), stem//'.contact.csv', body, result, error)
+      if (allocated(error)) return
+      call write_vtu(files(3), stem//'.vtu', body, result, error)
+      if (allocated(error)) return
+      call write_deck(files(4), stem//'.deck.nml', config, error)
+      if (allocated(error)) return
+      call result%timings%lap(phase_write)
+      call write_summary(files(5), stem//'.summary.json', config, body, result, error)
+   end subroutine write_files
+
+   !> Writes the effective deck under its temporary name.
+   subroutine write_deck(file, path, config, error)
+      type(output_file_t), intent(out) :: file !! the finished file
+      character(*), intent(in) :: path !! name of the file
+      type(config_t), intent(in) :: config !! the case
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
+      integer :: status
+
+      call new_output_file(file, path, .false., error)
+      if (allocated(error)) return
+      write (file%unit, '(a)', iostat=status) effective_deck(config)
+      call file%finish(status, error)
+   end subroutine write_deck
+
+end module amontons_report

@@ -1,0 +1,179 @@
+!> The way of a case from its configuration to its result. Cases that share a body share its factorisation.
+module amontons_solve_case
+   use amontons_assembly, only: from_unknowns, internal_forces, to_unknowns
+   use amontons_auto, only: auto_t
+   use amontons_body, only: body_t, condense_body, new_body
+   use amontons_certificate, only: new_certificate
+   use amontons_config, only: config_t
+   use amontons_contact_method, only: contact_method_t
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_contact_zone, only: set_obstacles
+   use amontons_effective_deck, only: body_text
+   use amontons_equilibrium, only: check_balance
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_lengths, only: new_lengths
+   use amontons_loads, only: load_vector
+   use amontons_mesh, only: mesh_t
+   use amontons_methods, only: new_contact_method
+   use amontons_rectangle, only: new_rectangle_mesh
+   use amontons_result, only: result_t
+   use amontons_timings, only: new_timings, phase_condense, phase_read, phase_recover, phase_solve
+   implicit none (type, external)
+   private
+
+   public :: prepare_case, solve_case, workshop_t
+
+   !> The body at hand and what was last done with it: what one case of a run hands on to the next.
+   type :: workshop_t
+      type(body_t), allocatable :: body !! the body
+      character(:), allocatable :: body_text !! the deck text that the body was made from
+      character(:), allocatable :: first_case !! the case that the body was made for
+      character(:), allocatable :: last_case !! the case solved last on this body; not allocated before the first
+      logical :: is_condensed = .false. !! whether the body is factorised
+      type(contact_solution_t) :: last_solution !! its solution, the start of the next case
+   end type workshop_t
+
+contains
+
+   !> Makes the body, the obstacles and the loads of a case ready, everything that its deck can get wrong.
+   subroutine prepare_case(workshop, config, result, error)
+      type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the case needs another
+      type(config_t), intent(in) :: config !! the case
+      type(result_t), intent(out) :: result !! gains the loads
+      type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are at fault
+      type(mesh_t) :: mesh
+
+      call new_timings(result%timings)
+      if (.not. has_body(workshop, config)) then
+         if (allocated(workshop%body)) deallocate (workshop%body)
+         workshop%is_condensed = .false.
+         allocate (workshop%body)
+         call new_rectangle_mesh(mesh, config%rectangle, error)
+         if (allocated(error)) return
+         call new_body(workshop%body, mesh, config%material, config%supports, config%contacts, error)
+         if (allocated(error)) return
+         workshop%body_text = body_text(config)
+         workshop%first_case = config%name
+         if (allocated(workshop%last_case)) deallocate (workshop%last_case)
+      end if
+      associate (body => workshop%body)
+         call set_obstacles(body%zone, body%mesh, config%contacts, error)
+         if (allocated(error)) return
+         call load_vector(result%loads, body%mesh, body%material, config%loads, error)
+         if (allocated(error)) return
+         call check_balance(body%motions, body%mesh, body%zone, result%loads, error)
+      end associate
+      call result%timings%lap(phase_read)
+   end subroutine prepare_case
+
+   !> Whether the body at hand is that of a case.
+   pure logical function has_body(workshop, config)
+      type(workshop_t), intent(in) :: workshop !! the body at hand
+      type(config_t), intent(in) :: config !! the case
+
+      has_body = allocated(workshop%body) .and. allocated(workshop%body_text)
+      if (has_body) has_body = workshop%body_text == body_text(config)
+   end function has_body
+
+   !> Solves a case.
+   subroutine solve_case(workshop, config, result, error)
+      type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the case needs another
+      type(config_t), intent(in) :: config !! the case
+      type(result_t), intent(out) :: result !! the result
+      type(error_t), allocatable, intent(out) :: error !! the deck or the numbers are at fault
+      class(contact_method_t), allocatable :: method
+
+      call prepare_case(workshop, config, result, error)
+      if (allocated(error)) return
+      call new_contact_method(method, config%method, error)
+      if (allocated(error)) return
+      associate (body => workshop%body, solution => result%solution)
+         if (workshop%is_condensed) then
+            result%shared_with = workshop%first_case
+         else
+            call condense_body(body, config%factorization, result%timings, error)
+            if (allocated(error)) return
+            workshop%is_condensed = .true.
+         end if
+         call load_body(body, result%loads)
+         call result%timings%lap(phase_condense)
+
+         call start_solution(workshop, result)
+         call method%solve(body%problem, solution, error)
+         if (allocated(error)) return
+         if (solution%is_at_rest) call compare_with_exact(body, config, result, error)
+         if (allocated(error)) return
+         call result%timings%lap(phase_solve)
+
+         call recover(body, result)
+         call new_certificate(result%certificate, body%mesh, body%material, body%coloring, body%constraints, body%zone, &
+            result%loads, result%displacement, solution%force)
+         call new_lengths(result%lengths, body%mesh, body%zone, solution%status)
+         call result%timings%lap(phase_recover)
+      end associate
+      if (.not. result%solution%is_converged) return
+      workshop%last_case = config%name
+      workshop%last_solution = result%solution
+   end subroutine solve_case
+
+   !> Condenses the loads, prescribed displacements included, and hands gap and friction to the contact problem.
+   subroutine load_body(body, loads)
+      type(body_t), intent(inout) :: body !! the body
+      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+      real(dp), allocatable :: forces(:, :)
+      integer :: p
+
+      if (any(abs(body%constraints%prescribed) > 0.0_dp)) then
+         call internal_forces(forces, body%mesh, body%material, body%coloring, body%constraints%prescribed)
+         forces = loads - forces
+      else
+         forces = loads
+      end if
+      call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), body%problem%load)
+      ! The contact problem counts displacements from the prescribed ones.
+      body%problem%gap = [(body%zone%gap(p) - dot_product(body%zone%normal(:, p), &
+         body%constraints%prescribed(:, body%zone%node(p))), p=1, body%zone%n_points)]
+      body%problem%friction = merge(0.0_dp, body%zone%friction, body%zone%is_guided)
+   end subroutine load_body
+
+   !> Starts from the last solution of the same body, or from rest.
+   subroutine start_solution(workshop, result)
+      type(workshop_t), intent(in) :: workshop !! the body at hand and its last solution
+      type(result_t), intent(inout) :: result !! the result, its solution set to the start
+
+      if (allocated(workshop%last_case)) then
+         result%solution = workshop%last_solution
+         result%started_from = workshop%last_case
+      else
+         call new_contact_solution(result%solution, workshop%body%zone%n_points)
+      end if
+   end subroutine start_solution
+
+   !> Measures the forces of a method that came to rest against the exact ones.
+   subroutine compare_with_exact(body, config, result, error)
+      type(body_t), intent(inout) :: body !! the body, loaded
+      type(config_t), intent(in) :: config !! the case
+      type(result_t), intent(inout) :: result !! the result, gains the error of the method
+      type(error_t), allocatable, intent(out) :: error !! the exact solution cannot be computed
+      type(contact_solution_t) :: exact
+      type(auto_t) :: method
+
+      method%tolerance = config%method%tolerance
+      call new_contact_solution(exact, body%zone%n_points)
+      call method%solve(body%problem, exact, error)
+      if (allocated(error) .or. .not. exact%is_converged) return
+      result%method_error = maxval(abs(result%solution%force - exact%force))/max(maxval(abs(exact%force)), tiny(1.0_dp))
+   end subroutine compare_with_exact
+
+   !> Computes the displacements of all nodes from those of the contact points.
+   subroutine recover(body, result)
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(inout) :: result !! the result, gains the displacement
+      real(dp), allocatable :: unknowns(:)
+
+      call body%condensation%recover(result%solution%displacement, unknowns)
+      result%displacement = from_unknowns(unknowns, body%constraints, body%dof_map)
+   end subroutine recover
+
+end module amontons_solve_case

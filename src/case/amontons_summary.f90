@@ -1,0 +1,134 @@
+!> NAME.summary.json: the result in numbers that a script reads.
+module amontons_summary
+   use amontons_body, only: body_t
+   use amontons_certificate, only: certificate_t
+   use amontons_config, only: config_t
+   use amontons_error, only: error_t
+   use amontons_friction_law, only: open_point, stick_point
+   use amontons_kinds, only: dp
+   use amontons_output_file, only: new_output_file, output_file_t
+   use amontons_result, only: certificate_limit, result_t
+   use amontons_system, only: peak_memory_mb
+   use amontons_text, only: to_text
+   use amontons_timings, only: phase_names
+   use amontons_version, only: version
+   implicit none (type, external)
+   private
+
+   public :: write_summary
+
+   character(*), parameter :: newline = new_line('a')
+
+contains
+
+   !> Writes the summary under its temporary name.
+   subroutine write_summary(file, path, config, body, result, error)
+      type(output_file_t), intent(out) :: file !! the finished file
+      character(*), intent(in) :: path !! name of the file
+      type(config_t), intent(in) :: config !! the case
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! the result
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
+      integer :: status
+
+      call new_output_file(file, path, .false., error)
+      if (allocated(error)) return
+      write (file%unit, '(a)', iostat=status) summary_text(config, body, result)
+      call file%finish(status, error)
+   end subroutine write_summary
+
+   !> The summary as JSON.
+   function summary_text(config, body, result) result(text)
+      type(config_t), intent(in) :: config !! the case
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! the result
+      character(:), allocatable :: text
+      integer :: i
+
+      associate (solution => result%solution)
+         text = '{'//newline// &
+            '  "case": '//string(config%name)//','//newline// &
+            '  "title": '//string(config%title)//','//newline// &
+            '  "version": '//string(version)//','//newline// &
+            '  "method": '//string(config%method%method)//','//newline// &
+            '  "converged": '//truth(solution%is_converged)//','//newline// &
+            '  "iterations": '//to_text(solution%n_iterations)//','//newline// &
+            '  "residual": '//number(solution%residual)//','//newline
+         if (result%method_error >= 0.0_dp) text = text//'  "method_error": '//number(result%method_error)//','//newline
+         text = text// &
+            '  "certificate": {'//certificate_text(result%certificate, config%method%tolerance)//'},'//newline// &
+            '  "counts": {"nodes": '//to_text(body%mesh%n_nodes)//', "elements": '//to_text(body%mesh%n_elements)// &
+            ', "dofs": '//to_text(body%dof_map%n_dofs)//', "contact_points": '//to_text(body%zone%n_points)// &
+            ', "open": '//to_text(count(solution%status == open_point))// &
+            ', "stick": '//to_text(count(solution%status == stick_point))// &
+            ', "slip": '//to_text(count(solution%status /= open_point .and. solution%status /= stick_point))//'},'//newline// &
+            '  "lengths": {"separated": '//number(result%lengths%separated)// &
+            ', "sliding": '//number(result%lengths%sliding)// &
+            ', "sticking": '//number(result%lengths%sticking)//'},'//newline// &
+            '  "resultants": {"normal": '//number(sum(solution%force(:body%zone%n_points)))// &
+            ', "tangential": '//number(sum(solution%force(body%zone%n_points + 1:)))//'},'//newline// &
+            '  "seconds": {'
+         do i = 1, size(phase_names)
+            text = text//'"'//trim(phase_names(i))//'": '//number(result%timings%seconds(i))//', '
+         end do
+         text = text//'"total": '//number(sum(result%timings%seconds))//'},'//newline// &
+            '  "peak_memory_mb": '//number(peak_memory_mb())//newline//'}'
+      end associate
+   end function summary_text
+
+   !> The members of the certificate.
+   function certificate_text(certificate, tolerance) result(text)
+      type(certificate_t), intent(in) :: certificate !! the certificate
+      real(dp), intent(in) :: tolerance !! tolerance of the contact method [-]
+      character(:), allocatable :: text
+
+      text = '"passed": '//truth(certificate%largest() <= certificate_limit(tolerance))// &
+         ', "limit": '//number(certificate_limit(tolerance))// &
+         ', "equilibrium": '//number(certificate%equilibrium)// &
+         ', "penetration": '//number(certificate%penetration)// &
+         ', "tension": '//number(certificate%tension)// &
+         ', "friction_excess": '//number(certificate%friction_excess)// &
+         ', "complementarity": '//number(certificate%complementarity)// &
+         ', "wrong_dissipation": '//number(certificate%wrong_dissipation)// &
+         ', "resultant": '//number(certificate%resultant)// &
+         ', "moment": '//number(certificate%moment)// &
+         ', "energy": '//number(certificate%energy)// &
+         ', "strain_energy": '//number(certificate%strain_energy)// &
+         ', "dissipation": '//number(certificate%dissipation)
+   end function certificate_text
+
+   !> A finite real as a JSON number; null otherwise.
+   pure function number(value) result(text)
+      real(dp), intent(in) :: value !! the number
+      character(:), allocatable :: text
+
+      if (abs(value) <= huge(value)) then
+         text = to_text(value)
+      else
+         text = 'null'
+      end if
+   end function number
+
+   !> A logical as JSON.
+   pure function truth(value) result(text)
+      logical, intent(in) :: value !! the value
+      character(:), allocatable :: text
+
+      text = trim(merge('true ', 'false', value))
+   end function truth
+
+   !> A text as a JSON string. Control characters cannot stand in a deck.
+   pure function string(value) result(text)
+      character(*), intent(in) :: value !! the text
+      character(:), allocatable :: text
+      integer :: i
+
+      text = '"'
+      do i = 1, len(value)
+         if (scan(value(i:i), '"\') > 0) text = text//'\'
+         text = text//value(i:i)
+      end do
+      text = text//'"'
+   end function string
+
+end module amontons_summary

@@ -1,0 +1,179 @@
+!> The certificate: what a solution fulfils on the full model, computed from displacements and contact forces alone.
+module amontons_certificate
+   use amontons_assembly, only: internal_forces
+   use amontons_coloring, only: coloring_t
+   use amontons_constraints, only: constraints_t
+   use amontons_contact_zone, only: contact_zone_t
+   use amontons_kinds, only: dp
+   use amontons_material, only: material_t
+   use amontons_mesh, only: mesh_t
+   implicit none (type, external)
+   private
+
+   public :: certificate_t, new_certificate
+
+   !> Violations of the conditions that define the solution, each over its natural scale, and the resultants.
+   type :: certificate_t
+      real(dp) :: equilibrium = 0.0_dp !! |K u - f + C^T lambda| on the unknowns / |f| [-]
+      real(dp) :: penetration = 0.0_dp !! largest overlap with the obstacle / largest displacement [-]
+      real(dp) :: tension = 0.0_dp !! largest normal force that pulls / largest contact force [-]
+      real(dp) :: friction_excess = 0.0_dp !! largest |lambda_T| - phi lambda_N / largest contact force [-]
+      real(dp) :: complementarity = 0.0_dp
+         !! largest smaller one of lambda_N and gap, each over the largest force or displacement [-]
+      real(dp) :: wrong_dissipation = 0.0_dp
+         !! the same of |lambda_T| and |u_T| where they point in opposite directions [-]
+      real(dp) :: resultant = 0.0_dp !! |loads + reactions + contact forces| / sum of their magnitudes [-]
+      real(dp) :: moment = 0.0_dp !! |moment of these| / (sum of their magnitudes times half the body's size) [-]
+      real(dp) :: energy = 0.0_dp !! |u . K u - work of all forces| / u . K u [-]
+      real(dp) :: strain_energy = 0.0_dp !! u . K u / 2 [F L]
+      real(dp) :: dissipation = 0.0_dp !! work of friction: sum of lambda_T u_T [F L]
+      real(dp) :: load(2) = 0.0_dp !! resultant of the loads, x and y [F]
+      real(dp) :: reaction(2) = 0.0_dp !! resultant of the support reactions, x and y [F]
+      real(dp) :: contact(2) = 0.0_dp !! resultant of the obstacle's forces on the body, x and y [F]
+   contains
+      procedure :: largest => certificate_largest
+   end type certificate_t
+
+contains
+
+   !> Computes the certificate.
+   subroutine new_certificate(certificate, mesh, material, coloring, constraints, zone, loads, displacement, force)
+      type(certificate_t), intent(out) :: certificate !! the certificate
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(material_t), intent(in) :: material !! the material
+      type(coloring_t), intent(in) :: coloring !! colours of the elements
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(contact_zone_t), intent(in) :: zone !! the contact points, their obstacles set
+      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      real(dp), allocatable :: internal(:, :), contact(:, :), reaction(:, :)
+
+      call internal_forces(internal, mesh, material, coloring, displacement)
+      contact = nodal_contact_forces(mesh, zone, force)
+      reaction = internal - loads - contact
+      call split_imbalance(constraints, reaction, certificate%equilibrium)
+      call check_points(certificate, zone, displacement, force)
+      call check_resultants(certificate, mesh, loads, reaction, contact)
+      certificate%equilibrium = relative(certificate%equilibrium, max(norm2(loads), norm2(reaction), norm2(contact)))
+      certificate%strain_energy = 0.5_dp*sum(internal*displacement)
+      certificate%energy = relative(abs(sum(internal*displacement) - sum((loads + contact)*displacement) &
+         - sum(reaction*constraints%prescribed)), sum(abs(internal*displacement)))
+   end subroutine new_certificate
+
+   !> The forces of the obstacle on the nodes: -lambda_N n - lambda_T t (2, n_nodes) [F].
+   pure function nodal_contact_forces(mesh, zone, force) result(contact)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
+      real(dp), allocatable :: contact(:, :)
+      integer :: p
+
+      allocate (contact(2, mesh%n_nodes), source=0.0_dp)
+      do p = 1, zone%n_points
+         contact(:, zone%node(p)) = -force(p)*zone%normal(:, p) &
+            - force(zone%n_points + p)*[-zone%normal(2, p), zone%normal(1, p)]
+      end do
+   end function nodal_contact_forces
+
+   !> Splits what the forces lack for equilibrium into reactions (held directions) and imbalance (free ones).
+   pure subroutine split_imbalance(constraints, reaction, imbalance)
+      type(constraints_t), intent(in) :: constraints !! the supports
+      real(dp), intent(inout) :: reaction(:, :) !! in: what is missing; out: its part along held directions (2, n_nodes) [F]
+      real(dp), intent(out) :: imbalance !! norm of the part along free directions [F]
+      real(dp) :: frame(2, 2), part(2)
+      integer :: node
+
+      imbalance = 0.0_dp
+      do node = 1, size(reaction, 2)
+         if (.not. any(constraints%is_free(:, node))) cycle
+         frame = constraints%frame(node)
+         part = matmul(reaction(:, node), frame)
+         imbalance = imbalance + sum(part**2, mask=constraints%is_free(:, node))
+         reaction(:, node) = matmul(frame, merge(0.0_dp, part, constraints%is_free(:, node)))
+      end do
+      imbalance = sqrt(imbalance)
+   end subroutine split_imbalance
+
+   !> Checks the contact law at every point.
+   pure subroutine check_points(certificate, zone, displacement, force)
+      type(certificate_t), intent(inout) :: certificate !! the certificate
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
+      real(dp) :: distance(zone%n_points), slip(zone%n_points), largest_force, largest_displacement
+      integer :: p, m
+
+      m = zone%n_points
+      do p = 1, m
+         distance(p) = zone%gap(p) - dot_product(zone%normal(:, p), displacement(:, zone%node(p)))
+         slip(p) = dot_product([-zone%normal(2, p), zone%normal(1, p)], displacement(:, zone%node(p)))
+      end do
+      largest_force = maxval(abs(force))
+      largest_displacement = maxval(abs(displacement))
+      associate (normal => force(:m), tangential => force(m + 1:), bound => zone%friction*max(0.0_dp, force(:m)))
+         certificate%penetration = relative(max(0.0_dp, maxval(-distance)), largest_displacement)
+         certificate%tension = relative(max(0.0_dp, maxval(-normal)), largest_force)
+         certificate%friction_excess = relative(max(0.0_dp, maxval(abs(tangential) - bound)), largest_force)
+         certificate%complementarity = maxval(min(relative(normal, largest_force), &
+            relative(distance, largest_displacement)))
+         certificate%wrong_dissipation = max(0.0_dp, maxval(-min(relative(abs(tangential), largest_force), &
+            relative(abs(slip), largest_displacement))*sign(1.0_dp, tangential*slip)))
+         certificate%dissipation = sum(tangential*slip)
+      end associate
+   end subroutine check_points
+
+   !> Checks that all forces on the body balance.
+   pure subroutine check_resultants(certificate, mesh, loads, reaction, contact)
+      type(certificate_t), intent(inout) :: certificate !! the certificate
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+      real(dp), intent(in) :: reaction(:, :) !! nodal reactions of the supports (2, n_nodes) [F]
+      real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (2, n_nodes) [F]
+      real(dp) :: norm, radius, center(2), moment
+      integer :: node
+
+      certificate%load = sum(loads, dim=2)
+      certificate%reaction = sum(reaction, dim=2)
+      certificate%contact = sum(contact, dim=2)
+      norm = force_norm(loads, reaction, contact)
+      certificate%resultant = relative(norm2(certificate%load + certificate%reaction + certificate%contact), norm)
+      center = 0.5_dp*(minval(mesh%coordinates, dim=2) + maxval(mesh%coordinates, dim=2))
+      radius = maxval(maxval(mesh%coordinates, dim=2) - center)
+      moment = 0.0_dp
+      do node = 1, mesh%n_nodes
+         associate (f => loads(:, node) + reaction(:, node) + contact(:, node), &
+            arm => mesh%coordinates(:, node) - center)
+            moment = moment + arm(1)*f(2) - arm(2)*f(1)
+         end associate
+      end do
+      certificate%moment = relative(abs(moment), norm*radius)
+   end subroutine check_resultants
+
+   !> The sum of all nodal forces' magnitudes, components taken singly: the scale of resultants [F].
+   pure real(dp) function force_norm(loads, reaction, contact)
+      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+      real(dp), intent(in) :: reaction(:, :) !! nodal reactions (2, n_nodes) [F]
+      real(dp), intent(in) :: contact(:, :) !! nodal contact forces (2, n_nodes) [F]
+
+      force_norm = sum(abs(loads)) + sum(abs(reaction)) + sum(abs(contact))
+   end function force_norm
+
+   !> A ratio; 0 where there is nothing to compare.
+   elemental real(dp) function relative(value, scale)
+      real(dp), intent(in) :: value !! the value
+      real(dp), intent(in) :: scale !! what to divide by, at least 0
+
+      relative = 0.0_dp
+      if (scale > 0.0_dp) relative = value/scale
+   end function relative
+
+   !> The largest of the violations [-].
+   pure real(dp) function certificate_largest(self) result(largest)
+      class(certificate_t), intent(in) :: self !! the certificate
+
+      largest = max(self%equilibrium, self%penetration, self%tension, self%friction_excess, self%complementarity, &
+         self%wrong_dissipation, self%resultant, self%moment, self%energy)
+   end function certificate_largest
+
+end module amontons_certificate

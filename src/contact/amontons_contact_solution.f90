@@ -1,0 +1,71 @@
+!> The solution of a contact problem, and the record of how a method came to it.
+module amontons_contact_solution
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_kinds, only: dp
+   implicit none (type, external)
+   private
+
+   public :: contact_solution_t, new_contact_solution
+
+   !> Forces, displacements and statuses of the contact points. A method starts from the forces and displacements it
+   !> finds here, and leaves its result.
+   type :: contact_solution_t
+      real(dp), allocatable :: force(:) !! lambda = (lambda_N; lambda_T) (2m) [F]
+      real(dp), allocatable :: displacement(:) !! v = (u_N; u_T) (2m) [L]
+      integer, allocatable :: status(:) !! status of each point, see `amontons_friction_law` (m)
+      logical :: is_converged = .false. !! whether the residual is at most the tolerance
+      logical :: is_at_rest = .false. !! whether the method stopped because its forces no longer changed
+      integer :: n_iterations = 0 !! number of iterations done
+      real(dp) :: residual = huge(1.0_dp) !! residual of this pair (v, lambda) [-]
+      real(dp), allocatable :: history(:) !! residual after each iteration (at least n_iterations) [-]
+   contains
+      procedure :: begin => contact_solution_begin
+      procedure :: record => contact_solution_record
+   end type contact_solution_t
+
+contains
+
+   !> A solution at rest: no force, no displacement.
+   pure subroutine new_contact_solution(solution, n_points)
+      type(contact_solution_t), intent(out) :: solution !! the solution
+      integer, intent(in) :: n_points !! number of contact points
+
+      allocate (solution%force(2*n_points), solution%displacement(2*n_points), source=0.0_dp)
+      allocate (solution%status(n_points), source=0)
+      allocate (solution%history(0))
+   end subroutine new_contact_solution
+
+   !> Begins a new record; forces and displacements stay as the starting point.
+   pure subroutine contact_solution_begin(self)
+      class(contact_solution_t), intent(inout) :: self !! the solution
+
+      self%is_converged = .false.
+      self%is_at_rest = .false.
+      self%n_iterations = 0
+      self%residual = huge(self%residual)
+      self%history = [real(dp) ::]
+   end subroutine contact_solution_begin
+
+   !> Records the pair (v, lambda) that an iteration ended with: residual, statuses, whether it is the solution.
+   pure subroutine contact_solution_record(self, problem, displacement, force, tolerance, may_continue)
+      class(contact_solution_t), intent(inout) :: self !! the solution
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
+      real(dp), intent(in) :: force(:) !! lambda (2m) [F]
+      real(dp), intent(in) :: tolerance !! the residual that counts as solved [-]
+      logical, intent(out) :: may_continue !! false when solved, or when the numbers have left the finite range
+
+      self%displacement = displacement
+      self%force = force
+      self%residual = problem%residual(displacement, force)
+      self%status = problem%status(displacement, force)
+      self%is_converged = self%residual <= tolerance
+      self%n_iterations = self%n_iterations + 1
+      if (self%n_iterations > size(self%history)) &
+         self%history = [self%history, spread(0.0_dp, 1, self%n_iterations)]
+      self%history(self%n_iterations) = self%residual
+      may_continue = .not. self%is_converged .and. ieee_is_finite(self%residual)
+   end subroutine contact_solution_record
+
+end module amontons_contact_solution

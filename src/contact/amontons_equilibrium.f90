@@ -1,0 +1,109 @@
+!> Whether admissible contact forces can balance the loads of a body that supports do not hold.
+!>
+!> The load's work on the free rigid motions must be a combination, with factors at least 0, of the works of the extreme
+!> forces n + phi t and n - phi t of the contact points (a cone). If it is none, the part that is left over is, by
+!> Farkas' lemma, a rigid motion that the loads drive and no contact force opposes: along it the body flies off.
+module amontons_equilibrium
+   use amontons_contact_zone, only: contact_zone_t
+   use amontons_dense, only: cholesky_factor, cholesky_solve
+   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_kinds, only: dp
+   use amontons_mesh, only: mesh_t
+   use amontons_rigid_motion, only: rigid_motions_t
+   implicit none (type, external)
+   private
+
+   public :: check_balance, nonnegative_remainder
+
+contains
+
+   !> Refuses loads that drive the body away.
+   pure subroutine check_balance(motions, mesh, zone, forces, error)
+      type(rigid_motions_t), intent(in) :: motions !! the motions that the supports leave free
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(contact_zone_t), intent(in) :: zone !! the contact points, their friction set
+      real(dp), intent(in) :: forces(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+      type(error_t), allocatable, intent(out) :: error !! the body flies off; names the motion
+      real(dp), parameter :: negligible = 1.0e-9_dp
+      real(dp) :: cone(motions%n_free, 2*zone%n_points), work(motions%n_free), remainder(motions%n_free)
+      real(dp) :: motion(2, motions%n_free), normal(2), shear(2), scale
+      integer :: node, p
+
+      if (motions%n_free == 0) return
+      work = 0.0_dp
+      scale = 0.0_dp
+      do node = 1, mesh%n_nodes
+         motion = motions%displacement(mesh%coordinates(:, node))
+         work = work + matmul(forces(:, node), motion)
+         scale = scale + maxval(abs(matmul(forces(:, node), motion)))
+      end do
+      do p = 1, zone%n_points
+         motion = motions%displacement(mesh%coordinates(:, zone%node(p)))
+         normal = zone%normal(:, p)
+         shear = merge(0.0_dp, zone%friction(p), zone%is_guided(p))*[-normal(2), normal(1)]
+         cone(:, 2*p - 1) = matmul(normal + shear, motion)
+         cone(:, 2*p) = matmul(normal - shear, motion)
+      end do
+      remainder = nonnegative_remainder(cone, work)
+      if (norm2(remainder) <= negligible*scale) return
+      call new_error(error, numerical_failure, 'the body flies off: no contact forces can balance the loads against a '// &
+         motions%describe(remainder)//'; add a support, or a load that presses the body on its obstacle')
+   end subroutine check_balance
+
+   !> What is left of a vector after its best approximation by columns with factors at least 0: Lawson and Hanson's
+   !> algorithm (Solving Least Squares Problems, 1974, chapter 23).
+   pure function nonnegative_remainder(columns, vector) result(remainder)
+      real(dp), intent(in) :: columns(:, :) !! the columns (k, n)
+      real(dp), intent(in) :: vector(:) !! the vector (k)
+      real(dp) :: remainder(size(vector))
+      real(dp), parameter :: negligible = 1.0e-13_dp
+      real(dp) :: gain(size(columns, 2)), factor(size(columns, 2)), trial(size(columns, 2)), length
+      logical :: is_used(size(columns, 2))
+      integer :: step, best
+
+      factor = 0.0_dp
+      is_used = .false.
+      remainder = vector
+      do step = 1, 3*size(columns, 2)
+         gain = matmul(remainder, columns)
+         best = maxloc(gain, dim=1, mask=.not. is_used)
+         if (best == 0) return
+         if (gain(best) <= negligible*norm2(vector)*norm2(columns(:, best))) return
+         is_used(best) = .true.
+         do
+            trial = least_squares(columns, vector, is_used)
+            if (all(trial > 0.0_dp .or. .not. is_used)) exit
+            ! Go towards the trial until the first factor meets zero; that column leaves.
+            length = minval(factor/(factor - trial), mask=is_used .and. .not. trial > 0.0_dp)
+            factor = factor + length*(trial - factor)
+            is_used = is_used .and. factor > negligible*maxval(factor)
+            where (.not. is_used) factor = 0.0_dp
+            if (.not. any(is_used)) exit
+         end do
+         if (any(is_used)) factor = trial
+         remainder = vector - matmul(columns, factor)
+      end do
+   end function nonnegative_remainder
+
+   !> Factors of the columns in use that approximate a vector best; 0 for the others (n).
+   pure function least_squares(columns, vector, is_used) result(factor)
+      real(dp), intent(in) :: columns(:, :) !! the columns (k, n)
+      real(dp), intent(in) :: vector(:) !! the vector (k)
+      logical, intent(in) :: is_used(:) !! which columns are in use, k at the most (n)
+      real(dp) :: factor(size(columns, 2))
+      real(dp), allocatable :: used(:, :), normal(:, :), right(:)
+      integer, allocatable :: column(:)
+      integer :: i, info
+
+      factor = 0.0_dp
+      column = pack([(i, i=1, size(is_used))], is_used)
+      used = columns(:, column)
+      normal = matmul(transpose(used), used)
+      right = matmul(vector, used)
+      call cholesky_factor(normal, info)
+      if (info /= 0) return
+      call cholesky_solve(normal, right)
+      factor(column) = right
+   end function least_squares
+
+end module amontons_equilibrium

@@ -1,0 +1,52 @@
+!> Fixed point on the slip bound: a Tresca problem with the bound g, solved exactly; then g := phi lambda_N; repeat.
+!>
+!> Coulomb's solution is a fixed point of the map from a slip bound phi lambda_N to the normal forces of its Tresca
+!> problem (theory, section 4).
+module amontons_fixed_point
+   use amontons_box_program, only: solve_box_program
+   use amontons_contact_method, only: contact_method_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   implicit none (type, external)
+   private
+
+   public :: fixed_point_t
+
+   !> The fixed-point method.
+   type, extends(contact_method_t) :: fixed_point_t
+   contains
+      procedure :: solve => fixed_point_solve
+   end type fixed_point_t
+
+contains
+
+   !> Solves Tresca problems until the residual of the Coulomb problem is small.
+   subroutine fixed_point_solve(self, problem, solution, error)
+      class(fixed_point_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
+      real(dp), allocatable :: force(:), bound(:), b(:), lower(:), upper(:)
+      integer :: m, iteration
+      logical :: may_continue
+
+      call solution%begin()
+      call problem%prepare_compliance(error)
+      if (allocated(error)) return
+      m = problem%n_points
+      force = solution%force
+      b = problem%dual_load(solution%displacement)
+      do iteration = 1, self%max_iterations
+         bound = problem%friction*max(0.0_dp, force(:m))
+         lower = [spread(0.0_dp, 1, m), -bound]
+         upper = [spread(huge(1.0_dp), 1, m), bound]
+         call solve_box_program(problem%compliance, b, lower, upper, force)
+         call solution%record(problem, problem%displacement(b, force), force, self%tolerance, may_continue)
+         if (.not. may_continue) return
+         if (.not. problem%is_held) b = problem%dual_load(solution%displacement)
+      end do
+   end subroutine fixed_point_solve
+
+end module amontons_fixed_point

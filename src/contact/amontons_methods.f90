@@ -1,0 +1,56 @@
+!> The table of contact methods, and the choice of one by its name.
+module amontons_methods
+   use amontons_auto, only: auto_t
+   use amontons_contact_method, only: contact_method_t
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_fixed_point, only: fixed_point_t
+   use amontons_kinds, only: dp
+   use amontons_newton, only: newton_t
+   use amontons_psor, only: psor_t
+   use amontons_splitting, only: splitting_t
+   implicit none (type, external)
+   private
+
+   public :: method_names, method_options_t, new_contact_method
+
+   !> Names of the methods, as a deck writes them.
+   character(11), parameter :: method_names(5) = [character(11) :: 'auto', 'newton', 'splitting', 'fixed_point', 'psor']
+
+   !> The choice of a method and its options; those that a method does not use are without effect on it.
+   type :: method_options_t
+      character(:), allocatable :: method !! one of `method_names`; not allocated means 'auto'
+      character(:), allocatable :: variant !! of splitting: see `amontons_splitting`; not allocated means 'exact'
+      character(:), allocatable :: space !! of psor: see `amontons_psor`; not allocated means 'primal'
+      real(dp) :: omega = 1.0_dp !! of psor: relaxation, above 0 and below 2 [-]
+      real(dp) :: tolerance = 1.0e-10_dp !! residual that counts as solved [-]
+      integer :: max_iterations = 1000 !! most iterations
+   end type method_options_t
+
+contains
+
+   !> Makes the method of a name.
+   subroutine new_contact_method(method, options, error)
+      class(contact_method_t), allocatable, intent(out) :: method !! the method
+      type(method_options_t), intent(in) :: options !! which one, and its options
+      type(error_t), allocatable, intent(out) :: error !! there is no such method
+
+      select case (options%method)
+      case ('auto')
+         allocate (auto_t :: method)
+      case ('newton')
+         allocate (newton_t :: method)
+      case ('splitting')
+         method = splitting_t(variant=options%variant)
+      case ('fixed_point')
+         allocate (fixed_point_t :: method)
+      case ('psor')
+         method = psor_t(omega=options%omega, space=options%space)
+      case default
+         call new_error(error, input_refused, "no method is called '"//options%method//"'")
+         return
+      end select
+      method%tolerance = options%tolerance
+      method%max_iterations = options%max_iterations
+   end subroutine new_contact_method
+
+end module amontons_methods

@@ -1,0 +1,166 @@
+!> The algorithm of Pop and Zelina (2005), section 3: Gauss-Seidel on the dual problem split into tangential and normal
+!> forces.
+!>
+!> With A = [A11 A12; A21 A22] and B = (B1; B2) on the normal (1) and tangential (2) forces of the contact points:
+!>
+!>     repeat
+!>        lambda_T := solution of A22 lambda_T = B2 - A21 lambda_N  such that |lambda_T| <= phi lambda_N
+!>        lambda_N := solution of A11 lambda_N = B1 - A12 lambda_T  such that lambda_N >= 0
+!>     until solved
+!>
+!> "such that" means the minimiser of the quadratic program of the half step (variant `exact`; Haslinger, Dostal and
+!> Kucera, CMAME 191, 2002). `clip` solves the normal half step without the constraint and cuts the result at zero:
+!> right only if nothing separates. `printed` is the paper to the letter: one Gauss-Seidel sweep of its matrix S, with
+!> its right-hand side, cut afterwards. It comes to rest at a wrong answer, and says so.
+module amontons_splitting
+   use amontons_box_program, only: solve_box_program
+   use amontons_contact_method, only: contact_method_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t
+   use amontons_dense, only: cholesky_factor, cholesky_solve
+   use amontons_error, only: error_t
+   use amontons_friction_law, only: bounded
+   use amontons_kinds, only: dp
+   implicit none (type, external)
+   private
+
+   public :: splitting_t, variant_names
+
+   !> The readings of "such that", as a deck writes them.
+   character(7), parameter :: variant_names(3) = [character(7) :: 'exact', 'clip', 'printed']
+
+   !> The splitting method.
+   type, extends(contact_method_t) :: splitting_t
+      character(7) :: variant = 'exact' !! 'exact', 'clip' or 'printed'
+   contains
+      procedure :: solve => splitting_solve
+   end type splitting_t
+
+contains
+
+   !> Alternates the two half steps until the residual is small or, in the inexact variants, the forces come to rest.
+   subroutine splitting_solve(self, problem, solution, error)
+      class(splitting_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
+      real(dp), allocatable :: normal(:), tangential(:), b(:), factor(:, :), schur(:, :)
+      integer :: m, iteration
+      logical :: may_continue
+
+      call solution%begin()
+      call problem%prepare_compliance(error)
+      if (allocated(error)) return
+      m = problem%n_points
+      normal = max(0.0_dp, solution%force(:m))
+      tangential = solution%force(m + 1:)
+      b = problem%dual_load(solution%displacement)
+      if (self%variant /= 'exact') factor = factor_of_a11(problem)
+      if (self%variant == 'printed') schur = printed_schur(problem, factor)
+
+      do iteration = 1, self%max_iterations
+         if (self%variant == 'printed') then
+            call printed_tangential_step(schur, b(m + 1:), problem%friction*normal, tangential)
+         else
+            call tangential_step(problem, b(m + 1:), normal, tangential)
+         end if
+         if (self%variant == 'exact') then
+            call normal_step(problem, b(:m), tangential, normal)
+         else
+            call clipped_normal_step(problem, factor, b(:m), tangential, normal)
+         end if
+         if (self%variant /= 'exact') solution%is_at_rest = maxval(abs([normal, tangential] - solution%force)) <= &
+            self%tolerance*problem%force_scale()
+         call solution%record(problem, problem%displacement(b, [normal, tangential]), [normal, tangential], &
+            self%tolerance, may_continue)
+         if (.not. may_continue .or. solution%is_at_rest) return
+         ! A body that only contact holds: a proximal step moves the centre to the displacement just found.
+         if (.not. problem%is_held) b = problem%dual_load(solution%displacement)
+      end do
+   end subroutine splitting_solve
+
+   !> Tangential half step: min 1/2 l^T A22 l - l^T (B2 - A21 lambda_N), |l| <= phi lambda_N.
+   pure subroutine tangential_step(problem, b2, normal, tangential)
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), intent(in) :: b2(:) !! B2 (m) [L]
+      real(dp), intent(in) :: normal(:) !! lambda_N (m) [F]
+      real(dp), intent(inout) :: tangential(:) !! lambda_T (m) [F]
+      integer :: m
+
+      m = problem%n_points
+      associate (a21 => problem%compliance(m + 1:, :m), a22 => problem%compliance(m + 1:, m + 1:), &
+         bound => problem%friction*normal)
+         call solve_box_program(a22, b2 - matmul(a21, normal), -bound, bound, tangential)
+      end associate
+   end subroutine tangential_step
+
+   !> Normal half step: min 1/2 l^T A11 l - l^T (B1 - A12 lambda_T), l >= 0.
+   pure subroutine normal_step(problem, b1, tangential, normal)
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), intent(in) :: b1(:) !! B1 (m) [L]
+      real(dp), intent(in) :: tangential(:) !! lambda_T (m) [F]
+      real(dp), intent(inout) :: normal(:) !! lambda_N (m) [F]
+      integer :: m
+
+      m = problem%n_points
+      associate (a11 => problem%compliance(:m, :m), a12 => problem%compliance(:m, m + 1:))
+         call solve_box_program(a11, b1 - matmul(a12, tangential), spread(0.0_dp, 1, m), &
+            spread(huge(1.0_dp), 1, m), normal)
+      end associate
+   end subroutine normal_step
+
+   !> Normal half step of `clip` and `printed`: lambda_N = max(0, A11^-1 (B1 - A12 lambda_T)).
+   pure subroutine clipped_normal_step(problem, factor, b1, tangential, normal)
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), intent(in) :: factor(:, :) !! Cholesky factor of A11 (m, m)
+      real(dp), intent(in) :: b1(:) !! B1 (m) [L]
+      real(dp), intent(in) :: tangential(:) !! lambda_T (m) [F]
+      real(dp), intent(out) :: normal(:) !! lambda_N (m) [F]
+      integer :: m
+
+      m = problem%n_points
+      normal = b1 - matmul(problem%compliance(:m, m + 1:), tangential)
+      call cholesky_solve(factor, normal)
+      normal = max(0.0_dp, normal)
+   end subroutine clipped_normal_step
+
+   !> Tangential half step as printed: (D - L)^-1 (U lambda_T + B2), then cut at the slip bound.
+   pure subroutine printed_tangential_step(schur, b2, bound, tangential)
+      real(dp), intent(in) :: schur(:, :) !! the paper's S = D - L - U (m, m) [L/F]
+      real(dp), intent(in) :: b2(:) !! B2 (m) [L]
+      real(dp), intent(in) :: bound(:) !! slip bound phi lambda_N (m) [F]
+      real(dp), intent(inout) :: tangential(:) !! lambda_T (m) [F]
+      integer :: i
+
+      do i = 1, size(b2)
+         tangential(i) = tangential(i) + (b2(i) - dot_product(schur(:, i), tangential))/schur(i, i)
+      end do
+      tangential = bounded(tangential, bound)
+   end subroutine printed_tangential_step
+
+   !> Cholesky factor of A11 (m, m).
+   pure function factor_of_a11(problem) result(factor)
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), allocatable :: factor(:, :)
+      integer :: info
+
+      factor = problem%compliance(:problem%n_points, :problem%n_points)
+      ! A block on the diagonal of a positive definite matrix is positive definite.
+      call cholesky_factor(factor, info)
+   end function factor_of_a11
+
+   !> The paper's S = A21 A11^-1 A12 - A22: minus the Schur complement (m, m) [L/F].
+   pure function printed_schur(problem, factor) result(schur)
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), intent(in) :: factor(:, :) !! Cholesky factor of A11 (m, m)
+      real(dp), allocatable :: schur(:, :)
+      real(dp), allocatable :: columns(:, :)
+      integer :: m
+
+      m = problem%n_points
+      columns = problem%compliance(:m, m + 1:)
+      call cholesky_solve(factor, columns)
+      schur = matmul(problem%compliance(m + 1:, :m), columns) - problem%compliance(m + 1:, m + 1:)
+   end function printed_schur
+
+end module amontons_splitting

@@ -1,0 +1,141 @@
+!> Assembly: the stiffness matrix of the unknowns, and the nodal forces of a displacement.
+module amontons_assembly
+   use amontons_coloring, only: coloring_t
+   use amontons_constraints, only: constraints_t
+   use amontons_dof_map, only: dof_map_t
+   use amontons_elasticity, only: element_forces, element_geometry_t, element_stiffness, new_element_geometry
+   use amontons_element, only: max_nodes
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_material, only: material_t
+   use amontons_mesh, only: mesh_t
+   use amontons_sparse_matrix, only: new_sparse_matrix, sparse_matrix_t
+   implicit none (type, external)
+   private
+
+   public :: assemble_stiffness, from_unknowns, internal_forces, to_unknowns
+
+contains
+
+   !> Assembles the stiffness matrix of the unknowns.
+   subroutine assemble_stiffness(stiffness, mesh, material, coloring, constraints, dof_map, error)
+      type(sparse_matrix_t), intent(out) :: stiffness !! stiffness matrix (n_dofs, n_dofs) [F/L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(material_t), intent(in) :: material !! the material
+      type(coloring_t), intent(in) :: coloring !! colours of the elements
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      type(error_t), allocatable, intent(out) :: error !! too large for the memory
+      type(element_geometry_t) :: geometry
+      real(dp) :: block(2*max_nodes, 2*max_nodes)
+      integer :: color, i, n
+
+      call new_sparse_matrix(stiffness, dof_map%n_dofs, 2*mesh%node_start - 1, element_unknowns(mesh, dof_map), error)
+      if (allocated(error)) return
+      do color = 1, coloring%n_colors
+         !$omp parallel do default(none) schedule(static) private(geometry, block, n) &
+         !$omp shared(stiffness, mesh, material, coloring, constraints, dof_map, color)
+         do i = coloring%start(color), coloring%start(color + 1) - 1
+            call new_element_geometry(geometry, mesh, coloring%element(i))
+            n = geometry%n_nodes
+            block = element_stiffness(geometry, material)
+            call turn_to_frames(block, geometry, constraints)
+            call stiffness%add_element(reshape(dof_map%dof(:, geometry%node(:n)), [2*n]), block(:2*n, :2*n))
+         end do
+         !$omp end parallel do
+      end do
+   end subroutine assemble_stiffness
+
+   !> The unknowns of all elements, one element after the other; 0 for a held component.
+   pure function element_unknowns(mesh, dof_map) result(unknowns)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      integer, allocatable :: unknowns(:)
+      integer :: i
+
+      allocate (unknowns(2*size(mesh%node)))
+      do i = 1, size(mesh%node)
+         unknowns(2*i - 1:2*i) = dof_map%dof(:, mesh%node(i))
+      end do
+   end function element_unknowns
+
+   !> Turns an element's stiffness from x and y to the frames of its nodes.
+   pure subroutine turn_to_frames(block, geometry, constraints)
+      real(dp), intent(inout) :: block(:, :) !! stiffness (2 nodes, 2 nodes) [F/L]
+      type(element_geometry_t), intent(in) :: geometry !! the element
+      type(constraints_t), intent(in) :: constraints !! the supports, with the frames
+      real(dp) :: frame(2, 2)
+      integer :: i
+
+      do i = 1, geometry%n_nodes
+         if (.not. abs(constraints%axis(2, geometry%node(i))) > 0.0_dp) cycle
+         frame = constraints%frame(geometry%node(i))
+         block(2*i - 1:2*i, :) = matmul(transpose(frame), block(2*i - 1:2*i, :))
+         block(:, 2*i - 1:2*i) = matmul(block(:, 2*i - 1:2*i), frame)
+      end do
+   end subroutine turn_to_frames
+
+   !> Nodal forces that hold the stresses of a displacement: K u without ever forming K.
+   subroutine internal_forces(forces, mesh, material, coloring, displacement)
+      real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(material_t), intent(in) :: material !! the material
+      type(coloring_t), intent(in) :: coloring !! colours of the elements
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      type(element_geometry_t) :: geometry
+      real(dp) :: element(2, max_nodes)
+      integer :: color, i, k
+
+      allocate (forces(2, mesh%n_nodes), source=0.0_dp)
+      do color = 1, coloring%n_colors
+         !$omp parallel do default(none) schedule(static) private(geometry, element, k) &
+         !$omp shared(forces, mesh, material, coloring, displacement, color)
+         do i = coloring%start(color), coloring%start(color + 1) - 1
+            call new_element_geometry(geometry, mesh, coloring%element(i))
+            element = element_forces(geometry, material, displacement)
+            do k = 1, geometry%n_nodes
+               forces(:, geometry%node(k)) = forces(:, geometry%node(k)) + element(:, k)
+            end do
+         end do
+         !$omp end parallel do
+      end do
+   end subroutine internal_forces
+
+   !> Collects a nodal field into a vector of the unknowns: its components along the free axes.
+   pure function to_unknowns(field, constraints, dof_map) result(vector)
+      real(dp), intent(in) :: field(:, :) !! values at the nodes, x and y (2, n_nodes)
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      real(dp), allocatable :: vector(:)
+      real(dp) :: frame(2, 2)
+      integer :: node, axis
+
+      allocate (vector(dof_map%n_dofs))
+      do node = 1, size(field, 2)
+         frame = constraints%frame(node)
+         do axis = 1, 2
+            if (dof_map%dof(axis, node) > 0) vector(dof_map%dof(axis, node)) = dot_product(frame(:, axis), field(:, node))
+         end do
+      end do
+   end function to_unknowns
+
+   !> Spreads a vector of the unknowns to the nodes, prescribed displacements included.
+   pure function from_unknowns(vector, constraints, dof_map) result(displacement)
+      real(dp), intent(in) :: vector(:) !! the unknowns (n_dofs) [L]
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      real(dp), allocatable :: displacement(:, :)
+      real(dp) :: frame(2, 2)
+      integer :: node, axis
+
+      displacement = constraints%prescribed
+      do node = 1, size(displacement, 2)
+         frame = constraints%frame(node)
+         do axis = 1, 2
+            if (dof_map%dof(axis, node) == 0) cycle
+            displacement(:, node) = displacement(:, node) + frame(:, axis)*vector(dof_map%dof(axis, node))
+         end do
+      end do
+   end function from_unknowns
+
+end module amontons_assembly

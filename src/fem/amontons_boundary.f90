@@ -1,0 +1,125 @@
+!> Boundary lines: the sides of a set in the order in which they follow each other, with normals and weights.
+module amontons_boundary
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_mesh, only: mesh_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: boundary_line_t, new_boundary_line
+
+   !> The nodes of a boundary set, in order, the body on the left. A set of several pieces lists them one after the
+   !> other.
+   type :: boundary_line_t
+      integer :: n_nodes = 0 !! number of nodes
+      integer, allocatable :: node(:) !! number of each node in the mesh (n_nodes)
+      real(dp), allocatable :: normal(:, :) !! unit outward normal, the mean over the adjacent sides (2, n_nodes) [-]
+      real(dp), allocatable :: weight(:) !! tributary length: integral of the node's shape function (n_nodes) [L]
+      integer, allocatable :: next(:) !! place in this list of the node a side leads to, 0 for none (n_nodes)
+   end type boundary_line_t
+
+contains
+
+   !> Orders the sides of a boundary set and computes normals and weights of its nodes.
+   subroutine new_boundary_line(line, mesh, set, error)
+      type(boundary_line_t), intent(out) :: line !! the line
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      character(*), intent(in) :: set !! name of the boundary set
+      type(error_t), allocatable, intent(out) :: error !! no such set, or more than two of its sides meet in a node
+      integer, allocatable :: sides(:, :), after(:), before(:)
+
+      call mesh%set_sides(set, sides, error)
+      if (allocated(error)) return
+      allocate (after(mesh%n_nodes), before(mesh%n_nodes), source=0)
+      call link_sides(sides, after, before, set, error)
+      if (allocated(error)) return
+      call order_nodes(line, sides, after, before)
+      call measure_sides(line, mesh%coordinates)
+   end subroutine new_boundary_line
+
+   !> Notes for each node which node follows it and which comes before it.
+   pure subroutine link_sides(sides, after, before, set, error)
+      integer, intent(in) :: sides(:, :) !! first and second node of each side (2, sides)
+      integer, intent(inout) :: after(:) !! the node that follows, 0 for none (nodes)
+      integer, intent(inout) :: before(:) !! the node that comes before, 0 for none (nodes)
+      character(*), intent(in) :: set !! name of the set, for the message
+      type(error_t), allocatable, intent(out) :: error !! two sides begin, or two end, at one node
+      integer :: i
+
+      do i = 1, size(sides, 2)
+         if (after(sides(1, i)) /= 0 .or. before(sides(2, i)) /= 0) then
+            call new_error(error, input_refused, "the sides of the set '"//set// &
+               "' are no lines: they branch at node "// &
+               to_text(merge(sides(1, i), sides(2, i), after(sides(1, i)) /= 0)))
+            return
+         end if
+         after(sides(1, i)) = sides(2, i)
+         before(sides(2, i)) = sides(1, i)
+      end do
+   end subroutine link_sides
+
+   !> Lists the nodes piece by piece: first the open pieces, then the closed ones, each in the order of the set.
+   pure subroutine order_nodes(line, sides, after, before)
+      type(boundary_line_t), intent(inout) :: line !! the line
+      integer, intent(in) :: sides(:, :) !! first and second node of each side (2, sides)
+      integer, intent(inout) :: after(:) !! the node that follows; emptied
+      integer, intent(in) :: before(:) !! the node that comes before
+      integer :: i
+
+      allocate (line%node(2*size(sides, 2)), line%next(2*size(sides, 2)))
+      do i = 1, size(sides, 2)
+         if (before(sides(1, i)) == 0) call follow_piece(line, sides(1, i), after)
+      end do
+      do i = 1, size(sides, 2)
+         if (after(sides(1, i)) /= 0) call follow_piece(line, sides(1, i), after)
+      end do
+      line%node = line%node(:line%n_nodes)
+      line%next = line%next(:line%n_nodes)
+   end subroutine order_nodes
+
+   !> Lists the nodes of one piece, from a first node until the piece ends or closes.
+   pure subroutine follow_piece(line, first, after)
+      type(boundary_line_t), intent(inout) :: line !! the line
+      integer, intent(in) :: first !! first node of the piece
+      integer, intent(inout) :: after(:) !! the node that follows; emptied on the way
+      integer :: node, place, first_place
+
+      first_place = line%n_nodes + 1
+      node = first
+      do
+         place = line%n_nodes + 1
+         line%n_nodes = place
+         line%node(place) = node
+         node = after(node)
+         after(line%node(place)) = 0
+         line%next(place) = 0
+         if (node == 0) return
+         line%next(place) = first_place
+         if (node == first) return
+         line%next(place) = place + 1
+      end do
+   end subroutine follow_piece
+
+   !> Normals and weights of the nodes.
+   pure subroutine measure_sides(line, coordinates)
+      type(boundary_line_t), intent(inout) :: line !! the line, its nodes in order
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, nodes) [L]
+      real(dp) :: along(2)
+      integer :: ends(2), i
+
+      allocate (line%normal(2, line%n_nodes), line%weight(line%n_nodes), source=0.0_dp)
+      do i = 1, line%n_nodes
+         if (line%next(i) == 0) cycle
+         ends = [i, line%next(i)]
+         along = coordinates(:, line%node(ends(2))) - coordinates(:, line%node(ends(1)))
+         line%weight(ends) = line%weight(ends) + 0.5_dp*norm2(along)
+         line%normal(1, ends) = line%normal(1, ends) + along(2)
+         line%normal(2, ends) = line%normal(2, ends) - along(1)
+      end do
+      do i = 1, line%n_nodes
+         line%normal(:, i) = line%normal(:, i)/norm2(line%normal(:, i))
+      end do
+   end subroutine measure_sides
+
+end module amontons_boundary

@@ -1,0 +1,74 @@
+!> Colours of the elements: no two elements of one colour share a node, so a colour can be worked on in parallel.
+module amontons_coloring
+   use amontons_kinds, only: int64
+   use amontons_mesh, only: mesh_t
+   implicit none (type, external)
+   private
+
+   public :: coloring_t, new_coloring
+
+   !> Elements sorted by colour. Sums over the elements of a mesh taken colour by colour are the same for any
+   !> number of threads.
+   type :: coloring_t
+      integer :: n_colors = 0 !! number of colours
+      integer, allocatable :: start(:) !! where the elements of a colour begin in `element` (n_colors + 1)
+      integer, allocatable :: element(:) !! the elements, colour by colour
+   end type coloring_t
+
+contains
+
+   !> Colours the elements of a mesh greedily, in their own order.
+   subroutine new_coloring(coloring, mesh)
+      type(coloring_t), intent(out) :: coloring !! the colours
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, allocatable :: color(:), next(:)
+      integer :: element, i
+
+      color = greedy_colors(mesh)
+      coloring%n_colors = maxval(color)
+      allocate (coloring%start(coloring%n_colors + 1), source=0)
+      do element = 1, mesh%n_elements
+         coloring%start(color(element) + 1) = coloring%start(color(element) + 1) + 1
+      end do
+      coloring%start(1) = 1
+      do i = 1, coloring%n_colors
+         coloring%start(i + 1) = coloring%start(i + 1) + coloring%start(i)
+      end do
+      next = coloring%start
+      allocate (coloring%element(mesh%n_elements))
+      do element = 1, mesh%n_elements
+         coloring%element(next(color(element))) = element
+         next(color(element)) = next(color(element)) + 1
+      end do
+   end subroutine new_coloring
+
+   !> The colour of each element: the first that none of its neighbours took before it.
+   pure function greedy_colors(mesh) result(color)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, allocatable :: color(:)
+      integer, parameter :: n_bits = bit_size(0_int64)
+      integer(int64) :: taken(mesh%n_nodes), used
+      integer :: element, i, n_lonely
+
+      allocate (color(mesh%n_elements))
+      taken = 0_int64
+      n_lonely = 0
+      do element = 1, mesh%n_elements
+         used = 0_int64
+         do i = mesh%node_start(element), mesh%node_start(element + 1) - 1
+            used = ior(used, taken(mesh%node(i)))
+         end do
+         color(element) = trailz(not(used)) + 1
+         if (color(element) > n_bits) then
+            ! The bits of a node where very many elements meet are used up: the element gets a colour of its own.
+            n_lonely = n_lonely + 1
+            color(element) = n_bits + n_lonely
+            cycle
+         end if
+         do i = mesh%node_start(element), mesh%node_start(element + 1) - 1
+            taken(mesh%node(i)) = ibset(taken(mesh%node(i)), color(element) - 1)
+         end do
+      end do
+   end function greedy_colors
+
+end module amontons_coloring

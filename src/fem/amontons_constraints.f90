@@ -1,0 +1,160 @@
+!> Supports: which directions of which nodes are held, and where to.
+module amontons_constraints
+   use amontons_boundary, only: boundary_line_t, new_boundary_line
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_mesh, only: mesh_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: constraints_t, new_constraints, support_t
+
+   !> A prescribed displacement of a boundary set, or of the node at a point.
+   type :: support_t
+      character(:), allocatable :: set !! name of the boundary set; empty for a support at a point
+      real(dp) :: point(2) = 0.0_dp !! coordinates of the node [L]; read when `set` is empty
+      logical :: is_held(4) = .false. !! which components are prescribed: x, y, outward normal, tangent
+      real(dp) :: displacement(4) = 0.0_dp !! their values [L]
+      character(:), allocatable :: origin !! where the support was specified, for messages: 'deck.nml:12: '
+   end type support_t
+
+   !> The supports, node by node. Each node has an orthonormal frame (e1, e2); its displacement is the prescribed part
+   !> plus the free parts along e1 and e2.
+   type :: constraints_t
+      logical, allocatable :: is_free(:, :) !! whether the node can move along e1, e2 (2, n_nodes)
+      real(dp), allocatable :: axis(:, :) !! e1; e2 is e1 turned by +90 degrees (2, n_nodes) [-]
+      real(dp), allocatable :: prescribed(:, :) !! the prescribed displacement, x and y (2, n_nodes) [L]
+   contains
+      procedure :: frame => constraints_frame
+      procedure, private :: hold => constraints_hold
+   end type constraints_t
+
+contains
+
+   !> Applies all supports to the nodes of a mesh.
+   subroutine new_constraints(constraints, mesh, supports, error)
+      type(constraints_t), intent(out) :: constraints !! the constraints
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(support_t), intent(in) :: supports(:) !! the supports
+      type(error_t), allocatable, intent(out) :: error !! a set or node is missing, or two supports contradict each other
+      integer :: i
+
+      allocate (constraints%is_free(2, mesh%n_nodes), source=.true.)
+      allocate (constraints%axis(2, mesh%n_nodes), constraints%prescribed(2, mesh%n_nodes), source=0.0_dp)
+      constraints%axis(1, :) = 1.0_dp
+      do i = 1, size(supports)
+         if (len(supports(i)%set) == 0) then
+            call hold_point(constraints, mesh, supports(i), error)
+         else
+            call hold_set(constraints, mesh, supports(i), error)
+         end if
+         if (.not. allocated(error)) cycle
+         error%message = supports(i)%origin//error%message
+         return
+      end do
+   end subroutine new_constraints
+
+   !> Applies a support to the node at its point; normal and tangential components do not exist there.
+   subroutine hold_point(constraints, mesh, support, error)
+      type(constraints_t), intent(inout) :: constraints !! the constraints
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(support_t), intent(in) :: support !! the support
+      type(error_t), allocatable, intent(out) :: error !! no node is there, or the supports contradict each other
+      integer :: node
+
+      node = mesh%nearest_node(support%point)
+      if (node == 0) then
+         call new_error(error, input_refused, 'no node at the point '//to_text(support%point(1))//', '// &
+            to_text(support%point(2)))
+         return
+      end if
+      call hold_node(constraints, node, [0.0_dp, 0.0_dp], support, mesh%coordinates(:, node), error)
+   end subroutine hold_point
+
+   !> Applies a support to all nodes of its boundary set.
+   subroutine hold_set(constraints, mesh, support, error)
+      type(constraints_t), intent(inout) :: constraints !! the constraints
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(support_t), intent(in) :: support !! the support
+      type(error_t), allocatable, intent(out) :: error !! no such set, or the supports contradict each other
+      type(boundary_line_t) :: line
+      integer :: i
+
+      call new_boundary_line(line, mesh, support%set, error)
+      if (allocated(error)) return
+      do i = 1, line%n_nodes
+         call hold_node(constraints, line%node(i), line%normal(:, i), support, mesh%coordinates(:, line%node(i)), error)
+         if (allocated(error)) return
+      end do
+   end subroutine hold_set
+
+   !> Holds the prescribed components of one node.
+   subroutine hold_node(constraints, node, normal, support, position, error)
+      type(constraints_t), intent(inout) :: constraints !! the constraints
+      integer, intent(in) :: node !! the node
+      real(dp), intent(in) :: normal(2) !! outward normal at the node [-]
+      type(support_t), intent(in) :: support !! the support
+      real(dp), intent(in) :: position(2) !! coordinates of the node, for the message [L]
+      type(error_t), allocatable, intent(out) :: error !! the supports contradict each other at this node
+      real(dp) :: direction(2, 4)
+      logical :: is_consistent
+      integer :: component
+
+      direction(:, 1) = [1.0_dp, 0.0_dp]
+      direction(:, 2) = [0.0_dp, 1.0_dp]
+      direction(:, 3) = normal
+      direction(:, 4) = [-normal(2), normal(1)]
+      do component = 1, 4
+         if (.not. support%is_held(component)) cycle
+         call constraints%hold(node, direction(:, component), support%displacement(component), is_consistent)
+         if (is_consistent) cycle
+         call new_error(error, input_refused, 'contradicts an earlier support at the node '//to_text(position(1))// &
+            ', '//to_text(position(2)))
+         return
+      end do
+   end subroutine hold_node
+
+   !> Holds one direction of a node: direction . u = displacement.
+   pure subroutine constraints_hold(self, node, direction, displacement, is_consistent)
+      class(constraints_t), intent(inout) :: self !! the constraints
+      integer, intent(in) :: node !! the node
+      real(dp), intent(in) :: direction(2) !! unit vector [-]
+      real(dp), intent(in) :: displacement !! where to [L]
+      logical, intent(out) :: is_consistent !! false: the node is held elsewhere along this direction already
+      real(dp), parameter :: parallel = 1.0e-9_dp
+      real(dp) :: frame(2, 2), missing, along
+      integer :: free
+
+      missing = displacement - dot_product(direction, self%prescribed(:, node))
+      if (all(self%is_free(:, node)) .and. all(abs(direction) > parallel)) self%axis(:, node) = direction
+      frame = self%frame(node)
+      ! The free axis that the direction has most of: the other one is held already, or square to it.
+      free = 0
+      along = parallel
+      if (self%is_free(1, node) .and. abs(dot_product(direction, frame(:, 1))) > along) then
+         free = 1
+         along = abs(dot_product(direction, frame(:, 1)))
+      end if
+      if (self%is_free(2, node) .and. abs(dot_product(direction, frame(:, 2))) > along) free = 2
+      if (free == 0) then
+         is_consistent = abs(missing) <= parallel*(abs(displacement) + norm2(self%prescribed(:, node)))
+         return
+      end if
+      is_consistent = .true.
+      self%is_free(free, node) = .false.
+      self%prescribed(:, node) = self%prescribed(:, node) &
+         + frame(:, free)*missing/dot_product(direction, frame(:, free))
+   end subroutine constraints_hold
+
+   !> The frame of a node: its axes e1 and e2 as columns (2, 2) [-].
+   pure function constraints_frame(self, node) result(frame)
+      class(constraints_t), intent(in) :: self !! the constraints
+      integer, intent(in) :: node !! the node
+      real(dp) :: frame(2, 2)
+
+      frame(:, 1) = self%axis(:, node)
+      frame(:, 2) = [-self%axis(2, node), self%axis(1, node)]
+   end function constraints_frame
+
+end module amontons_constraints

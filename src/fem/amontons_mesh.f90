@@ -1,0 +1,179 @@
+!> The mesh: nodes, elements, named boundary sets, and the checks every mesh must pass.
+module amontons_mesh
+   use amontons_element, only: max_nodes, n_element_nodes, n_element_points, quadrature_point, shape_functions, side_nodes
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: boundary_set_t, element_jacobian, mesh_t
+
+   !> A named part of the boundary: sides of elements.
+   type :: boundary_set_t
+      character(:), allocatable :: name !! name, as a deck writes it
+      integer, allocatable :: element(:) !! the element of each side
+      integer, allocatable :: side(:) !! the side's number in its element
+   end type boundary_set_t
+
+   !> A plane mesh; elements may be of different kinds.
+   type :: mesh_t
+      integer :: n_nodes = 0 !! number of nodes
+      integer :: n_elements = 0 !! number of elements
+      real(dp), allocatable :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      integer, allocatable :: element_kind(:) !! kind of each element, see `amontons_element` (n_elements)
+      integer, allocatable :: node_start(:) !! where the nodes of an element begin in `node` (n_elements + 1)
+      integer, allocatable :: node(:) !! nodes of the elements, counter-clockwise
+      type(boundary_set_t), allocatable :: sets(:) !! named boundary sets
+   contains
+      procedure :: check => mesh_check
+      procedure :: find_set => mesh_find_set
+      procedure :: nearest_node => mesh_nearest_node
+      procedure :: set_sides => mesh_set_sides
+      procedure :: side => mesh_side
+   end type mesh_t
+
+contains
+
+   !> Checks that the mesh can carry a computation: positive Jacobians, every node used.
+   subroutine mesh_check(self, error)
+      class(mesh_t), intent(in) :: self !! the mesh
+      type(error_t), allocatable, intent(out) :: error !! the first element or node at fault
+      logical :: is_used(self%n_nodes)
+      integer :: element, node
+
+      is_used = .false.
+      is_used(self%node) = .true.
+      if (.not. all(is_used)) then
+         node = findloc(is_used, .false., dim=1)
+         call new_error(error, input_refused, 'mesh: node '//to_text(node)//' belongs to no element')
+         return
+      end if
+      do element = 1, self%n_elements
+         if (is_turned_over(self, element)) then
+            call new_error(error, input_refused, 'mesh: element '//to_text(element)// &
+               ' is degenerate or turned over; its Jacobian must be positive everywhere')
+            return
+         end if
+      end do
+   end subroutine mesh_check
+
+   !> Whether the Jacobian of an element fails to be positive at a quadrature point or a corner.
+   pure logical function is_turned_over(mesh, element)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: element !! number of the element
+      real(dp), parameter :: corners(2, 4, 2) = reshape([ &
+         0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, &
+         -1.0_dp, -1.0_dp, 1.0_dp, -1.0_dp, 1.0_dp, 1.0_dp, -1.0_dp, 1.0_dp], [2, 4, 2])
+      real(dp) :: xi(2), weight
+      integer :: kind, point
+
+      kind = mesh%element_kind(element)
+      is_turned_over = .false.
+      do point = 1, n_element_nodes(kind)
+         is_turned_over = is_turned_over .or. .not. determinant(mesh, element, corners(:, point, kind)) > 0.0_dp
+      end do
+      do point = 1, n_element_points(kind)
+         call quadrature_point(kind, point, xi, weight)
+         is_turned_over = is_turned_over .or. .not. determinant(mesh, element, xi) > 0.0_dp
+      end do
+   end function is_turned_over
+
+   !> Determinant of the Jacobian of an element at a reference point [L^2].
+   pure real(dp) function determinant(mesh, element, xi)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: element !! number of the element
+      real(dp), intent(in) :: xi(2) !! reference coordinates [-]
+      real(dp) :: values(max_nodes), derivatives(2, max_nodes), jacobian(2, 2)
+      integer :: kind, first
+
+      kind = mesh%element_kind(element)
+      first = mesh%node_start(element)
+      call shape_functions(kind, xi, values, derivatives)
+      jacobian = element_jacobian(mesh%coordinates(:, mesh%node(first:mesh%node_start(element + 1) - 1)), derivatives)
+      determinant = jacobian(1, 1)*jacobian(2, 2) - jacobian(1, 2)*jacobian(2, 1)
+   end function determinant
+
+   !> Jacobian of the map from the reference element: dx_i / dxi_j (2, 2) [L].
+   pure function element_jacobian(coordinates, derivatives) result(jacobian)
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the element's nodes (2, nodes) [L]
+      real(dp), intent(in) :: derivatives(2, max_nodes) !! derivatives of the shape functions [-]
+      real(dp) :: jacobian(2, 2)
+      integer :: node
+
+      jacobian = 0.0_dp
+      do node = 1, size(coordinates, 2)
+         jacobian(:, 1) = jacobian(:, 1) + coordinates(:, node)*derivatives(1, node)
+         jacobian(:, 2) = jacobian(:, 2) + coordinates(:, node)*derivatives(2, node)
+      end do
+   end function element_jacobian
+
+   !> Number of the boundary set of a name, 0 where there is none.
+   pure integer function mesh_find_set(self, name) result(set)
+      class(mesh_t), intent(in) :: self !! the mesh
+      character(*), intent(in) :: name !! name of the set
+
+      do set = 1, size(self%sets)
+         if (self%sets(set)%name == name) return
+      end do
+      set = 0
+   end function mesh_find_set
+
+   !> The sides of a named boundary set.
+   pure subroutine mesh_set_sides(self, name, sides, error)
+      class(mesh_t), intent(in) :: self !! the mesh
+      character(*), intent(in) :: name !! name of the set
+      integer, allocatable, intent(out) :: sides(:, :) !! first and second node of each side, body on the left (2, sides)
+      type(error_t), allocatable, intent(out) :: error !! there is no such set; the message lists those there are
+      character(:), allocatable :: known
+      integer :: set, i
+
+      set = self%find_set(name)
+      if (set > 0) then
+         allocate (sides(2, size(self%sets(set)%element)))
+         do i = 1, size(sides, 2)
+            sides(:, i) = self%side(self%sets(set)%element(i), self%sets(set)%side(i))
+         end do
+         return
+      end if
+      known = ''
+      do i = 1, size(self%sets)
+         known = known//merge('  ', ', ', i == 1)//self%sets(i)%name
+      end do
+      call new_error(error, input_refused, "the mesh has no set '"//name//"'; its sets are: "//trim(adjustl(known)))
+   end subroutine mesh_set_sides
+
+   !> The two end nodes of a side of an element, in the direction that has the element on its left.
+   pure function mesh_side(self, element, side) result(nodes)
+      class(mesh_t), intent(in) :: self !! the mesh
+      integer, intent(in) :: element !! number of the element
+      integer, intent(in) :: side !! number of the side in the element
+      integer :: nodes(2)
+
+      nodes = self%node(self%node_start(element) - 1 + side_nodes(self%element_kind(element), side))
+   end function mesh_side
+
+   !> The node at given coordinates, within a thousandth of the distance to the next node; 0 where there is none.
+   pure integer function mesh_nearest_node(self, point) result(nearest)
+      class(mesh_t), intent(in) :: self !! the mesh
+      real(dp), intent(in) :: point(2) !! coordinates [L]
+      real(dp) :: distance, least, second
+      integer :: node
+
+      nearest = 0
+      least = huge(least)
+      second = huge(second)
+      do node = 1, self%n_nodes
+         distance = norm2(self%coordinates(:, node) - point)
+         if (distance < least) then
+            second = least
+            least = distance
+            nearest = node
+         else
+            second = min(second, distance)
+         end if
+      end do
+      if (least > 1.0e-3_dp*second) nearest = 0
+   end function mesh_nearest_node
+
+end module amontons_mesh

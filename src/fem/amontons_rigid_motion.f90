@@ -1,0 +1,99 @@
+!> Rigid motions of a body, and those that its supports leave free.
+module amontons_rigid_motion
+   use amontons_constraints, only: constraints_t
+   use amontons_dense, only: symmetric_eigenvectors
+   use amontons_kinds, only: dp
+   use amontons_mesh, only: mesh_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: new_rigid_motions, rigid_motions_t
+
+   !> The free rigid motions of a body: combinations of the translations and the rotation about its middle.
+   type :: rigid_motions_t
+      integer :: n_free = 0 !! number of independent free motions, 0 to 3
+      real(dp), allocatable :: mode(:, :) !! translation x, translation y, rotation of each free motion (3, n_free)
+      real(dp) :: center(2) = 0.0_dp !! the middle of the body [L]
+      real(dp) :: radius = 1.0_dp !! half the body's diagonal, the length that scales the rotation [L]
+   contains
+      procedure :: describe => rigid_motions_describe
+      procedure :: displacement => rigid_motions_displacement
+   end type rigid_motions_t
+
+contains
+
+   !> Finds the rigid motions that violate no support: the kernel of the Gram matrix of the held directions.
+   subroutine new_rigid_motions(motions, mesh, constraints)
+      type(rigid_motions_t), intent(out) :: motions !! the free motions
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(constraints_t), intent(in) :: constraints !! the supports
+      ! Held directions are known to about 1e-9; a square of that is noise in the Gram matrix.
+      real(dp), parameter :: negligible = 1.0e-12_dp
+      real(dp) :: gram(3, 3), values(3), frame(2, 2), work(3)
+      integer :: node, axis, motion, info
+
+      motions%center = 0.5_dp*(minval(mesh%coordinates, dim=2) + maxval(mesh%coordinates, dim=2))
+      motions%radius = 0.5_dp*norm2(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
+      gram = 0.0_dp
+      do node = 1, mesh%n_nodes
+         frame = constraints%frame(node)
+         do axis = 1, 2
+            if (constraints%is_free(axis, node)) cycle
+            work = matmul(frame(:, axis), unit_motions(motions, mesh%coordinates(:, node)))
+            do motion = 1, 3
+               gram(:, motion) = gram(:, motion) + work*work(motion)
+            end do
+         end do
+      end do
+      call symmetric_eigenvectors(gram, values, info)
+      motions%n_free = count(values <= negligible*max(values(3), tiny(values)))
+      if (all(constraints%is_free)) motions%n_free = 3
+      motions%mode = gram(:, :motions%n_free)
+   end subroutine new_rigid_motions
+
+   !> Displacement of a point under the two translations and the rotation (2, 3) [-].
+   pure function unit_motions(motions, point) result(displacement)
+      type(rigid_motions_t), intent(in) :: motions !! centre and radius
+      real(dp), intent(in) :: point(2) !! coordinates [L]
+      real(dp) :: displacement(2, 3)
+
+      displacement(:, 1) = [1.0_dp, 0.0_dp]
+      displacement(:, 2) = [0.0_dp, 1.0_dp]
+      displacement(:, 3) = [-(point(2) - motions%center(2)), point(1) - motions%center(1)]/motions%radius
+   end function unit_motions
+
+   !> Displacement of a point under each free motion (2, n_free) [-].
+   pure function rigid_motions_displacement(self, point) result(displacement)
+      class(rigid_motions_t), intent(in) :: self !! the free motions
+      real(dp), intent(in) :: point(2) !! coordinates [L]
+      real(dp) :: displacement(2, self%n_free)
+
+      displacement = matmul(unit_motions(self, point), self%mode)
+   end function rigid_motions_displacement
+
+   !> Names a combination of the free motions in words.
+   pure function rigid_motions_describe(self, amounts) result(text)
+      class(rigid_motions_t), intent(in) :: self !! the free motions
+      real(dp), intent(in) :: amounts(:) !! amount of each free motion (n_free)
+      character(:), allocatable :: text
+      real(dp) :: motion(3)
+
+      motion = matmul(self%mode, amounts)
+      motion = motion/maxval(abs(motion))
+      text = ''
+      if (norm2(motion(1:2)) > 1.0e-6_dp) text = 'translation along ('//short(motion(1))//', '//short(motion(2))//')'
+      if (abs(motion(3)) <= 1.0e-6_dp) return
+      if (len(text) > 0) text = text//' with '
+      text = text//trim(merge('counter-clockwise', 'clockwise        ', motion(3) > 0.0_dp))//' rotation'
+   end function rigid_motions_describe
+
+   !> A number rounded to four decimals, for reading.
+   pure function short(value) result(text)
+      real(dp), intent(in) :: value !! the number
+      character(:), allocatable :: text
+
+      text = to_text(real(nint(1.0e4_dp*value), dp)/1.0e4_dp)
+   end function short
+
+end module amontons_rigid_motion

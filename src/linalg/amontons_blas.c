@@ -1,0 +1,53 @@
+/* What OpenBLAS can be told beyond the BLAS itself. Weak references leave any other BLAS linkable. */
+#define _POSIX_C_SOURCE 200112L
+#include <stdlib.h>
+#include <string.h>
+
+extern void openblas_set_num_threads(int n_threads) __attribute__((weak));
+extern int openblas_get_num_threads(void) __attribute__((weak));
+extern char *openblas_get_corename(void) __attribute__((weak));
+extern void gotoblas_dynamic_init(void) __attribute__((weak));
+extern void gotoblas_dynamic_quit(void) __attribute__((weak));
+
+/* Sets the number of threads; a BLAS without such a call is left alone. */
+void amontons_set_blas_threads(int n_threads)
+{
+    if (openblas_set_num_threads && openblas_get_num_threads && openblas_get_num_threads() != n_threads)
+        openblas_set_num_threads(n_threads);
+}
+
+/* Returns the number of threads, 1 for a BLAS that does not tell. */
+int amontons_blas_threads(void)
+{
+    return openblas_get_num_threads ? openblas_get_num_threads() : 1;
+}
+
+/* Returns OpenBLAS's name for the kernels that suit the instructions of this processor, or NULL. */
+static const char *suitable_kernels(void)
+{
+#ifdef __x86_64__
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw")
+        && __builtin_cpu_supports("avx512vl"))
+        return "SkylakeX";
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+        return "Haswell";
+#endif
+    return NULL;
+}
+
+/* OpenBLAS knows processors by a list of models, and gives one that is newer than the list its oldest kernels, which
+   are four times slower. Where that happened this picks by instructions instead, as setting OPENBLAS_CORETYPE before
+   the start would; a value that the user set stands. To be called while no other thread is in the BLAS. */
+void amontons_choose_blas_kernels(void)
+{
+    const char *const variable = "OPENBLAS_CORETYPE";
+    if (!openblas_get_corename || !gotoblas_dynamic_init || !gotoblas_dynamic_quit || getenv(variable)
+        || strcmp(openblas_get_corename(), "Prescott") != 0)
+        return;
+    const char *kernels = suitable_kernels();
+    if (!kernels || setenv(variable, kernels, 1) != 0)
+        return;
+    gotoblas_dynamic_quit();
+    gotoblas_dynamic_init();
+    unsetenv(variable);
+}

@@ -1,0 +1,110 @@
+/* A thin layer over CHOLMOD and CAMD: their structures change with the version, so none of them crosses into Fortran. */
+#define _DEFAULT_SOURCE
+#include <camd.h>
+#include <cholmod.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <sys/mman.h>
+
+/* What a call reports; the Fortran side has the same numbers. */
+enum { done = 0, not_positive_definite = 1, out_of_memory = 2 };
+
+/* Everything that belongs to one factorisation; opaque to Fortran. */
+typedef struct {
+    cholmod_common common;
+    cholmod_factor *factor;
+} handle_t;
+
+/* The arrays of a supernodal factor, as the Fortran side reads them. Indices count from 0. Supernode k has the columns
+   column[k] to column[k+1]-1; its rows are row[row_start[k]] to row[row_start[k+1]-1], its own columns first; its dense
+   block starts at value[value_start[k]]. */
+typedef struct {
+    int64_t n_supernodes, n_entries;
+    const int64_t *column, *row_start, *value_start, *row;
+    const double *value;
+} supernodes_t;
+
+/* Orders a graph by approximate minimum degree, the members of constraint set 0 before those of set 1. */
+int amontons_camd_order(int64_t n, const int64_t *start, const int64_t *neighbour, const int64_t *constraint,
+                        int64_t *order)
+{
+    if (n == 0)
+        return done;
+    SuiteSparse_long code = camd_l_order(n, start, neighbour, order, NULL, NULL, constraint);
+    return code == CAMD_OK || code == CAMD_OK_BUT_JUMBLED ? done : out_of_memory;
+}
+
+/* Frees a factorisation; a null handle is none. */
+void amontons_cholmod_free(void *opaque)
+{
+    handle_t *handle = opaque;
+    if (!handle)
+        return;
+    cholmod_l_free_factor(&handle->factor, &handle->common);
+    cholmod_l_finish(&handle->common);
+    free(handle);
+}
+
+/* Settings: supernodal L L^T of the matrix in the order it has, silently. */
+static void choose(cholmod_common *common)
+{
+    cholmod_l_start(common);
+    common->print = 0;
+    common->nmethods = 1;
+    common->method[0].ordering = CHOLMOD_NATURAL;
+    common->postorder = 0;
+    common->supernodal = CHOLMOD_SUPERNODAL;
+    common->final_ll = 1;
+    common->quick_return_if_not_posdef = 1;
+}
+
+/* Gives an analysed factor its numbers, on large pages where the system has them: with small ones the page faults take
+   a tenth of the factorisation. Left to itself CHOLMOD would allocate the same on small pages. */
+static int allocate_values(cholmod_factor *factor, cholmod_common *common)
+{
+    const size_t page = (size_t)1 << 21, n_bytes = factor->xsize * sizeof(double);
+    factor->x = aligned_alloc(page, (n_bytes + page - 1) / page * page);
+    if (!factor->x)
+        return 0;
+#ifdef MADV_HUGEPAGE
+    madvise(factor->x, n_bytes, MADV_HUGEPAGE);
+#endif
+    factor->xtype = CHOLMOD_REAL;
+    factor->dtype = CHOLMOD_DOUBLE;
+    common->malloc_count++;
+    common->memory_inuse += n_bytes;
+    return 1;
+}
+
+/* Factorises a matrix whose lower triangle is given by columns, counted from 0, already in the order of elimination.
+   On success the handle owns the factor and `supernodes` shows it; if a pivot fails, `failed` is its column. */
+int amontons_cholmod_factorize(int64_t n, int64_t *column_start, int64_t *row, double *value, void **opaque,
+                               supernodes_t *supernodes, int64_t *failed)
+{
+    handle_t *handle = calloc(1, sizeof *handle);
+    if (!handle)
+        return out_of_memory;
+    *opaque = handle;
+    cholmod_common *common = &handle->common;
+    choose(common);
+
+    cholmod_sparse matrix = {.nrow = (size_t)n, .ncol = (size_t)n, .nzmax = (size_t)column_start[n], .p = column_start,
+                             .i = row, .x = value, .stype = -1, .itype = CHOLMOD_LONG, .xtype = CHOLMOD_REAL,
+                             .dtype = CHOLMOD_DOUBLE, .sorted = 0, .packed = 1};
+    cholmod_factor *factor = handle->factor = cholmod_l_analyze(&matrix, common);
+    cholmod_l_free_work(common);
+    if (!factor || !allocate_values(factor, common))
+        return out_of_memory;
+    cholmod_l_factorize(&matrix, factor, common);
+    cholmod_l_free_work(common);
+
+    if (common->status == CHOLMOD_NOT_POSDEF) {
+        *failed = (int64_t)factor->minor;
+        return not_positive_definite;
+    }
+    if (common->status != CHOLMOD_OK)
+        return out_of_memory;
+    *supernodes = (supernodes_t){(int64_t)factor->nsuper, (int64_t)factor->xsize, factor->super, factor->pi, factor->px,
+                                 factor->s, factor->x};
+    return done;
+}

@@ -1,0 +1,130 @@
+!> Dense linear algebra on small full matrices: the few LAPACK operations the contact methods need.
+!>
+!> Every matrix argument is square; a symmetric one is read from its lower triangle. `info` = 0 means done.
+module amontons_dense
+   use amontons_kinds, only: dp
+   use amontons_lapack, only: dgesv, dpotrf, dpotri, dpotrs, dsyev, dsymv
+   implicit none (type, external)
+   private
+
+   public :: cholesky_factor, cholesky_inverse, cholesky_solve, fill_upper, lu_solve, symmetric_eigenvalues, &
+      symmetric_eigenvectors, symmetric_multiply
+
+   !> Solves L L^T x = b in place, for one right-hand side or for the columns of a matrix.
+   interface cholesky_solve
+      module procedure :: cholesky_solve_vector, cholesky_solve_matrix
+   end interface cholesky_solve
+
+contains
+
+   !> Replaces the lower triangle of a symmetric matrix by its Cholesky factor L, A = L L^T.
+   pure subroutine cholesky_factor(a, info)
+      real(dp), contiguous, intent(inout) :: a(:, :)
+         !! the matrix (n, n); on return L in the lower triangle; the strictly upper part is neither read nor changed
+      integer, intent(out) :: info !! 0, or the order of the first leading block that is not positive definite
+
+      call dpotrf('L', size(a, 1), a, max(1, size(a, 1)), info)
+   end subroutine cholesky_factor
+
+   !> Solves L L^T x = b for one right-hand side.
+   pure subroutine cholesky_solve_vector(l, b)
+      real(dp), contiguous, intent(in) :: l(:, :) !! L in the lower triangle (n, n), from `cholesky_factor`
+      real(dp), contiguous, intent(inout) :: b(:) !! right-hand side (n), the solution on return
+      integer :: info
+
+      call dpotrs('L', size(l, 1), 1, l, max(1, size(l, 1)), b, max(1, size(b)), info)
+   end subroutine cholesky_solve_vector
+
+   !> Solves L L^T X = B for several right-hand sides.
+   pure subroutine cholesky_solve_matrix(l, b)
+      real(dp), contiguous, intent(in) :: l(:, :) !! L in the lower triangle (n, n), from `cholesky_factor`
+      real(dp), contiguous, intent(inout) :: b(:, :) !! right-hand sides (n, any), the solutions on return
+      integer :: info
+
+      call dpotrs('L', size(l, 1), size(b, 2), l, max(1, size(l, 1)), b, max(1, size(b, 1)), info)
+   end subroutine cholesky_solve_matrix
+
+   !> Replaces the Cholesky factor L by the full symmetric inverse (L L^T)^-1.
+   pure subroutine cholesky_inverse(l)
+      real(dp), contiguous, intent(inout) :: l(:, :)
+         !! L in the lower triangle (n, n), from `cholesky_factor`; both triangles of the inverse on return
+      integer :: info
+
+      call dpotri('L', size(l, 1), l, max(1, size(l, 1)), info)
+      call fill_upper(l)
+   end subroutine cholesky_inverse
+
+   !> Copies the lower triangle of a matrix to its upper one.
+   pure subroutine fill_upper(a)
+      real(dp), contiguous, intent(inout) :: a(:, :) !! the matrix (n, n)
+      integer, parameter :: tile = 64
+      integer :: i, j, first_row, first_column, last_row
+
+      ! Tile by tile, so that the transposed side stays in the cache.
+      do first_column = 1, size(a, 2), tile
+         do first_row = first_column, size(a, 1), tile
+            last_row = min(first_row + tile - 1, size(a, 1))
+            do j = first_column, min(first_column + tile - 1, size(a, 2))
+               do i = max(first_row, j + 1), last_row
+                  a(j, i) = a(i, j)
+               end do
+            end do
+         end do
+      end do
+   end subroutine fill_upper
+
+   !> Solves A x = b for a general matrix by elimination with row exchanges.
+   pure subroutine lu_solve(a, b, info)
+      real(dp), contiguous, intent(inout) :: a(:, :) !! the matrix (n, n), its triangular factors on return
+      real(dp), contiguous, intent(inout) :: b(:) !! right-hand side (n), the solution on return
+      integer, intent(out) :: info !! 0, or the number of the first pivot that is exactly zero; b is then untouched
+      integer, allocatable :: pivots(:)
+
+      allocate (pivots(size(a, 1)))
+      call dgesv(size(a, 1), 1, a, max(1, size(a, 1)), pivots, b, max(1, size(b)), info)
+   end subroutine lu_solve
+
+   !> The product y = A x of a symmetric matrix, reading half of it.
+   pure subroutine symmetric_multiply(a, x, y)
+      real(dp), contiguous, intent(in) :: a(:, :) !! the matrix (n, n); only the lower triangle is read
+      real(dp), contiguous, intent(in) :: x(:) !! the vector (n)
+      real(dp), contiguous, intent(out) :: y(:) !! the product (n)
+
+      y = 0.0_dp
+      call dsymv('L', size(x), 1.0_dp, a, max(1, size(x)), x, 1, 0.0_dp, y, 1)
+   end subroutine symmetric_multiply
+
+   !> All eigenvalues of a symmetric matrix, in ascending order.
+   subroutine symmetric_eigenvalues(a, w, info)
+      real(dp), contiguous, intent(inout) :: a(:, :) !! the matrix (n, n), lower triangle read; destroyed on return
+      real(dp), contiguous, intent(out) :: w(:) !! the eigenvalues (n)
+      integer, intent(out) :: info !! 0, or how many values did not converge
+
+      call diagonalize('N', a, w, info)
+   end subroutine symmetric_eigenvalues
+
+   !> All eigenvalues of a symmetric matrix, in ascending order, and their orthonormal eigenvectors.
+   subroutine symmetric_eigenvectors(a, w, info)
+      real(dp), contiguous, intent(inout) :: a(:, :)
+         !! the matrix (n, n), lower triangle read; on return column k is the eigenvector of value k
+      real(dp), contiguous, intent(out) :: w(:) !! the eigenvalues (n)
+      integer, intent(out) :: info !! 0, or how many values did not converge
+
+      call diagonalize('V', a, w, info)
+   end subroutine symmetric_eigenvectors
+
+   !> Calls LAPACK's eigenvalue routine with the workspace it wants.
+   subroutine diagonalize(job, a, w, info)
+      character, intent(in) :: job !! `N` for values only, `V` for vectors too
+      real(dp), contiguous, intent(inout) :: a(:, :) !! the matrix (n, n); on return the eigenvectors, or nothing of use
+      real(dp), contiguous, intent(out) :: w(:) !! the eigenvalues (n)
+      integer, intent(out) :: info !! 0, or how many values did not converge
+      ! LAPACK asks for (block size + 2) n; its blocks have 32 columns.
+      integer, parameter :: work_per_row = 34
+      real(dp), allocatable :: work(:)
+
+      allocate (work(max(1, work_per_row*size(a, 1))))
+      call dsyev(job, 'L', size(a, 1), a, max(1, size(a, 1)), w, work, size(work), info)
+   end subroutine diagonalize
+
+end module amontons_dense

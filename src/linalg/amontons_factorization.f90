@@ -1,0 +1,217 @@
+!> The factorisation seam: Cholesky with the trailing unknowns eliminated last, whatever library makes the factor.
+!>
+!> P K P^T = L L^T, where P puts unknown `order(k)` in position k and keeps the last `n_trailing` unknowns last. With the
+!> unknowns split into interior i and trailing c, the last block of L is the Cholesky factor of the Schur complement
+!> S = K_cc - K_ci K_ii^-1 K_ic, and stopping the forward substitution before it leaves q = b_c - K_ci K_ii^-1 b_i.
+module amontons_factorization
+   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_kinds, only: dp, int64
+   use amontons_lapack, only: dlauum
+   use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: factorization_t
+
+   !> A Cholesky factorisation. The substitutions only read it, so several threads may use one at the same time.
+   type, abstract :: factorization_t
+      integer :: n = 0 !! Number of unknowns.
+      integer :: n_trailing = 0 !! How many of them, the last ones, are eliminated last.
+      integer, allocatable :: order(:) !! Position k holds unknown order(k) (n).
+      integer, allocatable :: trailing_order(:) !! Trailing position k holds trailing unknown trailing_order(k) (n_trailing).
+   contains
+      procedure(factorize), deferred :: factorize
+      procedure(substitute), deferred :: substitute_forward
+      procedure(substitute), deferred :: substitute_backward
+      procedure(trailing_factor), deferred :: trailing_factor
+      procedure(n_factor_entries), deferred :: n_factor_entries
+      procedure(name), deferred, nopass :: name
+      procedure :: forward => factorization_forward
+      procedure :: backward => factorization_backward
+      procedure :: solve => factorization_solve
+      procedure :: schur_complement => factorization_schur_complement
+      procedure :: condense => factorization_condense
+      procedure :: expand => factorization_expand
+      procedure :: set_order => factorization_set_order
+      procedure :: check_pivots => factorization_check_pivots
+      procedure :: refuse => factorization_refuse
+   end type factorization_t
+
+   abstract interface
+      !> Factorises a symmetric positive definite matrix.
+      subroutine factorize(self, matrix, n_trailing, error)
+         import :: error_t, factorization_t, sparse_matrix_t
+         implicit none (type, external)
+         class(factorization_t), intent(inout) :: self !! the factorisation
+         type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
+         integer, intent(in) :: n_trailing !! how many unknowns, the last ones, are eliminated last
+         type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory ran out
+      end subroutine factorize
+
+      !> Does the steps of a substitution that belong to the first columns of L.
+      subroutine substitute(self, n_steps, y)
+         import :: dp, factorization_t
+         implicit none (type, external)
+         class(factorization_t), intent(in) :: self !! the factorisation
+         integer, intent(in) :: n_steps !! how many columns
+         real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
+      end subroutine substitute
+
+      !> The last block of L, the Cholesky factor of the Schur complement.
+      subroutine trailing_factor(self, l22)
+         import :: dp, factorization_t
+         implicit none (type, external)
+         class(factorization_t), intent(in) :: self !! the factorisation
+         real(dp), contiguous, intent(out) :: l22(:, :)
+            !! lower triangular, zeros above, by trailing position (n_trailing, n_trailing)
+      end subroutine trailing_factor
+
+      !> The number of entries of L that are stored.
+      pure function n_factor_entries(self) result(n_entries)
+         import :: factorization_t, int64
+         implicit none (type, external)
+         class(factorization_t), intent(in) :: self !! the factorisation
+         integer(int64) :: n_entries
+      end function n_factor_entries
+
+      !> The word for this kind of factorisation: `band` or `sparse`.
+      pure function name()
+         implicit none (type, external)
+         character(:), allocatable :: name
+      end function name
+   end interface
+
+contains
+
+   !> The forward substitution y = L^-1 P b.
+   subroutine factorization_forward(self, b, y)
+      class(factorization_t), intent(in) :: self !! the factorisation
+      real(dp), intent(in) :: b(:) !! right-hand side by unknown (n)
+      real(dp), contiguous, intent(out) :: y(:) !! the result by position (n)
+
+      y = b(self%order)
+      call self%substitute_forward(self%n, y)
+   end subroutine factorization_forward
+
+   !> The backward substitution x = P^T L^-T y.
+   subroutine factorization_backward(self, y, x)
+      class(factorization_t), intent(in) :: self !! the factorisation
+      real(dp), intent(in) :: y(:) !! the vector by position (n)
+      real(dp), intent(out) :: x(:) !! the result by unknown (n)
+      real(dp), allocatable :: work(:)
+
+      allocate (work, source=y)
+      call self%substitute_backward(self%n, work)
+      x(self%order) = work
+   end subroutine factorization_backward
+
+   !> Solves K x = b.
+   subroutine factorization_solve(self, b, x)
+      class(factorization_t), intent(in) :: self !! the factorisation
+      real(dp), intent(in) :: b(:) !! right-hand side (n)
+      real(dp), intent(out) :: x(:) !! the solution (n)
+      real(dp), allocatable :: y(:)
+
+      allocate (y(self%n))
+      call self%forward(b, y)
+      call self%backward(y, x)
+   end subroutine factorization_solve
+
+   !> The Schur complement S = L22 L22^T of the matrix that was factorised, on its trailing unknowns.
+   subroutine factorization_schur_complement(self, s)
+      class(factorization_t), intent(in) :: self !! the factorisation
+      real(dp), contiguous, intent(out) :: s(:, :) !! S, both triangles, trailing unknowns in matrix order (n_trailing, n_trailing)
+      real(dp), allocatable :: factor(:, :)
+      integer :: i, j, m, info
+
+      m = self%n_trailing
+      allocate (factor(m, m))
+      call self%trailing_factor(s)
+      ! LAPACK has U U^T in place but not L L^T; with rows and columns reversed L22 is such a U.
+      do j = 1, m
+         do i = 1, j
+            factor(i, j) = s(m + 1 - i, m + 1 - j)
+         end do
+      end do
+      call dlauum('U', m, factor, max(1, m), info)
+      associate (order => self%trailing_order(m:1:-1))
+         do j = 1, m
+            do i = 1, j
+               s(order(i), order(j)) = factor(i, j)
+               s(order(j), order(i)) = factor(i, j)
+            end do
+         end do
+      end associate
+   end subroutine factorization_schur_complement
+
+   !> Eliminates the interior from a load: q = b_c - K_ci K_ii^-1 b_i.
+   subroutine factorization_condense(self, b, partial, q)
+      class(factorization_t), intent(in) :: self !! the factorisation
+      real(dp), intent(in) :: b(:) !! the load (n)
+      real(dp), contiguous, intent(out) :: partial(:) !! the forward substitution of the interior, for `expand` (n)
+      real(dp), intent(out) :: q(:) !! the condensed load, trailing unknowns in matrix order (n_trailing)
+      integer :: n_interior
+
+      n_interior = self%n - self%n_trailing
+      partial = b(self%order)
+      call self%substitute_forward(n_interior, partial)
+      q(self%trailing_order) = partial(n_interior + 1:)
+   end subroutine factorization_condense
+
+   !> The whole solution from that of the trailing unknowns: K_ii x_i = b_i - K_ic v.
+   subroutine factorization_expand(self, partial, v, x)
+      class(factorization_t), intent(in) :: self !! the factorisation
+      real(dp), intent(in) :: partial(:) !! what `condense` made of the load (n)
+      real(dp), intent(in) :: v(:) !! the trailing unknowns in matrix order (n_trailing)
+      real(dp), intent(out) :: x(:) !! all unknowns (n), the trailing ones equal to v
+      real(dp), allocatable :: work(:)
+      integer :: n_interior
+
+      n_interior = self%n - self%n_trailing
+      allocate (work, source=partial)
+      work(n_interior + 1:) = v(self%trailing_order)
+      call self%substitute_backward(n_interior, work)
+      x(self%order) = work
+   end subroutine factorization_expand
+
+   !> Sets the order of elimination; for the makers of factorisations.
+   pure subroutine factorization_set_order(self, n_trailing, order)
+      class(factorization_t), intent(inout) :: self !! the factorisation
+      integer, intent(in) :: n_trailing !! number of trailing unknowns
+      integer, intent(in) :: order(:) !! position k holds unknown order(k) (n)
+
+      self%n = size(order)
+      self%n_trailing = n_trailing
+      self%order = order
+      self%trailing_order = order(self%n - n_trailing + 1:) - (self%n - n_trailing)
+   end subroutine factorization_set_order
+
+   !> Refuses a factor whose pivots have shrunk to rounding errors: its matrix is singular.
+   pure subroutine factorization_check_pivots(self, matrix, pivots, error)
+      class(factorization_t), intent(in) :: self !! the factorisation
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix that was factorised
+      real(dp), intent(in) :: pivots(:) !! the diagonal of L by position (n)
+      type(error_t), allocatable, intent(out) :: error !! a pivot is not larger than its rounding error
+      real(dp), allocatable :: diagonal(:)
+      integer :: position
+
+      allocate (diagonal, source=matrix%diagonal())
+      do position = 1, self%n
+         if (pivots(position)**2 > epsilon(1.0_dp)*self%n*diagonal(self%order(position))) cycle
+         call self%refuse(position, error)
+         return
+      end do
+   end subroutine factorization_check_pivots
+
+   !> Reports that the matrix is not positive definite.
+   pure subroutine factorization_refuse(self, position, error)
+      class(factorization_t), intent(in) :: self !! the factorisation
+      integer, intent(in) :: position !! position of the first pivot that is not positive
+      type(error_t), allocatable, intent(out) :: error !! what is wrong, naming the unknown
+
+      call new_error(error, numerical_failure, 'the matrix is not positive definite: the pivot of unknown '// &
+         to_text(self%order(position))//' of '//to_text(self%n)//' is not positive')
+   end subroutine factorization_refuse
+
+end module amontons_factorization

@@ -1,0 +1,155 @@
+!> The graph of a sparse symmetric matrix with like unknowns merged, on which orderings work.
+!>
+!> The unknowns of one mesh node couple to the same unknowns, so merging them makes the graph a node graph:
+!> a quarter of the size, and every ordering made on it keeps the unknowns of a node together.
+module amontons_graph
+   use amontons_kinds, only: int64
+   use amontons_sparse_matrix, only: sparse_matrix_t
+   implicit none (type, external)
+   private
+
+   public :: graph_t, new_graph
+
+   !> Groups of consecutive like unknowns and which of them couple. Neighbours of a group never include itself.
+   type :: graph_t
+      integer :: n = 0 !! Number of groups.
+      integer :: n_trailing = 0 !! How many groups, the last ones, hold the trailing unknowns.
+      integer, allocatable :: first_unknown(:) !! First unknown of each group, and past the last one (n + 1).
+      integer(int64), allocatable :: start(:) !! Where the neighbours of each group start (n + 1), from 1.
+      integer(int64), allocatable :: neighbour(:) !! Neighbours of each group, ascending, from 1.
+   contains
+      procedure :: expand => graph_expand
+   end type graph_t
+
+contains
+
+   !> Makes the graph of a matrix. No group holds both a trailing unknown and another one.
+   pure subroutine new_graph(graph, matrix, n_trailing)
+      type(graph_t), intent(out) :: graph !! the graph
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
+      integer, intent(in) :: n_trailing !! number of trailing unknowns
+      integer, allocatable :: group_of(:)
+
+      call merge_unknowns(matrix, n_trailing, group_of, graph%first_unknown)
+      graph%n = size(graph%first_unknown) - 1
+      if (n_trailing > 0) graph%n_trailing = graph%n - group_of(matrix%n - n_trailing + 1) + 1
+      call list_neighbours(graph, matrix, group_of)
+   end subroutine new_graph
+
+   !> Merges consecutive unknowns that couple to the same unknowns.
+   pure subroutine merge_unknowns(matrix, n_trailing, group_of, first_unknown)
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
+      integer, intent(in) :: n_trailing !! number of trailing unknowns
+      integer, allocatable, intent(out) :: group_of(:) !! group of each unknown (n)
+      integer, allocatable, intent(out) :: first_unknown(:) !! first unknown of each group, and past the last one
+      integer(int64), allocatable :: signature(:)
+      integer :: j, n_groups
+
+      allocate (group_of(matrix%n), signature(matrix%n))
+      call sign_columns(matrix, signature)
+      n_groups = 0
+      do j = 1, matrix%n
+         if (j == 1 .or. j == matrix%n - n_trailing + 1) then
+            n_groups = n_groups + 1
+         else if (signature(j) /= signature(j - 1)) then
+            n_groups = n_groups + 1
+         end if
+         group_of(j) = n_groups
+      end do
+      allocate (first_unknown(n_groups + 1))
+      do j = matrix%n, 1, -1
+         first_unknown(group_of(j)) = j
+      end do
+      first_unknown(n_groups + 1) = matrix%n + 1
+   end subroutine merge_unknowns
+
+   !> Gives every column a number that equal full columns share and, all but surely, no others.
+   !>
+   !> A wrong merge would only make an ordering worse: it stays a permutation.
+   pure subroutine sign_columns(matrix, signature)
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
+      integer(int64), intent(out) :: signature(:) !! a number for each column (n)
+      integer(int64), allocatable :: word(:)
+      integer(int64) :: at, state
+      integer :: i, j
+
+      allocate (word(matrix%n))
+      state = 88172645463325252_int64
+      do j = 1, matrix%n
+         state = ieor(state, shiftl(state, 13))
+         state = ieor(state, shiftr(state, 7))
+         state = ieor(state, shiftl(state, 17))
+         word(j) = state
+      end do
+      signature = word
+      do j = 1, matrix%n
+         do at = matrix%column_start(j) + 1, matrix%column_start(j + 1) - 1
+            i = matrix%row(at)
+            signature(j) = ieor(signature(j), word(i))
+            signature(i) = ieor(signature(i), word(j))
+         end do
+      end do
+   end subroutine sign_columns
+
+   !> Lists the neighbours of every group, read off its first unknown.
+   pure subroutine list_neighbours(graph, matrix, group_of)
+      type(graph_t), intent(inout) :: graph !! the graph, its groups known
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
+      integer, intent(in) :: group_of(:) !! group of each unknown (n)
+      integer(int64), allocatable :: next(:)
+      integer(int64) :: at
+      integer :: pass, g, h, last
+
+      allocate (next(graph%n + 1), source=0_int64)
+      ! The first pass counts, the second one writes.
+      do pass = 1, 2
+         do g = 1, graph%n
+            last = g
+            do at = matrix%column_start(graph%first_unknown(g)), matrix%column_start(graph%first_unknown(g) + 1) - 1
+               h = group_of(matrix%row(at))
+               if (h == last) cycle
+               last = h
+               if (pass == 2) then
+                  graph%neighbour(next(g)) = h
+                  graph%neighbour(next(h)) = g
+               end if
+               next(g) = next(g) + 1
+               next(h) = next(h) + 1
+            end do
+         end do
+         if (pass == 1) call start_lists(graph, next)
+      end do
+   end subroutine list_neighbours
+
+   !> Turns the numbers of neighbours into the places where the lists start.
+   pure subroutine start_lists(graph, next)
+      type(graph_t), intent(inout) :: graph !! the graph
+      integer(int64), intent(inout) :: next(:) !! number of neighbours of each group, then where its list starts (n + 1)
+      integer :: g
+
+      allocate (graph%start(graph%n + 1))
+      graph%start(1) = 1
+      do g = 1, graph%n
+         graph%start(g + 1) = graph%start(g) + next(g)
+      end do
+      next = graph%start
+      allocate (graph%neighbour(graph%start(graph%n + 1) - 1))
+   end subroutine start_lists
+
+   !> Turns an order of the groups into the order of the unknowns.
+   pure subroutine graph_expand(self, group_order, order)
+      class(graph_t), intent(in) :: self !! the graph
+      integer, intent(in) :: group_order(:) !! position k holds group group_order(k) (n groups)
+      integer, intent(out) :: order(:) !! position k holds unknown order(k) (n unknowns)
+      integer :: k, at, j
+
+      at = 0
+      do k = 1, self%n
+         do j = self%first_unknown(group_order(k)), self%first_unknown(group_order(k) + 1) - 1
+            at = at + 1
+            order(at) = j
+         end do
+      end do
+   end subroutine graph_expand
+
+end module amontons_graph

@@ -1,0 +1,110 @@
+!> The BLAS and LAPACK routines in use, with their interfaces. What each one computes is in the LAPACK manual.
+module amontons_lapack
+   implicit none (type, external)
+   private
+
+   public :: dgemv, dgesv, dlauum, dpbtrf, dpotrf, dpotri, dpotrs, dsyev, dsymv, dtbsv, dtrsv
+
+   interface
+      pure subroutine dgemv(trans, m, n, alpha, a, lda, x, incx, beta, y, incy)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: trans
+         integer, intent(in) :: m, n, lda, incx, incy
+         real(dp), intent(in) :: alpha, beta, a(lda, *), x(*)
+         real(dp), intent(inout) :: y(*)
+      end subroutine dgemv
+
+      pure subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         integer, intent(in) :: n, nrhs, lda, ldb
+         real(dp), intent(inout) :: a(lda, *), b(ldb, *)
+         integer, intent(out) :: ipiv(*), info
+      end subroutine dgesv
+
+      pure subroutine dlauum(uplo, n, a, lda, info)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: uplo
+         integer, intent(in) :: n, lda
+         real(dp), intent(inout) :: a(lda, *)
+         integer, intent(out) :: info
+      end subroutine dlauum
+
+      pure subroutine dpbtrf(uplo, n, kd, ab, ldab, info)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: uplo
+         integer, intent(in) :: n, kd, ldab
+         real(dp), intent(inout) :: ab(ldab, *)
+         integer, intent(out) :: info
+      end subroutine dpbtrf
+
+      pure subroutine dpotrf(uplo, n, a, lda, info)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: uplo
+         integer, intent(in) :: n, lda
+         real(dp), intent(inout) :: a(lda, *)
+         integer, intent(out) :: info
+      end subroutine dpotrf
+
+      pure subroutine dpotri(uplo, n, a, lda, info)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: uplo
+         integer, intent(in) :: n, lda
+         real(dp), intent(inout) :: a(lda, *)
+         integer, intent(out) :: info
+      end subroutine dpotri
+
+      pure subroutine dpotrs(uplo, n, nrhs, a, lda, b, ldb, info)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: uplo
+         integer, intent(in) :: n, nrhs, lda, ldb
+         real(dp), intent(in) :: a(lda, *)
+         real(dp), intent(inout) :: b(ldb, *)
+         integer, intent(out) :: info
+      end subroutine dpotrs
+
+      pure subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: jobz, uplo
+         integer, intent(in) :: n, lda, lwork
+         real(dp), intent(inout) :: a(lda, *)
+         real(dp), intent(out) :: w(*), work(*)
+         integer, intent(out) :: info
+      end subroutine dsyev
+
+      pure subroutine dsymv(uplo, n, alpha, a, lda, x, incx, beta, y, incy)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: uplo
+         integer, intent(in) :: n, lda, incx, incy
+         real(dp), intent(in) :: alpha, beta, a(lda, *), x(*)
+         real(dp), intent(inout) :: y(*)
+      end subroutine dsymv
+
+      pure subroutine dtbsv(uplo, trans, diag, n, k, a, lda, x, incx)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: uplo, trans, diag
+         integer, intent(in) :: n, k, lda, incx
+         real(dp), intent(in) :: a(lda, *)
+         real(dp), intent(inout) :: x(*)
+      end subroutine dtbsv
+
+      pure subroutine dtrsv(uplo, trans, diag, n, a, lda, x, incx)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: uplo, trans, diag
+         integer, intent(in) :: n, lda, incx
+         real(dp), intent(in) :: a(lda, *)
+         real(dp), intent(inout) :: x(*)
+      end subroutine dtrsv
+   end interface
+
+end module amontons_lapack

@@ -1,0 +1,58 @@
+!> The choice of a factorisation: by name, or by what the matrix would cost.
+module amontons_new_factorization
+   use amontons_band_factorization, only: band_factorization_t
+   use amontons_error, only: error_t
+   use amontons_factorization, only: factorization_t
+   use amontons_kinds, only: dp
+   use amontons_ordering, only: half_bandwidth, reverse_cuthill_mckee
+   use amontons_sparse_factorization, only: sparse_factorization_t
+   use amontons_sparse_matrix, only: sparse_matrix_t
+   implicit none (type, external)
+   private
+
+   public :: new_factorization
+
+   !> Number of operations up to which a band is quicker than the sparse way, order of elimination included.
+   real(dp), parameter :: band_limit = 2.0e8_dp
+
+contains
+
+   !> Makes a factorisation of a matrix with its last unknowns eliminated last.
+   subroutine new_factorization(factorization, kind, matrix, n_trailing, error)
+      class(factorization_t), allocatable, intent(out) :: factorization !! the factorisation
+      character(*), intent(in) :: kind !! `band`, `sparse`, or anything else for the quicker of the two
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
+      integer, intent(in) :: n_trailing !! how many unknowns, the last ones, are eliminated last
+      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory ran out
+      logical :: is_band
+
+      select case (kind)
+      case ('band')
+         is_band = .true.
+      case ('sparse')
+         is_band = .false.
+      case default
+         is_band = suits_band(matrix, n_trailing)
+      end select
+      if (is_band) then
+         allocate (band_factorization_t :: factorization)
+      else
+         allocate (sparse_factorization_t :: factorization)
+      end if
+      call factorization%factorize(matrix, n_trailing, error)
+   end subroutine new_factorization
+
+   !> Whether a band factorisation should be quicker than a sparse one.
+   pure logical function suits_band(matrix, n_trailing)
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
+      integer, intent(in) :: n_trailing !! number of trailing unknowns
+      integer, allocatable :: order(:)
+      real(dp) :: n_operations
+
+      allocate (order(matrix%n))
+      call reverse_cuthill_mckee(matrix, n_trailing, order)
+      n_operations = real(matrix%n, dp)*real(half_bandwidth(matrix, order), dp)**2
+      suits_band = n_operations < band_limit
+   end function suits_band
+
+end module amontons_new_factorization

@@ -1,0 +1,293 @@
+!> Sparse Cholesky by CHOLMOD's supernodal method: the way for large problems.
+module amontons_sparse_factorization
+   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_int64_t, c_null_ptr, c_ptr
+   use amontons_error, only: error_t, new_error, system_failure
+   use amontons_factorization, only: factorization_t
+   use amontons_kinds, only: dp, int64
+   use amontons_lapack, only: dgemv, dtrsv
+   use amontons_ordering, only: minimum_degree
+   use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_text, only: to_text
+   use amontons_threads, only: hold_threads, release_threads, thread_state_t
+   implicit none (type, external)
+   private
+
+   public :: sparse_factorization_t
+
+   !> The factor in supernodes: runs of columns with one row structure, each a dense block. CHOLMOD owns the arrays.
+   !>
+   !> What the arrays hold counts from 0: supernode k has the columns `column(k)` to `column(k+1) - 1`; its rows,
+   !> its own columns first, are `row(row_start(k) + 1)` to `row(row_start(k+1))`; its block starts at
+   !> `value(value_start(k) + 1)`.
+   type, extends(factorization_t) :: sparse_factorization_t
+      private
+      type(c_ptr) :: handle = c_null_ptr !! CHOLMOD's side of the factorisation.
+      integer(int64), pointer, contiguous :: column(:) => null() !! First column of each supernode, and n.
+      integer(int64), pointer, contiguous :: row_start(:) => null() !! Where the rows of each supernode start.
+      integer(int64), pointer, contiguous :: value_start(:) => null() !! Where the block of each supernode starts.
+      integer(int64), pointer, contiguous :: row(:) => null() !! Rows of the supernodes.
+      real(dp), pointer, contiguous :: value(:) => null() !! Blocks of the supernodes.
+   contains
+      procedure, public :: factorize => sparse_factorize
+      procedure, public :: substitute_forward => sparse_substitute_forward
+      procedure, public :: substitute_backward => sparse_substitute_backward
+      procedure, public :: trailing_factor => sparse_trailing_factor
+      procedure, public :: n_factor_entries => sparse_n_factor_entries
+      procedure, public, nopass :: name => sparse_name
+      procedure :: get_block => sparse_get_block
+      final :: sparse_free
+   end type sparse_factorization_t
+
+   !> What CHOLMOD hands over of a factor.
+   type, bind(c) :: supernodes_t
+      integer(c_int64_t) :: n_supernodes !! Number of supernodes.
+      integer(c_int64_t) :: n_entries !! Number of stored entries.
+      type(c_ptr) :: column !! First column of each supernode, and n.
+      type(c_ptr) :: row_start !! Where the rows of each supernode start.
+      type(c_ptr) :: value_start !! Where the block of each supernode starts.
+      type(c_ptr) :: row !! Rows of the supernodes.
+      type(c_ptr) :: value !! Blocks of the supernodes.
+   end type supernodes_t
+
+   integer(c_int), parameter :: done = 0, not_positive_definite = 1
+
+   interface
+      function cholmod_factorize(n, column_start, row, value, handle, supernodes, failed) &
+         bind(c, name='amontons_cholmod_factorize') result(code)
+         import :: c_double, c_int, c_int64_t, c_ptr, supernodes_t
+         implicit none (type, external)
+         integer(c_int64_t), value, intent(in) :: n
+         integer(c_int64_t), intent(inout) :: column_start(*), row(*)
+         real(c_double), intent(inout) :: value(*)
+         type(c_ptr), intent(inout) :: handle
+         type(supernodes_t), intent(inout) :: supernodes
+         integer(c_int64_t), intent(inout) :: failed
+         integer(c_int) :: code
+      end function cholmod_factorize
+
+      subroutine cholmod_free(handle) bind(c, name='amontons_cholmod_free')
+         import :: c_ptr
+         implicit none (type, external)
+         type(c_ptr), value, intent(in) :: handle
+      end subroutine cholmod_free
+   end interface
+
+contains
+
+   !> Factorises a matrix in minimum degree order.
+   subroutine sparse_factorize(self, matrix, n_trailing, error)
+      class(sparse_factorization_t), intent(inout) :: self !! the factorisation
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
+      integer, intent(in) :: n_trailing !! how many unknowns, the last ones, are eliminated last
+      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory ran out
+      integer, allocatable :: order(:)
+      integer(int64), allocatable :: column_start(:), row(:)
+      real(dp), allocatable :: value(:)
+      type(supernodes_t) :: supernodes
+      type(thread_state_t) :: threads
+      integer(c_int64_t) :: failed
+      integer(c_int) :: code
+
+      call sparse_free(self)
+      allocate (order(matrix%n))
+      call minimum_degree(matrix, n_trailing, order, error)
+      if (allocated(error)) return
+      call self%set_order(n_trailing, order)
+      call permute(matrix, order, column_start, row, value, error)
+      if (allocated(error)) return
+
+      call hold_threads(threads)
+      code = cholmod_factorize(int(self%n, int64), column_start, row, value, self%handle, supernodes, failed)
+      call release_threads(threads)
+      select case (code)
+      case (done)
+         call view(self, supernodes)
+         call self%check_pivots(matrix, pivots(self), error)
+      case (not_positive_definite)
+         call self%refuse(int(failed) + 1, error)
+      case default
+         call new_error(error, system_failure, 'memory ran out while factorising '//to_text(self%n)//' unknowns')
+      end select
+   end subroutine sparse_factorize
+
+   !> Writes the lower triangle of P K P^T by columns, rows in any order, counted from 0.
+   pure subroutine permute(matrix, order, column_start, row, value, error)
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
+      integer, intent(in) :: order(:) !! position k holds unknown order(k) (n)
+      integer(int64), allocatable, intent(out) :: column_start(:) !! where each column starts, and where the last one ends
+      integer(int64), allocatable, intent(out) :: row(:) !! row of each entry
+      real(dp), allocatable, intent(out) :: value(:) !! value of each entry
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      integer, allocatable :: position(:)
+      integer(int64) :: at, place
+      integer :: i, j, k, status
+
+      allocate (row(size(matrix%row, kind=int64)), value(size(matrix%row, kind=int64)), stat=status)
+      if (status /= 0) then
+         call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(matrix%n)//' unknowns')
+         return
+      end if
+      allocate (position(matrix%n), column_start(matrix%n + 1))
+      position(order) = [(k, k=1, matrix%n)]
+      column_start = 0
+      do k = 1, matrix%n
+         do at = matrix%column_start(k), matrix%column_start(k + 1) - 1
+            j = min(position(matrix%row(at)), position(k))
+            column_start(j) = column_start(j) + 1
+         end do
+      end do
+      ! Holds the end of each column first; filling backwards from it leaves the start.
+      do j = 2, matrix%n + 1
+         column_start(j) = column_start(j) + column_start(j - 1)
+      end do
+      do k = 1, matrix%n
+         do at = matrix%column_start(k), matrix%column_start(k + 1) - 1
+            i = max(position(matrix%row(at)), position(k))
+            j = min(position(matrix%row(at)), position(k))
+            place = column_start(j)
+            row(place) = i - 1
+            value(place) = matrix%value(at)
+            column_start(j) = place - 1
+         end do
+      end do
+   end subroutine permute
+
+   !> Lets the components show CHOLMOD's arrays.
+   subroutine view(self, supernodes)
+      type(sparse_factorization_t), intent(inout) :: self !! the factorisation
+      type(supernodes_t), intent(in) :: supernodes !! what CHOLMOD handed over
+
+      call c_f_pointer(supernodes%column, self%column, [supernodes%n_supernodes + 1])
+      call c_f_pointer(supernodes%row_start, self%row_start, [supernodes%n_supernodes + 1])
+      call c_f_pointer(supernodes%value_start, self%value_start, [supernodes%n_supernodes + 1])
+      call c_f_pointer(supernodes%row, self%row, [self%row_start(supernodes%n_supernodes + 1)])
+      call c_f_pointer(supernodes%value, self%value, [supernodes%n_entries])
+   end subroutine view
+
+   !> The diagonal of L.
+   pure function pivots(self)
+      type(sparse_factorization_t), intent(in) :: self !! the factorisation
+      real(dp) :: pivots(self%n)
+      integer(int64) :: at
+      integer :: j, k, n_rows
+
+      do k = 1, size(self%column) - 1
+         n_rows = int(self%row_start(k + 1) - self%row_start(k))
+         at = self%value_start(k) + 1
+         do j = int(self%column(k)) + 1, int(self%column(k + 1))
+            pivots(j) = self%value(at)
+            at = at + n_rows + 1
+         end do
+      end do
+   end function pivots
+
+   !> Does the forward steps of the first columns.
+   subroutine sparse_substitute_forward(self, n_steps, y)
+      class(sparse_factorization_t), intent(in) :: self !! the factorisation
+      integer, intent(in) :: n_steps !! how many columns
+      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
+      real(dp), allocatable :: below(:)
+      integer(int64) :: at, rows
+      integer :: first, i, k, n_below, n_columns, n_rows
+
+      allocate (below(self%n))
+      do k = 1, size(self%column) - 1
+         if (self%column(k) >= n_steps) exit
+         call self%get_block(k, n_steps, first, n_columns, n_rows, at, rows)
+         n_below = n_rows - n_columns
+         call dtrsv('L', 'N', 'N', n_columns, self%value(at:), n_rows, y(first:), 1)
+         if (n_below == 0) cycle
+         call dgemv('N', n_below, n_columns, 1.0_dp, self%value(at + n_columns:), n_rows, y(first:), 1, 0.0_dp, below, 1)
+         do i = 1, n_below
+            y(self%row(rows + i) + 1) = y(self%row(rows + i) + 1) - below(i)
+         end do
+      end do
+   end subroutine sparse_substitute_forward
+
+   !> Does the backward steps of the first columns.
+   subroutine sparse_substitute_backward(self, n_steps, y)
+      class(sparse_factorization_t), intent(in) :: self !! the factorisation
+      integer, intent(in) :: n_steps !! how many columns
+      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
+      real(dp), allocatable :: below(:)
+      integer(int64) :: at, rows
+      integer :: first, i, k, n_below, n_columns, n_rows
+
+      allocate (below(self%n))
+      do k = size(self%column) - 1, 1, -1
+         if (self%column(k) >= n_steps) cycle
+         call self%get_block(k, n_steps, first, n_columns, n_rows, at, rows)
+         n_below = n_rows - n_columns
+         do i = 1, n_below
+            below(i) = y(self%row(rows + i) + 1)
+         end do
+         if (n_below > 0) call dgemv('T', n_below, n_columns, -1.0_dp, self%value(at + n_columns:), n_rows, below, 1, &
+            1.0_dp, y(first:), 1)
+         call dtrsv('L', 'T', 'N', n_columns, self%value(at:), n_rows, y(first:), 1)
+      end do
+   end subroutine sparse_substitute_backward
+
+   !> The part of a supernode that lies in the first columns of L.
+   pure subroutine sparse_get_block(self, k, n_steps, first, n_columns, n_rows, at, rows)
+      class(sparse_factorization_t), intent(in) :: self !! the factorisation
+      integer, intent(in) :: k !! number of the supernode
+      integer, intent(in) :: n_steps !! how many columns of L count
+      integer, intent(out) :: first !! its first column
+      integer, intent(out) :: n_columns !! how many of its columns count
+      integer, intent(out) :: n_rows !! its number of rows, the distance between columns in `value`
+      integer(int64), intent(out) :: at !! where its block starts in `value`
+      integer(int64), intent(out) :: rows !! its rows below the columns that count start after this place in `row`
+
+      first = int(self%column(k)) + 1
+      n_columns = min(int(self%column(k + 1)), n_steps) - first + 1
+      n_rows = int(self%row_start(k + 1) - self%row_start(k))
+      at = self%value_start(k) + 1
+      rows = self%row_start(k) + n_columns
+   end subroutine sparse_get_block
+
+   !> Copies the last block of L out of the supernodes; the first one may reach into the interior.
+   subroutine sparse_trailing_factor(self, l22)
+      class(sparse_factorization_t), intent(in) :: self !! the factorisation
+      real(dp), contiguous, intent(out) :: l22(:, :)
+         !! lower triangular, zeros above, by trailing position (n_trailing, n_trailing)
+      integer(int64) :: at, rows
+      integer :: first, i, j, k, n_columns, n_interior, n_rows
+
+      n_interior = self%n - self%n_trailing
+      l22 = 0.0_dp
+      do k = size(self%column) - 1, 1, -1
+         if (self%column(k + 1) <= n_interior) exit
+         call self%get_block(k, self%n, first, n_columns, n_rows, at, rows)
+         rows = self%row_start(k)
+         do j = max(first, n_interior + 1), first + n_columns - 1
+            do i = j - first + 1, n_rows
+               l22(self%row(rows + i) + 1 - n_interior, j - n_interior) = self%value(at + (j - first)*int(n_rows, int64) + i - 1)
+            end do
+         end do
+      end do
+   end subroutine sparse_trailing_factor
+
+   !> The number of stored entries, zeros inside the supernodes included.
+   pure function sparse_n_factor_entries(self) result(n_entries)
+      class(sparse_factorization_t), intent(in) :: self !! the factorisation
+      integer(int64) :: n_entries
+
+      n_entries = size(self%value, kind=int64)
+   end function sparse_n_factor_entries
+
+   !> The word `sparse`.
+   pure function sparse_name() result(name)
+      character(:), allocatable :: name
+
+      name = 'sparse'
+   end function sparse_name
+
+   !> Gives CHOLMOD's memory back.
+   subroutine sparse_free(self)
+      type(sparse_factorization_t), intent(inout) :: self !! the factorisation
+
+      call cholmod_free(self%handle)
+      self%handle = c_null_ptr
+   end subroutine sparse_free
+
+end module amontons_sparse_factorization

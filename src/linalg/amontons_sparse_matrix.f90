@@ -1,0 +1,235 @@
+!> A sparse symmetric matrix and its assembly from small dense blocks.
+module amontons_sparse_matrix
+   use amontons_error, only: error_t, new_error, system_failure
+   use amontons_kinds, only: dp, int64
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: new_sparse_matrix, sparse_matrix_t
+
+   !> A symmetric matrix stored by columns, lower triangle with the diagonal: every column starts with its diagonal entry.
+   type :: sparse_matrix_t
+      integer :: n = 0 !! Order of the matrix.
+      integer(int64), allocatable :: column_start(:) !! Where column j starts in `row` and `value` (n + 1).
+      integer, allocatable :: row(:) !! Row of each stored entry, ascending within a column.
+      real(dp), allocatable :: value(:) !! Value of each stored entry.
+   contains
+      procedure :: add_element => sparse_matrix_add_element
+      procedure :: diagonal => sparse_matrix_diagonal
+      procedure :: multiply => sparse_matrix_multiply
+      procedure :: shift_diagonal => sparse_matrix_shift_diagonal
+   end type sparse_matrix_t
+
+contains
+
+   !> Makes a zero matrix with room for everything the elements couple, and for the diagonal.
+   subroutine new_sparse_matrix(matrix, n, list_start, list, error)
+      type(sparse_matrix_t), intent(out) :: matrix !! the matrix, all values zero
+      integer, intent(in) :: n !! its order
+      integer, contiguous, intent(in) :: list_start(:) !! where each element starts in `list` (n_elements + 1)
+      integer, contiguous, intent(in) :: list(:) !! the unknowns of each element, 1 to n; 0 stands for none
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      integer, allocatable :: element_start(:), element(:)
+      integer :: status
+
+      matrix%n = n
+      call transpose_lists(n, list_start, list, element_start, element)
+      allocate (matrix%column_start(n + 1), stat=status)
+      if (status == 0) then
+         call count_rows(list_start, list, element_start, element, matrix%column_start)
+         allocate (matrix%row(matrix%column_start(n + 1) - 1), matrix%value(matrix%column_start(n + 1) - 1), stat=status)
+      end if
+      if (status /= 0) then
+         call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(n)//' unknowns')
+         return
+      end if
+      call list_rows(list_start, list, element_start, element, matrix%column_start, matrix%row)
+      matrix%value = 0.0_dp
+   end subroutine new_sparse_matrix
+
+   !> Turns the unknowns of each element into the elements of each unknown.
+   pure subroutine transpose_lists(n, list_start, list, element_start, element)
+      integer, intent(in) :: n !! number of unknowns
+      integer, intent(in) :: list_start(:) !! where each element starts in `list` (n_elements + 1)
+      integer, intent(in) :: list(:) !! the unknowns of each element; 0 stands for none
+      integer, allocatable, intent(out) :: element_start(:) !! where each unknown starts in `element` (n + 1)
+      integer, allocatable, intent(out) :: element(:) !! the elements of each unknown
+      integer :: e, k, j
+
+      allocate (element_start(n + 1))
+      element_start = 0
+      do k = 1, size(list)
+         if (list(k) > 0) element_start(list(k)) = element_start(list(k)) + 1
+      end do
+      ! Holds the end of each list first; filling backwards from it leaves the start.
+      k = 1
+      do j = 1, n
+         k = k + element_start(j)
+         element_start(j) = k
+      end do
+      element_start(n + 1) = k
+      allocate (element(k - 1))
+      do e = size(list_start) - 1, 1, -1
+         do k = list_start(e), list_start(e + 1) - 1
+            j = list(k)
+            if (j == 0) cycle
+            element_start(j) = element_start(j) - 1
+            element(element_start(j)) = e
+         end do
+      end do
+   end subroutine transpose_lists
+
+   !> Finds where each column starts, by counting the distinct unknowns that share an element with it.
+   pure subroutine count_rows(list_start, list, element_start, element, column_start)
+      integer, intent(in) :: list_start(:) !! where each element starts in `list` (n_elements + 1)
+      integer, intent(in) :: list(:) !! the unknowns of each element; 0 stands for none
+      integer, intent(in) :: element_start(:) !! where each unknown starts in `element` (n + 1)
+      integer, intent(in) :: element(:) !! the elements of each unknown
+      integer(int64), intent(out) :: column_start(:) !! where each column starts (n + 1)
+      integer, allocatable :: last_seen(:)
+      integer :: i, j, k, p, n_rows
+
+      allocate (last_seen(size(column_start)), source=0)
+      column_start(1) = 1
+      do j = 1, size(column_start) - 1
+         n_rows = 1
+         do p = element_start(j), element_start(j + 1) - 1
+            do k = list_start(element(p)), list_start(element(p) + 1) - 1
+               i = list(k)
+               if (i <= j) cycle
+               if (last_seen(i) == j) cycle
+               last_seen(i) = j
+               n_rows = n_rows + 1
+            end do
+         end do
+         column_start(j + 1) = column_start(j) + n_rows
+      end do
+   end subroutine count_rows
+
+   !> Lists the rows of each column in ascending order.
+   pure subroutine list_rows(list_start, list, element_start, element, column_start, row)
+      integer, intent(in) :: list_start(:) !! where each element starts in `list` (n_elements + 1)
+      integer, intent(in) :: list(:) !! the unknowns of each element; 0 stands for none
+      integer, intent(in) :: element_start(:) !! where each unknown starts in `element` (n + 1)
+      integer, intent(in) :: element(:) !! the elements of each unknown
+      integer(int64), intent(in) :: column_start(:) !! where each column starts (n + 1)
+      integer, intent(out) :: row(:) !! row of each entry
+      integer, allocatable :: last_seen(:)
+      integer(int64) :: at
+      integer :: i, j, k, p
+
+      allocate (last_seen(size(column_start)), source=0)
+      do j = 1, size(column_start) - 1
+         at = column_start(j)
+         row(at) = j
+         do p = element_start(j), element_start(j + 1) - 1
+            do k = list_start(element(p)), list_start(element(p) + 1) - 1
+               i = list(k)
+               if (i <= j) cycle
+               if (last_seen(i) == j) cycle
+               last_seen(i) = j
+               at = at + 1
+               row(at) = i
+            end do
+         end do
+         call sort(row(column_start(j):at))
+      end do
+   end subroutine list_rows
+
+   !> Sorts a short list of integers in place, ascending.
+   pure subroutine sort(list)
+      integer, intent(inout) :: list(:) !! the list
+      integer :: i, k, item
+
+      do i = 2, size(list)
+         item = list(i)
+         do k = i - 1, 1, -1
+            if (list(k) <= item) exit
+            list(k + 1) = list(k)
+         end do
+         list(k + 1) = item
+      end do
+   end subroutine sort
+
+   !> Adds a small symmetric block. Calls that touch disjoint unknowns may run at the same time.
+   pure subroutine sparse_matrix_add_element(self, unknowns, block)
+      class(sparse_matrix_t), intent(inout) :: self !! the matrix, its pattern made with this element
+      integer, intent(in) :: unknowns(:) !! the element's unknowns, distinct, 0 for a row and column to skip
+      real(dp), intent(in) :: block(:, :) !! the block, both triangles (size(unknowns), size(unknowns))
+      integer :: sorted(size(unknowns))
+      integer(int64) :: at
+      integer :: i, j
+
+      sorted = sorting_order(unknowns)
+      do j = 1, size(unknowns)
+         if (unknowns(sorted(j)) == 0) cycle
+         at = self%column_start(unknowns(sorted(j)))
+         do i = j, size(unknowns)
+            do while (self%row(at) < unknowns(sorted(i)))
+               at = at + 1
+            end do
+            self%value(at) = self%value(at) + block(sorted(i), sorted(j))
+         end do
+      end do
+   end subroutine sparse_matrix_add_element
+
+   !> The positions of a short list's items in ascending order of the items.
+   pure function sorting_order(list) result(order)
+      integer, intent(in) :: list(:) !! the list
+      integer :: order(size(list))
+      integer :: i, k
+
+      do i = 1, size(list)
+         do k = i - 1, 1, -1
+            if (list(order(k)) <= list(i)) exit
+            order(k + 1) = order(k)
+         end do
+         order(k + 1) = i
+      end do
+   end function sorting_order
+
+   !> The product y = K x.
+   pure subroutine sparse_matrix_multiply(self, x, y)
+      class(sparse_matrix_t), intent(in) :: self !! the matrix K
+      real(dp), intent(in) :: x(:) !! the vector (n)
+      real(dp), intent(out) :: y(:) !! the product (n)
+      real(dp) :: x_j, y_j
+      integer(int64) :: at
+      integer :: j
+
+      y = 0.0_dp
+      do j = 1, self%n
+         at = self%column_start(j)
+         x_j = x(j)
+         y_j = self%value(at)*x_j
+         do at = at + 1, self%column_start(j + 1) - 1
+            y(self%row(at)) = y(self%row(at)) + self%value(at)*x_j
+            y_j = y_j + self%value(at)*x(self%row(at))
+         end do
+         y(j) = y(j) + y_j
+      end do
+   end subroutine sparse_matrix_multiply
+
+   !> The diagonal of the matrix.
+   pure function sparse_matrix_diagonal(self) result(diagonal)
+      class(sparse_matrix_t), intent(in) :: self !! the matrix
+      real(dp) :: diagonal(self%n)
+
+      diagonal = self%value(self%column_start(:self%n))
+   end function sparse_matrix_diagonal
+
+   !> Adds alpha to the diagonal entries of some consecutive unknowns.
+   pure subroutine sparse_matrix_shift_diagonal(self, first, last, alpha)
+      class(sparse_matrix_t), intent(inout) :: self !! the matrix
+      integer, intent(in) :: first !! first unknown
+      integer, intent(in) :: last !! last unknown
+      real(dp), intent(in) :: alpha !! what is added
+      integer :: j
+
+      do j = first, last
+         self%value(self%column_start(j)) = self%value(self%column_start(j)) + alpha
+      end do
+   end subroutine sparse_matrix_shift_diagonal
+
+end module amontons_sparse_matrix

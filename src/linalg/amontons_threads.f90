@@ -1,0 +1,70 @@
+!> Threads: how many the program's own loops use, and one for what runs inside the foreign libraries.
+module amontons_threads
+   use, intrinsic :: iso_c_binding, only: c_int
+   use omp_lib, only: omp_get_max_active_levels, omp_get_max_threads, omp_set_max_active_levels, omp_set_num_threads
+   implicit none (type, external)
+   private
+
+   public :: hold_threads, n_threads, release_threads, set_threads, thread_state_t
+
+   !> The settings that `hold_threads` found, for `release_threads` to put back.
+   type :: thread_state_t
+      private
+      integer :: active_levels = 1 !! Nested parallel regions that may be active.
+      integer(c_int) :: blas_threads = 1 !! Threads inside the BLAS.
+   end type thread_state_t
+
+   interface
+      subroutine choose_blas_kernels() bind(c, name='amontons_choose_blas_kernels')
+         implicit none (type, external)
+      end subroutine choose_blas_kernels
+
+      subroutine set_blas_threads(n) bind(c, name='amontons_set_blas_threads')
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value, intent(in) :: n
+      end subroutine set_blas_threads
+
+      function blas_threads() bind(c, name='amontons_blas_threads') result(n)
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int) :: n
+      end function blas_threads
+   end interface
+
+contains
+
+   !> Sets the number of threads of the parallel loops, and makes the BLAS ready: one thread, since its own gain little and
+   !> fight ours, and the kernels of this processor where it did not know it. To be called before the first parallel loop.
+   subroutine set_threads(n)
+      integer, intent(in) :: n !! number of threads, at least 1
+
+      call omp_set_num_threads(n)
+      call set_blas_threads(1_c_int)
+      call choose_blas_kernels()
+   end subroutine set_threads
+
+   !> The number of threads a parallel loop gets.
+   integer function n_threads()
+      n_threads = omp_get_max_threads()
+   end function n_threads
+
+   !> Keeps everything called from this thread on this thread, until `release_threads`.
+   subroutine hold_threads(state)
+      type(thread_state_t), intent(out) :: state !! what to put back
+
+      state%active_levels = omp_get_max_active_levels()
+      state%blas_threads = blas_threads()
+      call omp_set_max_active_levels(0)
+      call set_blas_threads(1_c_int)
+   end subroutine hold_threads
+
+   !> Puts back what `hold_threads` found.
+   subroutine release_threads(state)
+      type(thread_state_t), intent(in) :: state !! what it found
+
+      call omp_set_max_active_levels(state%active_levels)
+      call set_blas_threads(state%blas_threads)
+   end subroutine release_threads
+
+end module amontons_threads
