@@ -1,6 +1,7 @@
 !> Files that appear whole or not at all: written under a temporary name, renamed when complete.
 module amontons_output_file
    use amontons_error, only: error_t, new_error, system_failure
+   use amontons_kinds, only: int64
    use amontons_system, only: process_id, remove_file, rename_file
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -27,7 +28,7 @@ contains
    subroutine new_output_file(file, path, is_binary, error)
       type(output_file_t), intent(out) :: file !! the open file
       character(*), intent(in) :: path !! final name
-      logical, intent(in) :: is_binary !! whether bytes are written (stream access) rather than lines
+      logical, intent(in) :: is_binary !! whether bytes are written rather than lines
       type(error_t), allocatable, intent(out) :: error !! the file cannot be opened
       character(256) :: reason
       integer :: status
@@ -35,13 +36,8 @@ contains
       file%path = path
       file%temporary_path = path//'.'//to_text(process_id())//'.tmp'
       reason = ''
-      if (is_binary) then
-         open (newunit=file%unit, file=file%temporary_path, status='replace', action='write', access='stream', &
-            form='unformatted', iostat=status, iomsg=reason)
-      else
-         open (newunit=file%unit, file=file%temporary_path, status='replace', action='write', &
-            iostat=status, iomsg=reason)
-      end if
+      open (newunit=file%unit, file=file%temporary_path, status='replace', action='write', access='stream', &
+         form=trim(merge('unformatted', 'formatted  ', is_binary)), iostat=status, iomsg=reason)
       file%is_open = status == 0
       if (status /= 0) call new_error(error, system_failure, path//': cannot write this file: '//trim(reason))
    end subroutine new_output_file
@@ -52,15 +48,20 @@ contains
       integer, intent(in) :: write_status !! status of the last write statement: nonzero means that it failed
       type(error_t), allocatable, intent(out) :: error !! not everything could be written; the file is then discarded
       character(256) :: reason
+      integer(int64) :: next_byte, n_bytes
       integer :: status
 
       status = write_status
       reason = 'the disk may be full'
+      inquire (unit=self%unit, pos=next_byte)
       if (status == 0) flush (self%unit, iostat=status, iomsg=reason)
       if (status == 0) close (self%unit, iostat=status, iomsg=reason)
       if (status == 0) then
          self%is_open = .false.
-         return
+         ! The run-time library of gfortran 12 loses what a full disk refuses without a word: only the size tells.
+         inquire (file=self%temporary_path, size=n_bytes)
+         if (n_bytes == next_byte - 1) return
+         reason = 'only '//to_text(max(n_bytes, 0_int64))//' of '//to_text(next_byte - 1)//' bytes found room'
       end if
       call self%discard()
       call new_error(error, system_failure, self%path//': cannot write this file: '//trim(reason))

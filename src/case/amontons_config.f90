@@ -241,7 +241,7 @@ contains
       associate (method => config%method)
          method%method = trim(method_names(1))
          method%variant = trim(variant_names(1))
-         method%space = 'primal'
+         method%space = trim(space_names(1))
          call deck%get_word(group, 'method', method%method, method_names)
          call deck%get_word(group, 'variant', method%variant, variant_names)
          call deck%get_word(group, 'space', method%space, space_names)

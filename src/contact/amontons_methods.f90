@@ -20,7 +20,7 @@ module amontons_methods
    type :: method_options_t
       character(:), allocatable :: method !! one of `method_names`; not allocated means 'auto'
       character(:), allocatable :: variant !! of splitting: see `amontons_splitting`; not allocated means 'exact'
-      character(:), allocatable :: space !! of psor: see `amontons_psor`; not allocated means 'primal'
+      character(:), allocatable :: space !! of psor: see `amontons_psor`; not allocated means 'dual'
       real(dp) :: omega = 1.0_dp !! of psor: relaxation, above 0 and below 2 [-]
       real(dp) :: tolerance = 1.0e-10_dp !! residual that counts as solved [-]
       integer :: max_iterations = 1000 !! most iterations

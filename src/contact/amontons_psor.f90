@@ -18,7 +18,7 @@ module amontons_psor
    !> Projected SOR in the forces (`dual`, on A) or in the displacements (`primal`, on S).
    type, extends(contact_method_t) :: psor_t
       real(dp) :: omega = 1.0_dp !! relaxation, above 0 and below 2 [-]
-      character(6) :: space = 'primal' !! 'dual' or 'primal'
+      character(6) :: space = 'dual' !! 'dual' or 'primal'
    contains
       procedure :: solve => psor_solve
    end type psor_t

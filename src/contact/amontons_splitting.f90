@@ -45,6 +45,9 @@ contains
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
       real(dp), allocatable :: normal(:), tangential(:), b(:), factor(:, :), schur(:, :)
+      ! Forces that rest while the residual is this many tolerances away will not lower it any more.
+      real(dp), parameter :: at_rest = 1.0e3_dp
+      real(dp) :: change
       integer :: m, iteration
       logical :: may_continue
 
@@ -69,11 +72,12 @@ contains
          else
             call clipped_normal_step(problem, factor, b(:m), tangential, normal)
          end if
-         if (self%variant /= 'exact') solution%is_at_rest = maxval(abs([normal, tangential] - solution%force)) <= &
-            self%tolerance*problem%force_scale()
+         change = maxval(abs([normal, tangential] - solution%force))/problem%force_scale()
          call solution%record(problem, problem%displacement(b, [normal, tangential]), [normal, tangential], &
             self%tolerance, may_continue)
-         if (.not. may_continue .or. solution%is_at_rest) return
+         if (.not. may_continue) return
+         solution%is_at_rest = change <= self%tolerance .and. solution%residual > at_rest*self%tolerance
+         if (solution%is_at_rest) return
          ! A body that only contact holds: a proximal step moves the centre to the displacement just found.
          if (.not. problem%is_held) b = problem%dual_load(solution%displacement)
       end do
