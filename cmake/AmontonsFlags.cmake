@@ -8,7 +8,8 @@ set(_debug "$<CONFIG:Debug>")
 target_compile_options(amontons_flags INTERFACE
   "$<${_fortran}:-std=f2018;-ffree-line-length-132;-fimplicit-none>"
   # gfortran 12 takes the descriptor of an allocatable for uninitialised when it is first allocated by assignment.
-  "$<${_fortran}:-Wall;-Wextra;-pedantic;-Wimplicit-interface;-Wimplicit-procedure;-Werror;-Wno-maybe-uninitialized;-Wno-uninitialized>"
+  "$<${_fortran}:-Wall;-Wextra;-pedantic;-Wimplicit-interface;-Wimplicit-procedure;-Werror>"
+  "$<${_fortran}:-Wno-maybe-uninitialized;-Wno-uninitialized>"
   "$<${_c}:-std=c11;-Wall;-Wextra;-pedantic;-Werror>"
   "$<${_debug}:-g;-O0>"
   "$<$<AND:${_fortran},${_debug}>:-fcheck=all,no-array-temps;-finit-real=snan;-fbacktrace>")

@@ -8,8 +8,8 @@ module amontons_command_line
    public :: argument_t, command_line_t, help_text, read_command_line
 
    !> Options, as they are written.
-   character(9), parameter :: option_names(6) = [character(9) :: '--output', '--check', '--quiet', '--threads', '--help', &
-      '--version']
+   character(9), parameter :: option_names(*) = [character(9) :: '--output', '--check', '--quiet', '--threads', &
+      '--help', '--version']
 
    !> A word of the command line.
    type :: argument_t
@@ -86,7 +86,8 @@ contains
             ok = ok .and. command_line%n_threads > 0
          end if
          if (.not. ok) call new_error(error, input_refused, 'amontons: '//name//' expects '// &
-            trim(merge('the name of a directory', 'a number of at least 1 ', name == '--output'))//", found '"//value//"'")
+            trim(merge('the name of a directory', 'a number of at least 1 ', name == '--output'))// &
+            ", found '"//value//"'")
          return
       case ('--check')
          command_line%is_check = .true.

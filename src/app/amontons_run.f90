@@ -48,32 +48,67 @@ contains
       integer, intent(out) :: status !! 0, or `status_not_converged`
       type(error_t), allocatable, intent(out) :: error !! the deck was refused or could not be solved
       type(config_t) :: config
-      type(result_t) :: result
-      integer :: i
 
       status = 0
       call read_config(config, deck, error)
       if (allocated(error)) return
-      do i = 1, size(names)
-         if (names(i)%text /= config%name) cycle
-         call new_error(error, input_refused, deck//": an earlier deck of this run has the case name '"//config%name// &
-            "' too; give each its own &case name")
-         return
-      end do
-      names = [names, argument_t(config%name)]
+      call claim_name(names, config, error)
+      if (allocated(error)) return
       if (command_line%is_check) then
-         call prepare_case(workshop, config, result, error)
-         if (.not. allocated(error)) call tell(command_line, check_text(config, workshop))
+         call check_case(command_line, config, workshop, error)
       else
-         call solve_case(workshop, config, result, error)
-         if (.not. allocated(error)) call write_report(command_line%output, config, workshop%body, result, error)
-         if (.not. allocated(error)) call tell(command_line, solved_text(config, result))
-         if (.not. result%solution%is_converged) status = status_not_converged
+         call report_case(command_line, config, workshop, status, error)
       end if
       ! What is wrong with a body or a solution is told with the deck it came from.
       if (.not. allocated(error)) return
       if (index(error%message, deck) /= 1) error%message = deck//': '//error%message
    end subroutine run_deck
+
+   !> Refuses a case that would write over the files of an earlier one of this run.
+   subroutine claim_name(names, config, error)
+      type(argument_t), allocatable, intent(inout) :: names(:) !! names of the cases so far
+      type(config_t), intent(in) :: config !! the case
+      type(error_t), allocatable, intent(out) :: error !! the name is taken
+      integer :: i
+
+      do i = 1, size(names)
+         if (names(i)%text /= config%name) cycle
+         call new_error(error, input_refused, config%file//": an earlier deck of this run has the case name '"// &
+            config%name//"' too; give each its own &case name")
+         return
+      end do
+      names = [names, argument_t(config%name)]
+   end subroutine claim_name
+
+   !> Checks a case and tells its size.
+   subroutine check_case(command_line, config, workshop, error)
+      type(command_line_t), intent(in) :: command_line !! the options
+      type(config_t), intent(in) :: config !! the case
+      type(workshop_t), intent(inout) :: workshop !! what decks share
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the case
+      type(result_t) :: result
+
+      call prepare_case(workshop, config, result, error)
+      if (.not. allocated(error)) call tell(command_line, check_text(config, workshop))
+   end subroutine check_case
+
+   !> Solves a case, writes its files and tells how it went.
+   subroutine report_case(command_line, config, workshop, status, error)
+      type(command_line_t), intent(in) :: command_line !! the options
+      type(config_t), intent(in) :: config !! the case
+      type(workshop_t), intent(inout) :: workshop !! what decks share
+      integer, intent(out) :: status !! 0, or `status_not_converged`
+      type(error_t), allocatable, intent(out) :: error !! the case cannot be solved, or its files not be written
+      type(result_t) :: result
+
+      status = 0
+      call solve_case(workshop, config, result, error)
+      if (allocated(error)) return
+      call write_report(command_line%output, config, workshop%body, result, error)
+      if (allocated(error)) return
+      if (.not. result%solution%is_converged) status = status_not_converged
+      call tell(command_line, solved_text(config, result))
+   end subroutine report_case
 
    !> Prints a line unless the run is quiet.
    subroutine tell(command_line, text)

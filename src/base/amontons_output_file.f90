@@ -12,10 +12,10 @@ module amontons_output_file
    !> A file being written. Until `commit` the final name is untouched.
    type :: output_file_t
       private
-      integer, public :: unit = -1 !! The unit to write to while the file is open.
-      character(:), allocatable :: path
-      character(:), allocatable :: temporary_path
-      logical :: is_open = .false.
+      integer, public :: unit = -1 !! the unit to write to while the file is open
+      character(:), allocatable :: path !! final name
+      character(:), allocatable :: temporary_path !! name until `commit`
+      logical :: is_open = .false. !! whether the unit is open
    contains
       procedure, public :: commit => output_file_commit
       procedure, public :: discard => output_file_discard
@@ -81,6 +81,8 @@ contains
       class(output_file_t), intent(inout) :: self !! the file, open or finished
       integer :: status
 
+      ! Whether or not the unit closes well, what it holds is not wanted.
+      ! allow(C181): see above
       if (self%is_open) close (self%unit, iostat=status)
       self%is_open = .false.
       if (allocated(self%temporary_path)) call remove_file(self%temporary_path)

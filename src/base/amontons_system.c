@@ -1,25 +1,29 @@
 /* The few system calls that Fortran has no name for. */
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
+#include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/types.h>
 #include <unistd.h>
 
 /* Makes a directory and its parents. Returns 0 when it exists afterwards, the system's error number otherwise. */
-int amontons_make_directory(char *path)
+int amontons_make_directory(const char *path)
 {
-    if (!*path)
+    char parent[PATH_MAX];
+    size_t length = strlen(path);
+    if (length == 0)
         return ENOENT;
-    for (char *p = path + 1; *p; p++) {
-        if (*p != '/')
+    if (length >= sizeof parent)
+        return ENAMETOOLONG;
+    for (size_t i = 1; i < length; i++) {
+        if (path[i] != '/')
             continue;
-        *p = '\0';
-        int failed = mkdir(path, 0777) != 0 && errno != EEXIST;
-        int code = errno;
-        *p = '/';
-        if (failed)
-            return code;
+        memcpy(parent, path, i);
+        parent[i] = '\0';
+        if (mkdir(parent, 0777) != 0 && errno != EEXIST)
+            return errno;
     }
     if (mkdir(path, 0777) == 0)
         return 0;

@@ -9,11 +9,12 @@ module amontons_system
 
    public :: make_directory, peak_memory_mb, process_id, remove_file, rename_file, wall_seconds
 
+   ! allow(assumed-size): C takes an address and knows no shape
    interface
       function c_make_directory(path) bind(c, name='amontons_make_directory') result(code)
          import :: c_char, c_int
          implicit none (type, external)
-         character(c_char), intent(inout) :: path(*)
+         character(c_char), intent(in) :: path(*)
          integer(c_int) :: code
       end function c_make_directory
 

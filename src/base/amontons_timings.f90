@@ -8,27 +8,27 @@ module amontons_timings
    public :: new_timings, phase_assemble, phase_condense, phase_factorize, phase_names, phase_read, phase_recover, &
       phase_solve, phase_write, timings_t
 
-   !> Phase: reading the deck and making the mesh, supports and contact zone.
+   !> The phase of reading the deck and making the mesh, supports and contact zone.
    integer, parameter :: phase_read = 1
-   !> Phase: element stiffness and assembly.
+   !> The phase of element stiffness and assembly.
    integer, parameter :: phase_assemble = 2
-   !> Phase: ordering and Cholesky factorisation.
+   !> The phase of ordering and Cholesky factorisation.
    integer, parameter :: phase_factorize = 3
-   !> Phase: condensed stiffness and condensed load.
+   !> The phase of condensed stiffness and condensed load.
    integer, parameter :: phase_condense = 4
-   !> Phase: the contact method.
+   !> The phase of the contact method.
    integer, parameter :: phase_solve = 5
-   !> Phase: displacements of all nodes, and the certificate.
+   !> The phase of recovering the displacements of all nodes, and the certificate.
    integer, parameter :: phase_recover = 6
-   !> Phase: writing the result files.
+   !> The phase of writing the result files.
    integer, parameter :: phase_write = 7
    !> Names of the phases.
-   character(9), parameter :: phase_names(7) = [character(9) :: 'read', 'assemble', 'factorize', 'condense', 'solve', &
+   character(9), parameter :: phase_names(*) = [character(9) :: 'read', 'assemble', 'factorize', 'condense', 'solve', &
       'recover', 'write']
 
    !> Wall-clock time spent in each phase.
    type :: timings_t
-      real(dp) :: seconds(7) = 0.0_dp !! time of each phase [s]
+      real(dp) :: seconds(size(phase_names)) = 0.0_dp !! time of each phase [s]
       real(dp), private :: last = 0.0_dp !! when the phase under way began [s]
    contains
       procedure :: lap => timings_lap

@@ -21,8 +21,8 @@ module amontons_config
    !> Factorisations, as a deck writes them.
    character(6), parameter :: factorization_names(3) = [character(6) :: 'auto', 'band', 'sparse']
    !> Groups of a deck.
-   character(8), parameter :: group_names(8) = [character(8) :: 'case', 'mesh', 'material', 'support', 'load', 'contact', &
-      'solver', 'output']
+   character(8), parameter :: group_names(*) = [character(8) :: 'case', 'mesh', 'material', 'support', 'load', &
+      'contact', 'solver', 'output']
    !> Groups that may stand more than once.
    character(8), parameter :: repeatable_names(3) = [character(8) :: 'support', 'load', 'contact']
 
@@ -164,12 +164,11 @@ contains
          do k = 1, 4
             call deck%get(groups(i), keys(k), supports(i)%displacement(k), supports(i)%is_held(k))
          end do
-         if (has_set .eqv. has_point) call deck%fault(groups(i), 'point', '&support needs either set or point')
-         if (has_set .and. len_trim(supports(i)%set) == 0) call deck%fault(groups(i), 'set', 'set must not be empty')
-         if (.not. any(supports(i)%is_held)) call deck%fault(groups(i), 'set', &
-            '&support holds nothing; expected ux, uy, un or ut')
-         if (has_point .and. any(supports(i)%is_held(3:))) call deck%fault(groups(i), 'point', &
-            'un and ut need a set; a point has no normal')
+         call require(deck, groups(i), 'set', has_set .neqv. has_point, 'be given, or else point')
+         call require(deck, groups(i), 'set', .not. has_set .or. len_trim(supports(i)%set) > 0, 'not be empty')
+         call require(deck, groups(i), 'ux', any(supports(i)%is_held), 'be given, or uy, un or ut')
+         call require(deck, groups(i), 'point', .not. (has_point .and. any(supports(i)%is_held(3:))), &
+            'not go with un or ut: a point has no normal')
          call deck%refuse_unknown(groups(i))
       end do
    end subroutine read_supports
@@ -191,13 +190,13 @@ contains
          call deck%get(groups(i), 'traction', loads(i)%traction, has_traction)
          call deck%get(groups(i), 'pressure', loads(i)%pressure, has_pressure)
          call deck%get(groups(i), 'body_force', loads(i)%body_force, has_body_force)
-         if (.not. (has_traction .or. has_pressure .or. has_body_force)) call deck%fault(groups(i), 'set', &
-            '&load loads nothing; expected traction, pressure or body_force')
-         if ((has_traction .or. has_pressure) .and. .not. has_set) call deck%fault(groups(i), 'traction', &
-            'traction and pressure need a set')
-         if (has_body_force .and. has_set) call deck%fault(groups(i), 'body_force', &
-            'body_force acts on the whole body; it takes no set')
-         if (has_set .and. len_trim(loads(i)%set) == 0) call deck%fault(groups(i), 'set', 'set must not be empty')
+         call require(deck, groups(i), 'traction', has_traction .or. has_pressure .or. has_body_force, &
+            'be given, or pressure or body_force')
+         call require(deck, groups(i), 'set', has_set .or. .not. (has_traction .or. has_pressure), &
+            'name the side that traction or pressure act on')
+         call require(deck, groups(i), 'body_force', .not. (has_body_force .and. has_set), &
+            'not go with set: it acts on the whole body')
+         call require(deck, groups(i), 'set', .not. has_set .or. len_trim(loads(i)%set) > 0, 'not be empty')
          call deck%refuse_unknown(groups(i))
       end do
    end subroutine read_loads
@@ -208,7 +207,6 @@ contains
       type(deck_t), intent(inout) :: deck !! the deck
       character(:), allocatable :: obstacle
       integer, allocatable :: groups(:)
-      logical :: has_set
       integer :: i
 
       groups = deck%groups('contact')
@@ -217,14 +215,14 @@ contains
          contacts(i)%set = ''
          contacts(i)%origin = origin_of(deck, groups(i), 'set')
          obstacle = 'plane'
-         call deck%get(groups(i), 'set', contacts(i)%set, has_set)
+         call deck%get(groups(i), 'set', contacts(i)%set)
          call deck%get(groups(i), 'friction', contacts(i)%friction)
          call deck%get_word(groups(i), 'obstacle', obstacle, ['plane'])
          call deck%get(groups(i), 'point', contacts(i)%point)
          call deck%get(groups(i), 'normal', contacts(i)%normal)
-         if (.not. has_set .or. len_trim(contacts(i)%set) == 0) call deck%fault(groups(i), 'set', '&contact needs a set')
-         call require(deck, groups(i), 'friction', contacts(i)%friction >= 0.0_dp, 'be at least 0, found '// &
-            to_text(contacts(i)%friction))
+         if (len_trim(contacts(i)%set) == 0) call deck%fault(groups(i), 'set', '&contact needs a set')
+         call require(deck, groups(i), 'friction', contacts(i)%friction >= 0.0_dp, &
+            'be at least 0, found '//to_text(contacts(i)%friction))
          call require(deck, groups(i), 'normal', norm2(contacts(i)%normal) > 0.0_dp, 'not be zero')
          call deck%refuse_unknown(groups(i))
       end do

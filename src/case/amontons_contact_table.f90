@@ -44,8 +44,9 @@ contains
       point%weight = body%zone%weight(p)
       point%gap = body%problem%gap(p) - result%solution%displacement(p)
       point%slip = result%solution%displacement(m + p)
-      if (body%zone%is_guided(p)) &
+      if (body%zone%is_guided(p)) then
          point%slip = dot_product([-point%normal(2), point%normal(1)], result%displacement(:, node))
+      end if
       point%normal_force = result%solution%force(p)
       point%tangential_force = result%solution%force(m + p)
       area = point%weight*body%material%thickness
@@ -63,7 +64,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the file cannot be written
       type(contact_point_t) :: point
       character(:), allocatable :: row
-      real(dp) :: numbers(11)
+      real(dp), allocatable :: numbers(:)
       integer :: p, i, status
 
       call new_output_file(file, path, .false., error)

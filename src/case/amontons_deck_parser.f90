@@ -164,6 +164,7 @@ contains
          call advance(cursor, contents%text)
       end if
       if (ok) return
+      subscript%kind = word_token
       call refuse_token(contents, excerpt(assignment%key)//': expected a subscript such as (2)', subscript)
       assignment%is_faulty = .true.
    end subroutine read_subscript

@@ -19,8 +19,8 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = '&case name = '//quoted(config%name)//'  title = '//quoted(config%title)//' /'//newline//mesh_text(config) &
-         //material_text(config)
+      text = '&case name = '//quoted(config%name)//'  title = '//quoted(config%title)//' /'//newline &
+         //mesh_text(config)//material_text(config)
       do i = 1, size(config%supports)
          text = text//support_text(config, i)
       end do
@@ -30,7 +30,8 @@ contains
       do i = 1, size(config%contacts)
          associate (contact => config%contacts(i))
             text = text//'&contact set = '//quoted(contact%set)//'  friction = '//to_text(contact%friction) &
-               //"  obstacle = 'plane'  point = "//pair(contact%point)//'  normal = '//pair(contact%normal)//' /'//newline
+               //"  obstacle = 'plane'  point = "//pair(contact%point)//'  normal = '//pair(contact%normal)//' /' &
+               //newline
          end associate
       end do
       text = text//solver_text(config)//'&output /'//newline
@@ -117,9 +118,10 @@ contains
       character(:), allocatable :: text
 
       associate (m => config%method)
-         text = '&solver method = '//quoted(m%method)//'  variant = '//quoted(m%variant)//'  space = '//quoted(m%space) &
-            //'  omega = '//to_text(m%omega)//newline//'   tolerance = '//to_text(m%tolerance)//'  max_iterations = ' &
-            //to_text(m%max_iterations)//'  factorization = '//quoted(config%factorization)//' /'//newline
+         text = '&solver method = '//quoted(m%method)//'  variant = '//quoted(m%variant)//'  space = ' &
+            //quoted(m%space)//'  omega = '//to_text(m%omega)//newline &
+            //'   tolerance = '//to_text(m%tolerance)//'  max_iterations = '//to_text(m%max_iterations) &
+            //'  factorization = '//quoted(config%factorization)//' /'//newline
       end associate
    end function solver_text
 

@@ -3,6 +3,7 @@ module amontons_listing
    use amontons_body, only: body_t
    use amontons_certificate, only: certificate_t
    use amontons_config, only: config_t
+   use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_table, only: contact_point_t, new_contact_point
    use amontons_error, only: error_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
@@ -146,12 +147,11 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
-      integer :: i, stride
 
       associate (solution => result%solution)
          text = heading('Solution')//line('Method', method_text(config))
          if (allocated(result%shared_with)) text = text//line('Factorisation', 'shared with case '//result%shared_with)
-         if (allocated(result%started_from)) text = text//line('Started from', 'the solution of case '//result%started_from)
+         if (allocated(result%started_from)) text = text//line('Started from', 'case '//result%started_from)
          if (solution%is_converged) then
             text = text//line('Converged', 'yes, in '//to_text(solution%n_iterations)//' iterations')
          else
@@ -162,15 +162,25 @@ contains
             line('Note', 'the forces came to rest at a wrong answer: they do not fulfil the contact law')
          if (result%method_error >= 0.0_dp) text = text//line('Error of method', scientific(result%method_error)// &
             ' of the largest contact force, against the exact solution')
-         text = text//line('Residual', scientific(solution%residual)//', tolerance '//scientific(config%method%tolerance))
-         if (solution%n_iterations > 0) text = text//line('Residual history', 'iteration, residual')
-         stride = max(1, solution%n_iterations/20)
-         do i = 1, solution%n_iterations
-            if (i /= 1 .and. i /= solution%n_iterations .and. mod(i, stride) /= 0) cycle
-            text = text//line('', right(to_text(i), 9)//'  '//scientific(solution%history(i)))
-         end do
+         text = text//line('Residual', scientific(solution%residual)//', tolerance ' &
+            //scientific(config%method%tolerance))//history_text(solution)
       end associate
    end function solution_text
+
+   !> The residual after each iteration; of many iterations about twenty.
+   pure function history_text(solution) result(text)
+      type(contact_solution_t), intent(in) :: solution !! the solution and its record
+      character(:), allocatable :: text
+      integer, parameter :: n_lines = 20
+      integer :: i, stride
+
+      text = line('Residual history', 'iteration, residual')
+      stride = max(1, solution%n_iterations/n_lines)
+      do i = 1, solution%n_iterations
+         if (i /= 1 .and. i /= solution%n_iterations .and. mod(i, stride) /= 0) cycle
+         text = text//line('', right(to_text(i), len('iteration'))//'  '//scientific(solution%history(i)))
+      end do
+   end function history_text
 
    !> The method with the options that it uses.
    pure function method_text(config) result(text)
@@ -258,10 +268,10 @@ contains
       type(contact_point_t) :: point
       integer :: p
 
-      write (unit, '(a)', iostat=status) &
-         heading('Contact points (forces and stresses: compression and shear along the slip positive)')
-      write (unit, '(a7, 8a13, 2x, a)', iostat=status) 'point', 'x', 'y', 'gap', 'slip', 'normal force', 'tang. force', &
-         'norm. stress', 'tang. stress', 'status'
+      write (unit, '(a, a7, 8a13, 2x, a)', iostat=status) &
+         heading('Contact points (forces and stresses: compression and shear along the slip positive)'), 'point', &
+         'x', 'y', 'gap', 'slip', 'normal force', 'tang. force', 'norm. stress', 'tang. stress', 'status'
+      if (status /= 0) return
       do p = 1, body%zone%n_points
          call new_contact_point(point, body, result, p)
          write (unit, '(i7, 8es13.5, 2x, a)', iostat=status) p, point%position, point%gap, point%slip, &

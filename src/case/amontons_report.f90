@@ -17,6 +17,9 @@ module amontons_report
 
    public :: write_report
 
+   !> Number of files that a case leaves.
+   integer, parameter :: n_files = 5
+
 contains
 
    !> Writes NAME.lst, NAME.contact.csv, NAME.vtu, NAME.deck.nml and NAME.summary.json. Names change hands only after
@@ -27,7 +30,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
-      type(output_file_t) :: files(5)
+      type(output_file_t) :: files(n_files)
       integer :: i
 
       call make_directory(directory, error)
@@ -41,7 +44,7 @@ contains
 
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
    subroutine write_files(files, stem, config, body, result, error)
-      type(output_file_t), intent(inout) :: files(5) !! the finished files
+      type(output_file_t), intent(inout) :: files(n_files) !! the finished files
       character(*), intent(in) :: stem !! directory and name of the case
       type(config_t), intent(in) :: config !! the case
       type(body_t), intent(in) :: body !! the body

@@ -28,8 +28,8 @@ contains
 
    !> What every violation of a certificate must stay below, for a tolerance of the contact method [-].
    !>
-   !> A hundred times the tolerance leaves room for what a residual of the small problem becomes on the full model; below
-   !> 1e-8 rounding of a large model would speak.
+   !> A hundred times the tolerance leaves room for what a residual of the small problem becomes on the full model;
+   !> below 1e-8 rounding of a large model would speak.
    pure real(dp) function certificate_limit(tolerance)
       real(dp), intent(in) :: tolerance !! tolerance of the contact method [-]
 

@@ -107,8 +107,7 @@ contains
          call result%timings%lap(phase_solve)
 
          call recover(body, result)
-         call new_certificate(result%certificate, body%mesh, body%material, body%coloring, body%constraints, body%zone, &
-            result%loads, result%displacement, solution%force)
+         call new_certificate(result%certificate, body, result%loads, result%displacement, solution%force)
          call new_lengths(result%lengths, body%mesh, body%zone, solution%status)
          call result%timings%lap(phase_recover)
       end associate

@@ -4,7 +4,7 @@ module amontons_summary
    use amontons_certificate, only: certificate_t
    use amontons_config, only: config_t
    use amontons_error, only: error_t
-   use amontons_friction_law, only: open_point, stick_point
+   use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_kinds, only: dp
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_result, only: certificate_limit, result_t
@@ -61,7 +61,8 @@ contains
             ', "dofs": '//to_text(body%dof_map%n_dofs)//', "contact_points": '//to_text(body%zone%n_points)// &
             ', "open": '//to_text(count(solution%status == open_point))// &
             ', "stick": '//to_text(count(solution%status == stick_point))// &
-            ', "slip": '//to_text(count(solution%status /= open_point .and. solution%status /= stick_point))//'},'//newline// &
+            ', "slip": '//to_text(count(solution%status == slip_plus .or. solution%status == slip_minus))// &
+            '},'//newline// &
             '  "lengths": {"separated": '//number(result%lengths%separated)// &
             ', "sliding": '//number(result%lengths%sliding)// &
             ', "sticking": '//number(result%lengths%sticking)//'},'//newline// &

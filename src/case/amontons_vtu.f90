@@ -54,37 +54,42 @@ contains
       call new_output_file(file, path, .true., error)
       if (allocated(error)) return
       write (file%unit, iostat=state) head_text(n, body%mesh%n_elements, size(body%mesh%node))
-      call put_reals(reshape(displacement, [3*n]))
+      call put_reals(file%unit, reshape(displacement, [3*n]), state)
       do p = 1, size(contact, 2)
-         call put_reals(contact(:, p))
+         call put_reals(file%unit, contact(:, p), state)
       end do
-      call put_integers(status)
-      call put_reals(reshape(stress(:6, :), [6*size(stress, 2)]))
-      call put_reals(stress(7, :))
-      call put_reals(reshape(points, [3*n]))
-      call put_integers(int(body%mesh%node - 1, int32))
-      call put_integers(int(body%mesh%node_start(2:) - 1, int32))
-      call put_integers(int(vtk_cell_type(body%mesh%element_kind), int32))
+      call put_integers(file%unit, status, state)
+      call put_reals(file%unit, reshape(stress(:6, :), [6*size(stress, 2)]), state)
+      call put_reals(file%unit, stress(7, :), state)
+      call put_reals(file%unit, reshape(points, [3*n]), state)
+      call put_integers(file%unit, int(body%mesh%node - 1, int32), state)
+      call put_integers(file%unit, int(body%mesh%node_start(2:) - 1, int32), state)
+      call put_integers(file%unit, int(vtk_cell_type(body%mesh%element_kind), int32), state)
       if (state == 0) write (file%unit, iostat=state) newline//'  </AppendedData>'//newline//'</VTKFile>'//newline
       call file%finish(state, error)
-
-   contains
-
-      !> Appends a block of reals behind its length in bytes.
-      subroutine put_reals(values)
-         real(dp), intent(in) :: values(:) !! the block
-
-         if (state == 0) write (file%unit, iostat=state) 8_int64*size(values, kind=int64), values
-      end subroutine put_reals
-
-      !> Appends a block of integers behind its length in bytes.
-      subroutine put_integers(values)
-         integer(int32), intent(in) :: values(:) !! the block
-
-         if (state == 0) write (file%unit, iostat=state) 4_int64*size(values, kind=int64), values
-      end subroutine put_integers
-
    end subroutine write_vtu
+
+   !> Appends a block of reals behind its length in bytes.
+   subroutine put_reals(unit, values, state)
+      integer, intent(in) :: unit !! the unit to write to
+      real(dp), intent(in) :: values(:) !! the block
+      integer, intent(inout) :: state !! status of the last write statement; nothing is written after a failure
+
+      if (state /= 0) return
+      ! allow(C181): the caller checks the state
+      write (unit, iostat=state) 8_int64*size(values, kind=int64), values
+   end subroutine put_reals
+
+   !> Appends a block of integers behind its length in bytes.
+   subroutine put_integers(unit, values, state)
+      integer, intent(in) :: unit !! the unit to write to
+      integer(int32), intent(in) :: values(:) !! the block
+      integer, intent(inout) :: state !! status of the last write statement; nothing is written after a failure
+
+      if (state /= 0) return
+      ! allow(C181): the caller checks the state
+      write (unit, iostat=state) 4_int64*size(values, kind=int64), values
+   end subroutine put_integers
 
    !> Gap, slip, normal and tangential stress of a contact point.
    pure subroutine put_point(body, result, p, values)

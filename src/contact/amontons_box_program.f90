@@ -72,7 +72,7 @@ contains
       end if
    end subroutine newton_step
 
-   !> Moves along the step, cut to the box, by the first of the lengths 1, 1/2, 1/4, ... that lowers the objective enough.
+   !> Moves along the step, cut to the box, by the first of 1, 1/2, 1/4, ... that lowers the objective enough.
    pure subroutine search_line(a, b, lower, upper, gradient, step, x)
       real(dp), intent(in) :: a(:, :) !! the matrix (n, n)
       real(dp), intent(in) :: b(:) !! the linear term (n)

@@ -1,11 +1,10 @@
 !> The certificate: what a solution fulfils on the full model, computed from displacements and contact forces alone.
 module amontons_certificate
    use amontons_assembly, only: internal_forces
-   use amontons_coloring, only: coloring_t
+   use amontons_body, only: body_t
    use amontons_constraints, only: constraints_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_kinds, only: dp
-   use amontons_material, only: material_t
    use amontons_mesh, only: mesh_t
    implicit none (type, external)
    private
@@ -37,28 +36,24 @@ module amontons_certificate
 contains
 
    !> Computes the certificate.
-   subroutine new_certificate(certificate, mesh, material, coloring, constraints, zone, loads, displacement, force)
+   subroutine new_certificate(certificate, body, loads, displacement, force)
       type(certificate_t), intent(out) :: certificate !! the certificate
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(material_t), intent(in) :: material !! the material
-      type(coloring_t), intent(in) :: coloring !! colours of the elements
-      type(constraints_t), intent(in) :: constraints !! the supports
-      type(contact_zone_t), intent(in) :: zone !! the contact points, their obstacles set
+      type(body_t), intent(in) :: body !! the body, the obstacles of its contact zone set
       real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
       real(dp), allocatable :: internal(:, :), contact(:, :), reaction(:, :)
 
-      call internal_forces(internal, mesh, material, coloring, displacement)
-      contact = nodal_contact_forces(mesh, zone, force)
+      call internal_forces(internal, body%mesh, body%material, body%coloring, displacement)
+      contact = nodal_contact_forces(body%mesh, body%zone, force)
       reaction = internal - loads - contact
-      call split_imbalance(constraints, reaction, certificate%equilibrium)
-      call check_points(certificate, zone, displacement, force)
-      call check_resultants(certificate, mesh, loads, reaction, contact)
+      call split_imbalance(body%constraints, reaction, certificate%equilibrium)
+      call check_points(certificate, body%zone, displacement, force)
+      call check_resultants(certificate, body%mesh, loads, reaction, contact)
       certificate%equilibrium = relative(certificate%equilibrium, max(norm2(loads), norm2(reaction), norm2(contact)))
       certificate%strain_energy = 0.5_dp*sum(internal*displacement)
       certificate%energy = relative(abs(sum(internal*displacement) - sum((loads + contact)*displacement) &
-         - sum(reaction*constraints%prescribed)), sum(abs(internal*displacement)))
+         - sum(reaction*body%constraints%prescribed)), sum(abs(internal*displacement)))
    end subroutine new_certificate
 
    !> The forces of the obstacle on the nodes: -lambda_N n - lambda_T t (2, n_nodes) [F].
@@ -79,7 +74,8 @@ contains
    !> Splits what the forces lack for equilibrium into reactions (held directions) and imbalance (free ones).
    pure subroutine split_imbalance(constraints, reaction, imbalance)
       type(constraints_t), intent(in) :: constraints !! the supports
-      real(dp), intent(inout) :: reaction(:, :) !! in: what is missing; out: its part along held directions (2, n_nodes) [F]
+      real(dp), intent(inout) :: reaction(:, :)
+         !! in: what is missing; out: its part along held directions (2, n_nodes) [F]
       real(dp), intent(out) :: imbalance !! norm of the part along free directions [F]
       real(dp) :: frame(2, 2), part(2)
       integer :: node
@@ -165,7 +161,7 @@ contains
       real(dp), intent(in) :: scale !! what to divide by, at least 0
 
       relative = 0.0_dp
-      if (scale > 0.0_dp) relative = value/scale
+      if (scale > 0.0_dp .and. abs(value) > 0.0_dp) relative = value/scale
    end function relative
 
    !> The largest of the violations [-].

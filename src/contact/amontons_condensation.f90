@@ -1,4 +1,4 @@
-!> Condensation: from the factorised stiffness of the body to the contact problem, and back to all displacements.
+!> The condensation of a body: from its factorised stiffness to the contact problem, and back to all displacements.
 !>
 !> With the contact unknowns c last, the trailing block of the Cholesky factor of K + alpha E (E the identity on c) is
 !> the Cholesky factor of S + alpha I, S = K_cc - K_ci K_ii^-1 K_ic; alpha is 0 for a body that its supports hold.

@@ -51,10 +51,10 @@ contains
 
    !> Makes the dual matrix A = (S + alpha I)^-1 unless it is there already.
    !>
-   !> A body that only contact holds has no S^-1: alpha is then a third of the mean diagonal of S shared among the points,
-   !> and the methods iterate v_k (see `dual_load`) until the shift has no effect. So the rigid motion, which all points
-   !> resist together, is held about as firmly as one point on any mesh: measured on the long bar, less slows the sweeps
-   !> and more slows the proximal iteration.
+   !> A body that only contact holds has no S^-1: alpha is then a third of the mean diagonal of S shared among the
+   !> points, and the methods iterate v_k (see `dual_load`) until the shift has no effect. So the rigid motion, which
+   !> all points resist together, is held about as firmly as one point on any mesh: measured on the long bar, less
+   !> slows the sweeps and more slows the proximal iteration.
    subroutine contact_problem_prepare_compliance(self, error)
       class(contact_problem_t), intent(inout) :: self !! the problem
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite

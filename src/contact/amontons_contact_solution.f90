@@ -44,7 +44,8 @@ contains
       self%is_at_rest = .false.
       self%n_iterations = 0
       self%residual = huge(self%residual)
-      self%history = [real(dp) ::]
+      if (allocated(self%history)) deallocate (self%history)
+      allocate (self%history(0))
    end subroutine contact_solution_begin
 
    !> Records the pair (v, lambda) that an iteration ended with: residual, statuses, whether it is the solution.
@@ -62,8 +63,9 @@ contains
       self%status = problem%status(displacement, force)
       self%is_converged = self%residual <= tolerance
       self%n_iterations = self%n_iterations + 1
-      if (self%n_iterations > size(self%history)) &
+      if (self%n_iterations > size(self%history)) then
          self%history = [self%history, spread(0.0_dp, 1, self%n_iterations)]
+      end if
       self%history(self%n_iterations) = self%residual
       may_continue = .not. self%is_converged .and. ieee_is_finite(self%residual)
    end subroutine contact_solution_record

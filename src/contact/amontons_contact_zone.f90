@@ -26,11 +26,11 @@ module amontons_contact_zone
       integer, allocatable :: node(:) !! node of each point (m)
       integer, allocatable :: set(:) !! which contact set the point belongs to (m)
       integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (m)
-      real(dp), allocatable :: normal(:, :) !! unit outward normal of the body; the tangent is it turned +90 degrees (2, m)
+      real(dp), allocatable :: normal(:, :) !! unit outward normal n; the tangent is t = (-n_y, n_x) (2, m)
       real(dp), allocatable :: weight(:) !! tributary length (m) [L]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
       real(dp), allocatable :: friction(:) !! Coulomb coefficient (m) [-]
-      logical, allocatable :: is_guided(:) !! whether a support leaves one direction only, so that it bears the shear (m)
+      logical, allocatable :: is_guided(:) !! whether a support leaves it one direction and bears the shear (m)
       integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
    end type contact_zone_t
 
@@ -159,7 +159,7 @@ contains
             plane = contact%normal/norm2(contact%normal)
             facing = -dot_product(zone%normal(:, p), plane)
             if (facing < grazing) then
-               call new_error(error, input_refused, contact%origin//'the boundary does not face the plane at the node '// &
+               call new_error(error, input_refused, contact%origin//'the boundary does not face the plane at '// &
                   position_text(mesh, zone%node(p))//'; the normal of the plane must point to the body')
                return
             end if

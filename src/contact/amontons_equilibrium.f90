@@ -15,6 +15,9 @@ module amontons_equilibrium
 
    public :: check_balance, nonnegative_remainder
 
+   !> What rounding leaves of a zero, over the numbers it came from.
+   real(dp), parameter :: negligible = 1.0e-13_dp
+
 contains
 
    !> Refuses loads that drive the body away.
@@ -24,7 +27,7 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the contact points, their friction set
       real(dp), intent(in) :: forces(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       type(error_t), allocatable, intent(out) :: error !! the body flies off; names the motion
-      real(dp), parameter :: negligible = 1.0e-9_dp
+      real(dp), parameter :: unbalanced = 1.0e-9_dp
       real(dp) :: cone(motions%n_free, 2*zone%n_points), work(motions%n_free), remainder(motions%n_free)
       real(dp) :: motion(2, motions%n_free), normal(2), shear(2), scale
       integer :: node, p
@@ -45,9 +48,10 @@ contains
          cone(:, 2*p) = matmul(normal - shear, motion)
       end do
       remainder = nonnegative_remainder(cone, work)
-      if (norm2(remainder) <= negligible*scale) return
-      call new_error(error, numerical_failure, 'the body flies off: no contact forces can balance the loads against a '// &
-         motions%describe(remainder)//'; add a support, or a load that presses the body on its obstacle')
+      if (norm2(remainder) <= unbalanced*scale) return
+      call new_error(error, numerical_failure, &
+         'the body flies off: no contact forces can balance the loads against a '//motions%describe(remainder)// &
+         '; add a support, or a load that presses the body on its obstacle')
    end subroutine check_balance
 
    !> What is left of a vector after its best approximation by columns with factors at least 0: Lawson and Hanson's
@@ -56,8 +60,7 @@ contains
       real(dp), intent(in) :: columns(:, :) !! the columns (k, n)
       real(dp), intent(in) :: vector(:) !! the vector (k)
       real(dp) :: remainder(size(vector))
-      real(dp), parameter :: negligible = 1.0e-13_dp
-      real(dp) :: gain(size(columns, 2)), factor(size(columns, 2)), trial(size(columns, 2)), length
+      real(dp) :: gain(size(columns, 2)), factor(size(columns, 2))
       logical :: is_used(size(columns, 2))
       integer :: step, best
 
@@ -70,20 +73,32 @@ contains
          if (best == 0) return
          if (gain(best) <= negligible*norm2(vector)*norm2(columns(:, best))) return
          is_used(best) = .true.
-         do
-            trial = least_squares(columns, vector, is_used)
-            if (all(trial > 0.0_dp .or. .not. is_used)) exit
-            ! Go towards the trial until the first factor meets zero; that column leaves.
-            length = minval(factor/(factor - trial), mask=is_used .and. .not. trial > 0.0_dp)
-            factor = factor + length*(trial - factor)
-            is_used = is_used .and. factor > negligible*maxval(factor)
-            where (.not. is_used) factor = 0.0_dp
-            if (.not. any(is_used)) exit
-         end do
-         if (any(is_used)) factor = trial
+         call settle_factors(columns, vector, is_used, factor)
          remainder = vector - matmul(columns, factor)
       end do
    end function nonnegative_remainder
+
+   !> Moves the factors to the best approximation by the columns in use; a column whose factor meets zero on the way
+   !> is given up, and the way goes on from there.
+   pure subroutine settle_factors(columns, vector, is_used, factor)
+      real(dp), intent(in) :: columns(:, :) !! the columns (k, n)
+      real(dp), intent(in) :: vector(:) !! the vector (k)
+      logical, intent(inout) :: is_used(:) !! which columns are in use (n)
+      real(dp), intent(inout) :: factor(:) !! the factors, at least 0 (n)
+      real(dp) :: trial(size(factor)), length
+
+      do while (any(is_used))
+         trial = least_squares(columns, vector, is_used)
+         if (all(trial > 0.0_dp .or. .not. is_used)) then
+            factor = trial
+            return
+         end if
+         length = minval(factor/(factor - trial), mask=is_used .and. .not. trial > 0.0_dp)
+         factor = factor + length*(trial - factor)
+         is_used = is_used .and. factor > negligible*maxval(factor)
+         factor = merge(factor, 0.0_dp, is_used)
+      end do
+   end subroutine settle_factors
 
    !> Factors of the columns in use that approximate a vector best; 0 for the others (n).
    pure function least_squares(columns, vector, is_used) result(factor)

@@ -11,13 +11,13 @@ module amontons_friction_law
    public :: bounded, contact_status, is_closed, law_violation, open_point, slip_minus, slip_plus, status_names, &
       stick_point
 
-   !> Status: the point is away from the obstacle.
+   !> Status of a point that is away from the obstacle.
    integer, parameter :: open_point = 1
-   !> Status: the point is closed and does not slide.
+   !> Status of a closed point that does not slide.
    integer, parameter :: stick_point = 2
-   !> Status: the point is closed and slides along +t.
+   !> Status of a closed point that slides along +t.
    integer, parameter :: slip_plus = 3
-   !> Status: the point is closed and slides along -t.
+   !> Status of a closed point that slides along -t.
    integer, parameter :: slip_minus = 4
    !> Names of the statuses, as the result files write them.
    character(5), parameter :: status_names(4) = [character(5) :: 'open', 'stick', 'slip+', 'slip-']

@@ -127,7 +127,7 @@ contains
       where (status == open_point)
          force(:m) = 0.0_dp
          force(m + 1:) = 0.0_dp
-      elsewhere (status /= stick_point)
+      else where (status /= stick_point)
          force(m + 1:) = factor*force(:m)
       end where
    end subroutine recover_forces

@@ -62,16 +62,17 @@ contains
       if (self%variant == 'printed') schur = printed_schur(problem, factor)
 
       do iteration = 1, self%max_iterations
-         if (self%variant == 'printed') then
-            call printed_tangential_step(schur, b(m + 1:), problem%friction*normal, tangential)
-         else
+         select case (self%variant)
+         case ('clip')
             call tangential_step(problem, b(m + 1:), normal, tangential)
-         end if
-         if (self%variant == 'exact') then
-            call normal_step(problem, b(:m), tangential, normal)
-         else
             call clipped_normal_step(problem, factor, b(:m), tangential, normal)
-         end if
+         case ('printed')
+            call printed_tangential_step(schur, b(m + 1:), problem%friction*normal, tangential)
+            call clipped_normal_step(problem, factor, b(:m), tangential, normal)
+         case default
+            call tangential_step(problem, b(m + 1:), normal, tangential)
+            call normal_step(problem, b(:m), tangential, normal)
+         end select
          change = maxval(abs([normal, tangential] - solution%force))/problem%force_scale()
          call solution%record(problem, problem%displacement(b, [normal, tangential]), [normal, tangential], &
             self%tolerance, may_continue)

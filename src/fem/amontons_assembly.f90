@@ -1,4 +1,4 @@
-!> Assembly: the stiffness matrix of the unknowns, and the nodal forces of a displacement.
+!> The stiffness matrix of the unknowns, assembled from the elements, and the nodal forces of a displacement.
 module amontons_assembly
    use amontons_coloring, only: coloring_t
    use amontons_constraints, only: constraints_t
@@ -114,7 +114,8 @@ contains
       do node = 1, size(field, 2)
          frame = constraints%frame(node)
          do axis = 1, 2
-            if (dof_map%dof(axis, node) > 0) vector(dof_map%dof(axis, node)) = dot_product(frame(:, axis), field(:, node))
+            if (dof_map%dof(axis, node) == 0) cycle
+            vector(dof_map%dof(axis, node)) = dot_product(frame(:, axis), field(:, node))
          end do
       end do
    end function to_unknowns

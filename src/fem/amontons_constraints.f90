@@ -1,4 +1,4 @@
-!> Supports: which directions of which nodes are held, and where to.
+!> The supports of a body: which directions of which nodes are held, and where to.
 module amontons_constraints
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_error, only: error_t, input_refused, new_error
@@ -37,7 +37,7 @@ contains
       type(constraints_t), intent(out) :: constraints !! the constraints
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(support_t), intent(in) :: supports(:) !! the supports
-      type(error_t), allocatable, intent(out) :: error !! a set or node is missing, or two supports contradict each other
+      type(error_t), allocatable, intent(out) :: error !! a set or node is missing, or supports contradict each other
       integer :: i
 
       allocate (constraints%is_free(2, mesh%n_nodes), source=.true.)

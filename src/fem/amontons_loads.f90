@@ -1,4 +1,4 @@
-!> Loads: tractions and pressures on boundary sets, body forces.
+!> The loads of a body: tractions and pressures on boundary sets, body forces.
 module amontons_loads
    use amontons_elasticity, only: element_geometry_t, new_element_geometry
    use amontons_error, only: error_t

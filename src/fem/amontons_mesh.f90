@@ -1,6 +1,7 @@
 !> The mesh: nodes, elements, named boundary sets, and the checks every mesh must pass.
 module amontons_mesh
-   use amontons_element, only: max_nodes, n_element_nodes, n_element_points, quadrature_point, shape_functions, side_nodes
+   use amontons_element, only: max_nodes, n_element_nodes, n_element_points, quadrature_point, shape_functions, &
+      side_nodes
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_text, only: to_text
@@ -123,7 +124,7 @@ contains
    pure subroutine mesh_set_sides(self, name, sides, error)
       class(mesh_t), intent(in) :: self !! the mesh
       character(*), intent(in) :: name !! name of the set
-      integer, allocatable, intent(out) :: sides(:, :) !! first and second node of each side, body on the left (2, sides)
+      integer, allocatable, intent(out) :: sides(:, :) !! first and second node, body on the left (2, sides)
       type(error_t), allocatable, intent(out) :: error !! there is no such set; the message lists those there are
       character(:), allocatable :: known
       integer :: set, i

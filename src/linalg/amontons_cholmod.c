@@ -1,4 +1,4 @@
-/* A thin layer over CHOLMOD and CAMD: their structures change with the version, so none of them crosses into Fortran. */
+/* A thin layer over CHOLMOD and CAMD: their structures change with the version, so none crosses into Fortran. */
 #define _DEFAULT_SOURCE
 #include <camd.h>
 #include <cholmod.h>

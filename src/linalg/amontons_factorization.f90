@@ -1,8 +1,9 @@
 !> The factorisation seam: Cholesky with the trailing unknowns eliminated last, whatever library makes the factor.
 !>
-!> P K P^T = L L^T, where P puts unknown `order(k)` in position k and keeps the last `n_trailing` unknowns last. With the
-!> unknowns split into interior i and trailing c, the last block of L is the Cholesky factor of the Schur complement
-!> S = K_cc - K_ci K_ii^-1 K_ic, and stopping the forward substitution before it leaves q = b_c - K_ci K_ii^-1 b_i.
+!> P K P^T = L L^T, where P puts unknown `order(k)` in position k and keeps the last `n_trailing` unknowns last.
+!> With the unknowns split into interior i and trailing c, the last block of L is the Cholesky factor of the Schur
+!> complement S = K_cc - K_ci K_ii^-1 K_ic, and a forward substitution that stops before this block leaves
+!> q = b_c - K_ci K_ii^-1 b_i in place of b_c.
 module amontons_factorization
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp, int64
@@ -19,7 +20,8 @@ module amontons_factorization
       integer :: n = 0 !! Number of unknowns.
       integer :: n_trailing = 0 !! How many of them, the last ones, are eliminated last.
       integer, allocatable :: order(:) !! Position k holds unknown order(k) (n).
-      integer, allocatable :: trailing_order(:) !! Trailing position k holds trailing unknown trailing_order(k) (n_trailing).
+      integer, allocatable :: trailing_order(:)
+         !! Trailing position k holds trailing unknown trailing_order(k) (n_trailing).
    contains
       procedure(factorize), deferred :: factorize
       procedure(substitute), deferred :: substitute_forward
@@ -121,7 +123,8 @@ contains
    !> The Schur complement S = L22 L22^T of the matrix that was factorised, on its trailing unknowns.
    subroutine factorization_schur_complement(self, s)
       class(factorization_t), intent(in) :: self !! the factorisation
-      real(dp), contiguous, intent(out) :: s(:, :) !! S, both triangles, trailing unknowns in matrix order (n_trailing, n_trailing)
+      real(dp), contiguous, intent(out) :: s(:, :)
+         !! S, both triangles, trailing unknowns in matrix order (n_trailing, n_trailing)
       real(dp), allocatable :: factor(:, :)
       integer :: i, j, m, info
 

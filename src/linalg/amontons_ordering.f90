@@ -43,7 +43,8 @@ contains
       call new_graph(graph, matrix, n_trailing)
       allocate (constraint(graph%n), source=0_int64)
       allocate (group_order(graph%n))
-      constraint(graph%n - graph%n_trailing + 1:) = 1
+      ! The sets in use must be numbered from 0.
+      if (graph%n_trailing < graph%n) constraint(graph%n - graph%n_trailing + 1:) = 1
       graph%start = graph%start - 1
       graph%neighbour = graph%neighbour - 1
       if (camd_order(int(graph%n, int64), graph%start, graph%neighbour, constraint, group_order) /= 0) then

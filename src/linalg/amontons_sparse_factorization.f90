@@ -114,7 +114,7 @@ contains
    pure subroutine permute(matrix, order, column_start, row, value, error)
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
       integer, intent(in) :: order(:) !! position k holds unknown order(k) (n)
-      integer(int64), allocatable, intent(out) :: column_start(:) !! where each column starts, and where the last one ends
+      integer(int64), allocatable, intent(out) :: column_start(:) !! where each column starts, and past the last
       integer(int64), allocatable, intent(out) :: row(:) !! row of each entry
       real(dp), allocatable, intent(out) :: value(:) !! value of each entry
       type(error_t), allocatable, intent(out) :: error !! memory ran out
@@ -197,7 +197,8 @@ contains
          n_below = n_rows - n_columns
          call dtrsv('L', 'N', 'N', n_columns, self%value(at:), n_rows, y(first:), 1)
          if (n_below == 0) cycle
-         call dgemv('N', n_below, n_columns, 1.0_dp, self%value(at + n_columns:), n_rows, y(first:), 1, 0.0_dp, below, 1)
+         call dgemv('N', n_below, n_columns, 1.0_dp, self%value(at + n_columns:), n_rows, y(first:), 1, &
+            0.0_dp, below, 1)
          do i = 1, n_below
             y(self%row(rows + i) + 1) = y(self%row(rows + i) + 1) - below(i)
          end do
@@ -260,8 +261,9 @@ contains
          call self%get_block(k, self%n, first, n_columns, n_rows, at, rows)
          rows = self%row_start(k)
          do j = max(first, n_interior + 1), first + n_columns - 1
+            at = self%value_start(k) + 1 + (j - first)*int(n_rows, int64)
             do i = j - first + 1, n_rows
-               l22(self%row(rows + i) + 1 - n_interior, j - n_interior) = self%value(at + (j - first)*int(n_rows, int64) + i - 1)
+               l22(self%row(rows + i) + 1 - n_interior, j - n_interior) = self%value(at + i - 1)
             end do
          end do
       end do

@@ -8,7 +8,7 @@ module amontons_sparse_matrix
 
    public :: new_sparse_matrix, sparse_matrix_t
 
-   !> A symmetric matrix stored by columns, lower triangle with the diagonal: every column starts with its diagonal entry.
+   !> A symmetric matrix, its lower triangle stored by columns: every column starts with its diagonal entry.
    type :: sparse_matrix_t
       integer :: n = 0 !! Order of the matrix.
       integer(int64), allocatable :: column_start(:) !! Where column j starts in `row` and `value` (n + 1).
@@ -38,7 +38,9 @@ contains
       allocate (matrix%column_start(n + 1), stat=status)
       if (status == 0) then
          call count_rows(list_start, list, element_start, element, matrix%column_start)
-         allocate (matrix%row(matrix%column_start(n + 1) - 1), matrix%value(matrix%column_start(n + 1) - 1), stat=status)
+         associate (n_entries => matrix%column_start(n + 1) - 1)
+            allocate (matrix%row(n_entries), matrix%value(n_entries), stat=status)
+         end associate
       end if
       if (status /= 0) then
          call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(n)//' unknowns')

@@ -34,8 +34,8 @@ module amontons_threads
 
 contains
 
-   !> Sets the number of threads of the parallel loops, and makes the BLAS ready: one thread, since its own gain little and
-   !> fight ours, and the kernels of this processor where it did not know it. To be called before the first parallel loop.
+   !> Sets the number of threads of the parallel loops, and makes the BLAS ready: one thread, since its own gain little
+   !> and fight ours, and kernels for this processor where it did not know it. Not to be called from a parallel loop.
    subroutine set_threads(n)
       integer, intent(in) :: n !! number of threads, at least 1
 

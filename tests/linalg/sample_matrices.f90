@@ -6,8 +6,8 @@ module sample_matrices
    implicit none (type, external)
    private
 
-   public :: arbitrary_matrix, arbitrary_numbers, chain_inverse, chain_matrix, dense_matrix, grid_matrix, plate_matrix, &
-      smallest_grid_eigenpair
+   public :: arbitrary_matrix, arbitrary_numbers, chain_inverse, chain_matrix, dense_matrix, grid_matrix, &
+      plate_matrix, smallest_grid_eigenpair
 
 contains
 

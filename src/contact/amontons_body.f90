@@ -68,8 +68,8 @@ contains
 
       is_held = body%motions%n_free == 0
       if (.not. is_held .and. body%zone%n_points == 0) then
-         call new_error(error, numerical_failure, 'nothing holds the body against a '// &
-            body%motions%describe([1.0_dp, spread(0.0_dp, 1, body%motions%n_free - 1)])//'; add a support or a contact set')
+         call new_error(error, numerical_failure, 'nothing holds the body against a '//body%motions%describe( &
+            [1.0_dp, spread(0.0_dp, 1, body%motions%n_free - 1)])//'; add a support or a contact set')
          return
       end if
       call assemble_stiffness(stiffness, body%mesh, body%material, body%coloring, body%constraints, body%dof_map, error)
