@@ -5,7 +5,7 @@ cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
 
 scripts/setup.sh build
 scripts/build.sh release
-program=build/release/src/app/amontons
+program=build/release/bin/amontons
 bench=build/bench
 mkdir -p "$bench"
 for row in 1 2 3 4 5; do

@@ -1,4 +1,6 @@
 /* The few system calls that Fortran has no name for. */
+#define _POSIX_C_SOURCE 200809L
+
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>

@@ -122,7 +122,7 @@ contains
          call read_real(word, number, ok)
          if (ok) then
             value(i) = number
-         else if (scan(word, '0123456789') > 0 .and. verify(word, '+-.0123456789eEdD') == 0) then
+         else if (is_out_of_range(word)) then
             call refuse_value(self%contents, group, key, source(i), 'a number within double precision')
          else
             call refuse_value(self%contents, group, key, source(i), 'a number')
@@ -311,6 +311,19 @@ contains
 
       call self%contents%faults%finish(self%file, error)
    end subroutine deck_finish
+
+   !> Whether a word that is not read as a real has the form of one: mantissa and exponent.
+   pure logical function is_out_of_range(word)
+      character(*), intent(in) :: word !! the word
+      real(dp) :: mantissa
+      integer :: at_exponent, exponent
+      logical :: has_mantissa, has_exponent
+
+      at_exponent = scan(word, 'eEdD')
+      call read_real(word(:at_exponent - 1), mantissa, has_mantissa)
+      call read_integer(word(at_exponent + 1:), exponent, has_exponent)
+      is_out_of_range = has_mantissa .and. has_exponent
+   end function is_out_of_range
 
    !> What a message adds where a known word is near the one found.
    pure function suggestion(word, words, before, behind) result(text)

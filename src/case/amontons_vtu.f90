@@ -166,8 +166,10 @@ contains
       integer, intent(in) :: n_components !! numbers per tuple
       integer, intent(in) :: n_tuples !! number of tuples
 
-      self%text = self%text//'        <DataArray type="'//type//'" Name="'//name//'" NumberOfComponents="'// &
-         to_text(n_components)//'" format="appended" offset="'//to_text(self%offset)//'"/>'//newline
+      self%text = self%text//'        <DataArray type="'//type//'" Name="'//name//'"'
+      ! Readers take a stated single component for a column, an unstated one for a plain array.
+      if (n_components > 1) self%text = self%text//' NumberOfComponents="'//to_text(n_components)//'"'
+      self%text = self%text//' format="appended" offset="'//to_text(self%offset)//'"/>'//newline
       self%offset = self%offset + 8_int64 + int(n_components, int64)*n_tuples*merge(8, 4, type == 'Float64')
    end subroutine head_announce
 

@@ -4,7 +4,7 @@ module amontons_band_factorization
    use amontons_factorization, only: factorization_t
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dpbtrf, dtbsv
-   use amontons_ordering, only: half_bandwidth, reverse_cuthill_mckee
+   use amontons_ordering, only: half_bandwidth, positions, reverse_cuthill_mckee
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -66,8 +66,7 @@ contains
       integer(int64) :: at
       integer :: i, j, k
 
-      allocate (position(matrix%n))
-      position(order) = [(k, k=1, matrix%n)]
+      allocate (position, source=positions(order))
       band = 0.0_dp
       do k = 1, matrix%n
          do at = matrix%column_start(k), matrix%column_start(k + 1) - 1

@@ -93,7 +93,10 @@ int amontons_cholmod_factorize(int64_t n, int64_t *column_start, int64_t *row, d
                              .dtype = CHOLMOD_DOUBLE, .sorted = 0, .packed = 1};
     cholmod_factor *factor = handle->factor = cholmod_l_analyze(&matrix, common);
     cholmod_l_free_work(common);
-    if (!factor || !allocate_values(factor, common))
+    if (!factor)
+        return out_of_memory;
+    supernodes->n_entries = (int64_t)factor->xsize;
+    if (!allocate_values(factor, common))
         return out_of_memory;
     cholmod_l_factorize(&matrix, factor, common);
     cholmod_l_free_work(common);

@@ -9,7 +9,7 @@ module amontons_ordering
    implicit none (type, external)
    private
 
-   public :: half_bandwidth, minimum_degree, reverse_cuthill_mckee
+   public :: half_bandwidth, minimum_degree, positions, reverse_cuthill_mckee
 
    !> The groups taken so far, in order.
    type :: queue_t
@@ -172,8 +172,7 @@ contains
       integer(int64) :: at
       integer :: j
 
-      allocate (position(matrix%n))
-      position(order) = [(j, j=1, matrix%n)]
+      allocate (position, source=positions(order))
       half_bandwidth = 0
       do j = 1, matrix%n
          do at = matrix%column_start(j), matrix%column_start(j + 1) - 1
@@ -181,5 +180,17 @@ contains
          end do
       end do
    end function half_bandwidth
+
+   !> The position of every unknown: the inverse of an order.
+   pure function positions(order) result(position)
+      integer, intent(in) :: order(:) !! position k holds unknown order(k) (n)
+      integer, allocatable :: position(:)
+      integer :: k
+
+      allocate (position(size(order)))
+      do k = 1, size(order)
+         position(order(k)) = k
+      end do
+   end function positions
 
 end module amontons_ordering

@@ -5,7 +5,7 @@ module amontons_sparse_factorization
    use amontons_factorization, only: factorization_t
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dgemv, dtrsv
-   use amontons_ordering, only: minimum_degree
+   use amontons_ordering, only: minimum_degree, positions
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_text, only: to_text
    use amontons_threads, only: hold_threads, release_threads, thread_state_t
@@ -41,7 +41,7 @@ module amontons_sparse_factorization
    !> What CHOLMOD hands over of a factor.
    type, bind(c) :: supernodes_t
       integer(c_int64_t) :: n_supernodes !! Number of supernodes.
-      integer(c_int64_t) :: n_entries !! Number of stored entries.
+      integer(c_int64_t) :: n_entries = 0 !! Number of stored entries, as soon as it is known.
       type(c_ptr) :: column !! First column of each supernode, and n.
       type(c_ptr) :: row_start !! Where the rows of each supernode start.
       type(c_ptr) :: value_start !! Where the block of each supernode starts.
@@ -106,9 +106,19 @@ contains
       case (not_positive_definite)
          call self%refuse(int(failed) + 1, error)
       case default
-         call new_error(error, system_failure, 'memory ran out while factorising '//to_text(self%n)//' unknowns')
+         call new_error(error, system_failure, 'memory ran out while factorising '//to_text(self%n)//' unknowns'// &
+            factor_size(supernodes%n_entries))
       end select
    end subroutine sparse_factorize
+
+   !> The size of a factor as the end of a sentence, empty if it is not known.
+   pure function factor_size(n_entries) result(text)
+      integer(int64), intent(in) :: n_entries !! number of stored entries, 0 if not known
+      character(:), allocatable :: text
+
+      text = ''
+      if (n_entries > 0) text = ', whose factor alone takes '//to_text(8*n_entries/1000000)//' MB'
+   end function factor_size
 
    !> Writes the lower triangle of P K P^T by columns, rows in any order, counted from 0.
    pure subroutine permute(matrix, order, column_start, row, value, error)
@@ -127,8 +137,8 @@ contains
          call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(matrix%n)//' unknowns')
          return
       end if
-      allocate (position(matrix%n), column_start(matrix%n + 1))
-      position(order) = [(k, k=1, matrix%n)]
+      allocate (position, source=positions(order))
+      allocate (column_start(matrix%n + 1))
       column_start = 0
       do k = 1, matrix%n
          do at = matrix%column_start(k), matrix%column_start(k + 1) - 1

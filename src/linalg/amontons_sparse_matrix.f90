@@ -35,19 +35,13 @@ contains
 
       matrix%n = n
       call transpose_lists(n, list_start, list, element_start, element)
-      allocate (matrix%column_start(n + 1), stat=status)
+      call list_rows(matrix, list_start, list, element_start, element, status)
+      if (status == 0) allocate (matrix%value(size(matrix%row, kind=int64)), stat=status)
       if (status == 0) then
-         call count_rows(list_start, list, element_start, element, matrix%column_start)
-         associate (n_entries => matrix%column_start(n + 1) - 1)
-            allocate (matrix%row(n_entries), matrix%value(n_entries), stat=status)
-         end associate
-      end if
-      if (status /= 0) then
+         matrix%value = 0.0_dp
+      else
          call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(n)//' unknowns')
-         return
       end if
-      call list_rows(list_start, list, element_start, element, matrix%column_start, matrix%row)
-      matrix%value = 0.0_dp
    end subroutine new_sparse_matrix
 
    !> Turns the unknowns of each element into the elements of each unknown.
@@ -82,48 +76,26 @@ contains
       end do
    end subroutine transpose_lists
 
-   !> Finds where each column starts, by counting the distinct unknowns that share an element with it.
-   pure subroutine count_rows(list_start, list, element_start, element, column_start)
+   !> Lists the rows of each column: the distinct unknowns that share an element with it and are not below it.
+   pure subroutine list_rows(matrix, list_start, list, element_start, element, status)
+      type(sparse_matrix_t), intent(inout) :: matrix !! the matrix, its columns made
       integer, intent(in) :: list_start(:) !! where each element starts in `list` (n_elements + 1)
       integer, intent(in) :: list(:) !! the unknowns of each element; 0 stands for none
       integer, intent(in) :: element_start(:) !! where each unknown starts in `element` (n + 1)
       integer, intent(in) :: element(:) !! the elements of each unknown
-      integer(int64), intent(out) :: column_start(:) !! where each column starts (n + 1)
-      integer, allocatable :: last_seen(:)
-      integer :: i, j, k, p, n_rows
-
-      allocate (last_seen(size(column_start)), source=0)
-      column_start(1) = 1
-      do j = 1, size(column_start) - 1
-         n_rows = 1
-         do p = element_start(j), element_start(j + 1) - 1
-            do k = list_start(element(p)), list_start(element(p) + 1) - 1
-               i = list(k)
-               if (i <= j) cycle
-               if (last_seen(i) == j) cycle
-               last_seen(i) = j
-               n_rows = n_rows + 1
-            end do
-         end do
-         column_start(j + 1) = column_start(j) + n_rows
-      end do
-   end subroutine count_rows
-
-   !> Lists the rows of each column in ascending order.
-   pure subroutine list_rows(list_start, list, element_start, element, column_start, row)
-      integer, intent(in) :: list_start(:) !! where each element starts in `list` (n_elements + 1)
-      integer, intent(in) :: list(:) !! the unknowns of each element; 0 stands for none
-      integer, intent(in) :: element_start(:) !! where each unknown starts in `element` (n + 1)
-      integer, intent(in) :: element(:) !! the elements of each unknown
-      integer(int64), intent(in) :: column_start(:) !! where each column starts (n + 1)
-      integer, intent(out) :: row(:) !! row of each entry
-      integer, allocatable :: last_seen(:)
+      integer, intent(out) :: status !! 0, or memory ran out
+      integer, allocatable :: last_seen(:), row(:)
       integer(int64) :: at
       integer :: i, j, k, p
 
-      allocate (last_seen(size(column_start)), source=0)
-      do j = 1, size(column_start) - 1
-         at = column_start(j)
+      allocate (last_seen(matrix%n), matrix%column_start(matrix%n + 1), row(most_entries(matrix%n, list_start)), &
+         stat=status)
+      if (status /= 0) return
+      last_seen = 0
+      at = 0
+      do j = 1, matrix%n
+         matrix%column_start(j) = at + 1
+         at = at + 1
          row(at) = j
          do p = element_start(j), element_start(j + 1) - 1
             do k = list_start(element(p)), list_start(element(p) + 1) - 1
@@ -135,9 +107,26 @@ contains
                row(at) = i
             end do
          end do
-         call sort(row(column_start(j):at))
+         call sort(row(matrix%column_start(j):at))
       end do
+      matrix%column_start(matrix%n + 1) = at + 1
+      allocate (matrix%row(at), stat=status)
+      if (status == 0) matrix%row = row(:at)
    end subroutine list_rows
+
+   !> How many entries the lower triangle can have at most: as if no two elements shared a pair of unknowns.
+   pure integer(int64) function most_entries(n, list_start)
+      integer, intent(in) :: n !! number of unknowns
+      integer, intent(in) :: list_start(:) !! where each element starts in the list of unknowns (n_elements + 1)
+      integer(int64) :: m
+      integer :: e
+
+      most_entries = n
+      do e = 1, size(list_start) - 1
+         m = list_start(e + 1) - list_start(e)
+         most_entries = most_entries + m*(m - 1)/2
+      end do
+   end function most_entries
 
    !> Sorts a short list of integers in place, ascending.
    pure subroutine sort(list)
