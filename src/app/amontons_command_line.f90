@@ -5,7 +5,7 @@ module amontons_command_line
    implicit none (type, external)
    private
 
-   public :: argument_t, command_line_t, help_text, read_command_line
+   public :: append_argument, argument_t, command_line_t, help_text, read_command_line
 
    !> Options, as they are written.
    character(9), parameter :: option_names(*) = [character(9) :: '--output', '--check', '--quiet', '--threads', &
@@ -45,7 +45,7 @@ contains
          i = i + 1
          word = argument(i)
          if (only_decks .or. index(word, '-') /= 1) then
-            command_line%decks = [command_line%decks, argument_t(word)]
+            call append_argument(command_line%decks, word)
          else if (word == '--') then
             only_decks = .true.
          else
@@ -105,6 +105,19 @@ contains
       end select
       if (at_equals <= len(word)) call new_error(error, input_refused, 'amontons: '//name//' takes no value')
    end subroutine read_option
+
+   !> Appends a word to a list.
+   pure subroutine append_argument(list, word)
+      type(argument_t), allocatable, intent(inout) :: list(:) !! the list
+      character(*), intent(in) :: word !! the word
+      type(argument_t), allocatable :: longer(:)
+
+      ! gfortran 12 loses the length of a text that a structure constructor puts into an array constructor.
+      allocate (longer(size(list) + 1))
+      longer(:size(list)) = list
+      longer(size(longer))%text = word
+      call move_alloc(longer, list)
+   end subroutine append_argument
 
    !> A word of the command line; empty past the end.
    function argument(i) result(word)

@@ -1,7 +1,7 @@
 !> One run of the program: every deck of the command line, one after the other.
 module amontons_run
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
-   use amontons_command_line, only: argument_t, command_line_t
+   use amontons_command_line, only: append_argument, argument_t, command_line_t
    use amontons_config, only: config_t, read_config
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_report, only: write_report
@@ -77,7 +77,7 @@ contains
             config%name//"' too; give each its own &case name")
          return
       end do
-      names = [names, argument_t(config%name)]
+      call append_argument(names, config%name)
    end subroutine claim_name
 
    !> Checks a case and tells its size.

@@ -42,7 +42,8 @@ module amontons_config
 
 contains
 
-   !> Reads a case from a deck. All faults of the deck are told in one error, one line each.
+   !> Reads a case from a deck. All faults of the deck are told in one error, one line each; what a group means is judged
+   !> only where its form is right.
    subroutine read_config(config, file, error)
       type(config_t), intent(out) :: config !! the case
       character(*), intent(in) :: file !! name of the deck
@@ -88,10 +89,12 @@ contains
       type(rectangle_t), intent(inout) :: rectangle !! the rectangle
       type(deck_t), intent(inout) :: deck !! the deck
       character(:), allocatable :: kind
-      integer :: group
+      integer :: group, n_faults
       logical :: has_size, has_cells
 
       group = deck%group('mesh')
+      ! A group that is missing may be the one whose name is a fault already.
+      n_faults = merge(0, deck%n_faults(), group == 0)
       kind = 'rectangle'
       rectangle%element = 'quad4'
       rectangle%diagonal = 'right'
@@ -101,11 +104,12 @@ contains
       call deck%get_word(group, 'element', rectangle%element, element_names)
       call deck%get_word(group, 'diagonal', rectangle%diagonal, diagonal_names)
       call deck%get(group, 'grading', rectangle%grading)
+      call deck%refuse_unknown(group)
+      if (deck%n_faults() > n_faults) return
       if (.not. (has_size .and. has_cells)) call deck%fault(group, 'kind', '&mesh needs size and cells')
       call require(deck, group, 'size', all(rectangle%size > 0.0_dp), 'be positive')
       call require(deck, group, 'cells', all(rectangle%cells > 0), 'be positive')
       call require(deck, group, 'grading', rectangle%grading > 0.0_dp, 'be positive')
-      call deck%refuse_unknown(group)
    end subroutine read_mesh
 
    !> Records a fault unless a value is as it must be.
@@ -126,10 +130,12 @@ contains
       type(error_t), allocatable :: error
       real(dp) :: young, poisson, thickness
       character(:), allocatable :: hypothesis
-      integer :: group
+      integer :: group, n_faults
       logical :: has_young, has_poisson
 
       group = deck%group('material')
+      ! A group that is missing may be the one whose name is a fault already.
+      n_faults = merge(0, deck%n_faults(), group == 0)
       young = 1.0_dp
       poisson = 0.0_dp
       thickness = 1.0_dp
@@ -138,11 +144,12 @@ contains
       call deck%get(group, 'poisson', poisson, has_poisson)
       call deck%get(group, 'thickness', thickness)
       call deck%get_word(group, 'hypothesis', hypothesis, hypothesis_names)
+      call deck%refuse_unknown(group)
+      if (deck%n_faults() > n_faults) return
       if (.not. (has_young .and. has_poisson)) call deck%fault(group, 'young', '&material needs young and poisson')
       call new_material(material, young, poisson, hypothesis, thickness, error)
       ! The message begins with the key that is at fault.
       if (allocated(error)) call deck%fault(group, error%message(:index(error%message, ' ') - 1), error%message)
-      call deck%refuse_unknown(group)
    end subroutine read_material
 
    !> Reads all `&support`.
@@ -152,11 +159,12 @@ contains
       character(2), parameter :: keys(4) = ['ux', 'uy', 'un', 'ut']
       integer, allocatable :: groups(:)
       logical :: has_set, has_point
-      integer :: i, k
+      integer :: i, k, n_faults
 
       groups = deck%groups('support')
       allocate (supports(size(groups)))
       do i = 1, size(groups)
+         n_faults = deck%n_faults()
          supports(i)%set = ''
          supports(i)%origin = origin_of(deck, groups(i), 'set')
          call deck%get(groups(i), 'set', supports(i)%set, has_set)
@@ -164,12 +172,13 @@ contains
          do k = 1, 4
             call deck%get(groups(i), keys(k), supports(i)%displacement(k), supports(i)%is_held(k))
          end do
+         call deck%refuse_unknown(groups(i))
+         if (deck%n_faults() > n_faults) cycle
          call require(deck, groups(i), 'set', has_set .neqv. has_point, 'be given, or else point')
          call require(deck, groups(i), 'set', .not. has_set .or. len_trim(supports(i)%set) > 0, 'not be empty')
          call require(deck, groups(i), 'ux', any(supports(i)%is_held), 'be given, or uy, un or ut')
          call require(deck, groups(i), 'point', .not. (has_point .and. any(supports(i)%is_held(3:))), &
             'not go with un or ut: a point has no normal')
-         call deck%refuse_unknown(groups(i))
       end do
    end subroutine read_supports
 
@@ -179,17 +188,20 @@ contains
       type(deck_t), intent(inout) :: deck !! the deck
       integer, allocatable :: groups(:)
       logical :: has_set, has_traction, has_pressure, has_body_force
-      integer :: i
+      integer :: i, n_faults
 
       groups = deck%groups('load')
       allocate (loads(size(groups)))
       do i = 1, size(groups)
+         n_faults = deck%n_faults()
          loads(i)%set = ''
          loads(i)%origin = origin_of(deck, groups(i), 'set')
          call deck%get(groups(i), 'set', loads(i)%set, has_set)
          call deck%get(groups(i), 'traction', loads(i)%traction, has_traction)
          call deck%get(groups(i), 'pressure', loads(i)%pressure, has_pressure)
          call deck%get(groups(i), 'body_force', loads(i)%body_force, has_body_force)
+         call deck%refuse_unknown(groups(i))
+         if (deck%n_faults() > n_faults) cycle
          call require(deck, groups(i), 'traction', has_traction .or. has_pressure .or. has_body_force, &
             'be given, or pressure or body_force')
          call require(deck, groups(i), 'set', has_set .or. .not. (has_traction .or. has_pressure), &
@@ -197,7 +209,6 @@ contains
          call require(deck, groups(i), 'body_force', .not. (has_body_force .and. has_set), &
             'not go with set: it acts on the whole body')
          call require(deck, groups(i), 'set', .not. has_set .or. len_trim(loads(i)%set) > 0, 'not be empty')
-         call deck%refuse_unknown(groups(i))
       end do
    end subroutine read_loads
 
@@ -207,11 +218,12 @@ contains
       type(deck_t), intent(inout) :: deck !! the deck
       character(:), allocatable :: obstacle
       integer, allocatable :: groups(:)
-      integer :: i
+      integer :: i, n_faults
 
       groups = deck%groups('contact')
       allocate (contacts(size(groups)))
       do i = 1, size(groups)
+         n_faults = deck%n_faults()
          contacts(i)%set = ''
          contacts(i)%origin = origin_of(deck, groups(i), 'set')
          obstacle = 'plane'
@@ -220,11 +232,12 @@ contains
          call deck%get_word(groups(i), 'obstacle', obstacle, ['plane'])
          call deck%get(groups(i), 'point', contacts(i)%point)
          call deck%get(groups(i), 'normal', contacts(i)%normal)
+         call deck%refuse_unknown(groups(i))
+         if (deck%n_faults() > n_faults) cycle
          if (len_trim(contacts(i)%set) == 0) call deck%fault(groups(i), 'set', '&contact needs a set')
          call require(deck, groups(i), 'friction', contacts(i)%friction >= 0.0_dp, &
             'be at least 0, found '//to_text(contacts(i)%friction))
          call require(deck, groups(i), 'normal', norm2(contacts(i)%normal) > 0.0_dp, 'not be zero')
-         call deck%refuse_unknown(groups(i))
       end do
    end subroutine read_contacts
 
@@ -232,8 +245,9 @@ contains
    subroutine read_solver(config, deck)
       type(config_t), intent(inout) :: config !! the case
       type(deck_t), intent(inout) :: deck !! the deck
-      integer :: group
+      integer :: group, n_faults
 
+      n_faults = deck%n_faults()
       group = deck%group('solver')
       config%factorization = trim(factorization_names(1))
       associate (method => config%method)
@@ -247,6 +261,8 @@ contains
          call deck%get(group, 'tolerance', method%tolerance)
          call deck%get(group, 'max_iterations', method%max_iterations)
          call deck%get_word(group, 'factorization', config%factorization, factorization_names)
+         call deck%refuse_unknown(group)
+         if (deck%n_faults() > n_faults) return
          call require(deck, group, 'omega', method%omega > 0.0_dp .and. method%omega < 2.0_dp, &
             'lie above 0 and below 2, found '//to_text(method%omega))
          call require(deck, group, 'tolerance', method%tolerance > 0.0_dp .and. method%tolerance < 1.0_dp, &
@@ -254,7 +270,6 @@ contains
          call require(deck, group, 'max_iterations', method%max_iterations > 0, 'be at least 1, found '// &
             to_text(method%max_iterations))
       end associate
-      call deck%refuse_unknown(group)
    end subroutine read_solver
 
    !> Where a key of a group stands, as messages begin: 'deck.nml:12: '.

@@ -30,6 +30,7 @@ module amontons_deck
       generic, public :: get => get_real, get_reals, get_integer, get_integers, get_logical, get_text
       procedure, public :: get_word => deck_get_word
       procedure, public :: line_of => deck_line_of
+      procedure, public :: n_faults => deck_n_faults
       procedure, public :: fault => deck_fault
       procedure, public :: refuse_unknown => deck_refuse_unknown
       procedure, public :: refuse_unknown_groups => deck_refuse_unknown_groups
@@ -260,6 +261,13 @@ contains
       end if
       call self%contents%faults%add(self%line_of(group, key), sentence)
    end subroutine deck_fault
+
+   !> Number of faults recorded so far.
+   integer function deck_n_faults(self) result(n_faults)
+      class(deck_t), intent(in) :: self !! the deck
+
+      n_faults = self%contents%faults%count()
+   end function deck_n_faults
 
    !> Records the keys of a group that no getter asked for.
    subroutine deck_refuse_unknown(self, group)

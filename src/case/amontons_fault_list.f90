@@ -23,6 +23,7 @@ module amontons_fault_list
       integer :: n_found = 0 !! number of faults found
    contains
       procedure, public :: add => fault_list_add
+      procedure, public :: count => fault_list_count
       procedure, public :: finish => fault_list_finish
    end type fault_list_t
 
@@ -53,6 +54,13 @@ contains
       end do
       self%faults(place + 1) = fault_t(line, sentence)
    end subroutine fault_list_add
+
+   !> Number of faults found so far.
+   pure integer function fault_list_count(self) result(n_faults)
+      class(fault_list_t), intent(in) :: self !! the list
+
+      n_faults = self%n_found
+   end function fault_list_count
 
    !> Turns the faults into one error, a line of text for each; no fault, no error.
    subroutine fault_list_finish(self, file, error)

@@ -45,9 +45,11 @@ contains
       character(:), allocatable, intent(out) :: text !! every byte of it
       integer, intent(out) :: status !! 0 where all is well
       character(256), intent(inout) :: reason !! what went wrong otherwise
+      integer, parameter :: first_length = 65536
+      character(:), allocatable :: longer
       integer :: n_read, position
 
-      text = repeat(' ', 65536)
+      allocate (character(first_length) :: text)
       n_read = 0
       do
          read (unit, iostat=status, iomsg=reason) text(n_read + 1:)
@@ -59,7 +61,9 @@ contains
             status = 1
             return
          end if
-         text = text//repeat(' ', n_read)
+         allocate (character(2*n_read) :: longer)
+         longer(:n_read) = text
+         call move_alloc(longer, text)
       end do
       if (is_iostat_end(status)) status = 0
       text = text(:n_read)

@@ -7,8 +7,8 @@ module amontons_dense
    implicit none (type, external)
    private
 
-   public :: cholesky_factor, cholesky_inverse, cholesky_solve, fill_upper, lu_solve, symmetric_eigenvalues, &
-      symmetric_eigenvectors, symmetric_multiply
+   public :: cholesky_factor, cholesky_inverse, cholesky_solve, fill_upper, lu_solve, symmetric_eigenvectors, &
+      symmetric_multiply
 
    !> Solves L L^T x = b in place, for one right-hand side or for the columns of a matrix.
    interface cholesky_solve
@@ -94,29 +94,10 @@ contains
       call dsymv('L', size(x), 1.0_dp, a, max(1, size(x)), x, 1, 0.0_dp, y, 1)
    end subroutine symmetric_multiply
 
-   !> All eigenvalues of a symmetric matrix, in ascending order.
-   subroutine symmetric_eigenvalues(a, w, info)
-      real(dp), contiguous, intent(inout) :: a(:, :) !! the matrix (n, n), lower triangle read; destroyed on return
-      real(dp), contiguous, intent(out) :: w(:) !! the eigenvalues (n)
-      integer, intent(out) :: info !! 0, or how many values did not converge
-
-      call diagonalize('N', a, w, info)
-   end subroutine symmetric_eigenvalues
-
    !> All eigenvalues of a symmetric matrix, in ascending order, and their orthonormal eigenvectors.
    subroutine symmetric_eigenvectors(a, w, info)
       real(dp), contiguous, intent(inout) :: a(:, :)
          !! the matrix (n, n), lower triangle read; on return column k is the eigenvector of value k
-      real(dp), contiguous, intent(out) :: w(:) !! the eigenvalues (n)
-      integer, intent(out) :: info !! 0, or how many values did not converge
-
-      call diagonalize('V', a, w, info)
-   end subroutine symmetric_eigenvectors
-
-   !> Calls LAPACK's eigenvalue routine with the workspace it wants.
-   subroutine diagonalize(job, a, w, info)
-      character, intent(in) :: job !! `N` for values only, `V` for vectors too
-      real(dp), contiguous, intent(inout) :: a(:, :) !! the matrix (n, n); on return the eigenvectors, or nothing of use
       real(dp), contiguous, intent(out) :: w(:) !! the eigenvalues (n)
       integer, intent(out) :: info !! 0, or how many values did not converge
       ! LAPACK asks for (block size + 2) n; its blocks have 32 columns.
@@ -124,7 +105,7 @@ contains
       real(dp), allocatable :: work(:)
 
       allocate (work(max(1, work_per_row*size(a, 1))))
-      call dsyev(job, 'L', size(a, 1), a, max(1, size(a, 1)), w, work, size(work), info)
-   end subroutine diagonalize
+      call dsyev('V', 'L', size(a, 1), a, max(1, size(a, 1)), w, work, size(work), info)
+   end subroutine symmetric_eigenvectors
 
 end module amontons_dense
