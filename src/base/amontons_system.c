@@ -49,6 +49,12 @@ int amontons_remove(const char *path)
     return unlink(path) == 0 ? 0 : errno;
 }
 
+/* Puts the system's words for an error number into a text of a given size, ended by a zero. */
+void amontons_error_text(int code, char *text, int size)
+{
+    snprintf(text, (size_t)size, "%s", strerror(code));
+}
+
 /* The number of this process. */
 int amontons_process_id(void)
 {

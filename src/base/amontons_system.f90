@@ -3,7 +3,6 @@ module amontons_system
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_kinds, only: dp, int64
-   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
@@ -32,6 +31,13 @@ module amontons_system
          integer(c_int) :: code
       end function c_remove
 
+      subroutine c_error_text(code, text, size) bind(c, name='amontons_error_text')
+         import :: c_char, c_int
+         implicit none (type, external)
+         integer(c_int), value :: code, size
+         character(c_char), intent(out) :: text(*)
+      end subroutine c_error_text
+
       function c_process_id() bind(c, name='amontons_process_id') result(id)
          import :: c_int
          implicit none (type, external)
@@ -57,7 +63,7 @@ contains
       c_path = path//c_null_char
       code = int(c_make_directory(c_path))
       if (code /= 0) call new_error(error, system_failure, &
-         path//': cannot make this directory (system error '//to_text(code)//')')
+         path//': cannot make this directory: '//error_text(code))
    end subroutine make_directory
 
    !> Puts a file in the place of another, in one step: a reader sees the old one or the new one.
@@ -68,9 +74,18 @@ contains
       integer :: code
 
       code = int(c_rename(from//c_null_char, to//c_null_char))
-      if (code /= 0) call new_error(error, system_failure, to//': cannot put this file in place (system error '// &
-         to_text(code)//')')
+      if (code /= 0) call new_error(error, system_failure, to//': cannot put this file in place: '//error_text(code))
    end subroutine rename_file
+
+   !> The system's words for an error number.
+   function error_text(code) result(text)
+      integer, intent(in) :: code !! the number
+      character(:), allocatable :: text
+      character(256) :: buffer
+
+      call c_error_text(int(code, c_int), buffer, len(buffer, c_int))
+      text = buffer(:index(buffer, c_null_char) - 1)
+   end function error_text
 
    !> Removes a file if it is there.
    subroutine remove_file(path)

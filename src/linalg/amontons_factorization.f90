@@ -5,6 +5,7 @@
 !> complement S = K_cc - K_ci K_ii^-1 K_ic, and a forward substitution that stops before this block leaves
 !> q = b_c - K_ci K_ii^-1 b_i in place of b_c.
 module amontons_factorization
+   use amontons_dense, only: fill_upper
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dlauum
@@ -141,11 +142,11 @@ contains
       associate (order => self%trailing_order(m:1:-1))
          do j = 1, m
             do i = 1, j
-               s(order(i), order(j)) = factor(i, j)
-               s(order(j), order(i)) = factor(i, j)
+               s(max(order(i), order(j)), min(order(i), order(j))) = factor(i, j)
             end do
          end do
       end associate
+      call fill_upper(s)
    end subroutine factorization_schur_complement
 
    !> Eliminates the interior from a load: q = b_c - K_ci K_ii^-1 b_i.

@@ -5,6 +5,7 @@ module amontons_lapack
 
    public :: dgemv, dgesv, dlauum, dpbtrf, dpotrf, dpotri, dpotrs, dsyev, dsymv, dtbsv, dtrsv
 
+   ! allow(assumed-size): these routines take the shape apart from the address
    interface
       pure subroutine dgemv(trans, m, n, alpha, a, lda, x, incx, beta, y, incy)
          use amontons_kinds, only: dp

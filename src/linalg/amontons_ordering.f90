@@ -18,6 +18,7 @@ module amontons_ordering
       logical, allocatable :: has(:) !! Whether each group was taken.
    end type queue_t
 
+   ! allow(assumed-size): C takes an address and knows no shape
    interface
       function camd_order(n, start, neighbour, constraint, order) bind(c, name='amontons_camd_order') result(code)
          import :: c_int, c_int64_t

@@ -51,6 +51,7 @@ module amontons_sparse_factorization
 
    integer(c_int), parameter :: done = 0, not_positive_definite = 1
 
+   ! allow(assumed-size): C takes an address and knows no shape
    interface
       function cholmod_factorize(n, column_start, row, value, handle, supernodes, failed) &
          bind(c, name='amontons_cholmod_factorize') result(code)

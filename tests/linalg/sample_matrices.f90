@@ -89,8 +89,9 @@ contains
    subroutine plate_matrix(matrix, n_cells)
       type(sparse_matrix_t), intent(out) :: matrix !! the matrix, 2 (n_cells + 1)^2 unknowns
       integer, intent(in) :: n_cells !! cells along a side
+      integer, parameter :: n_cell_unknowns = 8
       type(error_t), allocatable :: error
-      integer :: corner(0:n_cells, 0:n_cells), cell(4), list(8, n_cells**2), i, j, k
+      integer :: corner(0:n_cells, 0:n_cells), cell(4), list(n_cell_unknowns, n_cells**2), i, j, k
 
       corner = reshape([(k, k=1, (n_cells + 1)**2)], shape(corner))
       corner = cshift(corner, -1, dim=2)
@@ -101,7 +102,7 @@ contains
             list(2::2, i + (j - 1)*n_cells) = 2*cell
          end do
       end do
-      call new_sparse_matrix(matrix, 2*size(corner), [(8*k - 7, k=1, n_cells**2 + 1)], [list], error)
+      call new_sparse_matrix(matrix, 2*size(corner), [(1 + n_cell_unknowns*(k - 1), k=1, n_cells**2 + 1)], [list], error)
       call add_blocks(matrix, list)
    end subroutine plate_matrix
 
