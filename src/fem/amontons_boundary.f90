@@ -3,6 +3,7 @@ module amontons_boundary
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
+   use amontons_side, only: new_side_geometry, side_geometry_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -14,7 +15,7 @@ module amontons_boundary
    type :: boundary_line_t
       integer :: n_nodes = 0 !! number of nodes
       integer, allocatable :: node(:) !! number of each node in the mesh (n_nodes)
-      real(dp), allocatable :: normal(:, :) !! unit outward normal, the mean over the adjacent sides (2, n_nodes) [-]
+      real(dp), allocatable :: normal(:, :) !! unit outward normal, the mean weighted by the shape function (2, n_nodes) [-]
       real(dp), allocatable :: weight(:) !! tributary length: integral of the node's shape function (n_nodes) [L]
       integer, allocatable :: next(:) !! place in this list of the node a side leads to, 0 for none (n_nodes)
    end type boundary_line_t
@@ -35,14 +36,14 @@ contains
       call link_sides(sides, after, before, set, error)
       if (allocated(error)) return
       call order_nodes(line, sides, after, before)
-      call measure_sides(line, mesh%coordinates)
+      call measure_sides(line, sides, mesh%coordinates)
    end subroutine new_boundary_line
 
    !> Notes for each node which node follows it and which comes before it.
    pure subroutine link_sides(sides, after, before, set, error)
-      integer, intent(in) :: sides(:, :) !! first and second node of each side (2, sides)
+      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0 of each side (3, sides)
       integer, intent(inout) :: after(:) !! the node that follows, 0 for none (nodes)
-      integer, intent(inout) :: before(:) !! the node that comes before, 0 for none (nodes)
+      integer, intent(inout) :: before(:) !! the corner that comes before, 0 for none (nodes)
       character(*), intent(in) :: set !! name of the set, for the message
       type(error_t), allocatable, intent(out) :: error !! two sides begin, or two end, at one node
       integer :: i
@@ -54,7 +55,12 @@ contains
                to_text(merge(sides(1, i), sides(2, i), after(sides(1, i)) /= 0)))
             return
          end if
-         after(sides(1, i)) = sides(2, i)
+         if (sides(3, i) == 0) then
+            after(sides(1, i)) = sides(2, i)
+         else
+            after(sides(1, i)) = sides(3, i)
+            after(sides(3, i)) = sides(2, i)
+         end if
          before(sides(2, i)) = sides(1, i)
       end do
    end subroutine link_sides
@@ -62,12 +68,12 @@ contains
    !> Lists the nodes piece by piece: first the open pieces, then the closed ones, each in the order of the set.
    pure subroutine order_nodes(line, sides, after, before)
       type(boundary_line_t), intent(inout) :: line !! the line
-      integer, intent(in) :: sides(:, :) !! first and second node of each side (2, sides)
+      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0 of each side (3, sides)
       integer, intent(inout) :: after(:) !! the node that follows; emptied
       integer, intent(in) :: before(:) !! the node that comes before
       integer :: i
 
-      allocate (line%node(2*size(sides, 2)), line%next(2*size(sides, 2)))
+      allocate (line%node(size(sides)), line%next(size(sides)))
       do i = 1, size(sides, 2)
          if (before(sides(1, i)) == 0) call follow_piece(line, sides(1, i), after)
       end do
@@ -101,21 +107,28 @@ contains
       end do
    end subroutine follow_piece
 
-   !> Normals and weights of the nodes.
-   pure subroutine measure_sides(line, coordinates)
+   !> Normals and weights of the nodes: integrals of their shape functions times the normal, and alone.
+   pure subroutine measure_sides(line, sides, coordinates)
       type(boundary_line_t), intent(inout) :: line !! the line, its nodes in order
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, nodes) [L]
-      real(dp) :: along(2)
-      integer :: ends(2), i
+      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0 of each side (3, sides)
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      type(side_geometry_t) :: geometry
+      integer :: place(size(coordinates, 2)), i, k, point, p
 
+      place = 0
+      place(line%node) = [(i, i=1, line%n_nodes)]
       allocate (line%normal(2, line%n_nodes), line%weight(line%n_nodes), source=0.0_dp)
-      do i = 1, line%n_nodes
-         if (line%next(i) == 0) cycle
-         ends = [i, line%next(i)]
-         along = coordinates(:, line%node(ends(2))) - coordinates(:, line%node(ends(1)))
-         line%weight(ends) = line%weight(ends) + 0.5_dp*norm2(along)
-         line%normal(1, ends) = line%normal(1, ends) + along(2)
-         line%normal(2, ends) = line%normal(2, ends) - along(1)
+      do i = 1, size(sides, 2)
+         call new_side_geometry(geometry, sides(:, i), coordinates)
+         do k = 1, count(sides(:, i) > 0)
+            p = place(sides(k, i))
+            do point = 1, size(geometry%along, 2)
+               associate (value => geometry%values(k, point), along => geometry%along(:, point))
+                  line%weight(p) = line%weight(p) + value*norm2(along)
+                  line%normal(:, p) = line%normal(:, p) + value*[along(2), -along(1)]
+               end associate
+            end do
+         end do
       end do
       do i = 1, line%n_nodes
          line%normal(:, i) = line%normal(:, i)/norm2(line%normal(:, i))

@@ -1,6 +1,6 @@
 !> Elasticity of one element: stiffness, stress, nodal forces.
 module amontons_elasticity
-   use amontons_element, only: max_nodes, n_element_nodes, n_element_points, quadrature_point, shape_functions
+   use amontons_element, only: max_nodes, max_points, n_element_nodes, n_element_points, quadrature_point, shape_functions
    use amontons_kinds, only: dp
    use amontons_material, only: material_t
    use amontons_mesh, only: element_jacobian, mesh_t
@@ -14,9 +14,9 @@ module amontons_elasticity
       integer :: n_nodes = 0 !! number of nodes
       integer :: n_points = 0 !! number of quadrature points
       integer :: node(max_nodes) = 0 !! numbers of the nodes in the mesh
-      real(dp) :: values(max_nodes, 4) = 0.0_dp !! shape functions (node, point) [-]
-      real(dp) :: gradient(2, max_nodes, 4) = 0.0_dp !! their gradients (x and y, node, point) [1/L]
-      real(dp) :: area(4) = 0.0_dp !! weight of each point times the Jacobian determinant [L^2]
+      real(dp) :: values(max_nodes, max_points) = 0.0_dp !! shape functions (node, point) [-]
+      real(dp) :: gradient(2, max_nodes, max_points) = 0.0_dp !! their gradients (x and y, node, point) [1/L]
+      real(dp) :: area(max_points) = 0.0_dp !! weight of each point times the Jacobian determinant [L^2]
    end type element_geometry_t
 
 contains

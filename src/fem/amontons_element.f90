@@ -1,35 +1,74 @@
-!> Reference elements: shape functions, sides and quadrature of the linear triangle and the bilinear quadrilateral.
+!> Reference elements: shape functions, sides and quadrature of triangles and quadrilaterals, linear and quadratic.
+!>
+!> Nodes are numbered corners first, counter-clockwise, then the middles of the sides, then the centre.
 module amontons_element
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
 
-   public :: element_names, max_nodes, n_element_nodes, n_element_points, quad4, quadrature_point, shape_functions, &
-      side_nodes, tri3
+   public :: corner_coordinates, element_names, is_triangle, max_nodes, max_points, n_corners, n_element_nodes, &
+      n_element_points, quad4, quad8, quad9, quadrature_point, shape_functions, side_nodes, tri3, tri6
 
    !> Kind of the three-node triangle.
    integer, parameter :: tri3 = 1
    !> Kind of the four-node quadrilateral.
    integer, parameter :: quad4 = 2
+   !> Kind of the six-node triangle.
+   integer, parameter :: tri6 = 3
+   !> Kind of the eight-node quadrilateral.
+   integer, parameter :: quad8 = 4
+   !> Kind of the nine-node quadrilateral.
+   integer, parameter :: quad9 = 5
 
    !> Names of the kinds, as a deck writes them.
-   character(5), parameter :: element_names(2) = [character(5) :: 'tri3', 'quad4']
+   character(5), parameter :: element_names(*) = [character(5) :: 'tri3', 'quad4', 'tri6', 'quad8', 'quad9']
    !> Number of nodes of each kind.
-   integer, parameter :: n_element_nodes(2) = [3, 4]
-   !> Number of quadrature points of each kind: full integration of the stiffness of a parallelogram.
-   integer, parameter :: n_element_points(2) = [1, 4]
+   integer, parameter :: n_element_nodes(*) = [3, 4, 6, 8, 9]
+   !> Number of corners, and of sides, of each kind.
+   integer, parameter :: n_corners(*) = [3, 4, 3, 4, 4]
+   !> Number of quadrature points of each kind: full integration, exact for the stiffness of a parallelogram.
+   integer, parameter :: n_element_points(*) = [1, 4, 3, 9, 9]
    !> Most nodes that an element has.
-   integer, parameter :: max_nodes = 4
+   integer, parameter :: max_nodes = 9
+   !> Most quadrature points that an element has.
+   integer, parameter :: max_points = 9
+
+   !> Reference coordinates of the nodes of the nine-node quadrilateral, which begin with those of the others.
+   real(dp), parameter :: quad_nodes(2, max_nodes) = reshape([-1.0_dp, -1.0_dp, 1.0_dp, -1.0_dp, 1.0_dp, 1.0_dp, &
+      -1.0_dp, 1.0_dp, 0.0_dp, -1.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, -1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], &
+      [2, max_nodes])
 
 contains
 
-   !> The two corner nodes (local numbers) of a side, in the direction that has the element on its left.
+   !> Whether a kind is a triangle.
+   elemental logical function is_triangle(kind)
+      integer, intent(in) :: kind !! kind of element
+
+      is_triangle = kind == tri3 .or. kind == tri6
+   end function is_triangle
+
+   !> Reference coordinates of a corner.
+   pure function corner_coordinates(kind, corner) result(xi)
+      integer, intent(in) :: kind !! kind of element
+      integer, intent(in) :: corner !! number of the corner
+      real(dp) :: xi(2)
+
+      if (is_triangle(kind)) then
+         xi = real([merge(1, 0, corner == 2), merge(1, 0, corner == 3)], dp)
+      else
+         xi = quad_nodes(:, corner)
+      end if
+   end function corner_coordinates
+
+   !> The nodes (local numbers) of a side: its corners, in the direction that has the element on its left, and its
+   !> middle, 0 for a linear element.
    pure function side_nodes(kind, side) result(nodes)
       integer, intent(in) :: kind !! kind of element
       integer, intent(in) :: side !! side, from 1: side i runs from corner i to corner i + 1
-      integer :: nodes(2)
+      integer :: nodes(3)
 
-      nodes = [side, mod(side, n_element_nodes(kind)) + 1]
+      nodes = [side, mod(side, n_corners(kind)) + 1, 0]
+      if (n_element_nodes(kind) > n_corners(kind)) nodes(3) = n_corners(kind) + side
    end function side_nodes
 
    !> A quadrature point of a reference element.
@@ -38,17 +77,28 @@ contains
       integer, intent(in) :: point !! number of the point, 1 to `n_element_points(kind)`
       real(dp), intent(out) :: xi(2) !! reference coordinates [-]
       real(dp), intent(out) :: weight !! weight; the weights sum to the area of the reference element [-]
-      real(dp), parameter :: abscissa = 1.0_dp/sqrt(3.0_dp)
-      real(dp), parameter :: corners(2, 4) = reshape( &
-         [-1.0_dp, -1.0_dp, 1.0_dp, -1.0_dp, 1.0_dp, 1.0_dp, -1.0_dp, 1.0_dp], [2, 4])
+      real(dp), parameter :: two_points = 1.0_dp/sqrt(3.0_dp)
+      real(dp), parameter :: three_points(3) = [-sqrt(0.6_dp), 0.0_dp, sqrt(0.6_dp)]
+      real(dp), parameter :: three_weights(3) = [5.0_dp, 8.0_dp, 5.0_dp]/9.0_dp
+      integer :: row, column
 
-      if (kind == tri3) then
+      select case (kind)
+      case (tri3)
          xi = 1.0_dp/3.0_dp
          weight = 0.5_dp
-      else
-         xi = abscissa*corners(:, point)
+      case (tri6)
+         xi = 1.0_dp/6.0_dp
+         if (point > 1) xi(point - 1) = 2.0_dp/3.0_dp
+         weight = 1.0_dp/6.0_dp
+      case (quad4)
+         xi = two_points*quad_nodes(:, point)
          weight = 1.0_dp
-      end if
+      case default
+         column = mod(point - 1, 3) + 1
+         row = (point - 1)/3 + 1
+         xi = three_points([column, row])
+         weight = three_weights(column)*three_weights(row)
+      end select
    end subroutine quadrature_point
 
    !> Shape functions and their derivatives at a point of a reference element.
@@ -57,20 +107,109 @@ contains
       real(dp), intent(in) :: xi(2) !! reference coordinates: 0 to 1 (triangle), -1 to 1 (quadrilateral) [-]
       real(dp), intent(out) :: values(max_nodes) !! value of each node's function, 0 past the last node [-]
       real(dp), intent(out) :: derivatives(2, max_nodes) !! its derivatives by the reference coordinates [-]
-      real(dp) :: r, s
 
-      r = xi(1)
-      s = xi(2)
-      if (kind == tri3) then
-         values = [1.0_dp - r - s, r, s, 0.0_dp]
-         derivatives(1, :) = [-1.0_dp, 1.0_dp, 0.0_dp, 0.0_dp]
-         derivatives(2, :) = [-1.0_dp, 0.0_dp, 1.0_dp, 0.0_dp]
-      else
-         values = 0.25_dp*[(1.0_dp - r)*(1.0_dp - s), (1.0_dp + r)*(1.0_dp - s), &
-            (1.0_dp + r)*(1.0_dp + s), (1.0_dp - r)*(1.0_dp + s)]
-         derivatives(1, :) = 0.25_dp*[-(1.0_dp - s), 1.0_dp - s, 1.0_dp + s, -(1.0_dp + s)]
-         derivatives(2, :) = 0.25_dp*[-(1.0_dp - r), -(1.0_dp + r), 1.0_dp + r, 1.0_dp - r]
-      end if
+      values = 0.0_dp
+      derivatives = 0.0_dp
+      select case (kind)
+      case (tri3)
+         values(:3) = [1.0_dp - xi(1) - xi(2), xi(1), xi(2)]
+         derivatives(:, :3) = barycentric_gradients()
+      case (tri6)
+         call shape_tri6(xi, values(:6), derivatives(:, :6))
+      case (quad4)
+         call shape_quad4(xi, values(:4), derivatives(:, :4))
+      case (quad8)
+         call shape_quad8(xi, values(:8), derivatives(:, :8))
+      case (quad9)
+         call shape_quad9(xi, values, derivatives)
+      end select
    end subroutine shape_functions
+
+   !> Derivatives of the barycentric coordinates of the reference triangle (2, 3) [-].
+   pure function barycentric_gradients() result(gradients)
+      real(dp) :: gradients(2, 3)
+
+      gradients = reshape([-1.0_dp, -1.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 3])
+   end function barycentric_gradients
+
+   !> Six-node triangle: l_i (2 l_i - 1) at the corners, 4 l_i l_j on the sides, l the barycentric coordinates.
+   pure subroutine shape_tri6(xi, values, derivatives)
+      real(dp), intent(in) :: xi(2) !! reference coordinates [-]
+      real(dp), intent(out) :: values(6) !! the functions [-]
+      real(dp), intent(out) :: derivatives(2, 6) !! their derivatives [-]
+      real(dp) :: l(3), g(2, 3)
+      integer :: i, j
+
+      l = [1.0_dp - xi(1) - xi(2), xi(1), xi(2)]
+      g = barycentric_gradients()
+      do i = 1, 3
+         j = mod(i, 3) + 1
+         values(i) = l(i)*(2.0_dp*l(i) - 1.0_dp)
+         derivatives(:, i) = (4.0_dp*l(i) - 1.0_dp)*g(:, i)
+         values(3 + i) = 4.0_dp*l(i)*l(j)
+         derivatives(:, 3 + i) = 4.0_dp*(l(i)*g(:, j) + l(j)*g(:, i))
+      end do
+   end subroutine shape_tri6
+
+   !> Four-node quadrilateral: (1 + r_i r)(1 + s_i s)/4.
+   pure subroutine shape_quad4(xi, values, derivatives)
+      real(dp), intent(in) :: xi(2) !! reference coordinates [-]
+      real(dp), intent(out) :: values(4) !! the functions [-]
+      real(dp), intent(out) :: derivatives(2, 4) !! their derivatives [-]
+      real(dp) :: factor(2)
+      integer :: i
+
+      do i = 1, 4
+         factor = 1.0_dp + quad_nodes(:, i)*xi
+         values(i) = 0.25_dp*factor(1)*factor(2)
+         derivatives(:, i) = 0.25_dp*quad_nodes(:, i)*factor([2, 1])
+      end do
+   end subroutine shape_quad4
+
+   !> Eight-node quadrilateral: the middles of the sides first, the corners what bilinearity leaves them.
+   pure subroutine shape_quad8(xi, values, derivatives)
+      real(dp), intent(in) :: xi(2) !! reference coordinates [-]
+      real(dp), intent(out) :: values(8) !! the functions [-]
+      real(dp), intent(out) :: derivatives(2, 8) !! their derivatives [-]
+      real(dp) :: bubble, linear
+      integer :: i, along, across, before
+
+      call shape_quad4(xi, values(:4), derivatives(:, :4))
+      do i = 5, 8
+         along = merge(1, 2, mod(i, 2) == 1)
+         across = 3 - along
+         bubble = 1.0_dp - xi(along)**2
+         linear = 1.0_dp + quad_nodes(across, i)*xi(across)
+         values(i) = 0.5_dp*bubble*linear
+         derivatives(along, i) = -xi(along)*linear
+         derivatives(across, i) = 0.5_dp*bubble*quad_nodes(across, i)
+      end do
+      do i = 1, 4
+         before = 5 + mod(i + 2, 4)
+         values(i) = values(i) - 0.5_dp*(values(4 + i) + values(before))
+         derivatives(:, i) = derivatives(:, i) - 0.5_dp*(derivatives(:, 4 + i) + derivatives(:, before))
+      end do
+   end subroutine shape_quad8
+
+   !> Nine-node quadrilateral: products of quadratic Lagrange polynomials.
+   pure subroutine shape_quad9(xi, values, derivatives)
+      real(dp), intent(in) :: xi(2) !! reference coordinates [-]
+      real(dp), intent(out) :: values(9) !! the functions [-]
+      real(dp), intent(out) :: derivatives(2, 9) !! their derivatives [-]
+      real(dp) :: lagrange(2), slope(2)
+      integer :: i
+
+      do i = 1, 9
+         where (abs(quad_nodes(:, i)) > 0.0_dp)
+            lagrange = 0.5_dp*xi*(xi + quad_nodes(:, i))
+            slope = xi + 0.5_dp*quad_nodes(:, i)
+         else where
+            lagrange = 1.0_dp - xi**2
+            slope = -2.0_dp*xi
+         end where
+         values(i) = product(lagrange)
+         derivatives(:, i) = slope*lagrange([2, 1])
+      end do
+   end subroutine shape_quad9
 
 end module amontons_element

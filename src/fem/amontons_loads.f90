@@ -5,6 +5,7 @@ module amontons_loads
    use amontons_kinds, only: dp
    use amontons_material, only: material_t
    use amontons_mesh, only: mesh_t
+   use amontons_side, only: new_side_geometry, side_geometry_t
    implicit none (type, external)
    private
 
@@ -43,7 +44,7 @@ contains
       end do
    end subroutine load_vector
 
-   !> Adds the nodal forces of a traction and a pressure that are constant along straight sides.
+   !> Adds the nodal forces of a traction and a pressure on the sides of a set.
    subroutine add_side_forces(forces, mesh, load, thickness, error)
       real(dp), intent(inout) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -51,16 +52,21 @@ contains
       real(dp), intent(in) :: thickness !! thickness of the body [L]
       type(error_t), allocatable, intent(out) :: error !! no such set
       integer, allocatable :: sides(:, :)
-      real(dp) :: along(2), force(2)
-      integer :: i, k
+      type(side_geometry_t) :: geometry
+      real(dp) :: force(2)
+      integer :: i, k, point
 
       call mesh%set_sides(load%set, sides, error)
       if (allocated(error)) return
       do i = 1, size(sides, 2)
-         along = mesh%coordinates(:, sides(2, i)) - mesh%coordinates(:, sides(1, i))
-         force = thickness*(load%traction*norm2(along) - load%pressure*[along(2), -along(1)])
-         do k = 1, 2
-            forces(:, sides(k, i)) = forces(:, sides(k, i)) + 0.5_dp*force
+         call new_side_geometry(geometry, sides(:, i), mesh%coordinates)
+         do point = 1, size(geometry%along, 2)
+            associate (along => geometry%along(:, point))
+               force = thickness*(load%traction*norm2(along) - load%pressure*[along(2), -along(1)])
+            end associate
+            do k = 1, count(sides(:, i) > 0)
+               forces(:, sides(k, i)) = forces(:, sides(k, i)) + geometry%values(k, point)*force
+            end do
          end do
       end do
    end subroutine add_side_forces

@@ -1,7 +1,7 @@
 !> The mesh: nodes, elements, named boundary sets, and the checks every mesh must pass.
 module amontons_mesh
-   use amontons_element, only: max_nodes, n_element_nodes, n_element_points, quadrature_point, shape_functions, &
-      side_nodes
+   use amontons_element, only: corner_coordinates, max_nodes, n_corners, n_element_points, quadrature_point, &
+      shape_functions, side_nodes
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_text, only: to_text
@@ -63,16 +63,13 @@ contains
    pure logical function is_turned_over(mesh, element)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! number of the element
-      real(dp), parameter :: corners(2, 4, 2) = reshape([ &
-         0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, &
-         -1.0_dp, -1.0_dp, 1.0_dp, -1.0_dp, 1.0_dp, 1.0_dp, -1.0_dp, 1.0_dp], [2, 4, 2])
       real(dp) :: xi(2), weight
       integer :: kind, point
 
       kind = mesh%element_kind(element)
       is_turned_over = .false.
-      do point = 1, n_element_nodes(kind)
-         is_turned_over = is_turned_over .or. .not. determinant(mesh, element, corners(:, point, kind)) > 0.0_dp
+      do point = 1, n_corners(kind)
+         is_turned_over = is_turned_over .or. .not. determinant(mesh, element, corner_coordinates(kind, point)) > 0.0_dp
       end do
       do point = 1, n_element_points(kind)
          call quadrature_point(kind, point, xi, weight)
@@ -124,14 +121,15 @@ contains
    pure subroutine mesh_set_sides(self, name, sides, error)
       class(mesh_t), intent(in) :: self !! the mesh
       character(*), intent(in) :: name !! name of the set
-      integer, allocatable, intent(out) :: sides(:, :) !! first and second node, body on the left (2, sides)
+      integer, allocatable, intent(out) :: sides(:, :)
+         !! first corner, second corner, middle or 0 of each side, body on the left (3, sides)
       type(error_t), allocatable, intent(out) :: error !! there is no such set; the message lists those there are
       character(:), allocatable :: known
       integer :: set, i
 
       set = self%find_set(name)
       if (set > 0) then
-         allocate (sides(2, size(self%sets(set)%element)))
+         allocate (sides(3, size(self%sets(set)%element)))
          do i = 1, size(sides, 2)
             sides(:, i) = self%side(self%sets(set)%element(i), self%sets(set)%side(i))
          end do
@@ -144,14 +142,15 @@ contains
       call new_error(error, input_refused, "the mesh has no set '"//name//"'; its sets are: "//trim(adjustl(known)))
    end subroutine mesh_set_sides
 
-   !> The two end nodes of a side of an element, in the direction that has the element on its left.
+   !> The corners of a side of an element, in the direction that has the element on its left, and its middle or 0.
    pure function mesh_side(self, element, side) result(nodes)
       class(mesh_t), intent(in) :: self !! the mesh
       integer, intent(in) :: element !! number of the element
       integer, intent(in) :: side !! number of the side in the element
-      integer :: nodes(2)
+      integer :: nodes(3)
 
-      nodes = self%node(self%node_start(element) - 1 + side_nodes(self%element_kind(element), side))
+      nodes = side_nodes(self%element_kind(element), side)
+      where (nodes > 0) nodes = self%node(self%node_start(element) - 1 + nodes)
    end function mesh_side
 
    !> The node at given coordinates, within a thousandth of the distance to the next node; 0 where there is none.
