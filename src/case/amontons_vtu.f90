@@ -4,7 +4,6 @@ module amontons_vtu
    use amontons_body, only: body_t
    use amontons_contact_table, only: contact_point_t, new_contact_point
    use amontons_elasticity, only: element_geometry_t, element_stress, new_element_geometry
-   use amontons_element, only: quad4, tri3
    use amontons_error, only: error_t
    use amontons_kinds, only: dp, int32, int64
    use amontons_output_file, only: new_output_file, output_file_t
@@ -16,8 +15,8 @@ module amontons_vtu
    public :: write_vtu
 
    character(*), parameter :: newline = new_line('a')
-   !> VTK's numbers of the element kinds: triangle and quadrilateral.
-   integer, parameter :: vtk_cell_type(2) = [5, 9]
+   !> VTK's numbers of the element kinds, in the order of `amontons_element`.
+   integer, parameter :: vtk_cell_type(*) = [5, 9, 22, 23, 28]
 
    !> The XML head under construction, and the length of the data it announces.
    type :: head_t

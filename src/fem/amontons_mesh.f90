@@ -1,4 +1,4 @@
-!> The mesh: nodes, elements, named boundary sets, and the checks every mesh must pass.
+!> The mesh: nodes, elements, named sets of sides, nodes and elements, and the checks every mesh must pass.
 module amontons_mesh
    use amontons_element, only: corner_coordinates, max_nodes, n_corners, n_element_points, quadrature_point, &
       shape_functions, side_nodes
@@ -8,7 +8,7 @@ module amontons_mesh
    implicit none (type, external)
    private
 
-   public :: boundary_set_t, element_jacobian, mesh_t
+   public :: boundary_set_t, element_jacobian, mesh_t, node_set_t, region_t
 
    !> A named part of the boundary: sides of elements.
    type :: boundary_set_t
@@ -16,6 +16,18 @@ module amontons_mesh
       integer, allocatable :: element(:) !! the element of each side
       integer, allocatable :: side(:) !! the side's number in its element
    end type boundary_set_t
+
+   !> A named set of nodes.
+   type :: node_set_t
+      character(:), allocatable :: name !! name, as a deck writes it
+      integer, allocatable :: node(:) !! the nodes
+   end type node_set_t
+
+   !> A named part of the body.
+   type :: region_t
+      character(:), allocatable :: name !! name, as a deck writes it
+      integer, allocatable :: element(:) !! its elements
+   end type region_t
 
    !> A plane mesh; elements may be of different kinds.
    type :: mesh_t
@@ -26,6 +38,8 @@ module amontons_mesh
       integer, allocatable :: node_start(:) !! where the nodes of an element begin in `node` (n_elements + 1)
       integer, allocatable :: node(:) !! nodes of the elements, counter-clockwise
       type(boundary_set_t), allocatable :: sets(:) !! named boundary sets
+      type(node_set_t), allocatable :: node_sets(:) !! named sets of nodes; not allocated means none
+      type(region_t), allocatable :: regions(:) !! named parts of the body; not allocated means none
    contains
       procedure :: check => mesh_check
       procedure :: find_set => mesh_find_set

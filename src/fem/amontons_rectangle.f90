@@ -1,9 +1,10 @@
-!> Meshes of a rectangle: bilinear quadrilaterals, or triangles that halve each cell.
+!> Meshes of a rectangle: quadrilaterals, or triangles that halve each cell, linear or quadratic.
 module amontons_rectangle
-   use amontons_element, only: element_names, n_element_nodes, quad4, tri3
+   use amontons_element, only: element_names, is_triangle, n_element_nodes, quad4, tri3
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp, int64
    use amontons_mesh, only: boundary_set_t, mesh_t
+   use amontons_quadratic_mesh, only: raise_order
    implicit none (type, external)
    private
 
@@ -16,7 +17,7 @@ module amontons_rectangle
    type :: rectangle_t
       real(dp) :: size(2) = [1.0_dp, 1.0_dp] !! width and height [L]
       integer :: cells(2) = [1, 1] !! number of cells along x and along y
-      character(:), allocatable :: element !! 'quad4' or 'tri3'
+      character(:), allocatable :: element !! one of `element_names`
       character(:), allocatable :: diagonal !! 'right' (/), 'left' (\) or 'alternating'; read for triangles only
       real(dp) :: grading = 1.0_dp !! height of the last (top) row of cells over that of the first [-]
    end type rectangle_t
@@ -29,7 +30,7 @@ contains
       type(rectangle_t), intent(in) :: rectangle !! the rectangle and its cells
       type(error_t), allocatable, intent(out) :: error !! the rectangle makes no sense
       integer(int64), parameter :: max_unknowns = 2_int64**29
-      integer :: kind
+      integer :: kind, shape
 
       kind = findloc(element_names == rectangle%element, .true., dim=1)
       if (any(.not. rectangle%size > 0.0_dp) .or. any(rectangle%cells < 1) .or. .not. rectangle%grading > 0.0_dp &
@@ -42,9 +43,11 @@ contains
          call new_error(error, input_refused, 'rectangle: more cells than node numbers allow (about 268 million)')
          return
       end if
+      shape = merge(tri3, quad4, is_triangle(kind))
       call place_nodes(mesh, rectangle)
-      call connect_cells(mesh, rectangle, kind)
-      call name_sides(mesh, rectangle%cells, kind, rectangle%diagonal)
+      call connect_cells(mesh, rectangle, shape)
+      call name_sides(mesh, rectangle%cells, shape, rectangle%diagonal)
+      if (kind /= shape) call raise_order(mesh, spread(kind, 1, mesh%n_elements))
    end subroutine new_rectangle_mesh
 
    !> Places the nodes row by row, from the lower left corner.
