@@ -35,7 +35,6 @@ contains
       type(result_t), intent(in) :: result !! the result
       integer, intent(in) :: p !! number of the point
       integer :: node, m
-      real(dp) :: area
 
       m = body%zone%n_points
       node = body%zone%node(p)
@@ -49,9 +48,8 @@ contains
       end if
       point%normal_force = result%solution%force(p)
       point%tangential_force = result%solution%force(m + p)
-      area = point%weight*body%material%thickness
-      point%normal_stress = point%normal_force/area
-      point%tangential_stress = point%tangential_force/area
+      point%normal_stress = point%normal_force/body%zone%area(p)
+      point%tangential_stress = point%tangential_force/body%zone%area(p)
       point%status = trim(status_names(result%solution%status(p)))
    end subroutine new_contact_point
 

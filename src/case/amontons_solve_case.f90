@@ -51,7 +51,7 @@ contains
          allocate (workshop%body)
          call new_rectangle_mesh(mesh, config%rectangle, error)
          if (allocated(error)) return
-         call new_body(workshop%body, mesh, config%material, config%supports, config%contacts, error)
+         call new_body(workshop%body, mesh, config%materials, config%supports, config%foundations, config%contacts, error)
          if (allocated(error)) return
          workshop%body_text = body_text(config)
          workshop%first_case = config%name
@@ -60,7 +60,7 @@ contains
       associate (body => workshop%body)
          call set_obstacles(body%zone, body%mesh, config%contacts, error)
          if (allocated(error)) return
-         call load_vector(result%loads, body%mesh, body%material, config%loads, error)
+         call load_vector(result%loads, body%mesh, body%materials, config%loads, error)
          if (allocated(error)) return
          call check_balance(body%motions, body%mesh, body%zone, result%loads, error)
       end associate
@@ -124,7 +124,8 @@ contains
       integer :: p
 
       if (any(abs(body%constraints%prescribed) > 0.0_dp)) then
-         call internal_forces(forces, body%mesh, body%material, body%coloring, body%constraints%prescribed)
+         call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, &
+            body%constraints%prescribed)
          forces = loads - forces
       else
          forces = loads

@@ -108,20 +108,21 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), allocatable :: stress(:, :)
       type(element_geometry_t) :: geometry
-      real(dp) :: mean(3), axial
+      real(dp) :: mean(4)
       integer :: element, point
 
       allocate (stress(7, body%mesh%n_elements), source=0.0_dp)
       do element = 1, body%mesh%n_elements
-         call new_element_geometry(geometry, body%mesh, element)
-         mean = 0.0_dp
-         do point = 1, geometry%n_points
-            mean = mean + geometry%area(point)*element_stress(geometry, body%material, displacement, point)
-         end do
-         mean = mean/sum(geometry%area(:geometry%n_points))
-         axial = body%material%axial_stress(mean)
-         stress(:4, element) = [mean(1), mean(2), axial, mean(3)]
-         stress(7, element) = sqrt(0.5_dp*((mean(1) - mean(2))**2 + (mean(2) - axial)**2 + (axial - mean(1))**2) &
+         associate (material => body%materials%list(body%materials%of_element(element)))
+            call new_element_geometry(geometry, body%mesh, element, material)
+            mean = 0.0_dp
+            do point = 1, geometry%n_points
+               mean = mean + geometry%volume(point)*element_stress(geometry, material, displacement, point)
+            end do
+         end associate
+         mean = mean/sum(geometry%volume(:geometry%n_points))
+         stress(:4, element) = mean([1, 2, 4, 3])
+         stress(7, element) = sqrt(0.5_dp*((mean(1) - mean(2))**2 + (mean(2) - mean(4))**2 + (mean(4) - mean(1))**2) &
             + 3.0_dp*mean(3)**2)
       end do
    end function cell_stresses

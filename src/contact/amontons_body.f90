@@ -9,7 +9,8 @@ module amontons_body
    use amontons_dof_map, only: dof_map_t, new_dof_map
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
-   use amontons_material, only: material_t
+   use amontons_foundation, only: foundation_t, new_foundation_sides, spring_side_t
+   use amontons_material, only: material_t, materials_t, new_materials
    use amontons_mesh, only: mesh_t
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
@@ -22,7 +23,8 @@ module amontons_body
    !> What many load cases share.
    type :: body_t
       type(mesh_t) :: mesh !! the mesh
-      type(material_t) :: material !! the material
+      type(materials_t) :: materials !! the materials of the elements
+      type(spring_side_t), allocatable :: springs(:) !! springs along sides
       type(coloring_t) :: coloring !! colours of the elements
       type(constraints_t) :: constraints !! the supports
       type(rigid_motions_t) :: motions !! the rigid motions that the supports leave free
@@ -34,24 +36,28 @@ module amontons_body
 
 contains
 
-   !> Makes a body from its mesh, material, supports and contact sets: everything but the costly part.
-   subroutine new_body(body, mesh, material, supports, contacts, error)
+   !> Makes a body from its mesh, materials, supports and contact sets: everything but the costly part.
+   subroutine new_body(body, mesh, materials, supports, foundations, contacts, error)
       type(body_t), intent(out) :: body !! the body
       type(mesh_t), intent(in) :: mesh !! the mesh
-      type(material_t), intent(in) :: material !! its material
+      type(material_t), intent(in) :: materials(:) !! its materials
       type(support_t), intent(in) :: supports(:) !! its supports
+      type(foundation_t), intent(in) :: foundations(:) !! its elastic foundations
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
       type(error_t), allocatable, intent(out) :: error !! mesh, supports or contact sets do not fit together
 
       call mesh%check(error)
       if (allocated(error)) return
       body%mesh = mesh
-      body%material = material
+      call new_materials(body%materials, materials, mesh, error)
+      if (allocated(error)) return
       call new_coloring(body%coloring, mesh)
       call new_constraints(body%constraints, mesh, supports, error)
       if (allocated(error)) return
-      call new_rigid_motions(body%motions, mesh, body%constraints)
-      call new_contact_zone(body%zone, mesh, contacts, body%constraints, error)
+      call new_foundation_sides(body%springs, mesh, body%materials, foundations, error)
+      if (allocated(error)) return
+      call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, materials(1)%is_axisymmetric)
+      call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error)
       if (allocated(error)) return
       call new_dof_map(body%dof_map, body%constraints, body%zone%node)
    end subroutine new_body
@@ -72,7 +78,8 @@ contains
             [1.0_dp, spread(0.0_dp, 1, body%motions%n_free - 1)])//'; add a support or a contact set')
          return
       end if
-      call assemble_stiffness(stiffness, body%mesh, body%material, body%coloring, body%constraints, body%dof_map, error)
+      call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, body%constraints, &
+         body%dof_map, error)
       if (allocated(error)) return
       call timings%lap(phase_assemble)
       call new_condensation(body%condensation, stiffness, factorization, is_held, body%zone, body%constraints, &

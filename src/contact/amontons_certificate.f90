@@ -44,7 +44,7 @@ contains
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
       real(dp), allocatable :: internal(:, :), contact(:, :), reaction(:, :)
 
-      call internal_forces(internal, body%mesh, body%material, body%coloring, displacement)
+      call internal_forces(internal, body%mesh, body%materials, body%springs, body%coloring, displacement)
       contact = nodal_contact_forces(body%mesh, body%zone, force)
       reaction = internal - loads - contact
       call split_imbalance(body%constraints, reaction, certificate%equilibrium)

@@ -4,6 +4,7 @@ module amontons_contact_zone
    use amontons_constraints, only: constraints_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
+   use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -28,6 +29,7 @@ module amontons_contact_zone
       integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (m)
       real(dp), allocatable :: normal(:, :) !! unit outward normal n; the tangent is t = (-n_y, n_x) (2, m)
       real(dp), allocatable :: weight(:) !! tributary length (m) [L]
+      real(dp), allocatable :: area(:) !! tributary area: length times depth of the body (m) [L^2]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
       real(dp), allocatable :: friction(:) !! Coulomb coefficient (m) [-]
       logical, allocatable :: is_guided(:) !! whether a support leaves it one direction and bears the shear (m)
@@ -37,9 +39,10 @@ module amontons_contact_zone
 contains
 
    !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point.
-   subroutine new_contact_zone(zone, mesh, contacts, constraints, error)
+   subroutine new_contact_zone(zone, mesh, materials, contacts, constraints, error)
       type(contact_zone_t), intent(out) :: zone !! the points; obstacles are set by `set_obstacles`
       type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(constraints_t), intent(in) :: constraints !! the supports
       type(error_t), allocatable, intent(out) :: error !! a missing set, a node in two sets, or no point at all
@@ -49,7 +52,7 @@ contains
       allocate (lines(size(contacts)))
       place = 0
       do i = 1, size(contacts)
-         call new_boundary_line(lines(i), mesh, contacts(i)%set, error)
+         call new_boundary_line(lines(i), mesh, contacts(i)%set, error, materials)
          if (allocated(error)) then
             error%message = contacts(i)%origin//error%message
             return
@@ -64,8 +67,8 @@ contains
          end do
       end do
       n = sum(lines%n_nodes)
-      allocate (zone%node(n), zone%set(n), zone%next(n), zone%normal(2, n), zone%weight(n), zone%is_guided(n), &
-         zone%held_node(0))
+      allocate (zone%node(n), zone%set(n), zone%next(n), zone%normal(2, n), zone%weight(n), zone%area(n), &
+         zone%is_guided(n), zone%held_node(0))
       do i = 1, size(contacts)
          call add_line(zone, i, lines(i), constraints)
       end do
@@ -104,6 +107,7 @@ contains
          zone%set(p) = set
          zone%normal(:, p) = line%normal(:, k)
          zone%weight(p) = line%weight(k)
+         zone%area(p) = line%area(k)
          zone%is_guided(p) = .not. all(constraints%is_free(:, line%node(k)))
       end do
       do k = 1, line%n_nodes
@@ -136,6 +140,7 @@ contains
       zone%next = zone%next(:n)
       zone%normal = zone%normal(:, :n)
       zone%weight = zone%weight(:n)
+      zone%area = zone%area(:n)
       zone%is_guided = zone%is_guided(:n)
    end subroutine trim_zone
 

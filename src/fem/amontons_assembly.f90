@@ -6,8 +6,9 @@ module amontons_assembly
    use amontons_elasticity, only: element_forces, element_geometry_t, element_stiffness, new_element_geometry
    use amontons_element, only: max_nodes
    use amontons_error, only: error_t
+   use amontons_foundation, only: spring_side_t
    use amontons_kinds, only: dp
-   use amontons_material, only: material_t
+   use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_sparse_matrix, only: new_sparse_matrix, sparse_matrix_t
    implicit none (type, external)
@@ -18,10 +19,11 @@ module amontons_assembly
 contains
 
    !> Assembles the stiffness matrix of the unknowns.
-   subroutine assemble_stiffness(stiffness, mesh, material, coloring, constraints, dof_map, error)
+   subroutine assemble_stiffness(stiffness, mesh, materials, springs, coloring, constraints, dof_map, error)
       type(sparse_matrix_t), intent(out) :: stiffness !! stiffness matrix (n_dofs, n_dofs) [F/L]
       type(mesh_t), intent(in) :: mesh !! the mesh
-      type(material_t), intent(in) :: material !! the material
+      type(materials_t), intent(in) :: materials !! the materials of the elements
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides
       type(coloring_t), intent(in) :: coloring !! colours of the elements
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
@@ -34,15 +36,23 @@ contains
       if (allocated(error)) return
       do color = 1, coloring%n_colors
          !$omp parallel do default(none) schedule(static) private(geometry, block, n) &
-         !$omp shared(stiffness, mesh, material, coloring, constraints, dof_map, color)
+         !$omp shared(stiffness, mesh, materials, coloring, constraints, dof_map, color)
          do i = coloring%start(color), coloring%start(color + 1) - 1
-            call new_element_geometry(geometry, mesh, coloring%element(i))
+            associate (material => materials%list(materials%of_element(coloring%element(i))))
+               call new_element_geometry(geometry, mesh, coloring%element(i), material)
+               block = element_stiffness(geometry, material)
+            end associate
             n = geometry%n_nodes
-            block = element_stiffness(geometry, material)
-            call turn_to_frames(block, geometry, constraints)
+            call turn_to_frames(block, geometry%node(:n), constraints)
             call stiffness%add_element(reshape(dof_map%dof(:, geometry%node(:n)), [2*n]), block(:2*n, :2*n))
          end do
          !$omp end parallel do
+      end do
+      do i = 1, size(springs)
+         n = springs(i)%n_nodes
+         block(:2*n, :2*n) = springs(i)%stiffness(:2*n, :2*n)
+         call turn_to_frames(block, springs(i)%node(:n), constraints)
+         call stiffness%add_element(reshape(dof_map%dof(:, springs(i)%node(:n)), [2*n]), block(:2*n, :2*n))
       end do
    end subroutine assemble_stiffness
 
@@ -60,26 +70,27 @@ contains
    end function element_unknowns
 
    !> Turns an element's stiffness from x and y to the frames of its nodes.
-   pure subroutine turn_to_frames(block, geometry, constraints)
+   pure subroutine turn_to_frames(block, nodes, constraints)
       real(dp), intent(inout) :: block(:, :) !! stiffness (2 nodes, 2 nodes) [F/L]
-      type(element_geometry_t), intent(in) :: geometry !! the element
+      integer, intent(in) :: nodes(:) !! its nodes
       type(constraints_t), intent(in) :: constraints !! the supports, with the frames
       real(dp) :: frame(2, 2)
       integer :: i
 
-      do i = 1, geometry%n_nodes
-         if (.not. abs(constraints%axis(2, geometry%node(i))) > 0.0_dp) cycle
-         frame = constraints%frame(geometry%node(i))
+      do i = 1, size(nodes)
+         if (.not. abs(constraints%axis(2, nodes(i))) > 0.0_dp) cycle
+         frame = constraints%frame(nodes(i))
          block(2*i - 1:2*i, :) = matmul(transpose(frame), block(2*i - 1:2*i, :))
          block(:, 2*i - 1:2*i) = matmul(block(:, 2*i - 1:2*i), frame)
       end do
    end subroutine turn_to_frames
 
-   !> Nodal forces that hold the stresses of a displacement: K u without ever forming K.
-   subroutine internal_forces(forces, mesh, material, coloring, displacement)
+   !> Nodal forces that stresses and springs of a displacement amount to: K u without ever forming K.
+   subroutine internal_forces(forces, mesh, materials, springs, coloring, displacement)
       real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
-      type(material_t), intent(in) :: material !! the material
+      type(materials_t), intent(in) :: materials !! the materials of the elements
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides
       type(coloring_t), intent(in) :: coloring !! colours of the elements
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       type(element_geometry_t) :: geometry
@@ -89,17 +100,36 @@ contains
       allocate (forces(2, mesh%n_nodes), source=0.0_dp)
       do color = 1, coloring%n_colors
          !$omp parallel do default(none) schedule(static) private(geometry, element, k) &
-         !$omp shared(forces, mesh, material, coloring, displacement, color)
+         !$omp shared(forces, mesh, materials, coloring, displacement, color)
          do i = coloring%start(color), coloring%start(color + 1) - 1
-            call new_element_geometry(geometry, mesh, coloring%element(i))
-            element = element_forces(geometry, material, displacement)
+            associate (material => materials%list(materials%of_element(coloring%element(i))))
+               call new_element_geometry(geometry, mesh, coloring%element(i), material)
+               element = element_forces(geometry, material, displacement)
+            end associate
             do k = 1, geometry%n_nodes
                forces(:, geometry%node(k)) = forces(:, geometry%node(k)) + element(:, k)
             end do
          end do
          !$omp end parallel do
       end do
+      do i = 1, size(springs)
+         call add_spring_forces(springs(i), displacement, forces)
+      end do
    end subroutine internal_forces
+
+   !> Adds the nodal forces of the springs of a side.
+   pure subroutine add_spring_forces(springs, displacement, forces)
+      type(spring_side_t), intent(in) :: springs !! the springs
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(inout) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
+      integer :: n
+
+      n = springs%n_nodes
+      associate (nodes => springs%node(:n))
+         forces(:, nodes) = forces(:, nodes) + reshape(matmul(springs%stiffness(:2*n, :2*n), &
+            reshape(displacement(:, nodes), [2*n])), [2, n])
+      end associate
+   end subroutine add_spring_forces
 
    !> Collects a nodal field into a vector of the unknowns: its components along the free axes.
    pure function to_unknowns(field, constraints, dof_map) result(vector)

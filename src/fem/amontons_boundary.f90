@@ -2,6 +2,7 @@
 module amontons_boundary
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
+   use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_side, only: new_side_geometry, side_geometry_t
    use amontons_text, only: to_text
@@ -16,6 +17,7 @@ module amontons_boundary
       integer :: n_nodes = 0 !! number of nodes
       integer, allocatable :: node(:) !! number of each node in the mesh (n_nodes)
       real(dp), allocatable :: normal(:, :) !! unit outward normal, the mean weighted by the shape function (2, n_nodes) [-]
+      real(dp), allocatable :: area(:) !! tributary area, where materials give the depth (n_nodes) [L^2]
       real(dp), allocatable :: weight(:) !! tributary length: integral of the node's shape function (n_nodes) [L]
       integer, allocatable :: next(:) !! place in this list of the node a side leads to, 0 for none (n_nodes)
    end type boundary_line_t
@@ -23,11 +25,12 @@ module amontons_boundary
 contains
 
    !> Orders the sides of a boundary set and computes normals and weights of its nodes.
-   subroutine new_boundary_line(line, mesh, set, error)
+   subroutine new_boundary_line(line, mesh, set, error, materials)
       type(boundary_line_t), intent(out) :: line !! the line
       type(mesh_t), intent(in) :: mesh !! the mesh
       character(*), intent(in) :: set !! name of the boundary set
       type(error_t), allocatable, intent(out) :: error !! no such set, or more than two of its sides meet in a node
+      type(materials_t), intent(in), optional :: materials !! materials of the elements, for the areas
       integer, allocatable :: sides(:, :), after(:), before(:)
 
       call mesh%set_sides(set, sides, error)
@@ -37,11 +40,12 @@ contains
       if (allocated(error)) return
       call order_nodes(line, sides, after, before)
       call measure_sides(line, sides, mesh%coordinates)
+      if (present(materials)) call measure_areas(line, sides, mesh%coordinates, materials)
    end subroutine new_boundary_line
 
    !> Notes for each node which node follows it and which comes before it.
    pure subroutine link_sides(sides, after, before, set, error)
-      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0 of each side (3, sides)
+      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)
       integer, intent(inout) :: after(:) !! the node that follows, 0 for none (nodes)
       integer, intent(inout) :: before(:) !! the corner that comes before, 0 for none (nodes)
       character(*), intent(in) :: set !! name of the set, for the message
@@ -68,12 +72,12 @@ contains
    !> Lists the nodes piece by piece: first the open pieces, then the closed ones, each in the order of the set.
    pure subroutine order_nodes(line, sides, after, before)
       type(boundary_line_t), intent(inout) :: line !! the line
-      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0 of each side (3, sides)
+      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)
       integer, intent(inout) :: after(:) !! the node that follows; emptied
       integer, intent(in) :: before(:) !! the node that comes before
       integer :: i
 
-      allocate (line%node(size(sides)), line%next(size(sides)))
+      allocate (line%node(3*size(sides, 2)), line%next(3*size(sides, 2)))
       do i = 1, size(sides, 2)
          if (before(sides(1, i)) == 0) call follow_piece(line, sides(1, i), after)
       end do
@@ -110,7 +114,7 @@ contains
    !> Normals and weights of the nodes: integrals of their shape functions times the normal, and alone.
    pure subroutine measure_sides(line, sides, coordinates)
       type(boundary_line_t), intent(inout) :: line !! the line, its nodes in order
-      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0 of each side (3, sides)
+      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
       type(side_geometry_t) :: geometry
       integer :: place(size(coordinates, 2)), i, k, point, p
@@ -119,8 +123,8 @@ contains
       place(line%node) = [(i, i=1, line%n_nodes)]
       allocate (line%normal(2, line%n_nodes), line%weight(line%n_nodes), source=0.0_dp)
       do i = 1, size(sides, 2)
-         call new_side_geometry(geometry, sides(:, i), coordinates)
-         do k = 1, count(sides(:, i) > 0)
+         call new_side_geometry(geometry, sides(:3, i), coordinates)
+         do k = 1, count(sides(:3, i) > 0)
             p = place(sides(k, i))
             do point = 1, size(geometry%along, 2)
                associate (value => geometry%values(k, point), along => geometry%along(:, point))
@@ -134,5 +138,30 @@ contains
          line%normal(:, i) = line%normal(:, i)/norm2(line%normal(:, i))
       end do
    end subroutine measure_sides
+
+   !> Tributary areas of the nodes: integrals of their shape functions times the depth.
+   pure subroutine measure_areas(line, sides, coordinates, materials)
+      type(boundary_line_t), intent(inout) :: line !! the line, its nodes in order
+      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      type(materials_t), intent(in) :: materials !! materials of the elements
+      type(side_geometry_t) :: geometry
+      integer :: place(size(coordinates, 2)), i, k, point
+      real(dp) :: area
+
+      place = 0
+      place(line%node) = [(i, i=1, line%n_nodes)]
+      allocate (line%area(line%n_nodes), source=0.0_dp)
+      do i = 1, size(sides, 2)
+         call new_side_geometry(geometry, sides(:3, i), coordinates)
+         do point = 1, size(geometry%along, 2)
+            area = norm2(geometry%along(:, point)) &
+               *materials%list(materials%of_element(sides(4, i)))%depth(geometry%position(1, point))
+            do k = 1, count(sides(:3, i) > 0)
+               line%area(place(sides(k, i))) = line%area(place(sides(k, i))) + geometry%values(k, point)*area
+            end do
+         end do
+      end do
+   end subroutine measure_areas
 
 end module amontons_boundary

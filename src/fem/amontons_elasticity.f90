@@ -1,6 +1,7 @@
 !> Elasticity of one element: stiffness, stress, nodal forces.
 module amontons_elasticity
-   use amontons_element, only: max_nodes, max_points, n_element_nodes, n_element_points, quadrature_point, shape_functions
+   use amontons_element, only: max_nodes, max_points, n_element_nodes, n_element_points, quadrature_point, &
+      shape_functions
    use amontons_kinds, only: dp
    use amontons_material, only: material_t
    use amontons_mesh, only: element_jacobian, mesh_t
@@ -16,38 +17,44 @@ module amontons_elasticity
       integer :: node(max_nodes) = 0 !! numbers of the nodes in the mesh
       real(dp) :: values(max_nodes, max_points) = 0.0_dp !! shape functions (node, point) [-]
       real(dp) :: gradient(2, max_nodes, max_points) = 0.0_dp !! their gradients (x and y, node, point) [1/L]
-      real(dp) :: area(max_points) = 0.0_dp !! weight of each point times the Jacobian determinant [L^2]
+      real(dp) :: position(2, max_points) = 0.0_dp !! coordinates of the points [L]
+      real(dp) :: volume(max_points) = 0.0_dp !! quadrature weight, Jacobian and depth of each point [L^3]
    end type element_geometry_t
 
 contains
 
    !> Evaluates the shape functions of an element.
-   pure subroutine new_element_geometry(geometry, mesh, element)
+   pure subroutine new_element_geometry(geometry, mesh, element, material)
       type(element_geometry_t), intent(out) :: geometry !! the shape functions at the quadrature points
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       integer, intent(in) :: element !! number of the element
+      type(material_t), intent(in) :: material !! its material, for the depth
       real(dp) :: xi(2), weight, derivatives(2, max_nodes), jacobian(2, 2), inverse(2, 2), determinant
-      integer :: kind, point, first
+      integer :: kind, point, n
 
       kind = mesh%element_kind(element)
-      first = mesh%node_start(element)
-      geometry%n_nodes = n_element_nodes(kind)
+      n = n_element_nodes(kind)
+      geometry%n_nodes = n
       geometry%n_points = n_element_points(kind)
-      geometry%node(:geometry%n_nodes) = mesh%node(first:first + geometry%n_nodes - 1)
-      do point = 1, geometry%n_points
-         call quadrature_point(kind, point, xi, weight)
-         call shape_functions(kind, xi, geometry%values(:, point), derivatives)
-         jacobian = element_jacobian(mesh%coordinates(:, geometry%node(:geometry%n_nodes)), derivatives)
-         determinant = jacobian(1, 1)*jacobian(2, 2) - jacobian(1, 2)*jacobian(2, 1)
-         inverse(:, 1) = [jacobian(2, 2), -jacobian(2, 1)]/determinant
-         inverse(:, 2) = [-jacobian(1, 2), jacobian(1, 1)]/determinant
-         geometry%gradient(:, :, point) = matmul(transpose(inverse), derivatives)
-         geometry%area(point) = weight*determinant
-      end do
+      geometry%node(:n) = mesh%node(mesh%node_start(element):mesh%node_start(element) + n - 1)
+      associate (coordinates => mesh%coordinates(:, geometry%node(:n)))
+         do point = 1, geometry%n_points
+            call quadrature_point(kind, point, xi, weight)
+            call shape_functions(kind, xi, geometry%values(:, point), derivatives)
+            jacobian = element_jacobian(coordinates, derivatives)
+            determinant = jacobian(1, 1)*jacobian(2, 2) - jacobian(1, 2)*jacobian(2, 1)
+            inverse(:, 1) = [jacobian(2, 2), -jacobian(2, 1)]/determinant
+            inverse(:, 2) = [-jacobian(1, 2), jacobian(1, 1)]/determinant
+            geometry%gradient(:, :n, point) = matmul(transpose(inverse), derivatives(:, :n))
+            geometry%position(:, point) = matmul(coordinates, geometry%values(:n, point))
+            geometry%volume(point) = weight*determinant*material%depth(geometry%position(1, point))
+         end do
+      end associate
    end subroutine new_element_geometry
 
-   !> Stiffness of an element: sum over the points of area times
-   !> lambda g_i g_j^T + mu (g_j g_i^T + (g_i . g_j) I), g the gradients (2 nodes, 2 nodes) [F/L].
+   !> Stiffness of an element: sum over the points of volume times
+   !> lambda g_i g_j^T + mu (g_j g_i^T + (g_i . g_j) I), g the gradients, and in a body of revolution the hoop strain's
+   !> part (2 nodes, 2 nodes) [F/L].
    pure function element_stiffness(geometry, material) result(stiffness)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
@@ -57,8 +64,8 @@ contains
 
       stiffness = 0.0_dp
       do point = 1, geometry%n_points
-         lambda = material%lambda*geometry%area(point)*material%thickness
-         mu = material%mu*geometry%area(point)*material%thickness
+         lambda = material%lambda*geometry%volume(point)
+         mu = material%mu*geometry%volume(point)
          do j = 1, geometry%n_nodes
             b = geometry%gradient(:, j, point)
             do i = 1, geometry%n_nodes
@@ -70,24 +77,51 @@ contains
                stiffness(2*i, 2*j) = stiffness(2*i, 2*j) + (lambda + mu)*a(2)*b(2) + along
             end do
          end do
+         if (material%is_axisymmetric) call add_hoop_stiffness(geometry, point, lambda, mu, stiffness)
       end do
    end function element_stiffness
 
-   !> Stress at a quadrature point: xx, yy, xy [F/L^2].
+   !> Adds what the hoop strain u_r / r contributes to the stiffness at one point.
+   pure subroutine add_hoop_stiffness(geometry, point, lambda, mu, stiffness)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      integer, intent(in) :: point !! number of the quadrature point
+      real(dp), intent(in) :: lambda !! first Lame coefficient times volume [F L]
+      real(dp), intent(in) :: mu !! shear modulus times volume [F L]
+      real(dp), intent(inout) :: stiffness(:, :) !! stiffness (2 nodes, 2 nodes) [F/L]
+      real(dp) :: a(2), b(2), hoop_a, hoop_b
+      integer :: i, j
+
+      do j = 1, geometry%n_nodes
+         b = geometry%gradient(:, j, point)
+         hoop_b = geometry%values(j, point)/geometry%position(1, point)
+         do i = 1, geometry%n_nodes
+            a = geometry%gradient(:, i, point)
+            hoop_a = geometry%values(i, point)/geometry%position(1, point)
+            stiffness(2*i - 1, 2*j - 1) = stiffness(2*i - 1, 2*j - 1) + lambda*(a(1)*hoop_b + hoop_a*b(1)) &
+               + (lambda + 2.0_dp*mu)*hoop_a*hoop_b
+            stiffness(2*i, 2*j - 1) = stiffness(2*i, 2*j - 1) + lambda*a(2)*hoop_b
+            stiffness(2*i - 1, 2*j) = stiffness(2*i - 1, 2*j) + lambda*hoop_a*b(2)
+         end do
+      end do
+   end subroutine add_hoop_stiffness
+
+   !> Stress at a quadrature point: xx, yy, xy, zz; in a body of revolution radial, axial, shear, hoop [F/L^2].
    pure function element_stress(geometry, material, displacement, point) result(stress)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
       integer, intent(in) :: point !! number of the quadrature point
-      real(dp) :: stress(3)
-      real(dp) :: strain(3), g(2), u(2)
+      real(dp) :: stress(4)
+      real(dp) :: strain(4), g(2), u(2)
       integer :: i
 
       strain = 0.0_dp
       do i = 1, geometry%n_nodes
          g = geometry%gradient(:, i, point)
          u = displacement(:, geometry%node(i))
-         strain = strain + [g(1)*u(1), g(2)*u(2), g(2)*u(1) + g(1)*u(2)]
+         strain(:3) = strain(:3) + [g(1)*u(1), g(2)*u(2), g(2)*u(1) + g(1)*u(2)]
+         if (material%is_axisymmetric) strain(4) = strain(4) &
+            + geometry%values(i, point)*u(1)/geometry%position(1, point)
       end do
       stress = material%stress(strain)
    end function element_stress
@@ -98,15 +132,17 @@ contains
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
       real(dp) :: forces(2, max_nodes)
-      real(dp) :: s(3), g(2)
+      real(dp) :: s(4), g(2)
       integer :: i, point
 
       forces = 0.0_dp
       do point = 1, geometry%n_points
-         s = element_stress(geometry, material, displacement, point)*geometry%area(point)*material%thickness
+         s = element_stress(geometry, material, displacement, point)*geometry%volume(point)
          do i = 1, geometry%n_nodes
             g = geometry%gradient(:, i, point)
             forces(:, i) = forces(:, i) + [s(1)*g(1) + s(3)*g(2), s(3)*g(1) + s(2)*g(2)]
+            if (material%is_axisymmetric) forces(1, i) = forces(1, i) &
+               + s(4)*geometry%values(i, point)/geometry%position(1, point)
          end do
       end do
    end function element_forces

@@ -1,40 +1,50 @@
-!> Linear isotropic elasticity in the plane.
+!> Linear isotropic elasticity in the plane and in bodies of revolution.
 module amontons_material
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
+   use amontons_mesh, only: mesh_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: hypothesis_names, material_t, new_material
+   public :: hypothesis_names, material_t, materials_t, new_material, new_materials
 
-   !> Hypotheses of plane elasticity, as a deck writes them.
-   character(12), parameter :: hypothesis_names(2) = [character(12) :: 'plane strain', 'plane stress']
+   !> Hypotheses that reduce a body to the plane, as a deck writes them. Under 'axisymmetric' x is the radius and y the
+   !> axis of revolution.
+   character(12), parameter :: hypothesis_names(*) = [character(12) :: 'plane strain', 'plane stress', 'axisymmetric']
 
-   !> A material. In the plane both hypotheses read stress = lambda tr(strain) I + 2 mu strain, with a lambda of
-   !> their own.
+   !> A material. Under every hypothesis stress = lambda tr(strain) I + 2 mu strain, with a lambda of its own.
    type :: material_t
       real(dp) :: young = 1.0_dp !! Young's modulus [F/L^2]
       real(dp) :: poisson = 0.0_dp !! Poisson's ratio [-]
-      real(dp) :: thickness = 1.0_dp !! thickness of the body; multiplies stiffness and loads [L]
-      character(:), allocatable :: hypothesis !! 'plane strain' or 'plane stress'
+      real(dp) :: thickness = 1.0_dp !! thickness of a plane body; multiplies stiffness and loads [L]
+      character(:), allocatable :: hypothesis !! one of `hypothesis_names`
+      character(:), allocatable :: region !! the region it fills; empty for all that no other material fills
       real(dp) :: lambda = 0.0_dp !! first Lame coefficient of the hypothesis [F/L^2]
       real(dp) :: mu = 0.5_dp !! shear modulus [F/L^2]
+      logical :: is_axisymmetric = .false. !! whether the hypothesis is 'axisymmetric'
+      character(:), allocatable :: origin !! where the material was specified, for messages: 'deck.nml:12: '
    contains
-      procedure :: axial_stress => material_axial_stress
+      procedure :: depth => material_depth
       procedure :: stress => material_stress
    end type material_t
 
+   !> The materials of a body, all of one hypothesis.
+   type :: materials_t
+      type(material_t), allocatable :: list(:) !! the materials
+      integer, allocatable :: of_element(:) !! which of them each element has (n_elements)
+   end type materials_t
+
 contains
 
-   !> Makes a material.
+   !> Makes a material that fills the whole body; name its region afterwards if it does not.
    pure subroutine new_material(material, young, poisson, hypothesis, thickness, error)
       type(material_t), intent(out) :: material !! the material
       real(dp), intent(in) :: young !! Young's modulus, positive [F/L^2]
       real(dp), intent(in) :: poisson !! Poisson's ratio, above -1 and below 0.5 [-]
-      character(*), intent(in) :: hypothesis !! 'plane strain' or 'plane stress'
+      character(*), intent(in) :: hypothesis !! one of `hypothesis_names`
       real(dp), intent(in) :: thickness !! thickness, positive [L]
-      type(error_t), allocatable, intent(out) :: error !! a value out of its range
+      type(error_t), allocatable, intent(out) :: error !! a value out of its range; the message begins with its name
 
       if (.not. young > 0.0_dp) then
          call new_error(error, input_refused, 'young must be positive, found '//to_text(young))
@@ -43,38 +53,101 @@ contains
       else if (.not. thickness > 0.0_dp) then
          call new_error(error, input_refused, 'thickness must be positive, found '//to_text(thickness))
       else if (all(hypothesis_names /= hypothesis)) then
-         call new_error(error, input_refused, "hypothesis must be 'plane strain' or 'plane stress', found '"// &
-            hypothesis//"'")
+         call new_error(error, input_refused, "hypothesis must be 'plane strain', 'plane stress' or "// &
+            "'axisymmetric', found '"//hypothesis//"'")
       end if
       if (allocated(error)) return
       material%young = young
       material%poisson = poisson
       material%thickness = thickness
       material%hypothesis = hypothesis
+      material%region = ''
+      material%origin = ''
+      material%is_axisymmetric = hypothesis == 'axisymmetric'
       material%mu = young/(2.0_dp*(1.0_dp + poisson))
-      if (hypothesis == 'plane strain') then
-         material%lambda = young*poisson/((1.0_dp + poisson)*(1.0_dp - 2.0_dp*poisson))
-      else
+      if (hypothesis == 'plane stress') then
          material%lambda = young*poisson/(1.0_dp - poisson**2)
+      else
+         material%lambda = young*poisson/((1.0_dp + poisson)*(1.0_dp - 2.0_dp*poisson))
       end if
    end subroutine new_material
 
-   !> Stress in the plane: xx, yy, xy [F/L^2].
+   !> Gives every element of a mesh its material: that of its region, or the one without a region.
+   pure subroutine new_materials(materials, list, mesh, error)
+      type(materials_t), intent(out) :: materials !! the materials of the elements
+      type(material_t), intent(in) :: list(:) !! the materials
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(error_t), allocatable, intent(out) :: error
+         !! no such region, two materials for an element or none, or different hypotheses
+      integer :: i, region
+
+      materials%list = list
+      allocate (materials%of_element(mesh%n_elements), source=0)
+      do i = 1, size(list)
+         if (list(i)%hypothesis /= list(1)%hypothesis) call new_error(error, input_refused, list(i)%origin// &
+            'all materials of a body must have the same hypothesis')
+         if (len(list(i)%region) == 0) cycle
+         region = mesh%find_region(list(i)%region)
+         if (region == 0) then
+            call new_error(error, input_refused, list(i)%origin//"the mesh has no region '"//list(i)%region//"'" &
+               //mesh%region_names())
+         else if (any(materials%of_element(mesh%regions(region)%element) /= 0)) then
+            call new_error(error, input_refused, list(i)%origin//"an element of the region '"//list(i)%region// &
+               "' has another material already")
+         else
+            materials%of_element(mesh%regions(region)%element) = i
+         end if
+         if (allocated(error)) return
+      end do
+      if (allocated(error)) return
+      call fill_rest(materials, error)
+   end subroutine new_materials
+
+   !> Gives the elements that no region's material fills the one without a region.
+   pure subroutine fill_rest(materials, error)
+      type(materials_t), intent(inout) :: materials !! the materials of the elements
+      type(error_t), allocatable, intent(out) :: error !! an element is left without material, or has two
+      integer :: i, rest
+
+      rest = 0
+      do i = 1, size(materials%list)
+         if (len(materials%list(i)%region) > 0) cycle
+         if (rest > 0) then
+            call new_error(error, input_refused, materials%list(i)%origin// &
+               'two materials without a region; one at the most can fill the rest of the body')
+            return
+         end if
+         rest = i
+      end do
+      if (rest == 0 .and. any(materials%of_element == 0)) then
+         call new_error(error, input_refused, 'element '//to_text(findloc(materials%of_element, 0, dim=1))// &
+            ' has no material: no region that a material names contains it')
+         return
+      end if
+      where (materials%of_element == 0) materials%of_element = rest
+   end subroutine fill_rest
+
+   !> Stress under the hypothesis: xx, yy, xy, and zz as far as the strain zz makes it [F/L^2].
    pure function material_stress(self, strain) result(stress)
       class(material_t), intent(in) :: self !! the material
-      real(dp), intent(in) :: strain(3) !! strain xx, yy and the engineering shear 2 xy [-]
-      real(dp) :: stress(3)
+      real(dp), intent(in) :: strain(4) !! strain xx, yy, the engineering shear 2 xy, and zz (hoop; 0 in the plane) [-]
+      real(dp) :: stress(4)
+      real(dp) :: mean
 
-      stress = [self%lambda*(strain(1) + strain(2)) + 2.0_dp*self%mu*strain(1:2), self%mu*strain(3)]
+      mean = self%lambda*(strain(1) + strain(2) + strain(4))
+      stress(1:2) = mean + 2.0_dp*self%mu*strain(1:2)
+      stress(3) = self%mu*strain(3)
+      stress(4) = mean + 2.0_dp*self%mu*strain(4)
+      if (self%hypothesis == 'plane stress') stress(4) = 0.0_dp
    end function material_stress
 
-   !> Stress across the plane, zz [F/L^2].
-   pure real(dp) function material_axial_stress(self, stress) result(axial)
+   !> What an area of the plane is multiplied by: the thickness, or the circumference at a radius [L].
+   pure real(dp) function material_depth(self, x) result(depth)
       class(material_t), intent(in) :: self !! the material
-      real(dp), intent(in) :: stress(3) !! stress in the plane: xx, yy, xy [F/L^2]
+      real(dp), intent(in) :: x !! the radius; without effect on a plane body [L]
+      real(dp), parameter :: pi = acos(-1.0_dp)
 
-      axial = 0.0_dp
-      if (self%hypothesis == 'plane strain') axial = self%poisson*(stress(1) + stress(2))
-   end function material_axial_stress
+      depth = merge(2.0_dp*pi*x, self%thickness, self%is_axisymmetric)
+   end function material_depth
 
 end module amontons_material

@@ -42,9 +42,14 @@ module amontons_mesh
       type(region_t), allocatable :: regions(:) !! named parts of the body; not allocated means none
    contains
       procedure :: check => mesh_check
+      procedure :: find_node_set => mesh_find_node_set
+      procedure :: find_region => mesh_find_region
       procedure :: find_set => mesh_find_set
       procedure :: nearest_node => mesh_nearest_node
+      procedure :: region_elements => mesh_region_elements
+      procedure :: set_nodes => mesh_set_nodes
       procedure :: set_sides => mesh_set_sides
+      procedure :: region_names => mesh_region_names
       procedure :: side => mesh_side
    end type mesh_t
 
@@ -131,30 +136,115 @@ contains
       set = 0
    end function mesh_find_set
 
+   !> Number of the node set of a name, 0 where there is none.
+   pure integer function mesh_find_node_set(self, name) result(set)
+      class(mesh_t), intent(in) :: self !! the mesh
+      character(*), intent(in) :: name !! name of the set
+
+      if (allocated(self%node_sets)) then
+         do set = 1, size(self%node_sets)
+            if (self%node_sets(set)%name == name) return
+         end do
+      end if
+      set = 0
+   end function mesh_find_node_set
+
+   !> Number of the region of a name, 0 where there is none.
+   pure integer function mesh_find_region(self, name) result(region)
+      class(mesh_t), intent(in) :: self !! the mesh
+      character(*), intent(in) :: name !! name of the region
+
+      if (allocated(self%regions)) then
+         do region = 1, size(self%regions)
+            if (self%regions(region)%name == name) return
+         end do
+      end if
+      region = 0
+   end function mesh_find_region
+
+   !> The names of all regions, as messages list them.
+   pure function mesh_region_names(self) result(text)
+      class(mesh_t), intent(in) :: self !! the mesh
+      character(:), allocatable :: text
+      integer :: i
+
+      text = '; it has no regions at all'
+      if (.not. allocated(self%regions)) return
+      text = '; its regions are: '
+      do i = 1, size(self%regions)
+         if (i > 1) text = text//', '
+         text = text//self%regions(i)%name
+      end do
+   end function mesh_region_names
+
    !> The sides of a named boundary set.
    pure subroutine mesh_set_sides(self, name, sides, error)
       class(mesh_t), intent(in) :: self !! the mesh
       character(*), intent(in) :: name !! name of the set
       integer, allocatable, intent(out) :: sides(:, :)
-         !! first corner, second corner, middle or 0 of each side, body on the left (3, sides)
+         !! first corner, second corner, middle or 0, element of each side; body on the left (4, sides)
       type(error_t), allocatable, intent(out) :: error !! there is no such set; the message lists those there are
       character(:), allocatable :: known
       integer :: set, i
 
       set = self%find_set(name)
       if (set > 0) then
-         allocate (sides(3, size(self%sets(set)%element)))
+         allocate (sides(4, size(self%sets(set)%element)))
          do i = 1, size(sides, 2)
-            sides(:, i) = self%side(self%sets(set)%element(i), self%sets(set)%side(i))
+            sides(:3, i) = self%side(self%sets(set)%element(i), self%sets(set)%side(i))
+            sides(4, i) = self%sets(set)%element(i)
          end do
          return
       end if
       known = ''
       do i = 1, size(self%sets)
-         known = known//merge('  ', ', ', i == 1)//self%sets(i)%name
+         if (i > 1) known = known//', '
+         known = known//self%sets(i)%name
       end do
-      call new_error(error, input_refused, "the mesh has no set '"//name//"'; its sets are: "//trim(adjustl(known)))
+      call new_error(error, input_refused, "the mesh has no set '"//name//"'; its sets are: "//known)
    end subroutine mesh_set_sides
+
+   !> The nodes of a named set: of a node set, or of all sides of a boundary set.
+   pure subroutine mesh_set_nodes(self, name, nodes, error)
+      class(mesh_t), intent(in) :: self !! the mesh
+      character(*), intent(in) :: name !! name of the set
+      integer, allocatable, intent(out) :: nodes(:) !! the nodes, each once
+      type(error_t), allocatable, intent(out) :: error !! there is no such set
+      integer, allocatable :: sides(:, :)
+      logical :: is_met(0:self%n_nodes)
+      integer :: set, i
+
+      set = self%find_node_set(name)
+      if (set > 0) then
+         nodes = self%node_sets(set)%node
+         return
+      end if
+      call self%set_sides(name, sides, error)
+      if (allocated(error)) return
+      is_met = .false.
+      do i = 1, size(sides, 2)
+         is_met(sides(:3, i)) = .true.
+      end do
+      nodes = pack([(i, i=1, self%n_nodes)], is_met(1:))
+   end subroutine mesh_set_nodes
+
+   !> The elements of a named region.
+   pure subroutine mesh_region_elements(self, name, elements, error)
+      class(mesh_t), intent(in) :: self !! the mesh
+      character(*), intent(in) :: name !! name of the region; empty for the whole body
+      integer, allocatable, intent(out) :: elements(:) !! its elements
+      type(error_t), allocatable, intent(out) :: error !! there is no such region
+      integer :: region, i
+
+      region = self%find_region(name)
+      if (len(name) == 0) then
+         elements = [(i, i=1, self%n_elements)]
+      else if (region > 0) then
+         elements = self%regions(region)%element
+      else
+         call new_error(error, input_refused, "the mesh has no region '"//name//"'"//self%region_names())
+      end if
+   end subroutine mesh_region_elements
 
    !> The corners of a side of an element, in the direction that has the element on its left, and its middle or 0.
    pure function mesh_side(self, element, side) result(nodes)

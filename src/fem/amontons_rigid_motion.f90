@@ -2,6 +2,7 @@
 module amontons_rigid_motion
    use amontons_constraints, only: constraints_t
    use amontons_dense, only: symmetric_eigenvectors
+   use amontons_foundation, only: spring_side_t
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
    use amontons_text, only: to_text
@@ -24,14 +25,16 @@ module amontons_rigid_motion
 contains
 
    !> Finds the rigid motions that violate no support: the kernel of the Gram matrix of the held directions.
-   subroutine new_rigid_motions(motions, mesh, constraints)
+   subroutine new_rigid_motions(motions, mesh, constraints, springs, is_axisymmetric)
       type(rigid_motions_t), intent(out) :: motions !! the free motions
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
+      logical, intent(in) :: is_axisymmetric !! whether only the translation along the axis (y) is a rigid motion
       ! Held directions are known to about 1e-9; a square of that is noise in the Gram matrix.
       real(dp), parameter :: negligible = 1.0e-12_dp
-      real(dp) :: gram(3, 3), values(3), frame(2, 2), work(3)
-      integer :: node, axis, motion, info
+      real(dp) :: gram(3, 3), values(3), frame(2, 2)
+      integer :: node, axis, i, info
 
       motions%center = 0.5_dp*(minval(mesh%coordinates, dim=2) + maxval(mesh%coordinates, dim=2))
       motions%radius = 0.5_dp*norm2(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
@@ -40,17 +43,49 @@ contains
          frame = constraints%frame(node)
          do axis = 1, 2
             if (constraints%is_free(axis, node)) cycle
-            work = matmul(frame(:, axis), unit_motions(motions, mesh%coordinates(:, node)))
-            do motion = 1, 3
-               gram(:, motion) = gram(:, motion) + work*work(motion)
-            end do
+            call add_square(gram, matmul(frame(:, axis), unit_motions(motions, mesh%coordinates(:, node))))
          end do
       end do
+      do i = 1, size(springs)
+         call add_springs(gram, springs(i), motions, mesh)
+      end do
+      if (is_axisymmetric) then
+         gram(1, 1) = gram(1, 1) + real(mesh%n_nodes, dp)
+         gram(3, 3) = gram(3, 3) + real(mesh%n_nodes, dp)
+      end if
       call symmetric_eigenvectors(gram, values, info)
       motions%n_free = count(values <= negligible*max(values(3), tiny(values)))
-      if (all(constraints%is_free)) motions%n_free = 3
       motions%mode = gram(:, :motions%n_free)
    end subroutine new_rigid_motions
+
+   !> Adds the square of a row to a Gram matrix.
+   pure subroutine add_square(gram, row)
+      real(dp), intent(inout) :: gram(3, 3) !! the matrix
+      real(dp), intent(in) :: row(3) !! the row
+      integer :: i
+
+      do i = 1, 3
+         gram(:, i) = gram(:, i) + row*row(i)
+      end do
+   end subroutine add_square
+
+   !> Adds the directions that the springs of a side resist, whatever their stiffness.
+   pure subroutine add_springs(gram, springs, motions, mesh)
+      real(dp), intent(inout) :: gram(3, 3) !! the Gram matrix
+      type(spring_side_t), intent(in) :: springs !! the springs
+      type(rigid_motions_t), intent(in) :: motions !! centre and radius
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      real(dp) :: motion(2*size(springs%node), 3), largest
+      integer :: i, n
+
+      n = springs%n_nodes
+      do i = 1, n
+         motion(2*i - 1:2*i, :) = unit_motions(motions, mesh%coordinates(:, springs%node(i)))
+      end do
+      largest = maxval(abs(springs%stiffness))
+      if (.not. largest > 0.0_dp) return
+      gram = gram + matmul(transpose(motion(:2*n, :)), matmul(springs%stiffness(:2*n, :2*n)/largest, motion(:2*n, :)))
+   end subroutine add_springs
 
    !> Displacement of a point under the two translations and the rotation (2, 3) [-].
    pure function unit_motions(motions, point) result(displacement)
