@@ -154,7 +154,7 @@ contains
          '  --help         print this text'//newline// &
          '  --version      print the version'//newline//newline// &
          'Exit status: 0 solved; 1 input refused; 2 numerical failure; 3 cannot write, or an internal'//newline// &
-         'fault; 4 not converged (files are written and marked). The largest of all decks counts.'
+         'fault; 4 not converged or not certified (files are written and marked). The largest of all decks counts.'
    end function help_text
 
 end module amontons_command_line

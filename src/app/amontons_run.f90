@@ -5,7 +5,7 @@ module amontons_run
    use amontons_config, only: config_t, read_config
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_report, only: write_report
-   use amontons_result, only: result_t
+   use amontons_result, only: certificate_limit, result_t
    use amontons_solve_case, only: prepare_case, solve_case, workshop_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -13,7 +13,8 @@ module amontons_run
 
    public :: run_decks, status_not_converged
 
-   !> Exit status of a case that did not converge; the others are the kinds of `amontons_error`.
+   !> Exit status of a case that did not converge, or whose certificate failed; the others are the kinds of
+   !> `amontons_error`.
    integer, parameter :: status_not_converged = 4
 
 contains
@@ -106,8 +107,13 @@ contains
       if (allocated(error)) return
       call write_report(command_line%output, config, workshop%body, result, error)
       if (allocated(error)) return
-      if (.not. result%solution%is_converged) status = status_not_converged
       call tell(command_line, solved_text(config, result))
+      if (.not. result%solution%is_converged) then
+         status = status_not_converged
+      else if (result%certificate%largest() > certificate_limit(config%method%tolerance)) then
+         status = status_not_converged
+         write (error_unit, '(a)') config%file//': the certificate FAILED on the full model; see the listing'
+      end if
    end subroutine report_case
 
    !> Prints a line unless the run is quiet.

@@ -30,7 +30,7 @@ program main
       write (output_unit, '(a)') help_text()
       status = 0
    else if (command_line%is_version) then
-      write (output_unit, '(a)') 'amontons '//version//' (GCC '//compiler_version()//')'
+      write (output_unit, '(a)') 'amontons '//version//' ('//compiler_version()//')'
       status = 0
    else
       if (command_line%n_threads == 0) command_line%n_threads = n_threads()

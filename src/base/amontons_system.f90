@@ -35,6 +35,7 @@ module amontons_system
          import :: c_char, c_int
          implicit none (type, external)
          integer(c_int), value :: code, size
+         ! allow(assumed-size-character-intent): C writes here
          character(c_char), intent(out) :: text(*)
       end subroutine c_error_text
 

@@ -42,8 +42,8 @@ module amontons_config
 
 contains
 
-   !> Reads a case from a deck. All faults of the deck are told in one error, one line each; what a group means is judged
-   !> only where its form is right.
+   !> Reads a case from a deck. All faults of the deck are told in one error, one line each; what a group means is
+   !> judged only where its form is right.
    subroutine read_config(config, file, error)
       type(config_t), intent(out) :: config !! the case
       character(*), intent(in) :: file !! name of the deck
@@ -53,6 +53,10 @@ contains
       call read_deck(deck, file, error)
       if (allocated(error)) return
       config%file = file
+      if (deck%n_faults() > 0) then
+         call deck%finish(error)
+         return
+      end if
       call deck%refuse_unknown_groups(group_names, repeatable_names)
       call read_case(config, deck)
       call read_mesh(config%rectangle, deck)
@@ -79,10 +83,19 @@ contains
       config%title = ''
       call deck%get(group, 'name', config%name)
       call deck%get(group, 'title', config%title)
-      if (len_trim(config%name) == 0 .or. scan(config%name, '/') > 0) call deck%fault(group, 'name', &
-         "name must be usable as a file name: not empty, without '/'")
+      if (len_trim(config%name) == 0 .or. has_unusable_character(config%name)) call deck%fault(group, 'name', &
+         "name must be usable as a file name: not empty, without '/' and control characters")
       call deck%refuse_unknown(group)
    end subroutine read_case
+
+   !> Whether a name has a character that file names or decks cannot have.
+   pure logical function has_unusable_character(name)
+      character(*), intent(in) :: name !! the name
+      character, parameter :: blank = ' '
+      integer :: i
+
+      has_unusable_character = any([(name(i:i) < blank .or. name(i:i) == '/', i=1, len(name))])
+   end function has_unusable_character
 
    !> Reads `&mesh`: the rectangle and its cells.
    subroutine read_mesh(rectangle, deck)
@@ -96,6 +109,8 @@ contains
       ! A group that is missing may be the one whose name is a fault already.
       n_faults = merge(0, deck%n_faults(), group == 0)
       kind = 'rectangle'
+      rectangle%size = 0.0_dp
+      rectangle%cells = 0
       rectangle%element = 'quad4'
       rectangle%diagonal = 'right'
       call deck%get_word(group, 'kind', kind, ['rectangle'])

@@ -9,7 +9,7 @@ module amontons_lengths
 
    public :: lengths_t, new_lengths
 
-   !> Lengths of the three parts; together the length of the contact line.
+   !> Lengths of the three parts; together the length of the sides between contact points.
    type :: lengths_t
       real(dp) :: separated = 0.0_dp !! where one end of a side at least is open [L]
       real(dp) :: sliding = 0.0_dp !! where both ends are closed and one at least slides [L]

@@ -34,8 +34,8 @@ contains
 
       call new_output_file(file, path, .false., error)
       if (allocated(error)) return
-      write (file%unit, '(a)', iostat=status) head_text(config)//model_text(config, body)//loads_text(config) &
-         //solution_text(config, result)//zones_text(body, result)//resultants_text(body, result) &
+      write (file%unit, '(a)', iostat=status, advance='no') head_text(config)//model_text(config, body) &
+         //loads_text(config)//solution_text(config, body, result)//zones_text(body, result)//resultants_text(body, result) &
          //certificate_text(config, result%certificate)
       if (status == 0) call write_points(file%unit, body, result, status)
       if (status == 0) write (file%unit, '(a)', iostat=status) times_text(result)
@@ -143,14 +143,15 @@ contains
    end function loads_text
 
    !> How the contact problem was solved.
-   pure function solution_text(config, result) result(text)
+   function solution_text(config, body, result) result(text)
       type(config_t), intent(in) :: config !! the case
+      type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
       associate (solution => result%solution)
          text = heading('Solution')//line('Method', method_text(config))
-         if (allocated(result%shared_with)) text = text//line('Factorisation', 'shared with case '//result%shared_with)
+         text = text//line('Factorisation', factorization_text(body, result))
          if (allocated(result%started_from)) text = text//line('Started from', 'case '//result%started_from)
          if (solution%is_converged) then
             text = text//line('Converged', 'yes, in '//to_text(solution%n_iterations)//' iterations')
@@ -166,6 +167,18 @@ contains
             //scientific(config%method%tolerance))//history_text(solution)
       end associate
    end function solution_text
+
+   !> The factorisation in use, its size, and the case it was made for.
+   function factorization_text(body, result) result(text)
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! the result
+      character(:), allocatable :: text
+
+      associate (factorization => body%condensation%factorization)
+         text = factorization%name()//', '//to_text(factorization%n_factor_entries())//' entries'
+      end associate
+      if (allocated(result%shared_with)) text = text//', shared with case '//result%shared_with
+   end function factorization_text
 
    !> The residual after each iteration; of many iterations about twenty.
    pure function history_text(solution) result(text)

@@ -1,5 +1,6 @@
 !> The way of a case from its configuration to its result. Cases that share a body share its factorisation.
 module amontons_solve_case
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_assembly, only: from_unknowns, internal_forces, to_unknowns
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t, condense_body, new_body
@@ -10,7 +11,7 @@ module amontons_solve_case
    use amontons_contact_zone, only: set_obstacles
    use amontons_effective_deck, only: body_text
    use amontons_equilibrium, only: check_balance
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_lengths, only: new_lengths
    use amontons_loads, only: load_vector
@@ -47,6 +48,8 @@ contains
       call new_timings(result%timings)
       if (.not. has_body(workshop, config)) then
          if (allocated(workshop%body)) deallocate (workshop%body)
+         ! A body that cannot be made must not pass for the one before it.
+         workshop%body_text = ''
          workshop%is_condensed = .false.
          allocate (workshop%body)
          call new_rectangle_mesh(mesh, config%rectangle, error)
@@ -102,6 +105,8 @@ contains
          call start_solution(workshop, result)
          call method%solve(body%problem, solution, error)
          if (allocated(error)) return
+         call check_finite(solution, error)
+         if (allocated(error)) return
          if (solution%is_at_rest) call compare_with_exact(body, config, result, error)
          if (allocated(error)) return
          call result%timings%lap(phase_solve)
@@ -149,6 +154,16 @@ contains
          call new_contact_solution(result%solution, workshop%body%zone%n_points)
       end if
    end subroutine start_solution
+
+   !> Refuses a solution whose numbers have left the finite range.
+   pure subroutine check_finite(solution, error)
+      type(contact_solution_t), intent(in) :: solution !! the solution
+      type(error_t), allocatable, intent(out) :: error !! it is not finite
+
+      if (all(ieee_is_finite(solution%force)) .and. all(ieee_is_finite(solution%displacement))) return
+      call new_error(error, numerical_failure, 'the contact method left the range of finite numbers: '// &
+         'stiffness, load and friction differ by more than the arithmetic can hold')
+   end subroutine check_finite
 
    !> Measures the forces of a method that came to rest against the exact ones.
    subroutine compare_with_exact(body, config, result, error)

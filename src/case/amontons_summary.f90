@@ -118,16 +118,17 @@ contains
       text = trim(merge('true ', 'false', value))
    end function truth
 
-   !> A text as a JSON string. Control characters cannot stand in a deck.
+   !> A text as a JSON string. Of the control characters only tabs can stand in a deck.
    pure function string(value) result(text)
       character(*), intent(in) :: value !! the text
       character(:), allocatable :: text
+      character, parameter :: tab = achar(9)
       integer :: i
 
       text = '"'
       do i = 1, len(value)
-         if (scan(value(i:i), '"\') > 0) text = text//'\'
-         text = text//value(i:i)
+         if (scan(value(i:i), '"\'//tab) > 0) text = text//'\'
+         text = text//merge('t', value(i:i), value(i:i) == tab)
       end do
       text = text//'"'
    end function string

@@ -43,7 +43,7 @@ contains
          call run(newton_t(self%tolerance, n_newton_steps))
          if (allocated(error) .or. best%residual <= self%tolerance) exit
       end do
-      if (best%residual > self%tolerance) call run(psor_t(self%tolerance, self%max_iterations))
+      if (best%residual > self%tolerance) call run(psor_t(self%tolerance, self%max_iterations, space='primal'))
       solution = best
       solution%is_converged = solution%residual <= self%tolerance
       solution%history = history

@@ -2,6 +2,7 @@
 module amontons_contact_solution
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_contact_problem, only: contact_problem_t
+   use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -32,7 +33,7 @@ contains
       integer, intent(in) :: n_points !! number of contact points
 
       allocate (solution%force(2*n_points), solution%displacement(2*n_points), source=0.0_dp)
-      allocate (solution%status(n_points), source=0)
+      allocate (solution%status(n_points), source=open_point)
       allocate (solution%history(0))
    end subroutine new_contact_solution
 

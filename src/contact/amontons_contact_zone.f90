@@ -73,7 +73,7 @@ contains
          call add_line(zone, i, lines(i), constraints)
       end do
       call trim_zone(zone)
-      if (zone%n_points == 0) call new_error(error, input_refused, contacts(1)%origin// &
+      if (size(contacts) > 0 .and. zone%n_points == 0) call new_error(error, input_refused, contacts(1)%origin// &
          'supports hold every contact node; nothing is left that could come into contact')
    end subroutine new_contact_zone
 

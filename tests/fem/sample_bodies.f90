@@ -1,0 +1,114 @@
+!> Supports and loads in one line each, and the plain displacement method, for bodies without contact.
+module sample_bodies
+   use amontons_assembly, only: assemble_stiffness, from_unknowns, internal_forces, to_unknowns
+   use amontons_coloring, only: coloring_t, new_coloring
+   use amontons_constraints, only: constraints_t, new_constraints, support_t
+   use amontons_dof_map, only: dof_map_t, new_dof_map
+   use amontons_error, only: error_t
+   use amontons_factorization, only: factorization_t
+   use amontons_kinds, only: dp
+   use amontons_loads, only: load_t, load_vector
+   use amontons_material, only: material_t, new_material
+   use amontons_mesh, only: mesh_t
+   use amontons_new_factorization, only: new_factorization
+   use amontons_sparse_matrix, only: sparse_matrix_t
+   implicit none (type, external)
+   private
+
+   public :: along_normal, along_tangent, along_x, along_y, nodal_reactions, sample_material, solve_body, &
+      support_at_point, support_on_set, traction_on_set
+
+   !> Components of a support: x, y, outward normal, tangent.
+   integer, parameter :: along_x = 1, along_y = 2, along_normal = 3, along_tangent = 4
+
+contains
+
+   !> A support of a boundary set.
+   pure function support_on_set(set, components, displacement) result(support)
+      character(*), intent(in) :: set !! name of the set
+      integer, intent(in) :: components(:) !! which components are prescribed
+      real(dp), intent(in) :: displacement(:) !! their values [L]
+      type(support_t) :: support
+
+      support%set = set
+      support%is_held(components) = .true.
+      support%displacement(components) = displacement
+      support%origin = 'deck.nml:7: '
+   end function support_on_set
+
+   !> A support of the node at a point.
+   pure function support_at_point(point, components, displacement) result(support)
+      real(dp), intent(in) :: point(2) !! coordinates of the node [L]
+      integer, intent(in) :: components(:) !! which components are prescribed
+      real(dp), intent(in) :: displacement(:) !! their values [L]
+      type(support_t) :: support
+
+      support = support_on_set('', components, displacement)
+      support%point = point
+   end function support_at_point
+
+   !> A load by a traction on a boundary set.
+   pure function traction_on_set(set, traction) result(load)
+      character(*), intent(in) :: set !! name of the set
+      real(dp), intent(in) :: traction(2) !! the traction [F/L^2]
+      type(load_t) :: load
+
+      load%set = set
+      load%traction = traction
+      load%origin = 'deck.nml:9: '
+   end function traction_on_set
+
+   !> A material with Young's modulus 1000, Poisson's ratio 0.3 and thickness 2.
+   function sample_material(hypothesis) result(material)
+      character(*), intent(in) :: hypothesis !! 'plane strain' or 'plane stress'
+      type(material_t) :: material
+      type(error_t), allocatable :: error
+
+      call new_material(material, 1000.0_dp, 0.3_dp, trim(hypothesis), 2.0_dp, error)
+   end function sample_material
+
+   !> Displacement of a body that its supports hold: K u = f - K times the prescribed displacement, on the unknowns.
+   subroutine solve_body(displacement, mesh, material, supports, loads, error)
+      real(dp), allocatable, intent(out) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(material_t), intent(in) :: material !! its material
+      type(support_t), intent(in) :: supports(:) !! its supports
+      type(load_t), intent(in) :: loads(:) !! its loads
+      type(error_t), allocatable, intent(out) :: error !! whatever failed
+      type(coloring_t) :: coloring
+      type(constraints_t) :: constraints
+      type(dof_map_t) :: dof_map
+      type(sparse_matrix_t) :: stiffness
+      class(factorization_t), allocatable :: factorization
+      real(dp), allocatable :: forces(:, :), held(:, :), unknowns(:)
+      integer :: no_nodes(0)
+
+      call new_coloring(coloring, mesh)
+      call new_constraints(constraints, mesh, supports, error)
+      if (allocated(error)) return
+      call new_dof_map(dof_map, constraints, no_nodes)
+      call assemble_stiffness(stiffness, mesh, material, coloring, constraints, dof_map, error)
+      if (allocated(error)) return
+      call load_vector(forces, mesh, material, loads, error)
+      if (allocated(error)) return
+      call internal_forces(held, mesh, material, coloring, constraints%prescribed)
+      call new_factorization(factorization, 'band', stiffness, 0, error)
+      if (allocated(error)) return
+      allocate (unknowns(dof_map%n_dofs))
+      call factorization%solve(to_unknowns(forces - held, constraints, dof_map), unknowns)
+      displacement = from_unknowns(unknowns, constraints, dof_map)
+   end subroutine solve_body
+
+   !> What the supports of a body without loads exert on its nodes (2, n_nodes) [F].
+   function nodal_reactions(mesh, material, displacement) result(forces)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(material_t), intent(in) :: material !! its material
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), allocatable :: forces(:, :)
+      type(coloring_t) :: coloring
+
+      call new_coloring(coloring, mesh)
+      call internal_forces(forces, mesh, material, coloring, displacement)
+   end function nodal_reactions
+
+end module sample_bodies
