@@ -6,7 +6,7 @@ module amontons_config
    use amontons_element, only: element_names
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_t
+   use amontons_loads, only: load_on_nodes, load_on_region, load_on_sides, load_t
    use amontons_material, only: hypothesis_names, material_t, new_material
    use amontons_methods, only: method_names, method_options_t
    use amontons_psor, only: space_names
@@ -24,7 +24,7 @@ module amontons_config
    character(8), parameter :: group_names(*) = [character(8) :: 'case', 'mesh', 'material', 'support', 'load', &
       'contact', 'solver', 'output']
    !> Groups that may stand more than once.
-   character(8), parameter :: repeatable_names(3) = [character(8) :: 'support', 'load', 'contact']
+   character(8), parameter :: repeatable_names(*) = [character(8) :: 'material', 'support', 'load', 'contact']
 
    !> Everything that defines a case.
    type :: config_t
@@ -32,7 +32,7 @@ module amontons_config
       character(:), allocatable :: name !! name of the case, and of its files
       character(:), allocatable :: title !! what the case is about, for the listing
       type(rectangle_t) :: rectangle !! the body
-      type(material_t) :: material !! its material
+      type(material_t), allocatable :: materials(:) !! its materials
       type(support_t), allocatable :: supports(:) !! its supports
       type(load_t), allocatable :: loads(:) !! its loads
       type(contact_t), allocatable :: contacts(:) !! its contact sets
@@ -60,7 +60,7 @@ contains
       call deck%refuse_unknown_groups(group_names, repeatable_names)
       call read_case(config, deck)
       call read_mesh(config%rectangle, deck)
-      call read_material(config%material, deck)
+      call read_materials(config%materials, deck)
       call read_supports(config%supports, deck)
       call read_loads(config%loads, deck)
       call read_contacts(config%contacts, deck)
@@ -138,33 +138,52 @@ contains
       if (.not. is_right) call deck%fault(group, key, key//' must '//rule)
    end subroutine require
 
-   !> Reads `&material`.
-   subroutine read_material(material, deck)
+   !> Reads all `&material`.
+   subroutine read_materials(materials, deck)
+      type(material_t), allocatable, intent(out) :: materials(:) !! the materials
+      type(deck_t), intent(inout) :: deck !! the deck
+      integer, allocatable :: groups(:)
+      integer :: i
+
+      groups = deck%groups('material')
+      if (size(groups) == 0 .and. deck%n_faults() == 0) call deck%fault(0, '', '&material needs young and poisson')
+      allocate (materials(size(groups)))
+      do i = 1, size(groups)
+         call read_material(materials(i), deck, groups(i))
+      end do
+   end subroutine read_materials
+
+   !> Reads one `&material`.
+   subroutine read_material(material, deck, group)
       type(material_t), intent(inout) :: material !! the material
       type(deck_t), intent(inout) :: deck !! the deck
+      integer, intent(in) :: group !! the group
       type(error_t), allocatable :: error
       real(dp) :: young, poisson, thickness
-      character(:), allocatable :: hypothesis
-      integer :: group, n_faults
+      character(:), allocatable :: hypothesis, region
+      integer :: n_faults
       logical :: has_young, has_poisson
 
-      group = deck%group('material')
-      ! A group that is missing may be the one whose name is a fault already.
-      n_faults = merge(0, deck%n_faults(), group == 0)
+      n_faults = deck%n_faults()
       young = 1.0_dp
       poisson = 0.0_dp
       thickness = 1.0_dp
       hypothesis = trim(hypothesis_names(1))
+      region = ''
       call deck%get(group, 'young', young, has_young)
       call deck%get(group, 'poisson', poisson, has_poisson)
       call deck%get(group, 'thickness', thickness)
       call deck%get_word(group, 'hypothesis', hypothesis, hypothesis_names)
+      call deck%get(group, 'region', region)
       call deck%refuse_unknown(group)
       if (deck%n_faults() > n_faults) return
       if (.not. (has_young .and. has_poisson)) call deck%fault(group, 'young', '&material needs young and poisson')
       call new_material(material, young, poisson, hypothesis, thickness, error)
       ! The message begins with the key that is at fault.
       if (allocated(error)) call deck%fault(group, error%message(:index(error%message, ' ') - 1), error%message)
+      if (allocated(error)) return
+      material%region = region
+      material%origin = origin_of(deck, group, 'region')
    end subroutine read_material
 
    !> Reads all `&support`.
@@ -173,7 +192,7 @@ contains
       type(deck_t), intent(inout) :: deck !! the deck
       character(2), parameter :: keys(4) = ['ux', 'uy', 'un', 'ut']
       integer, allocatable :: groups(:)
-      logical :: has_set, has_point
+      logical :: has_set, has_point, has_spring(2)
       integer :: i, k, n_faults
 
       groups = deck%groups('support')
@@ -187,13 +206,18 @@ contains
          do k = 1, 4
             call deck%get(groups(i), keys(k), supports(i)%displacement(k), supports(i)%is_held(k))
          end do
+         call deck%get(groups(i), 'spring_n', supports(i)%spring(1), has_spring(1))
+         call deck%get(groups(i), 'spring_t', supports(i)%spring(2), has_spring(2))
          call deck%refuse_unknown(groups(i))
          if (deck%n_faults() > n_faults) cycle
          call require(deck, groups(i), 'set', has_set .neqv. has_point, 'be given, or else point')
          call require(deck, groups(i), 'set', .not. has_set .or. len_trim(supports(i)%set) > 0, 'not be empty')
-         call require(deck, groups(i), 'ux', any(supports(i)%is_held), 'be given, or uy, un or ut')
-         call require(deck, groups(i), 'point', .not. (has_point .and. any(supports(i)%is_held(3:))), &
-            'not go with un or ut: a point has no normal')
+         call require(deck, groups(i), 'ux', any(supports(i)%is_held) .or. any(has_spring), &
+            'be given, or uy, un, ut, spring_n or spring_t')
+         call require(deck, groups(i), 'point', .not. (has_point .and. (any(has_spring) .or. &
+            any(supports(i)%is_held(3:)))), 'not go with un, ut or springs: a point has no normal')
+         call require(deck, groups(i), 'spring_n', supports(i)%spring(1) >= 0.0_dp, 'be at least 0')
+         call require(deck, groups(i), 'spring_t', supports(i)%spring(2) >= 0.0_dp, 'be at least 0')
       end do
    end subroutine read_supports
 
@@ -202,30 +226,55 @@ contains
       type(load_t), allocatable, intent(out) :: loads(:) !! the loads
       type(deck_t), intent(inout) :: deck !! the deck
       integer, allocatable :: groups(:)
-      logical :: has_set, has_traction, has_pressure, has_body_force
-      integer :: i, n_faults
+      integer :: i
 
       groups = deck%groups('load')
       allocate (loads(size(groups)))
       do i = 1, size(groups)
-         n_faults = deck%n_faults()
-         loads(i)%set = ''
-         loads(i)%origin = origin_of(deck, groups(i), 'set')
-         call deck%get(groups(i), 'set', loads(i)%set, has_set)
-         call deck%get(groups(i), 'traction', loads(i)%traction, has_traction)
-         call deck%get(groups(i), 'pressure', loads(i)%pressure, has_pressure)
-         call deck%get(groups(i), 'body_force', loads(i)%body_force, has_body_force)
-         call deck%refuse_unknown(groups(i))
-         if (deck%n_faults() > n_faults) cycle
-         call require(deck, groups(i), 'traction', has_traction .or. has_pressure .or. has_body_force, &
-            'be given, or pressure or body_force')
-         call require(deck, groups(i), 'set', has_set .or. .not. (has_traction .or. has_pressure), &
-            'name the side that traction or pressure act on')
-         call require(deck, groups(i), 'body_force', .not. (has_body_force .and. has_set), &
-            'not go with set: it acts on the whole body')
-         call require(deck, groups(i), 'set', .not. has_set .or. len_trim(loads(i)%set) > 0, 'not be empty')
+         call read_load(loads(i), deck, groups(i))
       end do
    end subroutine read_loads
+
+   !> Reads one `&load`: on the sides of a set, on nodes, or on a region.
+   subroutine read_load(load, deck, group)
+      type(load_t), intent(inout) :: load !! the load
+      type(deck_t), intent(inout) :: deck !! the deck
+      integer, intent(in) :: group !! the group
+      real(dp) :: slopes(4)
+      logical :: has_set, has_point, has_region, on_sides(4), on_nodes, on_region
+      integer :: n_faults
+
+      n_faults = deck%n_faults()
+      slopes = 0.0_dp
+      load%set = ''
+      load%region = ''
+      load%origin = origin_of(deck, group, 'set')
+      call deck%get(group, 'set', load%set, has_set)
+      call deck%get(group, 'point', load%point, has_point)
+      call deck%get(group, 'region', load%region, has_region)
+      call deck%get(group, 'traction', load%traction, on_sides(1))
+      call deck%get(group, 'traction_slope', slopes, on_sides(2))
+      call deck%get(group, 'pressure', load%pressure, on_sides(3))
+      call deck%get(group, 'pressure_slope', load%pressure_slope, on_sides(4))
+      call deck%get(group, 'force', load%force, on_nodes)
+      call deck%get(group, 'body_force', load%body_force, on_region)
+      load%traction_slope = reshape(slopes, [2, 2])
+      call deck%refuse_unknown(group)
+      if (deck%n_faults() > n_faults) return
+      load%target = load_on_sides
+      if (on_nodes) load%target = load_on_nodes
+      if (on_region) load%target = load_on_region
+      call require(deck, group, 'traction', count([any(on_sides), on_nodes, on_region]) == 1, &
+         'be given, or pressure, force or body_force; different kinds stand in groups of their own')
+      if (deck%n_faults() > n_faults) return
+      call require(deck, group, 'set', has_set .or. .not. any(on_sides), 'name the side that traction or pressure act on')
+      call require(deck, group, 'force', .not. on_nodes .or. (has_set .neqv. has_point), 'go with either set or point')
+      call require(deck, group, 'point', on_nodes .or. .not. has_point, 'go with force')
+      call require(deck, group, 'region', on_region .or. .not. has_region, 'go with body_force')
+      call require(deck, group, 'body_force', .not. (on_region .and. has_set), &
+         'not go with set: it acts on a region, or on the whole body')
+      call require(deck, group, 'set', .not. has_set .or. len_trim(load%set) > 0, 'not be empty')
+   end subroutine read_load
 
    !> Reads all `&contact`.
    subroutine read_contacts(contacts, deck)

@@ -3,6 +3,7 @@
 module amontons_effective_deck
    use amontons_config, only: config_t
    use amontons_kinds, only: dp
+   use amontons_loads, only: load_on_nodes, load_on_sides
    use amontons_text, only: quoted, to_text
    implicit none (type, external)
    private
@@ -20,7 +21,10 @@ contains
       integer :: i
 
       text = '&case name = '//quoted(config%name)//'  title = '//quoted(config%title)//' /'//newline &
-         //mesh_text(config)//material_text(config)
+         //mesh_text(config)
+      do i = 1, size(config%materials)
+         text = text//material_text(config, i)
+      end do
       do i = 1, size(config%supports)
          text = text//support_text(config, i)
       end do
@@ -43,7 +47,10 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = mesh_text(config)//material_text(config)//config%factorization
+      text = mesh_text(config)//config%factorization
+      do i = 1, size(config%materials)
+         text = text//material_text(config, i)
+      end do
       do i = 1, size(config%supports)
          text = text//support_text(config, i)
       end do
@@ -64,14 +71,17 @@ contains
       end associate
    end function mesh_text
 
-   !> `&material`.
-   pure function material_text(config) result(text)
+   !> One `&material`.
+   pure function material_text(config, i) result(text)
       type(config_t), intent(in) :: config !! the case
+      integer, intent(in) :: i !! which material
       character(:), allocatable :: text
 
-      associate (m => config%material)
+      associate (m => config%materials(i))
          text = '&material young = '//to_text(m%young)//'  poisson = '//to_text(m%poisson)//'  hypothesis = ' &
-            //quoted(m%hypothesis)//'  thickness = '//to_text(m%thickness)//' /'//newline
+            //quoted(m%hypothesis)//'  thickness = '//to_text(m%thickness)
+         if (len(m%region) > 0) text = text//'  region = '//quoted(m%region)
+         text = text//' /'//newline
       end associate
    end function material_text
 
@@ -92,6 +102,8 @@ contains
          do k = 1, 4
             if (support%is_held(k)) text = text//'  '//keys(k)//' = '//to_text(support%displacement(k))
          end do
+         if (any(support%spring > 0.0_dp)) text = text//'  spring_n = '//to_text(support%spring(1))//'  spring_t = ' &
+            //to_text(support%spring(2))
       end associate
       text = text//' /'//newline
    end function support_text
@@ -103,13 +115,22 @@ contains
       character(:), allocatable :: text
 
       associate (load => config%loads(i))
-         if (len(load%set) > 0) then
-            text = '&load set = '//quoted(load%set)//'  traction = '//pair(load%traction)//'  pressure = ' &
-               //to_text(load%pressure)//' /'//newline
-         else
-            text = '&load body_force = '//pair(load%body_force)//' /'//newline
-         end if
+         text = '&load'
+         if (len(load%set) > 0) text = text//' set = '//quoted(load%set)
+         if (len(load%region) > 0) text = text//' region = '//quoted(load%region)
+         select case (load%target)
+         case (load_on_sides)
+            text = text//'  traction = '//pair(load%traction)//'  traction_slope = '//pair(load%traction_slope(:, 1)) &
+               //', '//pair(load%traction_slope(:, 2))//'  pressure = '//to_text(load%pressure) &
+               //'  pressure_slope = '//pair(load%pressure_slope)
+         case (load_on_nodes)
+            if (len(load%set) == 0) text = text//' point = '//pair(load%point)
+            text = text//'  force = '//pair(load%force)
+         case default
+            text = text//'  body_force = '//pair(load%body_force)
+         end select
       end associate
+      text = text//' /'//newline
    end function load_text
 
    !> `&solver`.

@@ -8,6 +8,7 @@ module amontons_listing
    use amontons_error, only: error_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_kinds, only: dp
+   use amontons_loads, only: load_on_nodes, load_on_sides
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_result, only: certificate_limit, result_t
    use amontons_text, only: to_text
@@ -58,16 +59,17 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      associate (r => config%rectangle, material => config%material)
+      associate (r => config%rectangle)
          text = heading('Model')// &
             line('Rectangle', short(r%size(1))//' x '//short(r%size(2))//', '//to_text(r%cells(1))//' x '// &
             to_text(r%cells(2))//' cells of '//r%element)// &
             line('Nodes, elements', to_text(body%mesh%n_nodes)//', '//to_text(body%mesh%n_elements))// &
             line('Unknowns', to_text(body%dof_map%n_dofs)//', of them '//to_text(body%dof_map%n_trailing)// &
-            ' on the contact line')// &
-            line('Material', material%hypothesis//', Young '//short(material%young)//', Poisson '// &
-            short(material%poisson)//', thickness '//short(material%thickness))
+            ' on the contact line')
       end associate
+      do i = 1, size(config%materials)
+         text = text//line('Material', material_text(config, i))
+      end do
       do i = 1, size(config%supports)
          text = text//line('Support', support_text(config, i))
       end do
@@ -79,6 +81,19 @@ contains
       end do
       text = text//line('Contact points', to_text(body%zone%n_points))//notes_text(body)
    end function model_text
+
+   !> What a material is.
+   pure function material_text(config, i) result(text)
+      type(config_t), intent(in) :: config !! the case
+      integer, intent(in) :: i !! which material
+      character(:), allocatable :: text
+
+      associate (material => config%materials(i))
+         text = material%hypothesis//', Young '//short(material%young)//', Poisson '//short(material%poisson)
+         if (.not. material%is_axisymmetric) text = text//', thickness '//short(material%thickness)
+         if (len(material%region) > 0) text = text//", region '"//material%region//"'"
+      end associate
+   end function material_text
 
    !> What a support holds.
    pure function support_text(config, i) result(text)
@@ -97,6 +112,7 @@ contains
          do k = 1, 4
             if (support%is_held(k)) text = text//', '//keys(k)//' = '//short(support%displacement(k))
          end do
+         if (any(support%spring > 0.0_dp)) text = text//', springs '//pair(support%spring)//' along normal and tangent'
       end associate
    end function support_text
 
@@ -131,16 +147,34 @@ contains
 
       text = ''
       do i = 1, size(config%loads)
-         associate (load => config%loads(i))
-            if (len(load%set) > 0) then
-               text = text//line('Load', "set '"//load%set//"', traction "//pair(load%traction)//', pressure '// &
-                  short(load%pressure))
-            else
-               text = text//line('Load', 'body force '//pair(load%body_force))
-            end if
-         end associate
+         text = text//line('Load', load_text(config, i))
       end do
    end function loads_text
+
+   !> What a load is.
+   pure function load_text(config, i) result(text)
+      type(config_t), intent(in) :: config !! the case
+      integer, intent(in) :: i !! which load
+      character(:), allocatable :: text
+
+      associate (load => config%loads(i))
+         text = ''
+         if (len(load%set) > 0) text = "set '"//load%set//"', "
+         if (len(load%region) > 0) text = "region '"//load%region//"', "
+         select case (load%target)
+         case (load_on_sides)
+            text = text//'traction '//pair(load%traction)//', pressure '//short(load%pressure)
+            if (any(abs(load%traction_slope) > 0.0_dp)) text = text//', traction slope '// &
+               pair(load%traction_slope(:, 1))//' along x, '//pair(load%traction_slope(:, 2))//' along y'
+            if (any(abs(load%pressure_slope) > 0.0_dp)) text = text//', pressure slope '//pair(load%pressure_slope)
+         case (load_on_nodes)
+            if (len(load%set) == 0) text = 'point '//pair(load%point)//', '
+            text = text//'force '//pair(load%force)
+         case default
+            text = text//'body force '//pair(load%body_force)
+         end select
+      end associate
+   end function load_text
 
    !> How the contact problem was solved.
    function solution_text(config, body, result) result(text)

@@ -54,7 +54,7 @@ contains
          allocate (workshop%body)
          call new_rectangle_mesh(mesh, config%rectangle, error)
          if (allocated(error)) return
-         call new_body(workshop%body, mesh, config%materials, config%supports, config%foundations, config%contacts, error)
+         call new_body(workshop%body, mesh, config%materials, config%supports, config%contacts, error)
          if (allocated(error)) return
          workshop%body_text = body_text(config)
          workshop%first_case = config%name

@@ -9,7 +9,7 @@ module amontons_body
    use amontons_dof_map, only: dof_map_t, new_dof_map
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
-   use amontons_foundation, only: foundation_t, new_foundation_sides, spring_side_t
+   use amontons_foundation, only: new_foundation, spring_side_t
    use amontons_material, only: material_t, materials_t, new_materials
    use amontons_mesh, only: mesh_t
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
@@ -37,12 +37,11 @@ module amontons_body
 contains
 
    !> Makes a body from its mesh, materials, supports and contact sets: everything but the costly part.
-   subroutine new_body(body, mesh, materials, supports, foundations, contacts, error)
+   subroutine new_body(body, mesh, materials, supports, contacts, error)
       type(body_t), intent(out) :: body !! the body
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(material_t), intent(in) :: materials(:) !! its materials
       type(support_t), intent(in) :: supports(:) !! its supports
-      type(foundation_t), intent(in) :: foundations(:) !! its elastic foundations
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
       type(error_t), allocatable, intent(out) :: error !! mesh, supports or contact sets do not fit together
 
@@ -54,7 +53,7 @@ contains
       call new_coloring(body%coloring, mesh)
       call new_constraints(body%constraints, mesh, supports, error)
       if (allocated(error)) return
-      call new_foundation_sides(body%springs, mesh, body%materials, foundations, error)
+      call new_foundation(body%springs, mesh, body%materials, supports, error)
       if (allocated(error)) return
       call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, materials(1)%is_axisymmetric)
       call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error)

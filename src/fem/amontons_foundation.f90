@@ -1,5 +1,6 @@
 !> Elastic foundations: springs along sides, in proportion to the displacement along normal and tangent.
 module amontons_foundation
+   use amontons_constraints, only: support_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
@@ -8,15 +9,7 @@ module amontons_foundation
    implicit none (type, external)
    private
 
-   public :: foundation_t, new_foundation_sides, spring_side_t
-
-   !> An elastic foundation of a boundary set.
-   type :: foundation_t
-      character(:), allocatable :: set !! name of the boundary set
-      real(dp) :: normal_modulus = 0.0_dp !! stress per displacement along the normal, at least 0 [F/L^3]
-      real(dp) :: tangential_modulus = 0.0_dp !! stress per displacement along the tangent, at least 0 [F/L^3]
-      character(:), allocatable :: origin !! where it was specified, for messages: 'deck.nml:12: '
-   end type foundation_t
+   public :: new_foundation, spring_side_t
 
    !> The springs of one side: a small stiffness on its nodes.
    type :: spring_side_t
@@ -27,37 +20,38 @@ module amontons_foundation
 
 contains
 
-   !> Makes the springs of all foundations: integral of N_i N_j (k_n n n^T + k_t t t^T) along each side.
-   pure subroutine new_foundation_sides(sides, mesh, materials, foundations, error)
+   !> Makes the springs of all supports: integral of N_i N_j (k_n n n^T + k_t t t^T) along each side.
+   pure subroutine new_foundation(sides, mesh, materials, supports, error)
       type(spring_side_t), allocatable, intent(out) :: sides(:) !! the springs, side by side
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
-      type(foundation_t), intent(in) :: foundations(:) !! the foundations
-      type(error_t), allocatable, intent(out) :: error !! a foundation names a set that the mesh has not
+      type(support_t), intent(in) :: supports(:) !! the supports, with their spring moduli
+      type(error_t), allocatable, intent(out) :: error !! a support names a set that the mesh has not
       type(spring_side_t), allocatable :: more(:)
       integer, allocatable :: nodes(:, :)
       integer :: i, k
 
       allocate (sides(0))
-      do i = 1, size(foundations)
-         call mesh%set_sides(foundations(i)%set, nodes, error)
+      do i = 1, size(supports)
+         if (.not. any(supports(i)%spring > 0.0_dp)) cycle
+         call mesh%set_sides(supports(i)%set, nodes, error)
          if (allocated(error)) then
-            error%message = foundations(i)%origin//error%message
+            error%message = supports(i)%origin//error%message
             return
          end if
          allocate (more(size(nodes, 2)))
          do k = 1, size(more)
-            call make_springs(more(k), foundations(i), nodes(:, k), mesh, materials)
+            call make_springs(more(k), supports(i)%spring, nodes(:, k), mesh, materials)
          end do
          sides = [sides, more]
          deallocate (more)
       end do
-   end subroutine new_foundation_sides
+   end subroutine new_foundation
 
    !> Makes the springs of one side.
-   pure subroutine make_springs(side, foundation, nodes, mesh, materials)
+   pure subroutine make_springs(side, moduli, nodes, mesh, materials)
       type(spring_side_t), intent(out) :: side !! the springs
-      type(foundation_t), intent(in) :: foundation !! the moduli
+      real(dp), intent(in) :: moduli(2) !! stress per displacement along normal and tangent [F/L^3]
       integer, intent(in) :: nodes(4) !! first corner, second corner, middle or 0, element
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials
@@ -74,8 +68,7 @@ contains
          normal = [tangent(2), -tangent(1)]
          area = area*materials%list(materials%of_element(nodes(4)))%depth(geometry%position(1, point))
          do j = 1, 2
-            modulus(:, j) = area*(foundation%normal_modulus*normal*normal(j) &
-               + foundation%tangential_modulus*tangent*tangent(j))
+            modulus(:, j) = area*(moduli(1)*normal*normal(j) + moduli(2)*tangent*tangent(j))
          end do
          do j = 1, side%n_nodes
             do i = 1, side%n_nodes
