@@ -25,6 +25,7 @@ module amontons_body
       type(mesh_t) :: mesh !! the mesh
       type(materials_t) :: materials !! the materials of the elements
       type(spring_side_t), allocatable :: springs(:) !! springs along sides
+      logical :: is_axisymmetric = .false. !! whether it is a body of revolution
       type(coloring_t) :: coloring !! colours of the elements
       type(constraints_t) :: constraints !! the supports
       type(rigid_motions_t) :: motions !! the rigid motions that the supports leave free
@@ -55,7 +56,8 @@ contains
       if (allocated(error)) return
       call new_foundation(body%springs, mesh, body%materials, supports, error)
       if (allocated(error)) return
-      call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, materials(1)%is_axisymmetric)
+      body%is_axisymmetric = materials(1)%is_axisymmetric
+      call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric)
       call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error)
       if (allocated(error)) return
       call new_dof_map(body%dof_map, body%constraints, body%zone%node)

@@ -1,6 +1,6 @@
 !> The certificate: what a solution fulfils on the full model, computed from displacements and contact forces alone.
 module amontons_certificate
-   use amontons_assembly, only: internal_forces
+   use amontons_assembly, only: internal_forces, spring_forces
    use amontons_body, only: body_t
    use amontons_constraints, only: constraints_t
    use amontons_contact_zone, only: contact_zone_t
@@ -49,7 +49,8 @@ contains
       reaction = internal - loads - contact
       call split_imbalance(body%constraints, reaction, certificate%equilibrium)
       call check_points(certificate, body%zone, displacement, force)
-      call check_resultants(certificate, body%mesh, loads, reaction, contact)
+      call check_resultants(certificate, body, loads, &
+         reaction - spring_forces(body%mesh%n_nodes, body%springs, displacement), contact)
       certificate%equilibrium = relative(certificate%equilibrium, max(norm2(loads), norm2(reaction), norm2(contact)))
       certificate%strain_energy = 0.5_dp*sum(internal*displacement)
       certificate%energy = relative(abs(sum(internal*displacement) - sum((loads + contact)*displacement) &
@@ -111,35 +112,38 @@ contains
          certificate%penetration = relative(max(0.0_dp, maxval(-distance)), largest_displacement)
          certificate%tension = relative(max(0.0_dp, maxval(-normal)), largest_force)
          certificate%friction_excess = relative(max(0.0_dp, maxval(abs(tangential) - bound)), largest_force)
-         certificate%complementarity = maxval(min(relative(normal, largest_force), &
-            relative(distance, largest_displacement)))
+         certificate%complementarity = max(0.0_dp, maxval(min(relative(normal, largest_force), &
+            relative(distance, largest_displacement))))
          certificate%wrong_dissipation = max(0.0_dp, maxval(-min(relative(abs(tangential), largest_force), &
             relative(abs(slip), largest_displacement))*sign(1.0_dp, tangential*slip)))
          certificate%dissipation = sum(tangential*slip)
       end associate
    end subroutine check_points
 
-   !> Checks that all forces on the body balance.
-   pure subroutine check_resultants(certificate, mesh, loads, reaction, contact)
+   !> Checks that all forces on the body balance. In a body of revolution only those along the axis need to.
+   pure subroutine check_resultants(certificate, body, loads, reaction, contact)
       type(certificate_t), intent(inout) :: certificate !! the certificate
-      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
-      real(dp), intent(in) :: reaction(:, :) !! nodal reactions of the supports (2, n_nodes) [F]
+      real(dp), intent(in) :: reaction(:, :) !! nodal reactions of supports and springs (2, n_nodes) [F]
       real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (2, n_nodes) [F]
-      real(dp) :: norm, radius, center(2), moment
+      real(dp) :: norm, radius, center(2), moment, resultant(2)
       integer :: node
 
       certificate%load = sum(loads, dim=2)
       certificate%reaction = sum(reaction, dim=2)
       certificate%contact = sum(contact, dim=2)
       norm = force_norm(loads, reaction, contact)
-      certificate%resultant = relative(norm2(certificate%load + certificate%reaction + certificate%contact), norm)
-      center = 0.5_dp*(minval(mesh%coordinates, dim=2) + maxval(mesh%coordinates, dim=2))
-      radius = maxval(maxval(mesh%coordinates, dim=2) - center)
+      resultant = certificate%load + certificate%reaction + certificate%contact
+      if (body%is_axisymmetric) resultant(1) = 0.0_dp
+      certificate%resultant = relative(norm2(resultant), norm)
+      if (body%is_axisymmetric) return
+      center = 0.5_dp*(minval(body%mesh%coordinates, dim=2) + maxval(body%mesh%coordinates, dim=2))
+      radius = maxval(maxval(body%mesh%coordinates, dim=2) - center)
       moment = 0.0_dp
-      do node = 1, mesh%n_nodes
+      do node = 1, body%mesh%n_nodes
          associate (f => loads(:, node) + reaction(:, node) + contact(:, node), &
-            arm => mesh%coordinates(:, node) - center)
+            arm => body%mesh%coordinates(:, node) - center)
             moment = moment + arm(1)*f(2) - arm(2)*f(1)
          end associate
       end do

@@ -14,7 +14,7 @@ module amontons_assembly
    implicit none (type, external)
    private
 
-   public :: assemble_stiffness, from_unknowns, internal_forces, to_unknowns
+   public :: assemble_stiffness, from_unknowns, internal_forces, spring_forces, to_unknowns
 
 contains
 
@@ -112,24 +112,26 @@ contains
          end do
          !$omp end parallel do
       end do
-      do i = 1, size(springs)
-         call add_spring_forces(springs(i), displacement, forces)
-      end do
+      forces = forces + spring_forces(mesh%n_nodes, springs, displacement)
    end subroutine internal_forces
 
-   !> Adds the nodal forces of the springs of a side.
-   pure subroutine add_spring_forces(springs, displacement, forces)
-      type(spring_side_t), intent(in) :: springs !! the springs
+   !> Nodal forces that springs take: spring stiffness times displacement (2, n_nodes) [F].
+   pure function spring_forces(n_nodes, springs, displacement) result(forces)
+      integer, intent(in) :: n_nodes !! number of nodes of the mesh
+      type(spring_side_t), intent(in) :: springs(:) !! the springs
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(inout) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
-      integer :: n
+      real(dp), allocatable :: forces(:, :)
+      integer :: i, n
 
-      n = springs%n_nodes
-      associate (nodes => springs%node(:n))
-         forces(:, nodes) = forces(:, nodes) + reshape(matmul(springs%stiffness(:2*n, :2*n), &
-            reshape(displacement(:, nodes), [2*n])), [2, n])
-      end associate
-   end subroutine add_spring_forces
+      allocate (forces(2, n_nodes), source=0.0_dp)
+      do i = 1, size(springs)
+         n = springs(i)%n_nodes
+         associate (nodes => springs(i)%node(:n))
+            forces(:, nodes) = forces(:, nodes) + reshape(matmul(springs(i)%stiffness(:2*n, :2*n), &
+               reshape(displacement(:, nodes), [2*n])), [2, n])
+         end associate
+      end do
+   end function spring_forces
 
    !> Collects a nodal field into a vector of the unknowns: its components along the free axes.
    pure function to_unknowns(field, constraints, dof_map) result(vector)
