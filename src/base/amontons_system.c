@@ -1,9 +1,10 @@
 /* The few system calls that Fortran has no name for. */
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700
 
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -35,6 +36,13 @@ int amontons_make_directory(const char *path)
     if (stat(path, &status) != 0)
         return errno;
     return S_ISDIR(status.st_mode) ? 0 : ENOTDIR;
+}
+
+/* Puts the name of a file from the root on into a text of a given size; the name itself where there is no such file. */
+void amontons_absolute_path(const char *path, char *text, int size)
+{
+    char resolved[PATH_MAX];
+    snprintf(text, (size_t)size, "%s", realpath(path, resolved) ? resolved : path);
 }
 
 /* Puts a file in the place of another, in one step. Returns 0 or the system's error number. */

@@ -6,7 +6,7 @@ module amontons_system
    implicit none (type, external)
    private
 
-   public :: make_directory, peak_memory_mb, process_id, remove_file, rename_file, wall_seconds
+   public :: absolute_path, make_directory, peak_memory_mb, process_id, remove_file, rename_file, wall_seconds
 
    ! allow(assumed-size): C takes an address and knows no shape
    interface
@@ -16,6 +16,15 @@ module amontons_system
          character(c_char), intent(in) :: path(*)
          integer(c_int) :: code
       end function c_make_directory
+
+      subroutine c_absolute_path(path, text, size) bind(c, name='amontons_absolute_path')
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(c_char), intent(in) :: path(*)
+         ! allow(assumed-size-character-intent): C writes here
+         character(c_char), intent(out) :: text(*)
+         integer(c_int), value :: size
+      end subroutine c_absolute_path
 
       function c_rename(from, to) bind(c, name='amontons_rename') result(code)
          import :: c_char, c_int
@@ -53,6 +62,16 @@ module amontons_system
    end interface
 
 contains
+
+   !> Name of a file from the root on; the name as it is where there is no such file.
+   function absolute_path(path) result(absolute)
+      character(*), intent(in) :: path !! the name
+      character(:), allocatable :: absolute
+      character(4096) :: buffer
+
+      call c_absolute_path(path//c_null_char, buffer, len(buffer, c_int))
+      absolute = buffer(:index(buffer, c_null_char) - 1)
+   end function absolute_path
 
    !> Makes a directory and its parents; one that exists already is fine.
    subroutine make_directory(path, error)

@@ -1,13 +1,16 @@
 !> The configuration of a case: what a deck says, checked, with every default in place.
 module amontons_config
+   use amontons_config_body, only: read_loads, read_materials, read_supports
+   use amontons_config_contact, only: read_contacts
    use amontons_constraints, only: support_t
    use amontons_contact_zone, only: contact_t
    use amontons_deck, only: deck_t, read_deck
+   use amontons_deck_rules, only: require
    use amontons_element, only: element_names
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_on_nodes, load_on_region, load_on_sides, load_t
-   use amontons_material, only: hypothesis_names, material_t, new_material
+   use amontons_loads, only: load_t
+   use amontons_material, only: material_t
    use amontons_methods, only: method_names, method_options_t
    use amontons_psor, only: space_names
    use amontons_rectangle, only: diagonal_names, rectangle_t
@@ -127,184 +130,6 @@ contains
       call require(deck, group, 'grading', rectangle%grading > 0.0_dp, 'be positive')
    end subroutine read_mesh
 
-   !> Records a fault unless a value is as it must be.
-   subroutine require(deck, group, key, is_right, rule)
-      type(deck_t), intent(inout) :: deck !! the deck
-      integer, intent(in) :: group !! the group
-      character(*), intent(in) :: key !! the key
-      logical, intent(in) :: is_right !! whether the value is as it must be
-      character(*), intent(in) :: rule !! what it must do, for the message: 'be positive'
-
-      if (.not. is_right) call deck%fault(group, key, key//' must '//rule)
-   end subroutine require
-
-   !> Reads all `&material`.
-   subroutine read_materials(materials, deck)
-      type(material_t), allocatable, intent(out) :: materials(:) !! the materials
-      type(deck_t), intent(inout) :: deck !! the deck
-      integer, allocatable :: groups(:)
-      integer :: i
-
-      groups = deck%groups('material')
-      if (size(groups) == 0 .and. deck%n_faults() == 0) call deck%fault(0, '', '&material needs young and poisson')
-      allocate (materials(size(groups)))
-      do i = 1, size(groups)
-         call read_material(materials(i), deck, groups(i))
-      end do
-   end subroutine read_materials
-
-   !> Reads one `&material`.
-   subroutine read_material(material, deck, group)
-      type(material_t), intent(inout) :: material !! the material
-      type(deck_t), intent(inout) :: deck !! the deck
-      integer, intent(in) :: group !! the group
-      type(error_t), allocatable :: error
-      real(dp) :: young, poisson, thickness
-      character(:), allocatable :: hypothesis, region
-      integer :: n_faults
-      logical :: has_young, has_poisson
-
-      n_faults = deck%n_faults()
-      young = 1.0_dp
-      poisson = 0.0_dp
-      thickness = 1.0_dp
-      hypothesis = trim(hypothesis_names(1))
-      region = ''
-      call deck%get(group, 'young', young, has_young)
-      call deck%get(group, 'poisson', poisson, has_poisson)
-      call deck%get(group, 'thickness', thickness)
-      call deck%get_word(group, 'hypothesis', hypothesis, hypothesis_names)
-      call deck%get(group, 'region', region)
-      call deck%refuse_unknown(group)
-      if (deck%n_faults() > n_faults) return
-      if (.not. (has_young .and. has_poisson)) call deck%fault(group, 'young', '&material needs young and poisson')
-      call new_material(material, young, poisson, hypothesis, thickness, error)
-      ! The message begins with the key that is at fault.
-      if (allocated(error)) call deck%fault(group, error%message(:index(error%message, ' ') - 1), error%message)
-      if (allocated(error)) return
-      material%region = region
-      material%origin = origin_of(deck, group, 'region')
-   end subroutine read_material
-
-   !> Reads all `&support`.
-   subroutine read_supports(supports, deck)
-      type(support_t), allocatable, intent(out) :: supports(:) !! the supports
-      type(deck_t), intent(inout) :: deck !! the deck
-      character(2), parameter :: keys(4) = ['ux', 'uy', 'un', 'ut']
-      integer, allocatable :: groups(:)
-      logical :: has_set, has_point, has_spring(2)
-      integer :: i, k, n_faults
-
-      groups = deck%groups('support')
-      allocate (supports(size(groups)))
-      do i = 1, size(groups)
-         n_faults = deck%n_faults()
-         supports(i)%set = ''
-         supports(i)%origin = origin_of(deck, groups(i), 'set')
-         call deck%get(groups(i), 'set', supports(i)%set, has_set)
-         call deck%get(groups(i), 'point', supports(i)%point, has_point)
-         do k = 1, 4
-            call deck%get(groups(i), keys(k), supports(i)%displacement(k), supports(i)%is_held(k))
-         end do
-         call deck%get(groups(i), 'spring_n', supports(i)%spring(1), has_spring(1))
-         call deck%get(groups(i), 'spring_t', supports(i)%spring(2), has_spring(2))
-         call deck%refuse_unknown(groups(i))
-         if (deck%n_faults() > n_faults) cycle
-         call require(deck, groups(i), 'set', has_set .neqv. has_point, 'be given, or else point')
-         call require(deck, groups(i), 'set', .not. has_set .or. len_trim(supports(i)%set) > 0, 'not be empty')
-         call require(deck, groups(i), 'ux', any(supports(i)%is_held) .or. any(has_spring), &
-            'be given, or uy, un, ut, spring_n or spring_t')
-         call require(deck, groups(i), 'point', .not. (has_point .and. (any(has_spring) .or. &
-            any(supports(i)%is_held(3:)))), 'not go with un, ut or springs: a point has no normal')
-         call require(deck, groups(i), 'spring_n', supports(i)%spring(1) >= 0.0_dp, 'be at least 0')
-         call require(deck, groups(i), 'spring_t', supports(i)%spring(2) >= 0.0_dp, 'be at least 0')
-      end do
-   end subroutine read_supports
-
-   !> Reads all `&load`.
-   subroutine read_loads(loads, deck)
-      type(load_t), allocatable, intent(out) :: loads(:) !! the loads
-      type(deck_t), intent(inout) :: deck !! the deck
-      integer, allocatable :: groups(:)
-      integer :: i
-
-      groups = deck%groups('load')
-      allocate (loads(size(groups)))
-      do i = 1, size(groups)
-         call read_load(loads(i), deck, groups(i))
-      end do
-   end subroutine read_loads
-
-   !> Reads one `&load`: on the sides of a set, on nodes, or on a region.
-   subroutine read_load(load, deck, group)
-      type(load_t), intent(inout) :: load !! the load
-      type(deck_t), intent(inout) :: deck !! the deck
-      integer, intent(in) :: group !! the group
-      real(dp) :: slopes(4)
-      logical :: has_set, has_point, has_region, on_sides(4), on_nodes, on_region
-      integer :: n_faults
-
-      n_faults = deck%n_faults()
-      slopes = 0.0_dp
-      load%set = ''
-      load%region = ''
-      load%origin = origin_of(deck, group, 'set')
-      call deck%get(group, 'set', load%set, has_set)
-      call deck%get(group, 'point', load%point, has_point)
-      call deck%get(group, 'region', load%region, has_region)
-      call deck%get(group, 'traction', load%traction, on_sides(1))
-      call deck%get(group, 'traction_slope', slopes, on_sides(2))
-      call deck%get(group, 'pressure', load%pressure, on_sides(3))
-      call deck%get(group, 'pressure_slope', load%pressure_slope, on_sides(4))
-      call deck%get(group, 'force', load%force, on_nodes)
-      call deck%get(group, 'body_force', load%body_force, on_region)
-      load%traction_slope = reshape(slopes, [2, 2])
-      call deck%refuse_unknown(group)
-      if (deck%n_faults() > n_faults) return
-      load%target = load_on_sides
-      if (on_nodes) load%target = load_on_nodes
-      if (on_region) load%target = load_on_region
-      call require(deck, group, 'traction', count([any(on_sides), on_nodes, on_region]) == 1, &
-         'be given, or pressure, force or body_force; different kinds stand in groups of their own')
-      if (deck%n_faults() > n_faults) return
-      call require(deck, group, 'set', has_set .or. .not. any(on_sides), 'name the side that traction or pressure act on')
-      call require(deck, group, 'force', .not. on_nodes .or. (has_set .neqv. has_point), 'go with either set or point')
-      call require(deck, group, 'point', on_nodes .or. .not. has_point, 'go with force')
-      call require(deck, group, 'region', on_region .or. .not. has_region, 'go with body_force')
-      call require(deck, group, 'body_force', .not. (on_region .and. has_set), &
-         'not go with set: it acts on a region, or on the whole body')
-      call require(deck, group, 'set', .not. has_set .or. len_trim(load%set) > 0, 'not be empty')
-   end subroutine read_load
-
-   !> Reads all `&contact`.
-   subroutine read_contacts(contacts, deck)
-      type(contact_t), allocatable, intent(out) :: contacts(:) !! the contact sets
-      type(deck_t), intent(inout) :: deck !! the deck
-      character(:), allocatable :: obstacle
-      integer, allocatable :: groups(:)
-      integer :: i, n_faults
-
-      groups = deck%groups('contact')
-      allocate (contacts(size(groups)))
-      do i = 1, size(groups)
-         n_faults = deck%n_faults()
-         contacts(i)%set = ''
-         contacts(i)%origin = origin_of(deck, groups(i), 'set')
-         obstacle = 'plane'
-         call deck%get(groups(i), 'set', contacts(i)%set)
-         call deck%get(groups(i), 'friction', contacts(i)%friction)
-         call deck%get_word(groups(i), 'obstacle', obstacle, ['plane'])
-         call deck%get(groups(i), 'point', contacts(i)%point)
-         call deck%get(groups(i), 'normal', contacts(i)%normal)
-         call deck%refuse_unknown(groups(i))
-         if (deck%n_faults() > n_faults) cycle
-         if (len_trim(contacts(i)%set) == 0) call deck%fault(groups(i), 'set', '&contact needs a set')
-         call require(deck, groups(i), 'friction', contacts(i)%friction >= 0.0_dp, &
-            'be at least 0, found '//to_text(contacts(i)%friction))
-         call require(deck, groups(i), 'normal', norm2(contacts(i)%normal) > 0.0_dp, 'not be zero')
-      end do
-   end subroutine read_contacts
-
    !> Reads `&solver`: method, its options, factorisation.
    subroutine read_solver(config, deck)
       type(config_t), intent(inout) :: config !! the case
@@ -335,15 +160,5 @@ contains
             to_text(method%max_iterations))
       end associate
    end subroutine read_solver
-
-   !> Where a key of a group stands, as messages begin: 'deck.nml:12: '.
-   function origin_of(deck, group, key) result(origin)
-      type(deck_t), intent(in) :: deck !! the deck
-      integer, intent(in) :: group !! the group
-      character(*), intent(in) :: key !! the key
-      character(:), allocatable :: origin
-
-      origin = deck%file//':'//to_text(deck%line_of(group, key))//': '
-   end function origin_of
 
 end module amontons_config

@@ -3,6 +3,7 @@
 module amontons_effective_deck
    use amontons_config, only: config_t
    use amontons_kinds, only: dp
+   use amontons_line_field, only: line_field_t
    use amontons_loads, only: load_on_nodes, load_on_sides
    use amontons_text, only: quoted, to_text
    implicit none (type, external)
@@ -32,11 +33,7 @@ contains
          text = text//load_text(config, i)
       end do
       do i = 1, size(config%contacts)
-         associate (contact => config%contacts(i))
-            text = text//'&contact set = '//quoted(contact%set)//'  friction = '//to_text(contact%friction) &
-               //"  obstacle = 'plane'  point = "//pair(contact%point)//'  normal = '//pair(contact%normal)//' /' &
-               //newline
-         end associate
+         text = text//contact_text(config, i)
       end do
       text = text//solver_text(config)//'&output /'//newline
    end function effective_deck
@@ -55,7 +52,7 @@ contains
          text = text//support_text(config, i)
       end do
       do i = 1, size(config%contacts)
-         text = text//quoted(config%contacts(i)%set)
+         text = text//quoted(config%contacts(i)%set)//pair(config%contacts(i)%direction)
       end do
    end function body_text
 
@@ -132,6 +129,38 @@ contains
       end associate
       text = text//' /'//newline
    end function load_text
+
+   !> One `&contact`.
+   pure function contact_text(config, i) result(text)
+      type(config_t), intent(in) :: config !! the case
+      integer, intent(in) :: i !! which contact set
+      character(:), allocatable :: text
+
+      associate (contact => config%contacts(i), obstacle => config%contacts(i)%obstacle)
+         text = '&contact set = '//quoted(contact%set)//field_text('friction', contact%friction) &
+            //field_text('slip_bound', contact%slip_bound)//newline//'   obstacle = '//quoted(obstacle%kind) &
+            //'  point = '//pair(obstacle%point)//'  normal = '//pair(obstacle%normal)
+         select case (obstacle%kind)
+         case ('circle', 'parabola')
+            text = text//'  radius = '//to_text(obstacle%radius)
+         case ('polyline')
+            text = text//'  line = '//quoted(obstacle%file)
+         end select
+         text = text//'  extra_gap = '//to_text(contact%extra_gap)
+         if (any(abs(contact%direction) > 0.0_dp)) text = text//'  gap_direction = '//pair(contact%direction)
+      end associate
+      text = text//' /'//newline
+   end function contact_text
+
+   !> The keys of a quantity along a contact line.
+   pure function field_text(key, field) result(text)
+      character(*), intent(in) :: key !! the key of its constant part
+      type(line_field_t), intent(in) :: field !! the quantity
+      character(:), allocatable :: text
+
+      text = '  '//key//' = '//to_text(field%value)//'  '//key//'_slope = '//pair(field%slope)
+      if (allocated(field%table)) text = text//'  '//key//'_table = '//quoted(field%file)
+   end function field_text
 
    !> `&solver`.
    pure function solver_text(config) result(text)

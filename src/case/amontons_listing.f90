@@ -8,6 +8,7 @@ module amontons_listing
    use amontons_error, only: error_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_kinds, only: dp
+   use amontons_line_field, only: line_field_t
    use amontons_loads, only: load_on_nodes, load_on_sides
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_result, only: certificate_limit, result_t
@@ -74,10 +75,7 @@ contains
          text = text//line('Support', support_text(config, i))
       end do
       do i = 1, size(config%contacts)
-         associate (contact => config%contacts(i))
-            text = text//line('Contact', "set '"//contact%set//"', friction "//short(contact%friction)// &
-               ', plane through '//pair(contact%point)//' with normal '//pair(contact%normal))
-         end associate
+         text = text//line('Contact', contact_text(config, i))
       end do
       text = text//line('Contact points', to_text(body%zone%n_points))//notes_text(body)
    end function model_text
@@ -115,6 +113,39 @@ contains
          if (any(support%spring > 0.0_dp)) text = text//', springs '//pair(support%spring)//' along normal and tangent'
       end associate
    end function support_text
+
+   !> What a contact set may touch, and how it rubs.
+   pure function contact_text(config, i) result(text)
+      type(config_t), intent(in) :: config !! the case
+      integer, intent(in) :: i !! which contact set
+      character(:), allocatable :: text
+
+      associate (contact => config%contacts(i), obstacle => config%contacts(i)%obstacle)
+         text = "set '"//contact%set//"'"//field_text('friction', contact%friction) &
+            //field_text('slip bound', contact%slip_bound)//', '//obstacle%kind//' at '//pair(obstacle%point) &
+            //' with normal '//pair(obstacle%normal)
+         if (obstacle%kind == 'circle' .or. obstacle%kind == 'parabola') text = text//', radius '//short(obstacle%radius)
+         if (obstacle%kind == 'polyline') text = text//', points of '//obstacle%file
+         if (any(abs(contact%direction) > 0.0_dp)) text = text//', gaps along '//pair(contact%direction)
+         if (abs(contact%extra_gap) > 0.0_dp) text = text//', extra gap '//short(contact%extra_gap)
+      end associate
+   end function contact_text
+
+   !> A quantity along a contact line; nothing where it is zero.
+   pure function field_text(name, field) result(text)
+      character(*), intent(in) :: name !! what it is
+      type(line_field_t), intent(in) :: field !! the quantity
+      character(:), allocatable :: text
+
+      text = ''
+      if (allocated(field%table)) then
+         text = ', '//name//' from '//field%file
+      else if (any(abs(field%slope) > 0.0_dp)) then
+         text = ', '//name//' '//short(field%value)//' + '//pair(field%slope)//' . (x, y)'
+      else if (abs(field%value) > 0.0_dp .or. name == 'friction') then
+         text = ', '//name//' '//short(field%value)
+      end if
+   end function field_text
 
    !> What the reader must know of the contact points: what supports take over, overlap, free motions.
    pure function notes_text(body) result(text)

@@ -140,6 +140,7 @@ contains
       body%problem%gap = [(body%zone%gap(p) - dot_product(body%zone%normal(:, p), &
          body%constraints%prescribed(:, body%zone%node(p))), p=1, body%zone%n_points)]
       body%problem%friction = merge(0.0_dp, body%zone%friction, body%zone%is_guided)
+      body%problem%slip_bound = merge(0.0_dp, body%zone%slip_bound, body%zone%is_guided)
    end subroutine load_body
 
    !> Starts from the last solution of the same body, or from rest.

@@ -21,11 +21,13 @@ module amontons_contact_problem
       real(dp), allocatable :: load(:) !! condensed load q (2m) [F]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
       real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
+      real(dp), allocatable :: slip_bound(:) !! given slip bound g, added to phi lambda_N (m) [F]
       real(dp) :: shift = 0.0_dp
          !! alpha of the proximal iteration: 0 for a held body [F/L]
       real(dp), allocatable :: compliance(:, :)
          !! the paper's dual matrix A = (S + alpha I)^-1, made by `prepare_compliance` (2m, 2m) [L/F]
    contains
+      procedure :: bound => contact_problem_bound
       procedure :: displacement => contact_problem_displacement
       procedure :: dual_load => contact_problem_dual_load
       procedure :: force_scale => contact_problem_force_scale
@@ -36,7 +38,7 @@ module amontons_contact_problem
 
 contains
 
-   !> Makes a contact problem without load, gap or friction.
+   !> Makes a contact problem without load, gap, friction or slip bound.
    pure subroutine new_contact_problem(problem, stiffness, is_held)
       type(contact_problem_t), intent(out) :: problem !! the problem; set its load, gap and friction next
       real(dp), intent(in) :: stiffness(:, :) !! S (2m, 2m) [F/L]
@@ -46,8 +48,17 @@ contains
       problem%is_held = is_held
       problem%stiffness = stiffness
       allocate (problem%load(2*problem%n_points), problem%gap(problem%n_points), &
-         problem%friction(problem%n_points), source=0.0_dp)
+         problem%friction(problem%n_points), problem%slip_bound(problem%n_points), source=0.0_dp)
    end subroutine new_contact_problem
+
+   !> The slip bounds g + phi max(0, lambda_N) of given normal forces (m) [F].
+   pure function contact_problem_bound(self, normal_force) result(bound)
+      class(contact_problem_t), intent(in) :: self !! the problem
+      real(dp), intent(in) :: normal_force(:) !! lambda_N (m) [F]
+      real(dp), allocatable :: bound(:)
+
+      bound = self%slip_bound + self%friction*max(0.0_dp, normal_force)
+   end function contact_problem_bound
 
    !> Makes the dual matrix A = (S + alpha I)^-1 unless it is there already.
    !>
@@ -135,7 +146,8 @@ contains
       violation = 0.0_dp
       do p = 1, m
          violation = max(violation, law_violation(force(p), displacement(p) - self%gap(p), force(m + p), &
-            displacement(m + p), self%friction(p), self%stiffness(p, p), self%stiffness(m + p, m + p)))
+            displacement(m + p), self%friction(p), self%slip_bound(p), self%stiffness(p, p), &
+            self%stiffness(m + p, m + p)))
       end do
       residual = max(maxval(abs(imbalance)), violation)/self%force_scale()
    end function contact_problem_residual
@@ -150,7 +162,7 @@ contains
 
       m = self%n_points
       status = [(contact_status(force(p) + self%stiffness(p, p)*(displacement(p) - self%gap(p)), &
-         force(m + p) + self%stiffness(m + p, m + p)*displacement(m + p), self%friction(p)), p=1, m)]
+         force(m + p) + self%stiffness(m + p, m + p)*displacement(m + p), self%friction(p), self%slip_bound(p)), p=1, m)]
    end function contact_problem_status
 
 end module amontons_contact_problem

@@ -5,19 +5,23 @@ module amontons_contact_zone
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
+   use amontons_line_field, only: line_field_t
    use amontons_mesh, only: mesh_t
+   use amontons_obstacle, only: obstacle_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
    public :: contact_t, contact_zone_t, new_contact_zone, set_obstacles
 
-   !> A boundary set that may touch a rigid plane.
+   !> A boundary set that may touch a rigid obstacle, and the friction there: |lambda_T| <= g + phi lambda_N.
    type :: contact_t
       character(:), allocatable :: set !! name of the boundary set
-      real(dp) :: friction = 0.0_dp !! Coulomb coefficient, at least 0 [-]
-      real(dp) :: point(2) = 0.0_dp !! a point of the plane [L]
-      real(dp) :: normal(2) = [0.0_dp, 1.0_dp] !! normal of the plane, towards the body; any length [-]
+      type(obstacle_t) :: obstacle !! the obstacle
+      real(dp) :: direction(2) = 0.0_dp !! along which gaps count, towards the obstacle; 0, 0 for the body's normal [-]
+      real(dp) :: extra_gap = 0.0_dp !! added to every gap; negative for an interference [L]
+      type(line_field_t) :: friction !! Coulomb's coefficient phi, at least 0 [-]
+      type(line_field_t) :: slip_bound !! given (Tresca) bound g of the shear stress, at least 0 [F/L^2]
       character(:), allocatable :: origin !! where the contact was specified, for messages: 'deck.nml:12: '
    end type contact_t
 
@@ -27,11 +31,13 @@ module amontons_contact_zone
       integer, allocatable :: node(:) !! node of each point (m)
       integer, allocatable :: set(:) !! which contact set the point belongs to (m)
       integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (m)
-      real(dp), allocatable :: normal(:, :) !! unit outward normal n; the tangent is t = (-n_y, n_x) (2, m)
+      real(dp), allocatable :: normal(:, :) !! unit normal n towards the obstacle; the tangent is t = (-n_y, n_x) (2, m)
+      real(dp), allocatable :: station(:) !! length along the line from its first node (m) [L]
       real(dp), allocatable :: weight(:) !! tributary length (m) [L]
       real(dp), allocatable :: area(:) !! tributary area: length times depth of the body (m) [L^2]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
-      real(dp), allocatable :: friction(:) !! Coulomb coefficient (m) [-]
+      real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
+      real(dp), allocatable :: slip_bound(:) !! given bound g of the tangential force (m) [F]
       logical, allocatable :: is_guided(:) !! whether a support leaves it one direction and bears the shear (m)
       integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
    end type contact_zone_t
@@ -68,9 +74,10 @@ contains
       end do
       n = sum(lines%n_nodes)
       allocate (zone%node(n), zone%set(n), zone%next(n), zone%normal(2, n), zone%weight(n), zone%area(n), &
-         zone%is_guided(n), zone%held_node(0))
+         zone%is_guided(n), &
+         zone%station(n), zone%held_node(0))
       do i = 1, size(contacts)
-         call add_line(zone, i, lines(i), constraints)
+         call add_line(zone, i, contacts(i)%direction, lines(i), mesh, constraints)
       end do
       call trim_zone(zone)
       if (size(contacts) > 0 .and. zone%n_points == 0) call new_error(error, input_refused, contacts(1)%origin// &
@@ -87,16 +94,24 @@ contains
    end function position_text
 
    !> Adds the points of one line.
-   pure subroutine add_line(zone, set, line, constraints)
+   pure subroutine add_line(zone, set, direction, line, mesh, constraints)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
+      real(dp), intent(in) :: direction(2) !! along which its gaps count; 0, 0 for the body's normal [-]
       type(boundary_line_t), intent(in) :: line !! its line
+      type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
+      real(dp) :: station, normal(2)
       integer :: point_of(line%n_nodes), k, p
 
       point_of = 0
+      station = 0.0_dp
       do k = 1, line%n_nodes
-         if (is_held_normally(constraints, line%node(k), line%normal(:, k))) then
+         if (k > 1) station = station &
+            + norm2(mesh%coordinates(:, line%node(k)) - mesh%coordinates(:, line%node(k - 1)))
+         normal = line%normal(:, k)
+         if (any(abs(direction) > 0.0_dp)) normal = direction/norm2(direction)
+         if (is_held_normally(constraints, line%node(k), normal)) then
             zone%held_node = [zone%held_node, line%node(k)]
             cycle
          end if
@@ -105,7 +120,8 @@ contains
          point_of(k) = p
          zone%node(p) = line%node(k)
          zone%set(p) = set
-         zone%normal(:, p) = line%normal(:, k)
+         zone%normal(:, p) = normal
+         zone%station(p) = station
          zone%weight(p) = line%weight(k)
          zone%area(p) = line%area(k)
          zone%is_guided(p) = .not. all(constraints%is_free(:, line%node(k)))
@@ -139,41 +155,50 @@ contains
       zone%set = zone%set(:n)
       zone%next = zone%next(:n)
       zone%normal = zone%normal(:, :n)
+      zone%station = zone%station(:n)
       zone%weight = zone%weight(:n)
       zone%area = zone%area(:n)
       zone%is_guided = zone%is_guided(:n)
    end subroutine trim_zone
 
-   !> Sets gap and friction of every point from the obstacle of its contact set.
+   !> Sets gap, friction and slip bound of every point from its contact set.
    !>
-   !> The gap to a plane through P with the unit normal a is d = (x - P) . a / (-n . a), measured along the body's
-   !> normal n; it is negative where the body overlaps the plane (interference).
+   !> The gap is the distance to the obstacle along the point's normal; it is negative where the body overlaps the
+   !> obstacle (interference). A point whose normal never meets the obstacle gets a gap that nothing closes.
    pure subroutine set_obstacles(zone, mesh, contacts, error)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, in the order of `new_contact_zone`
-      type(error_t), allocatable, intent(out) :: error !! the boundary does not face the plane somewhere
-      real(dp), parameter :: grazing = 1.0e-3_dp
-      real(dp), allocatable :: gap(:), friction(:)
-      real(dp) :: plane(2), facing
-      integer :: p
+      type(error_t), allocatable, intent(out) :: error !! the boundary does not face its obstacle, or friction is negative
+      real(dp), parameter :: out_of_reach = 1.0e3_dp
+      real(dp) :: size_of_body
+      logical :: is_met(zone%n_points)
+      integer :: p, i
 
-      allocate (gap(zone%n_points), friction(zone%n_points))
+      size_of_body = norm2(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
+      zone%gap = spread(0.0_dp, 1, zone%n_points)
+      zone%friction = zone%gap
+      zone%slip_bound = zone%gap
       do p = 1, zone%n_points
-         associate (contact => contacts(zone%set(p)))
-            plane = contact%normal/norm2(contact%normal)
-            facing = -dot_product(zone%normal(:, p), plane)
-            if (facing < grazing) then
-               call new_error(error, input_refused, contact%origin//'the boundary does not face the plane at '// &
-                  position_text(mesh, zone%node(p))//'; the normal of the plane must point to the body')
+         associate (contact => contacts(zone%set(p)), position => mesh%coordinates(:, zone%node(p)))
+            call contact%obstacle%measure(position, zone%normal(:, p), zone%gap(p), is_met(p))
+            zone%gap(p) = zone%gap(p) + contact%extra_gap
+            if (.not. is_met(p)) zone%gap(p) = out_of_reach*size_of_body
+            zone%friction(p) = contact%friction%at(position, zone%station(p))
+            zone%slip_bound(p) = contact%slip_bound%at(position, zone%station(p))*zone%area(p)
+            if (min(zone%friction(p), zone%slip_bound(p)) < 0.0_dp) then
+               call new_error(error, input_refused, contact%origin//'friction or slip bound is negative at '// &
+                  position_text(mesh, zone%node(p)))
                return
             end if
-            gap(p) = dot_product(mesh%coordinates(:, zone%node(p)) - contact%point, plane)/facing
-            friction(p) = contact%friction
          end associate
       end do
-      zone%gap = gap
-      zone%friction = friction
+      do i = 1, size(contacts)
+         if (any(is_met .and. zone%set == i) .or. all(zone%set /= i)) cycle
+         call new_error(error, input_refused, contacts(i)%origin//'the boundary does not face its obstacle; '// &
+            'the normal of the obstacle must point to the body')
+         return
+      end do
    end subroutine set_obstacles
 
 end module amontons_contact_zone

@@ -33,6 +33,8 @@ contains
       integer :: node, p
 
       if (motions%n_free == 0) return
+      ! A given slip bound can bear any small shear of any sign: what it holds is left to the method to find.
+      if (any(zone%slip_bound > 0.0_dp)) return
       work = 0.0_dp
       scale = 0.0_dp
       do node = 1, mesh%n_nodes

@@ -39,7 +39,7 @@ contains
       force = solution%force
       b = problem%dual_load(solution%displacement)
       do iteration = 1, self%max_iterations
-         bound = problem%friction*max(0.0_dp, force(:m))
+         bound = problem%bound(force(:m))
          lower = [spread(0.0_dp, 1, m), -bound]
          upper = [spread(huge(1.0_dp), 1, m), bound]
          call solve_box_program(problem%compliance, b, lower, upper, force)

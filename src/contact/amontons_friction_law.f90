@@ -1,14 +1,14 @@
 !> The contact law at one point: unilateral contact and Coulomb friction.
 !>
 !> With the distance w = u_N - d (negative while open), the slip u_T, the forces lambda_N (compression positive) and
-!> lambda_T (along the slip), and the slip bound g = phi lambda_N:
-!> `0 <= lambda_N _|_ -w >= 0`, `|lambda_T| <= g`, `u_T /= 0 => lambda_T = g sign(u_T)`.
+!> lambda_T (along the slip), and the slip bound b = g + phi lambda_N, of a given part (Tresca) and Coulomb's:
+!> `0 <= lambda_N _|_ -w >= 0`, `|lambda_T| <= b`, `u_T /= 0 => lambda_T = b sign(u_T)`.
 module amontons_friction_law
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
 
-   public :: bounded, contact_status, is_closed, law_violation, open_point, slip_minus, slip_plus, status_names, &
+   public :: bounded, contact_status, law_violation, open_point, slip_minus, slip_plus, status_names, &
       stick_point
 
    !> Status of a point that is away from the obstacle.
@@ -34,43 +34,38 @@ contains
 
    !> Status of a point from its augmented forces force + stiffness * displacement, as in Alart and Curnier's
    !> formulation: which bound of the law is active.
-   elemental integer function contact_status(augmented_normal, augmented_tangential, friction) result(status)
+   elemental integer function contact_status(augmented_normal, augmented_tangential, friction, slip_bound) result(status)
       real(dp), intent(in) :: augmented_normal !! lambda_N + rho (u_N - d) [F]
       real(dp), intent(in) :: augmented_tangential !! lambda_T + rho u_T [F]
-      real(dp), intent(in) :: friction !! Coulomb coefficient [-]
+      real(dp), intent(in) :: friction !! Coulomb coefficient phi [-]
+      real(dp), intent(in) :: slip_bound !! given slip bound g [F]
 
       if (.not. augmented_normal > 0.0_dp) then
          status = open_point
-      else if (augmented_tangential > friction*augmented_normal) then
+      else if (augmented_tangential > slip_bound + friction*augmented_normal) then
          status = slip_plus
-      else if (augmented_tangential < -friction*augmented_normal) then
+      else if (augmented_tangential < -slip_bound - friction*augmented_normal) then
          status = slip_minus
       else
          status = stick_point
       end if
    end function contact_status
 
-   !> Whether a status means contact.
-   elemental logical function is_closed(status)
-      integer, intent(in) :: status !! a status
-
-      is_closed = status /= open_point
-   end function is_closed
-
    !> How far a point is from fulfilling the law: the larger of
-   !> |lambda_N - max(0, lambda_N + rho_N w)| and |lambda_T - bounded(lambda_T + rho_T u_T, phi max(0, lambda_N))| [F].
-   elemental real(dp) function law_violation(normal_force, distance, tangential_force, slip, friction, rho_normal, &
-      rho_tangential) result(violation)
+   !> |lambda_N - max(0, lambda_N + rho_N w)| and |lambda_T - bounded(lambda_T + rho_T u_T, g + phi max(0, lambda_N))| [F].
+   elemental real(dp) function law_violation(normal_force, distance, tangential_force, slip, friction, slip_bound, &
+      rho_normal, rho_tangential) result(violation)
       real(dp), intent(in) :: normal_force !! lambda_N [F]
       real(dp), intent(in) :: distance !! w = u_N - d [L]
       real(dp), intent(in) :: tangential_force !! lambda_T [F]
       real(dp), intent(in) :: slip !! u_T [L]
-      real(dp), intent(in) :: friction !! Coulomb coefficient [-]
+      real(dp), intent(in) :: friction !! Coulomb coefficient phi [-]
+      real(dp), intent(in) :: slip_bound !! given slip bound g [F]
       real(dp), intent(in) :: rho_normal !! stiffness that turns the distance into a force, positive [F/L]
       real(dp), intent(in) :: rho_tangential !! stiffness that turns the slip into a force, positive [F/L]
       real(dp) :: tangential
 
-      tangential = bounded(tangential_force + rho_tangential*slip, friction*max(0.0_dp, normal_force))
+      tangential = bounded(tangential_force + rho_tangential*slip, slip_bound + friction*max(0.0_dp, normal_force))
       violation = max(abs(normal_force - max(0.0_dp, normal_force + rho_normal*distance)), &
          abs(tangential_force - tangential))
    end function law_violation

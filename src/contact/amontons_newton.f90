@@ -1,13 +1,12 @@
 !> Semismooth Newton on the condensed stiffness S, in the form of an active-set method (Alart and Curnier, CMAME 92,
-!> 1991): guess the status of every point, solve the linear system these statuses give, read the statuses off its
-!> solution, repeat. It ends, exactly, as soon as the statuses repeat themselves.
+!> 1991): guess the state of every point, solve the linear system that the guess gives, read the next guess off its
+!> solution, repeat. It ends, exactly, as soon as a guess repeats itself.
 module amontons_newton
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_dense, only: lu_solve, symmetric_multiply
    use amontons_error, only: error_t
-   use amontons_friction_law, only: is_closed, open_point, slip_minus, slip_plus, stick_point
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -20,6 +19,12 @@ module amontons_newton
       procedure :: solve => newton_solve
    end type newton_t
 
+   !> What is guessed of every point.
+   type :: guess_t
+      logical, allocatable :: is_closed(:) !! whether it touches (m)
+      integer, allocatable :: sense(:) !! sign of its slip, 0 if it sticks (m)
+   end type guess_t
+
 contains
 
    !> Takes Newton steps; a step that leads to worse is shortened. From rest the first guess is that all points stick.
@@ -29,46 +34,73 @@ contains
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! never: kept for the common interface
       real(dp) :: displacement(2*problem%n_points), force(2*problem%n_points)
-      integer :: status(problem%n_points), iteration, info
+      type(guess_t) :: guess
+      integer :: iteration, info
       logical :: may_continue
 
       call solution%begin()
       displacement = solution%displacement
-      status = stick_point
-      if (any(solution%force(:problem%n_points) > 0.0_dp)) status = problem%status(displacement, solution%force)
+      guess = guess_of(problem, displacement, solution%force)
+      if (.not. any(solution%force(:problem%n_points) > 0.0_dp)) then
+         guess%is_closed = .true.
+         guess%sense = merge(0, 1, problem%friction + problem%slip_bound > 0.0_dp)
+      end if
       do iteration = 1, self%max_iterations
-         call newton_step(problem, status, displacement, force, info)
+         call newton_step(problem, guess, displacement, force, info)
          if (info /= 0) return
          if (iteration > 1) call shorten_step(problem, solution, displacement, force)
          call solution%record(problem, displacement, force, self%tolerance, may_continue)
          if (.not. may_continue) return
-         status = solution%status
+         guess = guess_of(problem, displacement, force)
       end do
    end subroutine newton_solve
 
-   !> The displacements and forces that given statuses lead to.
-   !>
-   !> Closed: u_N = d. Stick: u_T = 0. Open: lambda = 0. Slip along s = +1 or -1: lambda_T = s phi lambda_N. The rows of
-   !> `S v = q - lambda` that hold an unknown displacement, with lambda_N of a sliding point eliminated by its own row,
-   !> are the system.
-   subroutine newton_step(problem, status, displacement, force, info)
+   !> The guess that a pair (v, lambda) leads to: which side of the law its augmented forces lie on. A point without
+   !> any slip bound has nothing to stick by.
+   pure function guess_of(problem, displacement, force) result(guess)
       type(contact_problem_t), intent(in) :: problem !! the problem
-      integer, intent(in) :: status(:) !! status of each point (m)
+      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
+      real(dp), intent(in) :: force(:) !! lambda (2m) [F]
+      type(guess_t) :: guess
+      real(dp) :: normal, tangential, bound
+      integer :: p, t
+
+      allocate (guess%is_closed(problem%n_points), guess%sense(problem%n_points))
+      do p = 1, problem%n_points
+         t = p + problem%n_points
+         normal = force(p) + problem%stiffness(p, p)*(displacement(p) - problem%gap(p))
+         tangential = force(t) + problem%stiffness(t, t)*displacement(t)
+         bound = problem%slip_bound(p) + problem%friction(p)*max(0.0_dp, normal)
+         guess%is_closed(p) = normal > 0.0_dp
+         guess%sense(p) = 0
+         if (abs(tangential) > bound .or. .not. bound > 0.0_dp) guess%sense(p) = nint(sign(1.0_dp, tangential))
+      end do
+   end function guess_of
+
+   !> The displacements and forces that a guess leads to.
+   !>
+   !> Closed: u_N = d. Open: lambda_N = 0. Stick: u_T = 0. Slip along s = +1 or -1: lambda_T = s (g + phi lambda_N). The
+   !> rows of `S v = q - lambda` that hold an unknown displacement, with lambda_N of a closed sliding point eliminated
+   !> by its own row, are the system.
+   subroutine newton_step(problem, guess, displacement, force, info)
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(guess_t), intent(in) :: guess !! state of each point
       real(dp), intent(inout) :: displacement(:) !! in: v before the step, out: after it (2m) [L]
       real(dp), intent(out) :: force(:) !! lambda after the step (2m) [F]
-      integer, intent(out) :: info !! 0, or nonzero where the statuses leave the system singular
+      integer, intent(out) :: info !! 0, or nonzero where the guess leaves the system singular
       real(dp) :: factor(problem%n_points), load(2*problem%n_points), v(2*problem%n_points)
       real(dp), allocatable :: matrix(:, :), right(:)
       integer, allocatable :: unknown(:)
-      integer :: i, j, m, row, point
+      integer :: i, j, m, point
 
       m = problem%n_points
-      factor = problem%friction*merge(1, merge(-1, 0, status == slip_minus), status == slip_plus)
+      factor = merge(problem%friction*guess%sense, 0.0_dp, guess%is_closed)
       v = 0.0_dp
-      v(:m) = merge(problem%gap, 0.0_dp, is_closed(status))
+      v(:m) = merge(problem%gap, 0.0_dp, guess%is_closed)
       call symmetric_multiply(problem%stiffness, v, load)
       load = problem%load - load
-      unknown = pack([(i, i=1, 2*m)], [.not. is_closed(status), status /= stick_point])
+      load(m + 1:) = load(m + 1:) - guess%sense*problem%slip_bound
+      unknown = pack([(i, i=1, 2*m)], [.not. guess%is_closed, guess%sense /= 0])
       allocate (matrix(size(unknown), size(unknown)), right(size(unknown)))
       do j = 1, size(unknown)
          do i = 1, size(unknown)
@@ -77,10 +109,9 @@ contains
       end do
       right = load(unknown)
       do i = 1, size(unknown)
-         row = unknown(i)
-         point = row - m
+         point = unknown(i) - m
          if (point < 1) cycle
-         if (.not. is_closed(status(point))) cycle
+         if (.not. abs(factor(point)) > 0.0_dp) cycle
          matrix(i, :) = matrix(i, :) - factor(point)*problem%stiffness(unknown, point)
          right(i) = right(i) - factor(point)*load(point)
       end do
@@ -89,7 +120,7 @@ contains
       if (info /= 0) return
       v(unknown) = right
       displacement = v
-      call recover_forces(problem, status, factor, displacement, force)
+      call recover_forces(problem, guess, displacement, force)
    end subroutine newton_step
 
    !> For a body that only contact holds, adds a tiny multiple of the step to the equations (a proximal step), so that
@@ -112,11 +143,10 @@ contains
       end do
    end subroutine hold_softly
 
-   !> The forces q - S v, with what the statuses say of them put in exactly.
-   pure subroutine recover_forces(problem, status, factor, displacement, force)
+   !> The forces q - S v, with what the guess says of them put in exactly.
+   pure subroutine recover_forces(problem, guess, displacement, force)
       type(contact_problem_t), intent(in) :: problem !! the problem
-      integer, intent(in) :: status(:) !! status of each point (m)
-      real(dp), intent(in) :: factor(:) !! phi times the sign of the slip, 0 without slip (m) [-]
+      type(guess_t), intent(in) :: guess !! state of each point
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
       real(dp), intent(out) :: force(:) !! lambda (2m) [F]
       integer :: m
@@ -124,12 +154,8 @@ contains
       m = problem%n_points
       call symmetric_multiply(problem%stiffness, displacement, force)
       force = problem%load - force
-      where (status == open_point)
-         force(:m) = 0.0_dp
-         force(m + 1:) = 0.0_dp
-      else where (status /= stick_point)
-         force(m + 1:) = factor*force(:m)
-      end where
+      where (.not. guess%is_closed) force(:m) = 0.0_dp
+      where (guess%sense /= 0) force(m + 1:) = guess%sense*(problem%slip_bound + problem%friction*force(:m))
    end subroutine recover_forces
 
    !> Shortens a step from the last recorded pair, on the line between the two, to the length with the least residual;

@@ -54,7 +54,7 @@ contains
       force = solution%force
       b = problem%dual_load(solution%displacement)
       do sweep = 1, self%max_iterations
-         call sweep_forces(problem%compliance, b, problem%friction, self%omega, force)
+         call sweep_forces(problem, b, self%omega, force)
          call solution%record(problem, problem%displacement(b, force), force, self%tolerance, may_continue)
          if (.not. may_continue) return
          if (.not. problem%is_held) b = problem%dual_load(solution%displacement)
@@ -62,19 +62,21 @@ contains
    end subroutine iterate_dual
 
    !> One sweep over the forces of all points: w = B - A lambda is the distance (normal) or the slip (tangential).
-   pure subroutine sweep_forces(a, b, friction, omega, force)
-      real(dp), intent(in) :: a(:, :) !! compliance A (2m, 2m) [L/F]
+   pure subroutine sweep_forces(problem, b, omega, force)
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), intent(in) :: b(:) !! dual load B (2m) [L]
-      real(dp), intent(in) :: friction(:) !! Coulomb coefficients (m) [-]
       real(dp), intent(in) :: omega !! relaxation [-]
       real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
       integer :: n, t
 
-      do n = 1, size(friction)
-         t = n + size(friction)
-         force(n) = max(0.0_dp, force(n) + omega*(b(n) - dot_product(a(:, n), force))/a(n, n))
-         force(t) = bounded(force(t) + omega*(b(t) - dot_product(a(:, t), force))/a(t, t), friction(n)*force(n))
-      end do
+      associate (a => problem%compliance)
+         do n = 1, problem%n_points
+            t = n + problem%n_points
+            force(n) = max(0.0_dp, force(n) + omega*(b(n) - dot_product(a(:, n), force))/a(n, n))
+            force(t) = bounded(force(t) + omega*(b(t) - dot_product(a(:, t), force))/a(t, t), &
+               problem%slip_bound(n) + problem%friction(n)*force(n))
+         end do
+      end associate
    end subroutine sweep_forces
 
    !> Sweeps in the displacements (Raous's form): no inverse is needed, and a body that only contact holds is as good
@@ -112,8 +114,8 @@ contains
             force = q(n) - dot_product(s(:, n), v)
             step = min(v(n) + omega*force/s(n, n), problem%gap(n)) - v(n)
             v(n) = v(n) + step
-            bound = 0.0_dp
-            if (.not. v(n) < problem%gap(n)) bound = problem%friction(n)*max(0.0_dp, force - s(n, n)*step)
+            bound = problem%slip_bound(n)
+            if (.not. v(n) < problem%gap(n)) bound = bound + problem%friction(n)*max(0.0_dp, force - s(n, n)*step)
             force = q(t) - dot_product(s(:, t), v)
             v(t) = shrunk(v(t) + omega*force/s(t, t), omega*bound/s(t, t))
          end do
@@ -138,7 +140,7 @@ contains
       m = problem%n_points
       force = problem%load - matmul(problem%stiffness, displacement)
       force(:m) = merge(0.0_dp, max(0.0_dp, force(:m)), displacement(:m) < problem%gap)
-      force(m + 1:) = bounded(force(m + 1:), problem%friction*force(:m))
+      force(m + 1:) = bounded(force(m + 1:), problem%bound(force(:m)))
    end function contact_forces
 
 end module amontons_psor

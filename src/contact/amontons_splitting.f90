@@ -67,7 +67,7 @@ contains
             call tangential_step(problem, b(m + 1:), normal, tangential)
             call clipped_normal_step(problem, factor, b(:m), tangential, normal)
          case ('printed')
-            call printed_tangential_step(schur, b(m + 1:), problem%friction*normal, tangential)
+            call printed_tangential_step(schur, b(m + 1:), problem%bound(normal), tangential)
             call clipped_normal_step(problem, factor, b(:m), tangential, normal)
          case default
             call tangential_step(problem, b(m + 1:), normal, tangential)
@@ -94,7 +94,7 @@ contains
 
       m = problem%n_points
       associate (a21 => problem%compliance(m + 1:, :m), a22 => problem%compliance(m + 1:, m + 1:), &
-         bound => problem%friction*normal)
+         bound => problem%bound(normal))
          call solve_box_program(a22, b2 - matmul(a21, normal), -bound, bound, tangential)
       end associate
    end subroutine tangential_step

@@ -1,0 +1,96 @@
+!> Tables of two columns in text files: a row a line, numbers separated by blanks, commas, semicolons or tabs.
+module amontons_number_table
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_text, only: read_real, to_text
+   use amontons_text_file, only: read_text_file
+   implicit none (type, external)
+   private
+
+   public :: beside, read_number_table
+
+contains
+
+   !> Name of a file as seen from the directory of another one; a name from the root on stays as it is.
+   pure function beside(reference, file) result(path)
+      character(*), intent(in) :: reference !! name of the other file
+      character(*), intent(in) :: file !! name as written
+      character(:), allocatable :: path
+
+      path = file
+      if (index(file, '/') /= 1) path = reference(:index(reference, '/', back=.true.))//file
+   end function beside
+
+   !> Reads a table. Empty lines, and lines that begin with `#`, are passed over; so is a first line of headings.
+   subroutine read_number_table(table, file, error)
+      real(dp), allocatable, intent(out) :: table(:, :) !! the table (2, rows), two rows at the least
+      character(*), intent(in) :: file !! name of the file
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be read, or a row is no pair of numbers
+      character(:), allocatable :: text
+      real(dp), allocatable :: rows(:, :)
+      real(dp) :: pair(2)
+      integer :: first, last, line, n_rows
+      logical :: is_pair, is_empty
+
+      call read_text_file(file, text, error)
+      if (allocated(error)) return
+      allocate (rows(2, count_lines(text)))
+      n_rows = 0
+      first = 1
+      line = 0
+      do while (first <= len(text))
+         line = line + 1
+         last = first + index(text(first:)//new_line('a'), new_line('a')) - 2
+         call read_pair(text(first:min(last, len(text))), pair, is_pair, is_empty)
+         first = last + 2
+         if (is_pair) then
+            n_rows = n_rows + 1
+            rows(:, n_rows) = pair
+         else if (.not. is_empty .and. line > 1) then
+            call new_error(error, input_refused, file//':'//to_text(line)//': expected two numbers')
+            return
+         end if
+      end do
+      table = rows(:, :n_rows)
+      if (n_rows < 2) call new_error(error, input_refused, file//': expected two rows of two numbers at the least')
+   end subroutine read_number_table
+
+   !> Number of lines of a text.
+   pure integer function count_lines(text)
+      character(*), intent(in) :: text !! the text
+      integer :: i
+
+      count_lines = 1
+      do i = 1, len(text)
+         if (text(i:i) == new_line('a')) count_lines = count_lines + 1
+      end do
+   end function count_lines
+
+   !> Reads a line of two numbers.
+   pure subroutine read_pair(line, pair, is_pair, is_empty)
+      character(*), intent(in) :: line !! the line
+      real(dp), intent(out) :: pair(2) !! the numbers
+      logical, intent(out) :: is_pair !! whether it holds two numbers and nothing else
+      logical, intent(out) :: is_empty !! whether it holds nothing, or a comment
+      character(*), parameter :: separators = ' ,;'//achar(9)//achar(13)
+      integer :: first, last, n_words
+
+      pair = 0.0_dp
+      is_pair = .true.
+      n_words = 0
+      first = verify(line, separators)
+      is_empty = first == 0
+      if (first > 0) is_empty = line(first:first) == '#'
+      do while (first > 0 .and. is_pair .and. .not. is_empty)
+         last = first + scan(line(first:)//' ', separators) - 2
+         n_words = n_words + 1
+         is_pair = n_words <= 2
+         if (is_pair) call read_real(line(first:last), pair(n_words), is_pair)
+         first = 0
+         if (last < len(line)) first = verify(line(last + 1:), separators)
+         if (first > 0) first = first + last
+      end do
+      is_pair = is_pair .and. n_words == 2
+   end subroutine read_pair
+
+end module amontons_number_table

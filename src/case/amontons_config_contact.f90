@@ -1,0 +1,94 @@
+!> The contact sets that a deck asks for.
+module amontons_config_contact
+   use amontons_contact_zone, only: contact_t
+   use amontons_deck, only: deck_t
+   use amontons_deck_rules, only: origin_of, read_table, require
+   use amontons_kinds, only: dp
+   use amontons_line_field, only: line_field_t
+   use amontons_obstacle, only: obstacle_names
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: read_contacts
+
+contains
+
+   !> Reads all `&contact`.
+   subroutine read_contacts(contacts, deck)
+      type(contact_t), allocatable, intent(out) :: contacts(:) !! the contact sets
+      type(deck_t), intent(inout) :: deck !! the deck
+      integer, allocatable :: groups(:)
+      integer :: i
+
+      groups = deck%groups('contact')
+      allocate (contacts(size(groups)))
+      do i = 1, size(groups)
+         call read_contact(contacts(i), deck, groups(i))
+      end do
+   end subroutine read_contacts
+
+   !> Reads one `&contact`.
+   subroutine read_contact(contact, deck, group)
+      type(contact_t), intent(inout) :: contact !! the contact set
+      type(deck_t), intent(inout) :: deck !! the deck
+      integer, intent(in) :: group !! the group
+      logical :: has_radius, has_direction
+      integer :: n_faults
+
+      n_faults = deck%n_faults()
+      contact%set = ''
+      contact%origin = origin_of(deck, group, 'set')
+      contact%obstacle%kind = trim(obstacle_names(1))
+      call deck%get(group, 'set', contact%set)
+      call deck%get(group, 'friction', contact%friction%value)
+      call deck%get(group, 'friction_slope', contact%friction%slope)
+      call read_table(deck, group, 'friction_table', contact%friction%table, contact%friction%file)
+      call deck%get(group, 'slip_bound', contact%slip_bound%value)
+      call deck%get(group, 'slip_bound_slope', contact%slip_bound%slope)
+      call read_table(deck, group, 'slip_bound_table', contact%slip_bound%table, contact%slip_bound%file)
+      call deck%get_word(group, 'obstacle', contact%obstacle%kind, obstacle_names)
+      call deck%get(group, 'point', contact%obstacle%point)
+      call deck%get(group, 'normal', contact%obstacle%normal)
+      call deck%get(group, 'radius', contact%obstacle%radius, has_radius)
+      call read_table(deck, group, 'line', contact%obstacle%line, contact%obstacle%file)
+      call deck%get(group, 'gap_direction', contact%direction, has_direction)
+      call deck%get(group, 'extra_gap', contact%extra_gap)
+      call deck%refuse_unknown(group)
+      if (deck%n_faults() > n_faults) return
+      if (len_trim(contact%set) == 0) call deck%fault(group, 'set', '&contact needs a set')
+      call require(deck, group, 'friction', contact%friction%value >= 0.0_dp .or. &
+         any(abs(contact%friction%slope) > 0.0_dp), 'be at least 0, found '//to_text(contact%friction%value))
+      call require(deck, group, 'normal', norm2(contact%obstacle%normal) > 0.0_dp, 'not be zero')
+      call require(deck, group, 'gap_direction', norm2(contact%direction) > 0.0_dp .or. .not. has_direction, 'not be zero')
+      call require(deck, group, 'radius', abs(contact%obstacle%radius) > 0.0_dp, 'not be zero')
+      call require(deck, group, 'radius', has_radius .eqv. is_curved(contact%obstacle%kind), &
+         'go with obstacle circle or parabola, and only with these')
+      call require(deck, group, 'line', len(contact%obstacle%file) > 0 .eqv. contact%obstacle%kind == 'polyline', &
+         'go with obstacle polyline, and only with it')
+      call require_ascending(deck, group, 'friction_table', contact%friction)
+      call require_ascending(deck, group, 'slip_bound_table', contact%slip_bound)
+   end subroutine read_contact
+
+   !> Records a fault where the stations of a table do not ascend.
+   subroutine require_ascending(deck, group, key, field)
+      type(deck_t), intent(inout) :: deck !! the deck
+      integer, intent(in) :: group !! the group
+      character(*), intent(in) :: key !! the key of the table
+      type(line_field_t), intent(in) :: field !! the quantity with the table
+      integer :: n
+
+      if (.not. allocated(field%table)) return
+      n = size(field%table, 2)
+      call require(deck, group, key, all(field%table(1, 2:) > field%table(1, :n - 1)), &
+         'have stations that ascend from row to row')
+   end subroutine require_ascending
+
+   !> Whether an obstacle has a radius.
+   pure logical function is_curved(kind)
+      character(*), intent(in) :: kind !! kind of obstacle
+
+      is_curved = kind == 'circle' .or. kind == 'parabola'
+   end function is_curved
+
+end module amontons_config_contact

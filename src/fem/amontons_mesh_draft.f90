@@ -1,0 +1,187 @@
+!> What a mesh file says, before it is checked and made a mesh: nodes and cells by their numbers in the file.
+module amontons_mesh_draft
+   use amontons_element, only: n_element_nodes
+   use amontons_integer_list, only: integer_list_t
+   use amontons_kinds, only: dp
+   use amontons_mesh_source, only: mesh_source_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: draft_group_t, line2, line3, mesh_draft_t, n_cell_nodes, point1
+
+   !> Kind of a cell that is a point; elements have the kinds of `amontons_element`, which are positive.
+   integer, parameter :: point1 = -1
+   !> Kind of a cell that is a line between two nodes.
+   integer, parameter :: line2 = -2
+   !> Kind of a cell that is a line between two nodes over a third.
+   integer, parameter :: line3 = -3
+
+   !> More named sets are refused: they would only slow down every search for one.
+   integer, parameter :: most_groups = 10000
+   !> A file may put this many things into sets, and one more for each of its bytes: ranges and sets of sets could
+   !> otherwise name more than any memory holds.
+   integer, parameter :: free_members = 1000000
+
+   !> A named set: of elements, of lines and sides, of nodes.
+   type :: draft_group_t
+      character(:), allocatable :: name !! its name
+      integer :: place = 0 !! where the file names it first
+      type(integer_list_t) :: cell !! its cells, and the cells whose sides are in it
+      type(integer_list_t) :: side !! the side of each that is in it, 0 for the cell itself
+      type(integer_list_t) :: node !! numbers of its nodes in the file
+   end type draft_group_t
+
+   !> The contents of a mesh file.
+   type :: mesh_draft_t
+      type(integer_list_t) :: node_tag !! number of each node in the file
+      type(integer_list_t) :: node_place !! where the file gives it
+      real(dp), allocatable :: coordinates(:, :) !! its coordinates (3, at least the number of nodes) [L]
+      type(integer_list_t) :: cell_tag !! number of each cell in the file
+      type(integer_list_t) :: cell_place !! where the file gives it
+      type(integer_list_t) :: cell_kind !! its kind
+      type(integer_list_t) :: cell_start !! where its nodes begin in `node`
+      type(integer_list_t) :: node !! nodes of the cells, by their numbers in the file
+      type(draft_group_t), allocatable :: groups(:) !! the named sets, and room for more
+      integer :: n_groups = 0 !! number of named sets
+      integer :: n_members = 0 !! number of things in all of them
+      logical :: nodes_name_sides = .false. !! whether a set of nodes also names the boundary sides between them
+   contains
+      procedure :: add_cell => mesh_draft_add_cell
+      procedure :: add_node => mesh_draft_add_node
+      procedure :: cell_nodes => mesh_draft_cell_nodes
+      procedure :: find_group => mesh_draft_find_group
+      procedure :: get_group => mesh_draft_get_group
+      procedure :: put_cells => mesh_draft_put_cells
+      procedure :: put_nodes => mesh_draft_put_nodes
+   end type mesh_draft_t
+
+contains
+
+   !> Number of nodes of a kind of cell.
+   elemental integer function n_cell_nodes(kind)
+      integer, intent(in) :: kind !! the kind
+
+      n_cell_nodes = -kind
+      if (kind > 0) n_cell_nodes = n_element_nodes(kind)
+   end function n_cell_nodes
+
+   !> Adds a node.
+   pure subroutine mesh_draft_add_node(self, tag, place, coordinates)
+      class(mesh_draft_t), intent(inout) :: self !! the draft
+      integer, intent(in) :: tag !! its number in the file
+      integer, intent(in) :: place !! where the file gives it
+      real(dp), intent(in) :: coordinates(3) !! its coordinates [L]
+      integer, parameter :: least_room = 16
+      real(dp), allocatable :: longer(:, :)
+      integer :: n
+
+      n = self%node_tag%n
+      if (.not. allocated(self%coordinates)) then
+         allocate (self%coordinates(3, least_room))
+      else if (n == size(self%coordinates, 2)) then
+         allocate (longer(3, n + n/2))
+         longer(:, :n) = self%coordinates
+         call move_alloc(longer, self%coordinates)
+      end if
+      self%coordinates(:, n + 1) = coordinates
+      call self%node_tag%append(tag)
+      call self%node_place%append(place)
+   end subroutine mesh_draft_add_node
+
+   !> Adds a cell.
+   pure subroutine mesh_draft_add_cell(self, kind, tag, place, nodes)
+      class(mesh_draft_t), intent(inout) :: self !! the draft
+      integer, intent(in) :: kind !! its kind
+      integer, intent(in) :: tag !! its number in the file
+      integer, intent(in) :: place !! where the file gives it
+      integer, intent(in) :: nodes(:) !! its nodes, by their numbers in the file
+
+      call self%cell_kind%append(kind)
+      call self%cell_tag%append(tag)
+      call self%cell_place%append(place)
+      call self%cell_start%append(self%node%n + 1)
+      call self%node%append_all(nodes)
+   end subroutine mesh_draft_add_cell
+
+   !> Nodes of a cell.
+   pure function mesh_draft_cell_nodes(self, cell) result(nodes)
+      class(mesh_draft_t), intent(in) :: self !! the draft
+      integer, intent(in) :: cell !! the cell
+      integer :: nodes(n_cell_nodes(self%cell_kind%item(cell)))
+
+      nodes = self%node%item(self%cell_start%item(cell):self%cell_start%item(cell) + size(nodes) - 1)
+   end function mesh_draft_cell_nodes
+
+   !> The named set of a name, 0 where there is none.
+   pure integer function mesh_draft_find_group(self, name) result(group)
+      class(mesh_draft_t), intent(in) :: self !! the draft
+      character(*), intent(in) :: name !! the name
+
+      do group = 1, self%n_groups
+         if (self%groups(group)%name == name) return
+      end do
+      group = 0
+   end function mesh_draft_find_group
+
+   !> The named set of a name; a new one where there is none.
+   pure subroutine mesh_draft_get_group(self, source, name, group)
+      class(mesh_draft_t), intent(inout) :: self !! the draft
+      type(mesh_source_t), intent(inout) :: source !! the file
+      character(*), intent(in) :: name !! the name
+      integer, intent(out) :: group !! the set
+
+      if (.not. allocated(self%groups)) allocate (self%groups(most_groups))
+      group = self%find_group(name)
+      if (group > 0) return
+      if (self%n_groups == most_groups) then
+         call source%refuse('more than '//to_text(most_groups)//' named sets')
+         group = 1
+         return
+      end if
+      self%n_groups = self%n_groups + 1
+      group = self%n_groups
+      self%groups(group)%name = name
+      self%groups(group)%place = source%position
+   end subroutine mesh_draft_get_group
+
+   !> Puts cells, or a side of each, into a named set.
+   pure subroutine mesh_draft_put_cells(self, source, group, cells, sides)
+      class(mesh_draft_t), intent(inout) :: self !! the draft
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(in) :: group !! the set
+      integer, intent(in) :: cells(:) !! the cells
+      integer, intent(in) :: sides(:) !! the side of each, 0 for the cell itself
+
+      call count_members(self, source, size(cells))
+      if (allocated(source%error)) return
+      call self%groups(group)%cell%append_all(cells)
+      call self%groups(group)%side%append_all(sides)
+   end subroutine mesh_draft_put_cells
+
+   !> Puts nodes into a named set.
+   pure subroutine mesh_draft_put_nodes(self, source, group, nodes)
+      class(mesh_draft_t), intent(inout) :: self !! the draft
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(in) :: group !! the set
+      integer, intent(in) :: nodes(:) !! the nodes, by their numbers in the file
+
+      call count_members(self, source, size(nodes))
+      if (.not. allocated(source%error)) call self%groups(group)%node%append_all(nodes)
+   end subroutine mesh_draft_put_nodes
+
+   !> Counts the members of all sets; refuses more than a file of this length may name.
+   pure subroutine count_members(draft, source, n_more)
+      type(mesh_draft_t), intent(inout) :: draft !! the draft
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(in) :: n_more !! number of members to come
+
+      if (n_more > free_members + len(source%text) - draft%n_members) then
+         call source%refuse('the sets name more than '//to_text(free_members + len(source%text))// &
+            ' things, more than a file of this size can mean')
+      else
+         draft%n_members = draft%n_members + n_more
+      end if
+   end subroutine count_members
+
+end module amontons_mesh_draft
