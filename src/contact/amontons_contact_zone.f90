@@ -40,44 +40,38 @@ module amontons_contact_zone
       real(dp), allocatable :: slip_bound(:) !! given bound g of the tangential force (m) [F]
       logical, allocatable :: is_guided(:) !! whether a support leaves it one direction and bears the shear (m)
       integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
+      integer, allocatable :: shared_node(:) !! corners of two contact sets: they belong to the set named first
    end type contact_zone_t
 
 contains
 
-   !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point.
+   !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point; a
+   !> corner of two contact sets belongs to the first of them.
    subroutine new_contact_zone(zone, mesh, materials, contacts, constraints, error)
       type(contact_zone_t), intent(out) :: zone !! the points; obstacles are set by `set_obstacles`
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(constraints_t), intent(in) :: constraints !! the supports
-      type(error_t), allocatable, intent(out) :: error !! a missing set, a node in two sets, or no point at all
+      type(error_t), allocatable, intent(out) :: error !! a missing set, or no point at all
       type(boundary_line_t), allocatable :: lines(:)
-      integer :: place(mesh%n_nodes), i, k, n
+      logical :: is_taken(mesh%n_nodes)
+      integer :: i, n
 
       allocate (lines(size(contacts)))
-      place = 0
       do i = 1, size(contacts)
          call new_boundary_line(lines(i), mesh, contacts(i)%set, error, materials)
-         if (allocated(error)) then
-            error%message = contacts(i)%origin//error%message
-            return
-         end if
-         do k = 1, lines(i)%n_nodes
-            if (place(lines(i)%node(k)) /= 0) then
-               call new_error(error, input_refused, contacts(i)%origin//'the node at '// &
-                  position_text(mesh, lines(i)%node(k))//' belongs to two contact sets')
-               return
-            end if
-            place(lines(i)%node(k)) = 1
-         end do
+         if (.not. allocated(error)) cycle
+         error%message = contacts(i)%origin//error%message
+         return
       end do
       n = sum(lines%n_nodes)
       allocate (zone%node(n), zone%set(n), zone%next(n), zone%normal(2, n), zone%weight(n), zone%area(n), &
-         zone%is_guided(n), &
-         zone%station(n), zone%held_node(0))
+         zone%is_guided(n), zone%station(n), zone%held_node(0), zone%shared_node(0))
+      is_taken = .false.
       do i = 1, size(contacts)
-         call add_line(zone, i, contacts(i)%direction, lines(i), mesh, constraints)
+         call add_line(zone, i, contacts(i)%direction, lines(i), mesh, constraints, is_taken)
+         is_taken(lines(i)%node) = .true.
       end do
       call trim_zone(zone)
       if (size(contacts) > 0 .and. zone%n_points == 0) call new_error(error, input_refused, contacts(1)%origin// &
@@ -94,13 +88,14 @@ contains
    end function position_text
 
    !> Adds the points of one line.
-   pure subroutine add_line(zone, set, direction, line, mesh, constraints)
+   pure subroutine add_line(zone, set, direction, line, mesh, constraints, is_taken)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
       real(dp), intent(in) :: direction(2) !! along which its gaps count; 0, 0 for the body's normal [-]
       type(boundary_line_t), intent(in) :: line !! its line
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
+      logical, intent(in) :: is_taken(:) !! whether a node belongs to an earlier contact set (nodes)
       real(dp) :: station, normal(2)
       integer :: point_of(line%n_nodes), k, p
 
@@ -109,6 +104,10 @@ contains
       do k = 1, line%n_nodes
          if (k > 1) station = station &
             + norm2(mesh%coordinates(:, line%node(k)) - mesh%coordinates(:, line%node(k - 1)))
+         if (is_taken(line%node(k))) then
+            zone%shared_node = [zone%shared_node, line%node(k)]
+            cycle
+         end if
          normal = line%normal(:, k)
          if (any(abs(direction) > 0.0_dp)) normal = direction/norm2(direction)
          if (is_held_normally(constraints, line%node(k), normal)) then

@@ -8,7 +8,7 @@ module amontons_mesh_draft
    implicit none (type, external)
    private
 
-   public :: draft_group_t, line2, line3, mesh_draft_t, n_cell_nodes, point1
+   public :: counted, draft_group_t, line2, line3, mesh_draft_t, n_cell_nodes, point1
 
    !> Kind of a cell that is a point; elements have the kinds of `amontons_element`, which are positive.
    integer, parameter :: point1 = -1
@@ -46,8 +46,10 @@ module amontons_mesh_draft
       integer :: n_groups = 0 !! number of named sets
       integer :: n_members = 0 !! number of things in all of them
       logical :: nodes_name_sides = .false. !! whether a set of nodes also names the boundary sides between them
+      character(:), allocatable :: notes !! what was put right or left out, a line of text for each
    contains
       procedure :: add_cell => mesh_draft_add_cell
+      procedure :: add_note => mesh_draft_add_note
       procedure :: add_node => mesh_draft_add_node
       procedure :: cell_nodes => mesh_draft_cell_nodes
       procedure :: find_group => mesh_draft_find_group
@@ -65,6 +67,28 @@ contains
       n_cell_nodes = -kind
       if (kind > 0) n_cell_nodes = n_element_nodes(kind)
    end function n_cell_nodes
+
+   !> A number of things in words: `1 node`, `2 nodes`.
+   pure function counted(n, thing) result(text)
+      integer, intent(in) :: n !! the number
+      character(*), intent(in) :: thing !! what one of them is
+      character(:), allocatable :: text
+
+      text = to_text(n)//' '//thing
+      if (n /= 1) text = text//'s'
+   end function counted
+
+   !> Adds a note.
+   pure subroutine mesh_draft_add_note(self, sentence)
+      class(mesh_draft_t), intent(inout) :: self !! the draft
+      character(*), intent(in) :: sentence !! what was put right or left out
+
+      if (allocated(self%notes)) then
+         self%notes = self%notes//new_line('a')//sentence
+      else
+         self%notes = sentence
+      end if
+   end subroutine mesh_draft_add_note
 
    !> Adds a node.
    pure subroutine mesh_draft_add_node(self, tag, place, coordinates)

@@ -16,6 +16,9 @@ module amontons_mesh_source
    !> Longer words are cut in messages.
    integer, parameter :: longest_word = 40
 
+   !> Larger files are refused: their bytes and the things they name are counted by default integers.
+   integer, parameter :: most_bytes = 2000000000
+
    !> A mesh file and a position in it.
    type :: mesh_source_t
       character(:), allocatable :: file !! name of the file
@@ -57,8 +60,8 @@ contains
       if (n_bytes == 0) then
          call new_error(error, input_refused, file//': this file is empty')
          return
-      else if (n_bytes >= huge(unit)) then
-         call new_error(error, input_refused, file//': this file is larger than 2 GB')
+      else if (n_bytes > most_bytes) then
+         call new_error(error, input_refused, file//': this file is larger than '//to_text(most_bytes/10**6)//' MB')
          return
       end if
       open (newunit=unit, file=file, status='old', action='read', access='stream', form='unformatted', &

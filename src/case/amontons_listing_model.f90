@@ -1,0 +1,175 @@
+!> The part of a listing that tells what was computed: mesh, materials, supports, contact sets, loads.
+module amontons_listing_model
+   use amontons_body, only: body_t
+   use amontons_config, only: config_t
+   use amontons_kinds, only: dp
+   use amontons_line_field, only: line_field_t
+   use amontons_listing_text, only: heading, line, pair, short
+   use amontons_loads, only: load_on_nodes, load_on_sides
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: loads_text, model_text
+
+contains
+
+   !> Mesh, material, supports and contact sets.
+   function model_text(config, body) result(text)
+      type(config_t), intent(in) :: config !! the case
+      type(body_t), intent(in) :: body !! the body
+      character(:), allocatable :: text
+      integer :: i
+
+      associate (r => config%rectangle)
+         text = heading('Model')// &
+            line('Rectangle', short(r%size(1))//' x '//short(r%size(2))//', '//to_text(r%cells(1))//' x '// &
+            to_text(r%cells(2))//' cells of '//r%element)// &
+            line('Nodes, elements', to_text(body%mesh%n_nodes)//', '//to_text(body%mesh%n_elements))// &
+            line('Unknowns', to_text(body%dof_map%n_dofs)//', of them '//to_text(body%dof_map%n_trailing)// &
+            ' on the contact line')
+      end associate
+      do i = 1, size(config%materials)
+         text = text//line('Material', material_text(config, i))
+      end do
+      do i = 1, size(config%supports)
+         text = text//line('Support', support_text(config, i))
+      end do
+      do i = 1, size(config%contacts)
+         text = text//line('Contact', contact_text(config, i))
+      end do
+      text = text//line('Contact points', to_text(body%zone%n_points))//notes_text(body)
+   end function model_text
+
+   !> What a material is.
+   pure function material_text(config, i) result(text)
+      type(config_t), intent(in) :: config !! the case
+      integer, intent(in) :: i !! which material
+      character(:), allocatable :: text
+
+      associate (material => config%materials(i))
+         text = material%hypothesis//', Young '//short(material%young)//', Poisson '//short(material%poisson)
+         if (.not. material%is_axisymmetric) text = text//', thickness '//short(material%thickness)
+         if (len(material%region) > 0) text = text//", region '"//material%region//"'"
+      end associate
+   end function material_text
+
+   !> What a support holds.
+   pure function support_text(config, i) result(text)
+      type(config_t), intent(in) :: config !! the case
+      integer, intent(in) :: i !! which support
+      character(:), allocatable :: text
+      character(2), parameter :: keys(4) = ['ux', 'uy', 'un', 'ut']
+      integer :: k
+
+      associate (support => config%supports(i))
+         if (len(support%set) > 0) then
+            text = "set '"//support%set//"'"
+         else
+            text = 'point '//pair(support%point)
+         end if
+         do k = 1, 4
+            if (support%is_held(k)) text = text//', '//keys(k)//' = '//short(support%displacement(k))
+         end do
+         if (any(support%spring > 0.0_dp)) text = text//', springs '//pair(support%spring)//' along normal and tangent'
+      end associate
+   end function support_text
+
+   !> What a contact set may touch, and how it rubs.
+   pure function contact_text(config, i) result(text)
+      type(config_t), intent(in) :: config !! the case
+      integer, intent(in) :: i !! which contact set
+      character(:), allocatable :: text
+
+      associate (contact => config%contacts(i), obstacle => config%contacts(i)%obstacle)
+         text = "set '"//contact%set//"'"//field_text('friction', contact%friction) &
+            //field_text('slip bound', contact%slip_bound)//', '//obstacle%kind//' at '//pair(obstacle%point) &
+            //' with normal '//pair(obstacle%normal)
+         if (obstacle%kind == 'circle' .or. obstacle%kind == 'parabola') text = text//', radius '//short(obstacle%radius)
+         if (obstacle%kind == 'polyline') text = text//', points of '//obstacle%file
+         if (any(abs(contact%direction) > 0.0_dp)) text = text//', gaps along '//pair(contact%direction)
+         if (abs(contact%extra_gap) > 0.0_dp) text = text//', extra gap '//short(contact%extra_gap)
+      end associate
+   end function contact_text
+
+   !> A quantity along a contact line; nothing where it is zero.
+   pure function field_text(name, field) result(text)
+      character(*), intent(in) :: name !! what it is
+      type(line_field_t), intent(in) :: field !! the quantity
+      character(:), allocatable :: text
+
+      text = ''
+      if (allocated(field%table)) then
+         text = ', '//name//' from '//field%file
+      else if (any(abs(field%slope) > 0.0_dp)) then
+         text = ', '//name//' '//short(field%value)//' + '//pair(field%slope)//' . (x, y)'
+      else if (abs(field%value) > 0.0_dp .or. name == 'friction') then
+         text = ', '//name//' '//short(field%value)
+      end if
+   end function field_text
+
+   !> What the reader must know of the contact points: what supports take over, overlap, free motions.
+   pure function notes_text(body) result(text)
+      type(body_t), intent(in) :: body !! the body
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      associate (zone => body%zone)
+         if (body%motions%n_free > 0) text = text//line('Note', 'the supports leave '//to_text(body%motions%n_free)// &
+            ' rigid motion(s) free; contact alone holds the body there')
+         do i = 1, size(zone%held_node)
+            text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%held_node(i)))// &
+               ' is no contact point: supports hold it')
+         end do
+         do i = 1, size(zone%shared_node)
+            text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%shared_node(i)))// &
+               ' is a corner of two contact sets; it belongs to the one named first')
+         end do
+         do i = 1, zone%n_points
+            if (zone%is_guided(i)) text = text//line('Note', 'the node at '// &
+               pair(body%mesh%coordinates(:, zone%node(i)))//' cannot slide: a support bears its tangential force')
+         end do
+         if (any(zone%gap < 0.0_dp)) text = text//line('Note', 'the body overlaps the obstacle by up to '// &
+            short(-minval(zone%gap))//' at the start')
+      end associate
+   end function notes_text
+
+   !> The loads.
+   pure function loads_text(config) result(text)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(config%loads)
+         text = text//line('Load', load_text(config, i))
+      end do
+   end function loads_text
+
+   !> What a load is.
+   pure function load_text(config, i) result(text)
+      type(config_t), intent(in) :: config !! the case
+      integer, intent(in) :: i !! which load
+      character(:), allocatable :: text
+
+      associate (load => config%loads(i))
+         text = ''
+         if (len(load%set) > 0) text = "set '"//load%set//"', "
+         if (len(load%region) > 0) text = "region '"//load%region//"', "
+         select case (load%target)
+         case (load_on_sides)
+            text = text//'traction '//pair(load%traction)//', pressure '//short(load%pressure)
+            if (any(abs(load%traction_slope) > 0.0_dp)) text = text//', traction slope '// &
+               pair(load%traction_slope(:, 1))//' along x, '//pair(load%traction_slope(:, 2))//' along y'
+            if (any(abs(load%pressure_slope) > 0.0_dp)) text = text//', pressure slope '//pair(load%pressure_slope)
+         case (load_on_nodes)
+            if (len(load%set) == 0) text = 'point '//pair(load%point)//', '
+            text = text//'force '//pair(load%force)
+         case default
+            text = text//'body force '//pair(load%body_force)
+         end select
+      end associate
+   end function load_text
+
+end module amontons_listing_model

@@ -1,0 +1,305 @@
+!> Makes a mesh of a draft: what can be put right is, with a note; the rest is refused.
+module amontons_mesh_cleanup
+   use amontons_element, only: n_corners, n_element_nodes
+   use amontons_kinds, only: dp
+   use amontons_mesh, only: mesh_t
+   use amontons_mesh_draft, only: counted, mesh_draft_t, n_cell_nodes
+   use amontons_mesh_sets, only: name_sets
+   use amontons_mesh_source, only: mesh_source_t
+   use amontons_side_table, only: new_side_table, side_table_t
+   use amontons_tag_map, only: new_tag_map, tag_map_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: new_clean_mesh
+
+   !> The body may leave its plane by this much of its size, as rounding does.
+   real(dp), parameter :: flatness = 1.0e-9_dp
+   !> Larger coordinates are refused: their products overflow.
+   real(dp), parameter :: largest_coordinate = 1.0e100_dp
+
+contains
+
+   !> Makes a mesh of a draft. Faults go to the source, notes to the draft.
+   pure subroutine new_clean_mesh(mesh, draft, source)
+      type(mesh_t), intent(out) :: mesh !! the mesh
+      type(mesh_draft_t), intent(inout) :: draft !! the draft; its cells name their nodes by place on return
+      type(mesh_source_t), intent(inout) :: source !! the file
+      type(tag_map_t) :: node_map
+      type(side_table_t) :: table
+      integer, allocatable :: cell_of(:), node_of(:)
+      logical, allocatable :: is_turned(:)
+
+      call check_tags(draft, source)
+      if (allocated(source%error)) return
+      call new_tag_map(node_map, draft%node_tag%items())
+      call find_nodes(draft, node_map, source)
+      if (allocated(source%error)) return
+      call connect_elements(mesh, draft, source, cell_of)
+      if (allocated(source%error)) return
+      call place_nodes(mesh, draft, source, node_of)
+      if (allocated(source%error)) return
+      call turn_elements(mesh, draft, source, cell_of, is_turned)
+      if (allocated(source%error)) return
+      call check_neighbours(mesh, draft, source, cell_of, table)
+      if (allocated(source%error)) return
+      call name_sets(mesh, draft, source, table, node_map, node_of, cell_of, is_turned)
+   end subroutine new_clean_mesh
+
+   !> Refuses numbers of nodes and of cells that are not positive or given twice.
+   pure subroutine check_tags(draft, source)
+      type(mesh_draft_t), intent(in) :: draft !! the draft
+      type(mesh_source_t), intent(inout) :: source !! the file
+
+      call check_tags_of('node', draft%node_tag%items(), draft%node_place%items())
+      call check_tags_of('element', draft%cell_tag%items(), draft%cell_place%items())
+
+   contains
+
+      !> Refuses numbers of one kind of thing.
+      pure subroutine check_tags_of(thing, tags, places)
+         character(*), intent(in) :: thing !! what the things are
+         integer, intent(in) :: tags(:) !! their numbers
+         integer, intent(in) :: places(:) !! where the file gives them
+         type(tag_map_t) :: map
+         integer :: item
+
+         item = findloc(tags < 1, .true., dim=1)
+         if (item > 0) call source%refuse('the number of '//thing//' '//to_text(tags(item))//' is not positive', &
+            places(item))
+         if (allocated(source%error)) return
+         call new_tag_map(map, tags)
+         item = map%repeated()
+         if (item > 0) call source%refuse(thing//' '//to_text(tags(item))//' is given a second time', places(item))
+      end subroutine check_tags_of
+
+   end subroutine check_tags
+
+   !> Replaces the numbers of the cells' nodes by places in the list of nodes.
+   pure subroutine find_nodes(draft, node_map, source)
+      type(mesh_draft_t), intent(inout) :: draft !! the draft
+      type(tag_map_t), intent(in) :: node_map !! from the numbers of the nodes to their places
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer :: cell, first, i, last, node
+
+      do cell = 1, draft%cell_tag%n
+         first = draft%cell_start%item(cell)
+         last = first + n_cell_nodes(draft%cell_kind%item(cell)) - 1
+         do i = first, last
+            node = node_map%find(draft%node%item(i))
+            if (node == 0) then
+               call refuse('names node '//to_text(draft%node%item(i))//', which the file does not give')
+            else if (any(draft%node%item(first:i - 1) == node)) then
+               call refuse('names node '//to_text(draft%node%item(i))//' twice')
+            end if
+            if (allocated(source%error)) return
+            draft%node%item(i) = node
+         end do
+      end do
+
+   contains
+
+      !> Refuses the cell.
+      pure subroutine refuse(sentence)
+         character(*), intent(in) :: sentence !! what it does
+
+         call source%refuse('element '//to_text(draft%cell_tag%item(cell))//' '//sentence, draft%cell_place%item(cell))
+      end subroutine refuse
+
+   end subroutine find_nodes
+
+   !> Makes elements of the cells that are no points and no lines; their nodes are places in the list of nodes still.
+   pure subroutine connect_elements(mesh, draft, source, cell_of)
+      type(mesh_t), intent(inout) :: mesh !! the mesh
+      type(mesh_draft_t), intent(in) :: draft !! the draft
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, allocatable, intent(out) :: cell_of(:) !! cell of each element (n_elements)
+      integer :: cell, element, first, n
+
+      if (draft%cell_tag%n > 0) then
+         cell_of = pack([(cell, cell=1, draft%cell_tag%n)], draft%cell_kind%items() > 0)
+      else
+         allocate (cell_of(0))
+      end if
+      mesh%n_elements = size(cell_of)
+      if (mesh%n_elements == 0) then
+         call source%refuse('the file holds no triangles and no quadrilaterals', len(source%text))
+         return
+      end if
+      allocate (mesh%node_start(mesh%n_elements + 1))
+      mesh%element_kind = draft%cell_kind%item(cell_of)
+      mesh%node_start(1) = 1
+      do element = 1, mesh%n_elements
+         mesh%node_start(element + 1) = mesh%node_start(element) + n_element_nodes(mesh%element_kind(element))
+      end do
+      allocate (mesh%node(mesh%node_start(mesh%n_elements + 1) - 1))
+      do element = 1, mesh%n_elements
+         first = draft%cell_start%item(cell_of(element))
+         n = n_element_nodes(mesh%element_kind(element))
+         mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1) = draft%node%item(first:first + n - 1)
+      end do
+   end subroutine connect_elements
+
+   !> Keeps the nodes that elements have, which must lie in a plane z = constant.
+   pure subroutine place_nodes(mesh, draft, source, node_of)
+      type(mesh_t), intent(inout) :: mesh !! the mesh, its elements connected; they get the mesh's node numbers
+      type(mesh_draft_t), intent(inout) :: draft !! the draft
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, allocatable, intent(out) :: node_of(:) !! node of the mesh of each node of the draft, 0 for none
+      integer, allocatable :: kept(:)
+      integer :: node
+
+      allocate (node_of(draft%node_tag%n), source=0)
+      node_of(mesh%node) = 1
+      kept = pack([(node, node=1, size(node_of))], node_of > 0)
+      mesh%n_nodes = size(kept)
+      if (mesh%n_nodes < size(node_of)) call draft%add_note( &
+         counted(size(node_of) - mesh%n_nodes, 'node')//' without an element left out')
+      node_of(kept) = [(node, node=1, mesh%n_nodes)]
+      mesh%node = node_of(mesh%node)
+      call check_plane(draft, kept, source)
+      mesh%coordinates = draft%coordinates(:2, kept)
+   end subroutine place_nodes
+
+   !> Refuses nodes that are out of range or out of the plane of the first.
+   pure subroutine check_plane(draft, kept, source)
+      type(mesh_draft_t), intent(in) :: draft !! the draft
+      integer, intent(in) :: kept(:) !! the nodes to look at
+      type(mesh_source_t), intent(inout) :: source !! the file
+      real(dp) :: lowest(3), highest(3), x(3), allowed
+      integer :: i, node
+
+      lowest = largest_coordinate
+      highest = -largest_coordinate
+      do i = 1, size(kept)
+         x = draft%coordinates(:, kept(i))
+         if (any(abs(x) > largest_coordinate)) then
+            call source%refuse('the coordinates of node '//to_text(draft%node_tag%item(kept(i)))//' are out of range', &
+               draft%node_place%item(kept(i)))
+            return
+         end if
+         lowest = min(lowest, x)
+         highest = max(highest, x)
+      end do
+      allowed = flatness*maxval(highest(:2) - lowest(:2))
+      if (highest(3) - lowest(3) <= allowed) return
+      node = findloc(abs(draft%coordinates(3, kept) - draft%coordinates(3, kept(1))) > 0.5_dp*allowed, .true., dim=1)
+      call source%refuse('node '//to_text(draft%node_tag%item(kept(node)))//' lies at z = '// &
+         to_text(draft%coordinates(3, kept(node)))//', node '//to_text(draft%node_tag%item(kept(1)))//' at z = '// &
+         to_text(draft%coordinates(3, kept(1)))//': the body must lie in a plane z = constant', &
+         draft%node_place%item(kept(node)))
+   end subroutine check_plane
+
+   !> Turns the clockwise elements round; refuses linear ones whose corners do not go round a convex area.
+   pure subroutine turn_elements(mesh, draft, source, cell_of, is_turned)
+      type(mesh_t), intent(inout) :: mesh !! the mesh
+      type(mesh_draft_t), intent(inout) :: draft !! the draft
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(in) :: cell_of(:) !! cell of each element (n_elements)
+      logical, allocatable, intent(out) :: is_turned(:) !! whether an element was turned (n_elements)
+      real(dp) :: x(2, 4)
+      integer :: element, first, n
+
+      allocate (is_turned(mesh%n_elements))
+      do element = 1, mesh%n_elements
+         first = mesh%node_start(element)
+         n = n_corners(mesh%element_kind(element))
+         x(:, :n) = mesh%coordinates(:, mesh%node(first:first + n - 1))
+         is_turned(element) = doubled_area(x(:, :n)) < 0.0_dp
+         if (is_turned(element)) then
+            call turn(mesh%node(first:mesh%node_start(element + 1) - 1), n)
+            x(:, 2:n) = x(:, n:2:-1)
+         end if
+         if (.not. doubled_area(x(:, :n)) > 0.0_dp .or. (n == n_element_nodes(mesh%element_kind(element)) &
+            .and. .not. is_convex(x(:, :n)))) then
+            call source%refuse('element '//to_text(draft%cell_tag%item(cell_of(element)))// &
+               ' is degenerate: its corners must go round a convex area', draft%cell_place%item(cell_of(element)))
+            return
+         end if
+      end do
+      if (any(is_turned)) call draft%add_note(counted(count(is_turned), 'clockwise element')//' turned round')
+   end subroutine turn_elements
+
+   !> Twice the area that corners go round, negative where they go clockwise [L^2].
+   pure real(dp) function doubled_area(x)
+      real(dp), intent(in) :: x(:, :) !! coordinates of three or four corners (2, corners) [L]
+
+      if (size(x, 2) == 3) then
+         doubled_area = cross(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))
+      else
+         doubled_area = cross(x(:, 3) - x(:, 1), x(:, 4) - x(:, 2))
+      end if
+   end function doubled_area
+
+   !> Whether corners go round a convex area, to the left at each of them.
+   pure logical function is_convex(x)
+      real(dp), intent(in) :: x(:, :) !! coordinates of the corners (2, corners) [L]
+      integer :: i, n
+
+      n = size(x, 2)
+      is_convex = .true.
+      do i = 1, n
+         is_convex = is_convex .and. &
+            cross(x(:, mod(i, n) + 1) - x(:, i), x(:, mod(i + 1, n) + 1) - x(:, mod(i, n) + 1)) > 0.0_dp
+      end do
+   end function is_convex
+
+   !> The component of a cross product that is normal to the plane.
+   pure real(dp) function cross(a, b)
+      real(dp), intent(in) :: a(2) !! one vector
+      real(dp), intent(in) :: b(2) !! the other vector
+
+      cross = a(1)*b(2) - a(2)*b(1)
+   end function cross
+
+   !> Turns an element round its first corner: side i becomes side n + 1 - i.
+   pure subroutine turn(nodes, n)
+      integer, intent(inout) :: nodes(:) !! its nodes: corners, then middles of the sides, then the centre
+      integer, intent(in) :: n !! number of its corners
+
+      nodes(2:n) = nodes(n:2:-1)
+      if (size(nodes) >= 2*n) nodes(n + 1:2*n) = nodes(2*n:n + 1:-1)
+   end subroutine turn
+
+   !> Refuses elements that lie one over the other, and neighbours that differ about the middle of their side.
+   pure subroutine check_neighbours(mesh, draft, source, cell_of, table)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(mesh_draft_t), intent(in) :: draft !! the draft
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(in) :: cell_of(:) !! cell of each element (n_elements)
+      type(side_table_t), intent(out) :: table !! the sides of the elements
+      integer :: one(3), other(3), overlapping(2), side
+
+      call new_side_table(table, mesh, overlapping)
+      if (overlapping(1) > 0) then
+         call refuse(overlapping, 'lie one over the other')
+         return
+      end if
+      do side = 1, table%n_sides
+         associate (a => table%along(side), b => table%against(side))
+            if (a%element == 0 .or. b%element == 0) cycle
+            one = mesh%side(a%element, a%side)
+            other = mesh%side(b%element, b%side)
+            if (one(3) == other(3)) cycle
+            call refuse([a%element, b%element], 'share a side but not the node in its middle')
+            return
+         end associate
+      end do
+
+   contains
+
+      !> Refuses two elements.
+      pure subroutine refuse(elements, sentence)
+         integer, intent(in) :: elements(2) !! the elements
+         character(*), intent(in) :: sentence !! what they do
+         integer :: cells(2)
+
+         cells = cell_of(elements)
+         call source%refuse('the elements '//to_text(draft%cell_tag%item(minval(cells)))//' and '// &
+            to_text(draft%cell_tag%item(maxval(cells)))//' '//sentence, draft%cell_place%item(maxval(cells)))
+      end subroutine refuse
+
+   end subroutine check_neighbours
+
+end module amontons_mesh_cleanup
