@@ -142,14 +142,31 @@ contains
       if (on_region) load%target = load_on_region
       call require(deck, group, 'traction', count([any(on_sides), on_nodes, on_region]) == 1, &
          'be given, or pressure, force or body_force; different kinds stand in groups of their own')
-      if (deck%n_faults() > n_faults) return
-      call require(deck, group, 'set', has_set .or. .not. any(on_sides), 'name the side that traction or pressure act on')
-      call require(deck, group, 'force', .not. on_nodes .or. (has_set .neqv. has_point), 'go with either set or point')
-      call require(deck, group, 'point', on_nodes .or. .not. has_point, 'go with force')
-      call require(deck, group, 'region', on_region .or. .not. has_region, 'go with body_force')
-      call require(deck, group, 'body_force', .not. (on_region .and. has_set), &
-         'not go with set: it acts on a region, or on the whole body')
-      call require(deck, group, 'set', .not. has_set .or. len_trim(load%set) > 0, 'not be empty')
+      if (deck%n_faults() == n_faults) call check_target(load, deck, group, has_set, has_point, has_region)
    end subroutine read_load
+
+   !> Checks that a load is told what it acts on, in the words that belong to its kind.
+   subroutine check_target(load, deck, group, has_set, has_point, has_region)
+      type(load_t), intent(in) :: load !! the load
+      type(deck_t), intent(inout) :: deck !! the deck
+      integer, intent(in) :: group !! the group
+      logical, intent(in) :: has_set !! whether it names a set
+      logical, intent(in) :: has_point !! whether it names a point
+      logical, intent(in) :: has_region !! whether it names a region
+
+      select case (load%target)
+      case (load_on_sides)
+         call require(deck, group, 'set', has_set, 'name the side that traction or pressure act on')
+         call require(deck, group, 'point', .not. has_point, 'go with force')
+         call require(deck, group, 'region', .not. has_region, 'go with body_force')
+      case (load_on_nodes)
+         call require(deck, group, 'force', has_set .neqv. has_point, 'go with either set or point')
+         call require(deck, group, 'region', .not. has_region, 'go with body_force')
+      case default
+         call require(deck, group, 'body_force', .not. (has_set .or. has_point), &
+            'not go with set or point: it acts on a region, or on the whole body')
+      end select
+      call require(deck, group, 'set', .not. has_set .or. len_trim(load%set) > 0, 'not be empty')
+   end subroutine check_target
 
 end module amontons_config_body

@@ -60,9 +60,10 @@ contains
       call require(deck, group, 'friction', contact%friction%value >= 0.0_dp .or. &
          any(abs(contact%friction%slope) > 0.0_dp), 'be at least 0, found '//to_text(contact%friction%value))
       call require(deck, group, 'normal', norm2(contact%obstacle%normal) > 0.0_dp, 'not be zero')
-      call require(deck, group, 'gap_direction', norm2(contact%direction) > 0.0_dp .or. .not. has_direction, 'not be zero')
+      call require(deck, group, 'gap_direction', norm2(contact%direction) > 0.0_dp .or. .not. has_direction, &
+         'not be zero')
       call require(deck, group, 'radius', abs(contact%obstacle%radius) > 0.0_dp, 'not be zero')
-      call require(deck, group, 'radius', has_radius .eqv. is_curved(contact%obstacle%kind), &
+      call require(deck, group, 'radius', has_radius .eqv. contact%obstacle%has_radius(), &
          'go with obstacle circle or parabola, and only with these')
       call require(deck, group, 'line', len(contact%obstacle%file) > 0 .eqv. contact%obstacle%kind == 'polyline', &
          'go with obstacle polyline, and only with it')
@@ -83,12 +84,5 @@ contains
       call require(deck, group, key, all(field%table(1, 2:) > field%table(1, :n - 1)), &
          'have stations that ascend from row to row')
    end subroutine require_ascending
-
-   !> Whether an obstacle has a radius.
-   pure logical function is_curved(kind)
-      character(*), intent(in) :: kind !! kind of obstacle
-
-      is_curved = kind == 'circle' .or. kind == 'parabola'
-   end function is_curved
 
 end module amontons_config_contact

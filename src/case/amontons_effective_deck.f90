@@ -140,12 +140,8 @@ contains
          text = '&contact set = '//quoted(contact%set)//field_text('friction', contact%friction) &
             //field_text('slip_bound', contact%slip_bound)//newline//'   obstacle = '//quoted(obstacle%kind) &
             //'  point = '//pair(obstacle%point)//'  normal = '//pair(obstacle%normal)
-         select case (obstacle%kind)
-         case ('circle', 'parabola')
-            text = text//'  radius = '//to_text(obstacle%radius)
-         case ('polyline')
-            text = text//'  line = '//quoted(obstacle%file)
-         end select
+         if (obstacle%has_radius()) text = text//'  radius = '//to_text(obstacle%radius)
+         if (obstacle%kind == 'polyline') text = text//'  line = '//quoted(obstacle%file)
          text = text//'  extra_gap = '//to_text(contact%extra_gap)
          if (any(abs(contact%direction) > 0.0_dp)) text = text//'  gap_direction = '//pair(contact%direction)
       end associate

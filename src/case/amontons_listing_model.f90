@@ -85,7 +85,7 @@ contains
          text = "set '"//contact%set//"'"//field_text('friction', contact%friction) &
             //field_text('slip bound', contact%slip_bound)//', '//obstacle%kind//' at '//pair(obstacle%point) &
             //' with normal '//pair(obstacle%normal)
-         if (obstacle%kind == 'circle' .or. obstacle%kind == 'parabola') text = text//', radius '//short(obstacle%radius)
+         if (obstacle%has_radius()) text = text//', radius '//short(obstacle%radius)
          if (obstacle%kind == 'polyline') text = text//', points of '//obstacle%file
          if (any(abs(contact%direction) > 0.0_dp)) text = text//', gaps along '//pair(contact%direction)
          if (abs(contact%extra_gap) > 0.0_dp) text = text//', extra gap '//short(contact%extra_gap)

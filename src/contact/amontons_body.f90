@@ -8,8 +8,8 @@ module amontons_body
    use amontons_contact_zone, only: contact_t, contact_zone_t, new_contact_zone
    use amontons_dof_map, only: dof_map_t, new_dof_map
    use amontons_error, only: error_t, new_error, numerical_failure
-   use amontons_kinds, only: dp
    use amontons_foundation, only: new_foundation, spring_side_t
+   use amontons_kinds, only: dp
    use amontons_material, only: material_t, materials_t, new_materials
    use amontons_mesh, only: mesh_t
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t

@@ -108,7 +108,8 @@ contains
       end do
       largest_force = maxval(abs(force))
       largest_displacement = maxval(abs(displacement))
-      associate (normal => force(:m), tangential => force(m + 1:), bound => zone%slip_bound + zone%friction*max(0.0_dp, force(:m)))
+      associate (normal => force(:m), tangential => force(m + 1:), &
+         bound => zone%slip_bound + zone%friction*max(0.0_dp, force(:m)))
          certificate%penetration = relative(max(0.0_dp, maxval(-distance)), largest_displacement)
          certificate%tension = relative(max(0.0_dp, maxval(-normal)), largest_force)
          certificate%friction_excess = relative(max(0.0_dp, maxval(abs(tangential) - bound)), largest_force)

@@ -162,7 +162,8 @@ contains
 
       m = self%n_points
       status = [(contact_status(force(p) + self%stiffness(p, p)*(displacement(p) - self%gap(p)), &
-         force(m + p) + self%stiffness(m + p, m + p)*displacement(m + p), self%friction(p), self%slip_bound(p)), p=1, m)]
+         force(m + p) + self%stiffness(m + p, m + p)*displacement(m + p), self%friction(p), &
+         self%slip_bound(p)), p=1, m)]
    end function contact_problem_status
 
 end module amontons_contact_problem

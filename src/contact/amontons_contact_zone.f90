@@ -4,8 +4,8 @@ module amontons_contact_zone
    use amontons_constraints, only: constraints_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_material, only: materials_t
    use amontons_line_field, only: line_field_t
+   use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: obstacle_t
    use amontons_text, only: to_text
@@ -168,7 +168,7 @@ contains
       type(contact_zone_t), intent(inout) :: zone !! the zone
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, in the order of `new_contact_zone`
-      type(error_t), allocatable, intent(out) :: error !! the boundary does not face its obstacle, or friction is negative
+      type(error_t), allocatable, intent(out) :: error !! a boundary that faces away, or a negative friction
       real(dp), parameter :: out_of_reach = 1.0e3_dp
       real(dp) :: size_of_body
       logical :: is_met(zone%n_points)

@@ -34,7 +34,8 @@ contains
 
    !> Status of a point from its augmented forces force + stiffness * displacement, as in Alart and Curnier's
    !> formulation: which bound of the law is active.
-   elemental integer function contact_status(augmented_normal, augmented_tangential, friction, slip_bound) result(status)
+   elemental integer function contact_status(augmented_normal, augmented_tangential, friction, slip_bound) &
+      result(status)
       real(dp), intent(in) :: augmented_normal !! lambda_N + rho (u_N - d) [F]
       real(dp), intent(in) :: augmented_tangential !! lambda_T + rho u_T [F]
       real(dp), intent(in) :: friction !! Coulomb coefficient phi [-]
@@ -52,7 +53,8 @@ contains
    end function contact_status
 
    !> How far a point is from fulfilling the law: the larger of
-   !> |lambda_N - max(0, lambda_N + rho_N w)| and |lambda_T - bounded(lambda_T + rho_T u_T, g + phi max(0, lambda_N))| [F].
+   !> |lambda_N - max(0, lambda_N + rho_N w)| and
+   !> |lambda_T - bounded(lambda_T + rho_T u_T, g + phi max(0, lambda_N))| [F].
    elemental real(dp) function law_violation(normal_force, distance, tangential_force, slip, friction, slip_bound, &
       rho_normal, rho_tangential) result(violation)
       real(dp), intent(in) :: normal_force !! lambda_N [F]

@@ -15,12 +15,13 @@ module amontons_obstacle
    !> A rigid obstacle.
    type :: obstacle_t
       character(:), allocatable :: kind !! one of `obstacle_names`
-      real(dp) :: point(2) = 0.0_dp !! origin of its frame, a point of its surface (of a polyline: where 0, 0 is put) [L]
+      real(dp) :: point(2) = 0.0_dp !! origin of its frame: a point of its surface, or where 0, 0 of a polyline is [L]
       real(dp) :: normal(2) = [0.0_dp, 1.0_dp] !! direction of its outward normal there; any length but zero [-]
       real(dp) :: radius = 1.0_dp !! radius of curvature at the point: circle and parabola; negative if hollow [L]
       real(dp), allocatable :: line(:, :) !! points (s, h) of a polyline, the free side on the left (2, points) [L]
       character(:), allocatable :: file !! the file of the polyline; empty or not allocated without one
    contains
+      procedure :: has_radius => obstacle_has_radius
       procedure :: measure => obstacle_measure
    end type obstacle_t
 
@@ -54,6 +55,13 @@ contains
          call enter_conic(0.0_dp, e(2), x(2), 1.0_dp, distance, is_met)
       end select
    end subroutine obstacle_measure
+
+   !> Whether an obstacle of this kind has a radius.
+   pure logical function obstacle_has_radius(self) result(has_radius)
+      class(obstacle_t), intent(in) :: self !! the obstacle
+
+      has_radius = self%kind == 'circle' .or. self%kind == 'parabola'
+   end function obstacle_has_radius
 
    !> The coordinates (s, h) of a vector in the frame of an axis.
    pure function in_frame(axis, vector) result(local)

@@ -16,7 +16,7 @@ module amontons_boundary
    type :: boundary_line_t
       integer :: n_nodes = 0 !! number of nodes
       integer, allocatable :: node(:) !! number of each node in the mesh (n_nodes)
-      real(dp), allocatable :: normal(:, :) !! unit outward normal, the mean weighted by the shape function (2, n_nodes) [-]
+      real(dp), allocatable :: normal(:, :) !! unit outward normal, a mean by the shape function (2, n_nodes) [-]
       real(dp), allocatable :: area(:) !! tributary area, where materials give the depth (n_nodes) [L^2]
       real(dp), allocatable :: weight(:) !! tributary length: integral of the node's shape function (n_nodes) [L]
       integer, allocatable :: next(:) !! place in this list of the node a side leads to, 0 for none (n_nodes)

@@ -120,7 +120,7 @@ contains
          call shape_quad4(xi, values(:4), derivatives(:, :4))
       case (quad8)
          call shape_quad8(xi, values(:8), derivatives(:, :8))
-      case (quad9)
+      case default
          call shape_quad9(xi, values, derivatives)
       end select
    end subroutine shape_functions
@@ -135,8 +135,8 @@ contains
    !> Six-node triangle: l_i (2 l_i - 1) at the corners, 4 l_i l_j on the sides, l the barycentric coordinates.
    pure subroutine shape_tri6(xi, values, derivatives)
       real(dp), intent(in) :: xi(2) !! reference coordinates [-]
-      real(dp), intent(out) :: values(6) !! the functions [-]
-      real(dp), intent(out) :: derivatives(2, 6) !! their derivatives [-]
+      real(dp), intent(out) :: values(:) !! the functions (nodes) [-]
+      real(dp), intent(out) :: derivatives(:, :) !! their derivatives (2, nodes) [-]
       real(dp) :: l(3), g(2, 3)
       integer :: i, j
 
@@ -154,8 +154,8 @@ contains
    !> Four-node quadrilateral: (1 + r_i r)(1 + s_i s)/4.
    pure subroutine shape_quad4(xi, values, derivatives)
       real(dp), intent(in) :: xi(2) !! reference coordinates [-]
-      real(dp), intent(out) :: values(4) !! the functions [-]
-      real(dp), intent(out) :: derivatives(2, 4) !! their derivatives [-]
+      real(dp), intent(out) :: values(:) !! the functions (nodes) [-]
+      real(dp), intent(out) :: derivatives(:, :) !! their derivatives (2, nodes) [-]
       real(dp) :: factor(2)
       integer :: i
 
@@ -169,8 +169,8 @@ contains
    !> Eight-node quadrilateral: the middles of the sides first, the corners what bilinearity leaves them.
    pure subroutine shape_quad8(xi, values, derivatives)
       real(dp), intent(in) :: xi(2) !! reference coordinates [-]
-      real(dp), intent(out) :: values(8) !! the functions [-]
-      real(dp), intent(out) :: derivatives(2, 8) !! their derivatives [-]
+      real(dp), intent(out) :: values(:) !! the functions (nodes) [-]
+      real(dp), intent(out) :: derivatives(:, :) !! their derivatives (2, nodes) [-]
       real(dp) :: bubble, linear
       integer :: i, along, across, before
 
@@ -194,8 +194,8 @@ contains
    !> Nine-node quadrilateral: products of quadratic Lagrange polynomials.
    pure subroutine shape_quad9(xi, values, derivatives)
       real(dp), intent(in) :: xi(2) !! reference coordinates [-]
-      real(dp), intent(out) :: values(9) !! the functions [-]
-      real(dp), intent(out) :: derivatives(2, 9) !! their derivatives [-]
+      real(dp), intent(out) :: values(:) !! the functions (nodes) [-]
+      real(dp), intent(out) :: derivatives(:, :) !! their derivatives (2, nodes) [-]
       real(dp) :: lagrange(2), slope(2)
       integer :: i
 

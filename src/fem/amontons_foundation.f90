@@ -11,11 +11,14 @@ module amontons_foundation
 
    public :: new_foundation, spring_side_t
 
+   !> Most unknowns of a side: two of each of three nodes.
+   integer, parameter :: max_unknowns = 6
+
    !> The springs of one side: a small stiffness on its nodes.
    type :: spring_side_t
       integer :: n_nodes = 0 !! number of nodes of the side, 2 or 3
       integer :: node(3) = 0 !! the nodes
-      real(dp) :: stiffness(6, 6) = 0.0_dp !! stiffness on x and y of each node [F/L]
+      real(dp) :: stiffness(max_unknowns, max_unknowns) = 0.0_dp !! stiffness on x and y of each node [F/L]
    end type spring_side_t
 
 contains
