@@ -5,16 +5,18 @@ module amontons_config
    use amontons_constraints, only: support_t
    use amontons_contact_zone, only: contact_t
    use amontons_deck, only: deck_t, read_deck
-   use amontons_deck_rules, only: require
+   use amontons_deck_rules, only: origin_of, require
    use amontons_element, only: element_names
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_t
    use amontons_material, only: material_t
    use amontons_methods, only: method_names, method_options_t
+   use amontons_number_table, only: beside
    use amontons_psor, only: space_names
    use amontons_rectangle, only: diagonal_names, rectangle_t
    use amontons_splitting, only: variant_names
+   use amontons_system, only: absolute_path
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -34,7 +36,9 @@ module amontons_config
       character(:), allocatable :: file !! name of the deck
       character(:), allocatable :: name !! name of the case, and of its files
       character(:), allocatable :: title !! what the case is about, for the listing
-      type(rectangle_t) :: rectangle !! the body
+      character(:), allocatable :: mesh_file !! name of the mesh file from the root on; empty for a rectangle
+      character(:), allocatable :: mesh_origin !! where the mesh file was specified, for messages: 'deck.nml:12: '
+      type(rectangle_t) :: rectangle !! the rectangle that is the body where there is no mesh file
       type(material_t), allocatable :: materials(:) !! its materials
       type(support_t), allocatable :: supports(:) !! its supports
       type(load_t), allocatable :: loads(:) !! its loads
@@ -62,7 +66,7 @@ contains
       end if
       call deck%refuse_unknown_groups(group_names, repeatable_names)
       call read_case(config, deck)
-      call read_mesh(config%rectangle, deck)
+      call read_mesh(config, deck)
       call read_materials(config%materials, deck)
       call read_supports(config%supports, deck)
       call read_loads(config%loads, deck)
@@ -100,35 +104,57 @@ contains
       has_unusable_character = any([(name(i:i) < blank .or. name(i:i) == '/', i=1, len(name))])
    end function has_unusable_character
 
-   !> Reads `&mesh`: the rectangle and its cells.
-   subroutine read_mesh(rectangle, deck)
-      type(rectangle_t), intent(inout) :: rectangle !! the rectangle
+   !> Reads `&mesh`: a rectangle and its cells, or a file.
+   subroutine read_mesh(config, deck)
+      type(config_t), intent(inout) :: config !! the case
       type(deck_t), intent(inout) :: deck !! the deck
       character(:), allocatable :: kind
       integer :: group, n_faults
-      logical :: has_size, has_cells
+      logical :: has_size, has_cells, has_file
 
       group = deck%group('mesh')
       ! A group that is missing may be the one whose name is a fault already.
       n_faults = merge(0, deck%n_faults(), group == 0)
       kind = 'rectangle'
-      rectangle%size = 0.0_dp
-      rectangle%cells = 0
-      rectangle%element = 'quad4'
-      rectangle%diagonal = 'right'
-      call deck%get_word(group, 'kind', kind, ['rectangle'])
-      call deck%get(group, 'size', rectangle%size, has_size)
-      call deck%get(group, 'cells', rectangle%cells, has_cells)
-      call deck%get_word(group, 'element', rectangle%element, element_names)
-      call deck%get_word(group, 'diagonal', rectangle%diagonal, diagonal_names)
-      call deck%get(group, 'grading', rectangle%grading)
+      config%mesh_file = ''
+      associate (rectangle => config%rectangle)
+         rectangle%size = 0.0_dp
+         rectangle%cells = 0
+         rectangle%element = 'quad4'
+         rectangle%diagonal = 'right'
+         call deck%get_word(group, 'kind', kind, [character(9) :: 'rectangle', 'file'])
+         call deck%get(group, 'file', config%mesh_file, has_file)
+         call deck%get(group, 'size', rectangle%size, has_size)
+         call deck%get(group, 'cells', rectangle%cells, has_cells)
+         call deck%get_word(group, 'element', rectangle%element, element_names)
+         call deck%get_word(group, 'diagonal', rectangle%diagonal, diagonal_names)
+         call deck%get(group, 'grading', rectangle%grading)
+      end associate
       call deck%refuse_unknown(group)
       if (deck%n_faults() > n_faults) return
-      if (.not. (has_size .and. has_cells)) call deck%fault(group, 'kind', '&mesh needs size and cells')
-      call require(deck, group, 'size', all(rectangle%size > 0.0_dp), 'be positive')
-      call require(deck, group, 'cells', all(rectangle%cells > 0), 'be positive')
-      call require(deck, group, 'grading', rectangle%grading > 0.0_dp, 'be positive')
+      if (kind == 'file') then
+         config%mesh_origin = origin_of(deck, group, 'file')
+         call require(deck, group, 'file', len_trim(config%mesh_file) > 0, "name the mesh of kind 'file'")
+         call require(deck, group, 'size', .not. (has_size .or. has_cells), "not go with kind 'file'")
+         if (len(config%mesh_file) > 0) config%mesh_file = absolute_path(beside(deck%file, config%mesh_file))
+      else
+         call require(deck, group, 'file', .not. has_file, "go with kind 'file'")
+         call check_rectangle(config%rectangle, deck, group, has_size .and. has_cells)
+      end if
    end subroutine read_mesh
+
+   !> Checks the numbers of a rectangle.
+   subroutine check_rectangle(rectangle, deck, group, is_given)
+      type(rectangle_t), intent(in) :: rectangle !! the rectangle
+      type(deck_t), intent(inout) :: deck !! the deck
+      integer, intent(in) :: group !! the group
+      logical, intent(in) :: is_given !! whether size and cells are given
+
+      if (.not. is_given) call deck%fault(group, 'kind', '&mesh needs size and cells')
+      call require(deck, group, 'size', .not. is_given .or. all(rectangle%size > 0.0_dp), 'be positive')
+      call require(deck, group, 'cells', .not. is_given .or. all(rectangle%cells > 0), 'be positive')
+      call require(deck, group, 'grading', rectangle%grading > 0.0_dp, 'be positive')
+   end subroutine check_rectangle
 
    !> Reads `&solver`: method, its options, factorisation.
    subroutine read_solver(config, deck)

@@ -61,6 +61,10 @@ contains
       type(config_t), intent(in) :: config !! the case
       character(:), allocatable :: text
 
+      if (len(config%mesh_file) > 0) then
+         text = "&mesh kind = 'file'  file = "//quoted(config%mesh_file)//' /'//newline
+         return
+      end if
       associate (r => config%rectangle)
          text = "&mesh kind = 'rectangle'  size = "//pair(r%size)//'  cells = '//to_text(r%cells(1))//', ' &
             //to_text(r%cells(2))//'  element = '//quoted(r%element)//'  diagonal = '//quoted(r%diagonal) &

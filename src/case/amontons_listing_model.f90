@@ -4,7 +4,7 @@ module amontons_listing_model
    use amontons_config, only: config_t
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
-   use amontons_listing_text, only: heading, line, pair, short
+   use amontons_listing_text, only: heading, line, newline, pair, short
    use amontons_loads, only: load_on_nodes, load_on_sides
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -22,13 +22,16 @@ contains
       integer :: i
 
       associate (r => config%rectangle)
-         text = heading('Model')// &
-            line('Rectangle', short(r%size(1))//' x '//short(r%size(2))//', '//to_text(r%cells(1))//' x '// &
-            to_text(r%cells(2))//' cells of '//r%element)// &
-            line('Nodes, elements', to_text(body%mesh%n_nodes)//', '//to_text(body%mesh%n_elements))// &
-            line('Unknowns', to_text(body%dof_map%n_dofs)//', of them '//to_text(body%dof_map%n_trailing)// &
-            ' on the contact line')
+         if (len(config%mesh_file) > 0) then
+            text = heading('Model')//line('Mesh', config%mesh_file)
+         else
+            text = heading('Model')//line('Rectangle', short(r%size(1))//' x '//short(r%size(2))//', ' &
+               //to_text(r%cells(1))//' x '//to_text(r%cells(2))//' cells of '//r%element)
+         end if
       end associate
+      text = text//line('Nodes, elements', to_text(body%mesh%n_nodes)//', '//to_text(body%mesh%n_elements))// &
+         line('Unknowns', to_text(body%dof_map%n_dofs)//', of them '//to_text(body%dof_map%n_trailing)// &
+         ' on the contact line')
       do i = 1, size(config%materials)
          text = text//line('Material', material_text(config, i))
       end do
@@ -38,7 +41,7 @@ contains
       do i = 1, size(config%contacts)
          text = text//line('Contact', contact_text(config, i))
       end do
-      text = text//line('Contact points', to_text(body%zone%n_points))//notes_text(body)
+      text = text//line('Contact points', to_text(body%zone%n_points))//mesh_notes_text(body)//notes_text(body)
    end function model_text
 
    !> What a material is.
@@ -107,6 +110,21 @@ contains
          text = ', '//name//' '//short(field%value)
       end if
    end function field_text
+
+   !> What was put right in the mesh file.
+   pure function mesh_notes_text(body) result(text)
+      type(body_t), intent(in) :: body !! the body
+      character(:), allocatable :: text
+      integer :: first, length
+
+      text = ''
+      first = 1
+      do while (first <= len(body%mesh_notes))
+         length = index(body%mesh_notes(first:)//newline, newline) - 1
+         text = text//line('Note', body%mesh_notes(first:first + length - 1))
+         first = first + length + 1
+      end do
+   end function mesh_notes_text
 
    !> What the reader must know of the contact points: what supports take over, overlap, free motions.
    pure function notes_text(body) result(text)

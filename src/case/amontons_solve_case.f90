@@ -16,6 +16,7 @@ module amontons_solve_case
    use amontons_lengths, only: new_lengths
    use amontons_loads, only: load_vector
    use amontons_mesh, only: mesh_t
+   use amontons_mesh_file, only: read_mesh_file
    use amontons_methods, only: new_contact_method
    use amontons_rectangle, only: new_rectangle_mesh
    use amontons_result, only: result_t
@@ -44,6 +45,7 @@ contains
       type(result_t), intent(out) :: result !! gains the loads
       type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are at fault
       type(mesh_t) :: mesh
+      character(:), allocatable :: notes
 
       call new_timings(result%timings)
       if (.not. has_body(workshop, config)) then
@@ -52,10 +54,11 @@ contains
          workshop%body_text = ''
          workshop%is_condensed = .false.
          allocate (workshop%body)
-         call new_rectangle_mesh(mesh, config%rectangle, error)
+         call new_mesh(mesh, notes, config, error)
          if (allocated(error)) return
          call new_body(workshop%body, mesh, config%materials, config%supports, config%contacts, error)
          if (allocated(error)) return
+         workshop%body%mesh_notes = notes
          workshop%body_text = body_text(config)
          workshop%first_case = config%name
          if (allocated(workshop%last_case)) deallocate (workshop%last_case)
@@ -69,6 +72,22 @@ contains
       end associate
       call result%timings%lap(phase_read)
    end subroutine prepare_case
+
+   !> Makes or reads the mesh of a case.
+   subroutine new_mesh(mesh, notes, config, error)
+      type(mesh_t), intent(out) :: mesh !! the mesh
+      character(:), allocatable, intent(out) :: notes !! what was put right in a file, a line of text for each
+      type(config_t), intent(in) :: config !! the case
+      type(error_t), allocatable, intent(out) :: error !! the file or the rectangle is at fault
+
+      notes = ''
+      if (len(config%mesh_file) > 0) then
+         call read_mesh_file(mesh, config%mesh_file, notes, error)
+         if (allocated(error)) error%message = config%mesh_origin//error%message
+      else
+         call new_rectangle_mesh(mesh, config%rectangle, error)
+      end if
+   end subroutine new_mesh
 
    !> Whether the body at hand is that of a case.
    pure logical function has_body(workshop, config)

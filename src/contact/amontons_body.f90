@@ -23,6 +23,7 @@ module amontons_body
    !> What many load cases share.
    type :: body_t
       type(mesh_t) :: mesh !! the mesh
+      character(:), allocatable :: mesh_notes !! what its reader put right, a line of text for each
       type(materials_t) :: materials !! the materials of the elements
       type(spring_side_t), allocatable :: springs(:) !! springs along sides
       logical :: is_axisymmetric = .false. !! whether it is a body of revolution
@@ -49,6 +50,7 @@ contains
       call mesh%check(error)
       if (allocated(error)) return
       body%mesh = mesh
+      body%mesh_notes = ''
       call new_materials(body%materials, materials, mesh, error)
       if (allocated(error)) return
       call new_coloring(body%coloring, mesh)
