@@ -122,8 +122,8 @@ contains
       call deck%refuse_unknown(group)
       if (deck%n_faults() > n_faults) return
       if (.not. (has_size .and. has_cells)) call deck%fault(group, 'kind', '&mesh needs size and cells')
-      call require(deck, group, 'size', all(rectangle%size > 0.0_dp), 'be positive')
-      call require(deck, group, 'cells', all(rectangle%cells > 0), 'be positive')
+      call require(deck, group, 'size', .not. has_size .or. all(rectangle%size > 0.0_dp), 'be positive')
+      call require(deck, group, 'cells', .not. has_cells .or. all(rectangle%cells > 0), 'be positive')
       call require(deck, group, 'grading', rectangle%grading > 0.0_dp, 'be positive')
    end subroutine read_mesh
 
