@@ -139,20 +139,21 @@ contains
          if (len(config%mesh_file) > 0) config%mesh_file = absolute_path(beside(deck%file, config%mesh_file))
       else
          call require(deck, group, 'file', .not. has_file, "go with kind 'file'")
-         call check_rectangle(config%rectangle, deck, group, has_size .and. has_cells)
+         call check_rectangle(config%rectangle, deck, group, has_size, has_cells)
       end if
    end subroutine read_mesh
 
    !> Checks the numbers of a rectangle.
-   subroutine check_rectangle(rectangle, deck, group, is_given)
+   subroutine check_rectangle(rectangle, deck, group, has_size, has_cells)
       type(rectangle_t), intent(in) :: rectangle !! the rectangle
       type(deck_t), intent(inout) :: deck !! the deck
       integer, intent(in) :: group !! the group
-      logical, intent(in) :: is_given !! whether size and cells are given
+      logical, intent(in) :: has_size !! whether the size is given
+      logical, intent(in) :: has_cells !! whether the cells are given
 
-      if (.not. is_given) call deck%fault(group, 'kind', '&mesh needs size and cells')
-      call require(deck, group, 'size', .not. is_given .or. all(rectangle%size > 0.0_dp), 'be positive')
-      call require(deck, group, 'cells', .not. is_given .or. all(rectangle%cells > 0), 'be positive')
+      if (.not. (has_size .and. has_cells)) call deck%fault(group, 'kind', '&mesh needs size and cells')
+      call require(deck, group, 'size', .not. has_size .or. all(rectangle%size > 0.0_dp), 'be positive')
+      call require(deck, group, 'cells', .not. has_cells .or. all(rectangle%cells > 0), 'be positive')
       call require(deck, group, 'grading', rectangle%grading > 0.0_dp, 'be positive')
    end subroutine check_rectangle
 

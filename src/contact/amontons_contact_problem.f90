@@ -4,6 +4,7 @@
 !> `S v = q - lambda` and the contact law. S is symmetric and positive semidefinite; its kernel are the rigid motions
 !> that only contact holds. All vectors list the m normal components first, the m tangential ones after them.
 module amontons_contact_problem
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_dense, only: cholesky_factor, cholesky_inverse, symmetric_multiply
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_friction_law, only: contact_status, law_violation
@@ -132,7 +133,8 @@ contains
    end function contact_problem_force_scale
 
    !> The residual of a pair (v, lambda): largest violation of `S v = q - lambda` and of the contact law, over the
-   !> force scale. It depends on no method and on no unit, and is zero at a solution only [-].
+   !> force scale. It depends on no method and on no unit, and is zero at a solution only; numbers that are not finite
+   !> make it huge [-].
    pure real(dp) function contact_problem_residual(self, displacement, force) result(residual)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
@@ -143,6 +145,9 @@ contains
       m = self%n_points
       call symmetric_multiply(self%stiffness, displacement, imbalance)
       imbalance = imbalance - self%load + force
+      ! maxval passes over what is not a number.
+      residual = huge(residual)
+      if (.not. all(ieee_is_finite(imbalance))) return
       violation = 0.0_dp
       do p = 1, m
          violation = max(violation, law_violation(force(p), displacement(p) - self%gap(p), force(m + p), &

@@ -6,8 +6,8 @@ module amontons_methods
    use amontons_fixed_point, only: fixed_point_t
    use amontons_kinds, only: dp
    use amontons_newton, only: newton_t
-   use amontons_psor, only: psor_t
-   use amontons_splitting, only: splitting_t
+   use amontons_psor, only: psor_t, space_names
+   use amontons_splitting, only: splitting_t, variant_names
    implicit none (type, external)
    private
 
@@ -33,24 +33,29 @@ contains
       class(contact_method_t), allocatable, intent(out) :: method !! the method
       type(method_options_t), intent(in) :: options !! which one, and its options
       type(error_t), allocatable, intent(out) :: error !! there is no such method
+      type(method_options_t) :: chosen
 
-      select case (options%method)
+      chosen = options
+      if (.not. allocated(chosen%method)) chosen%method = trim(method_names(1))
+      if (.not. allocated(chosen%variant)) chosen%variant = trim(variant_names(1))
+      if (.not. allocated(chosen%space)) chosen%space = trim(space_names(1))
+      select case (chosen%method)
       case ('auto')
          allocate (auto_t :: method)
       case ('newton')
          allocate (newton_t :: method)
       case ('splitting')
-         method = splitting_t(variant=options%variant)
+         method = splitting_t(variant=chosen%variant)
       case ('fixed_point')
          allocate (fixed_point_t :: method)
       case ('psor')
-         method = psor_t(omega=options%omega, space=options%space)
+         method = psor_t(omega=chosen%omega, space=chosen%space)
       case default
-         call new_error(error, input_refused, "no method is called '"//options%method//"'")
+         call new_error(error, input_refused, "no method is called '"//chosen%method//"'")
          return
       end select
-      method%tolerance = options%tolerance
-      method%max_iterations = options%max_iterations
+      method%tolerance = chosen%tolerance
+      method%max_iterations = chosen%max_iterations
    end subroutine new_contact_method
 
 end module amontons_methods

@@ -4,7 +4,7 @@ module amontons_mesh_cleanup
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
    use amontons_mesh_draft, only: counted, mesh_draft_t, n_cell_nodes
-   use amontons_mesh_sets, only: name_sets
+   use amontons_mesh_sets, only: name_sets, translation_t
    use amontons_mesh_source, only: mesh_source_t
    use amontons_side_table, only: new_side_table, side_table_t
    use amontons_tag_map, only: new_tag_map, tag_map_t
@@ -26,87 +26,79 @@ contains
       type(mesh_t), intent(out) :: mesh !! the mesh
       type(mesh_draft_t), intent(inout) :: draft !! the draft; its cells name their nodes by place on return
       type(mesh_source_t), intent(inout) :: source !! the file
-      type(tag_map_t) :: node_map
+      type(translation_t) :: translation
       type(side_table_t) :: table
-      integer, allocatable :: cell_of(:), node_of(:)
-      logical, allocatable :: is_turned(:)
+      integer, allocatable :: cell_of(:)
+      integer :: element
 
-      call check_tags(draft, source)
+      call check_tags(source, 'node', draft%node_tag%items(), draft%node_place%items())
+      call check_tags(source, 'element', draft%cell_tag%items(), draft%cell_place%items())
       if (allocated(source%error)) return
-      call new_tag_map(node_map, draft%node_tag%items())
-      call find_nodes(draft, node_map, source)
+      call new_tag_map(translation%place, draft%node_tag%items())
+      call find_nodes(draft, translation%place, source)
       if (allocated(source%error)) return
       call connect_elements(mesh, draft, source, cell_of)
       if (allocated(source%error)) return
-      call place_nodes(mesh, draft, source, node_of)
+      call place_nodes(mesh, draft, source, translation%node)
       if (allocated(source%error)) return
-      call turn_elements(mesh, draft, source, cell_of, is_turned)
+      call turn_elements(mesh, draft, source, cell_of, translation%is_turned)
       if (allocated(source%error)) return
       call check_neighbours(mesh, draft, source, cell_of, table)
       if (allocated(source%error)) return
-      call name_sets(mesh, draft, source, table, node_map, node_of, cell_of, is_turned)
+      allocate (translation%element(draft%cell_tag%n), source=0)
+      translation%element(cell_of) = [(element, element=1, mesh%n_elements)]
+      call name_sets(mesh, draft, source, table, translation)
    end subroutine new_clean_mesh
 
-   !> Refuses numbers of nodes and of cells that are not positive or given twice.
-   pure subroutine check_tags(draft, source)
-      type(mesh_draft_t), intent(in) :: draft !! the draft
+   !> Refuses numbers of nodes or of cells that are not positive or given twice.
+   pure subroutine check_tags(source, thing, tags, places)
       type(mesh_source_t), intent(inout) :: source !! the file
+      character(*), intent(in) :: thing !! what the things are
+      integer, intent(in) :: tags(:) !! their numbers
+      integer, intent(in) :: places(:) !! where the file gives them
+      type(tag_map_t) :: map
+      integer :: item
 
-      call check_tags_of('node', draft%node_tag%items(), draft%node_place%items())
-      call check_tags_of('element', draft%cell_tag%items(), draft%cell_place%items())
-
-   contains
-
-      !> Refuses numbers of one kind of thing.
-      pure subroutine check_tags_of(thing, tags, places)
-         character(*), intent(in) :: thing !! what the things are
-         integer, intent(in) :: tags(:) !! their numbers
-         integer, intent(in) :: places(:) !! where the file gives them
-         type(tag_map_t) :: map
-         integer :: item
-
-         item = findloc(tags < 1, .true., dim=1)
-         if (item > 0) call source%refuse('the number of '//thing//' '//to_text(tags(item))//' is not positive', &
-            places(item))
-         if (allocated(source%error)) return
-         call new_tag_map(map, tags)
-         item = map%repeated()
-         if (item > 0) call source%refuse(thing//' '//to_text(tags(item))//' is given a second time', places(item))
-      end subroutine check_tags_of
-
+      item = findloc(tags < 1, .true., dim=1)
+      if (item > 0) call source%refuse('the number of '//thing//' '//to_text(tags(item))//' is not positive', &
+         places(item))
+      if (allocated(source%error)) return
+      call new_tag_map(map, tags)
+      item = map%repeated()
+      if (item > 0) call source%refuse(thing//' '//to_text(tags(item))//' is given a second time', places(item))
    end subroutine check_tags
+
+   !> Refuses a cell.
+   pure subroutine refuse_cell(source, draft, cell, sentence)
+      type(mesh_source_t), intent(inout) :: source !! the file
+      type(mesh_draft_t), intent(in) :: draft !! the draft
+      integer, intent(in) :: cell !! the cell
+      character(*), intent(in) :: sentence !! what is wrong with it, behind its number
+
+      call source%refuse('element '//to_text(draft%cell_tag%item(cell))//' '//sentence, draft%cell_place%item(cell))
+   end subroutine refuse_cell
 
    !> Replaces the numbers of the cells' nodes by places in the list of nodes.
    pure subroutine find_nodes(draft, node_map, source)
       type(mesh_draft_t), intent(inout) :: draft !! the draft
       type(tag_map_t), intent(in) :: node_map !! from the numbers of the nodes to their places
       type(mesh_source_t), intent(inout) :: source !! the file
-      integer :: cell, first, i, last, node
+      integer :: cell, first, i, node, tag
 
       do cell = 1, draft%cell_tag%n
          first = draft%cell_start%item(cell)
-         last = first + n_cell_nodes(draft%cell_kind%item(cell)) - 1
-         do i = first, last
-            node = node_map%find(draft%node%item(i))
+         do i = first, first + n_cell_nodes(draft%cell_kind%item(cell)) - 1
+            tag = draft%node%item(i)
+            node = node_map%find(tag)
             if (node == 0) then
-               call refuse('names node '//to_text(draft%node%item(i))//', which the file does not give')
+               call refuse_cell(source, draft, cell, 'names node '//to_text(tag)//', which the file does not give')
             else if (any(draft%node%item(first:i - 1) == node)) then
-               call refuse('names node '//to_text(draft%node%item(i))//' twice')
+               call refuse_cell(source, draft, cell, 'names node '//to_text(tag)//' twice')
             end if
             if (allocated(source%error)) return
             draft%node%item(i) = node
          end do
       end do
-
-   contains
-
-      !> Refuses the cell.
-      pure subroutine refuse(sentence)
-         character(*), intent(in) :: sentence !! what it does
-
-         call source%refuse('element '//to_text(draft%cell_tag%item(cell))//' '//sentence, draft%cell_place%item(cell))
-      end subroutine refuse
-
    end subroutine find_nodes
 
    !> Makes elements of the cells that are no points and no lines; their nodes are places in the list of nodes still.
@@ -213,8 +205,8 @@ contains
          end if
          if (.not. doubled_area(x(:, :n)) > 0.0_dp .or. (n == n_element_nodes(mesh%element_kind(element)) &
             .and. .not. is_convex(x(:, :n)))) then
-            call source%refuse('element '//to_text(draft%cell_tag%item(cell_of(element)))// &
-               ' is degenerate: its corners must go round a convex area', draft%cell_place%item(cell_of(element)))
+            call refuse_cell(source, draft, cell_of(element), &
+               'is degenerate: its corners must go round a convex area')
             return
          end if
       end do
@@ -273,7 +265,8 @@ contains
 
       call new_side_table(table, mesh, overlapping)
       if (overlapping(1) > 0) then
-         call refuse(overlapping, 'lie one over the other')
+         call refuse_cell(source, draft, cell_of(overlapping(2)), 'lies over element '// &
+            to_text(draft%cell_tag%item(cell_of(overlapping(1)))))
          return
       end if
       do side = 1, table%n_sides
@@ -282,24 +275,11 @@ contains
             one = mesh%side(a%element, a%side)
             other = mesh%side(b%element, b%side)
             if (one(3) == other(3)) cycle
-            call refuse([a%element, b%element], 'share a side but not the node in its middle')
+            call refuse_cell(source, draft, cell_of(max(a%element, b%element)), 'shares a side with element '// &
+               to_text(draft%cell_tag%item(cell_of(min(a%element, b%element))))//' but not the node in its middle')
             return
          end associate
       end do
-
-   contains
-
-      !> Refuses two elements.
-      pure subroutine refuse(elements, sentence)
-         integer, intent(in) :: elements(2) !! the elements
-         character(*), intent(in) :: sentence !! what they do
-         integer :: cells(2)
-
-         cells = cell_of(elements)
-         call source%refuse('the elements '//to_text(draft%cell_tag%item(minval(cells)))//' and '// &
-            to_text(draft%cell_tag%item(maxval(cells)))//' '//sentence, draft%cell_place%item(maxval(cells)))
-      end subroutine refuse
-
    end subroutine check_neighbours
 
 end module amontons_mesh_cleanup

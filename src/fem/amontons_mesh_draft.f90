@@ -4,12 +4,14 @@ module amontons_mesh_draft
    use amontons_integer_list, only: integer_list_t
    use amontons_kinds, only: dp
    use amontons_mesh_source, only: mesh_source_t
-   use amontons_text, only: to_text
+   use amontons_text, only: lower_case, to_text
    implicit none (type, external)
    private
 
-   public :: counted, draft_group_t, line2, line3, mesh_draft_t, n_cell_nodes, point1
+   public :: counted, draft_group_t, line2, line3, mesh_draft_t, n_cell_nodes, no_cell, point1
 
+   !> Kind of a cell that is left out.
+   integer, parameter :: no_cell = 0
    !> Kind of a cell that is a point; elements have the kinds of `amontons_element`, which are positive.
    integer, parameter :: point1 = -1
    !> Kind of a cell that is a line between two nodes.
@@ -26,6 +28,7 @@ module amontons_mesh_draft
    !> A named set: of elements, of lines and sides, of nodes.
    type :: draft_group_t
       character(:), allocatable :: name !! its name
+      character(:), allocatable, private :: key !! what tells it from the others: the name, with or without its case
       integer :: place = 0 !! where the file names it first
       type(integer_list_t) :: cell !! its cells, and the cells whose sides are in it
       type(integer_list_t) :: side !! the side of each that is in it, 0 for the cell itself
@@ -45,6 +48,7 @@ module amontons_mesh_draft
       type(draft_group_t), allocatable :: groups(:) !! the named sets, and room for more
       integer :: n_groups = 0 !! number of named sets
       integer :: n_members = 0 !! number of things in all of them
+      logical :: ignores_case = .false. !! whether capital letters do not tell names apart
       logical :: nodes_name_sides = .false. !! whether a set of nodes also names the boundary sides between them
       character(:), allocatable :: notes !! what was put right or left out, a line of text for each
    contains
@@ -52,10 +56,9 @@ module amontons_mesh_draft
       procedure :: add_note => mesh_draft_add_note
       procedure :: add_node => mesh_draft_add_node
       procedure :: cell_nodes => mesh_draft_cell_nodes
+      procedure :: expect_members => mesh_draft_expect_members
       procedure :: find_group => mesh_draft_find_group
       procedure :: get_group => mesh_draft_get_group
-      procedure :: put_cells => mesh_draft_put_cells
-      procedure :: put_nodes => mesh_draft_put_nodes
    end type mesh_draft_t
 
 contains
@@ -137,13 +140,25 @@ contains
       nodes = self%node%item(self%cell_start%item(cell):self%cell_start%item(cell) + size(nodes) - 1)
    end function mesh_draft_cell_nodes
 
+   !> What tells a name from others.
+   pure function key_of(draft, name) result(key)
+      type(mesh_draft_t), intent(in) :: draft !! the draft
+      character(*), intent(in) :: name !! the name
+      character(:), allocatable :: key
+
+      key = name
+      if (draft%ignores_case) key = lower_case(name)
+   end function key_of
+
    !> The named set of a name, 0 where there is none.
    pure integer function mesh_draft_find_group(self, name) result(group)
       class(mesh_draft_t), intent(in) :: self !! the draft
       character(*), intent(in) :: name !! the name
+      character(:), allocatable :: key
 
+      key = key_of(self, name)
       do group = 1, self%n_groups
-         if (self%groups(group)%name == name) return
+         if (self%groups(group)%key == key) return
       end do
       group = 0
    end function mesh_draft_find_group
@@ -166,46 +181,23 @@ contains
       self%n_groups = self%n_groups + 1
       group = self%n_groups
       self%groups(group)%name = name
+      self%groups(group)%key = key_of(self, name)
       self%groups(group)%place = source%position
    end subroutine mesh_draft_get_group
 
-   !> Puts cells, or a side of each, into a named set.
-   pure subroutine mesh_draft_put_cells(self, source, group, cells, sides)
+   !> Must be asked before sets get things that are not all written out: a range or another set. Refuses more than a
+   !> file of this length may name.
+   pure subroutine mesh_draft_expect_members(self, source, n_more)
       class(mesh_draft_t), intent(inout) :: self !! the draft
       type(mesh_source_t), intent(inout) :: source !! the file
-      integer, intent(in) :: group !! the set
-      integer, intent(in) :: cells(:) !! the cells
-      integer, intent(in) :: sides(:) !! the side of each, 0 for the cell itself
+      integer, intent(in) :: n_more !! number of things to come
 
-      call count_members(self, source, size(cells))
-      if (allocated(source%error)) return
-      call self%groups(group)%cell%append_all(cells)
-      call self%groups(group)%side%append_all(sides)
-   end subroutine mesh_draft_put_cells
-
-   !> Puts nodes into a named set.
-   pure subroutine mesh_draft_put_nodes(self, source, group, nodes)
-      class(mesh_draft_t), intent(inout) :: self !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file
-      integer, intent(in) :: group !! the set
-      integer, intent(in) :: nodes(:) !! the nodes, by their numbers in the file
-
-      call count_members(self, source, size(nodes))
-      if (.not. allocated(source%error)) call self%groups(group)%node%append_all(nodes)
-   end subroutine mesh_draft_put_nodes
-
-   !> Counts the members of all sets; refuses more than a file of this length may name.
-   pure subroutine count_members(draft, source, n_more)
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file
-      integer, intent(in) :: n_more !! number of members to come
-
-      if (n_more > free_members + len(source%text) - draft%n_members) then
+      if (n_more > free_members + len(source%text) - self%n_members) then
          call source%refuse('the sets name more than '//to_text(free_members + len(source%text))// &
             ' things, more than a file of this size can mean')
       else
-         draft%n_members = draft%n_members + n_more
+         self%n_members = self%n_members + n_more
       end if
-   end subroutine count_members
+   end subroutine mesh_draft_expect_members
 
 end module amontons_mesh_draft

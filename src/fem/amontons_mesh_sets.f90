@@ -11,7 +11,18 @@ module amontons_mesh_sets
    implicit none (type, external)
    private
 
-   public :: name_sets
+   public :: name_sets, translation_t
+
+   !> Most sides of an element: a side is number `most_sides*(element - 1) + side`.
+   integer, parameter :: most_sides = 4
+
+   !> From the things of a draft to those of a mesh.
+   type :: translation_t
+      type(tag_map_t) :: place !! from the number of a node in the file to its place in the draft
+      integer, allocatable :: node(:) !! node of the mesh of each node of the draft, 0 for none
+      integer, allocatable :: element(:) !! element of each cell of the draft, 0 for none
+      logical, allocatable :: is_turned(:) !! whether an element runs round the other way than its cell (n_elements)
+   end type translation_t
 
    !> A set being collected: every member once, in the order found.
    type :: collection_t
@@ -23,11 +34,224 @@ module amontons_mesh_sets
       procedure :: put => collection_put
    end type collection_t
 
-   !> Why lines and sides of a set are no sides of the boundary.
-   type :: losses_t
-      integer :: n_inside = 0 !! number of those with elements on both sides
-      integer :: n_elsewhere = 0 !! number of those without any element
-   end type losses_t
+   !> Everything that one name stands for, and what of it could not be found.
+   type :: named_things_t
+      type(collection_t) :: sides !! numbers of sides
+      type(collection_t) :: nodes !! nodes
+      type(collection_t) :: elements !! elements
+      integer :: n_inside = 0 !! number of sides with elements on both sides
+      integer :: n_elsewhere = 0 !! number of lines without an element
+      integer :: n_unused = 0 !! number of nodes without an element
+   end type named_things_t
 
 contains
+
+   !> Begins another set.
+   pure subroutine collection_begin(self)
+      class(collection_t), intent(inout) :: self !! the collection
+
+      self%set = self%set + 1
+      self%members%n = 0
+   end subroutine collection_begin
+
+   !> Puts a thing into the set, unless it is there already.
+   pure subroutine collection_put(self, thing)
+      class(collection_t), intent(inout) :: self !! the collection
+      integer, intent(in) :: thing !! the thing
+
+      if (self%stamp(thing) == self%set) return
+      self%stamp(thing) = self%set
+      call self%members%append(thing)
+   end subroutine collection_put
+
+   !> Gives a mesh the named sets of a draft. Faults go to the source, notes to the draft.
+   pure subroutine name_sets(mesh, draft, source, table, translation)
+      type(mesh_t), intent(inout) :: mesh !! the mesh, complete but for its sets
+      type(mesh_draft_t), intent(inout) :: draft !! the draft
+      type(mesh_source_t), intent(inout) :: source !! the file
+      type(side_table_t), intent(in) :: table !! the sides of the elements
+      type(translation_t), intent(in) :: translation !! from the draft to the mesh
+      type(boundary_set_t), allocatable :: sets(:)
+      type(node_set_t), allocatable :: node_sets(:)
+      type(region_t), allocatable :: regions(:)
+      type(named_things_t) :: things
+      integer :: group, n_sets, n_node_sets, n_regions
+
+      allocate (things%sides%stamp(most_sides*mesh%n_elements), things%nodes%stamp(mesh%n_nodes), &
+         things%elements%stamp(mesh%n_elements), source=0)
+      allocate (sets(draft%n_groups), node_sets(draft%n_groups), regions(draft%n_groups))
+      n_sets = 0
+      n_node_sets = 0
+      n_regions = 0
+      do group = 1, draft%n_groups
+         call collect(things, mesh, draft, draft%groups(group), source, table, translation)
+         if (allocated(source%error)) return
+         associate (name => draft%groups(group)%name, sides => things%sides%members%items())
+            if (size(sides) > 0) then
+               n_sets = n_sets + 1
+               sets(n_sets) = boundary_set_t(name, (sides - 1)/most_sides + 1, mod(sides - 1, most_sides) + 1)
+            end if
+            if (things%nodes%members%n > 0) then
+               n_node_sets = n_node_sets + 1
+               node_sets(n_node_sets) = node_set_t(name, things%nodes%members%items())
+            end if
+            if (things%elements%members%n > 0) then
+               n_regions = n_regions + 1
+               regions(n_regions) = region_t(name, things%elements%members%items())
+            end if
+         end associate
+         call note_losses(draft, draft%groups(group)%name, things)
+      end do
+      mesh%sets = sets(:n_sets)
+      if (n_node_sets > 0) mesh%node_sets = node_sets(:n_node_sets)
+      if (n_regions > 0) mesh%regions = regions(:n_regions)
+   end subroutine name_sets
+
+   !> Collects everything that a group names.
+   pure subroutine collect(things, mesh, draft, group, source, table, translation)
+      type(named_things_t), intent(inout) :: things !! what it names
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(mesh_draft_t), intent(in) :: draft !! the draft
+      type(draft_group_t), intent(in) :: group !! the group
+      type(mesh_source_t), intent(inout) :: source !! the file
+      type(side_table_t), intent(in) :: table !! the sides of the elements
+      type(translation_t), intent(in) :: translation !! from the draft to the mesh
+      integer :: i, cell, node
+
+      call things%sides%begin()
+      call things%nodes%begin()
+      call things%elements%begin()
+      things%n_inside = 0
+      things%n_elsewhere = 0
+      things%n_unused = 0
+      do i = 1, group%cell%n
+         cell = group%cell%item(i)
+         if (group%side%item(i) > 0) then
+            call put_side(things, mesh, table, translation, cell, group%side%item(i))
+         else if (draft%cell_kind%item(cell) > 0) then
+            call things%elements%put(translation%element(cell))
+         else if (draft%cell_kind%item(cell) == point1) then
+            call put_node(things, translation%node(draft%node%item(draft%cell_start%item(cell))))
+         else
+            call put_line(things, mesh, draft, source, table, translation, cell)
+         end if
+      end do
+      do i = 1, group%node%n
+         node = translation%place%find(group%node%item(i))
+         if (node == 0) then
+            call source%refuse("the set '"//group%name//"' names node "//to_text(group%node%item(i))// &
+               ', which the file does not give', group%place)
+            return
+         end if
+         call put_node(things, translation%node(node))
+      end do
+      if (draft%nodes_name_sides .and. things%sides%members%n + things%n_inside == 0) &
+         call put_sides_between(things, mesh, table)
+   end subroutine collect
+
+   !> Puts a node into a set, if elements have it.
+   pure subroutine put_node(things, node)
+      type(named_things_t), intent(inout) :: things !! the set
+      integer, intent(in) :: node !! the node, 0 for one that no element has
+
+      if (node > 0) then
+         call things%nodes%put(node)
+      else
+         things%n_unused = things%n_unused + 1
+      end if
+   end subroutine put_node
+
+   !> Puts a side of a cell into a set, if it belongs to the boundary.
+   pure subroutine put_side(things, mesh, table, translation, cell, cell_side)
+      type(named_things_t), intent(inout) :: things !! the set
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(side_table_t), intent(in) :: table !! the sides of the elements
+      type(translation_t), intent(in) :: translation !! from the draft to the mesh
+      integer, intent(in) :: cell !! the cell
+      integer, intent(in) :: cell_side !! the side of the cell
+      type(side_of_element_t) :: left, right
+      integer :: element, side, corners(3)
+
+      element = translation%element(cell)
+      side = cell_side
+      if (translation%is_turned(element)) side = n_corners(mesh%element_kind(element)) + 1 - side
+      corners = mesh%side(element, side)
+      call table%find(corners(1), corners(2), left, right)
+      if (right%element > 0) then
+         things%n_inside = things%n_inside + 1
+      else
+         call things%sides%put(most_sides*(element - 1) + side)
+      end if
+   end subroutine put_side
+
+   !> Puts the side that a line carries into a set, if it belongs to the boundary.
+   pure subroutine put_line(things, mesh, draft, source, table, translation, cell)
+      type(named_things_t), intent(inout) :: things !! the set
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(mesh_draft_t), intent(in) :: draft !! the draft
+      type(mesh_source_t), intent(inout) :: source !! the file
+      type(side_table_t), intent(in) :: table !! the sides of the elements
+      type(translation_t), intent(in) :: translation !! from the draft to the mesh
+      integer, intent(in) :: cell !! the line
+      type(side_of_element_t) :: left, right
+      integer :: middle(3)
+
+      associate (nodes => translation%node(draft%cell_nodes(cell)))
+         if (all(nodes(:2) > 0)) call table%find(nodes(1), nodes(2), left, right)
+         if (left%element > 0 .and. right%element > 0) then
+            things%n_inside = things%n_inside + 1
+            return
+         end if
+         if (left%element == 0) left = right
+         if (left%element == 0) then
+            things%n_elsewhere = things%n_elsewhere + 1
+            return
+         end if
+         middle = mesh%side(left%element, left%side)
+         if (size(nodes) == 3 .and. middle(3) > 0) then
+            if (nodes(3) /= middle(3)) call source%refuse('line '//to_text(draft%cell_tag%item(cell))// &
+               ' has another middle node than the element at its side', draft%cell_place%item(cell))
+         end if
+         call things%sides%put(most_sides*(left%element - 1) + left%side)
+      end associate
+   end subroutine put_line
+
+   !> Puts the boundary sides all of whose nodes are in a set into the set.
+   pure subroutine put_sides_between(things, mesh, table)
+      type(named_things_t), intent(inout) :: things !! the set, its nodes complete
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(side_table_t), intent(in) :: table !! the sides of the elements
+      type(side_of_element_t) :: owner
+      integer :: i, place, nodes(3)
+
+      do i = 1, things%nodes%members%n
+         place = table%last(things%nodes%members%item(i))
+         do while (place > 0)
+            owner = table%boundary(place)
+            place = table%before(place)
+            if (owner%element == 0) cycle
+            nodes = mesh%side(owner%element, owner%side)
+            if (nodes(3) == 0) nodes(3) = nodes(1)
+            if (all(things%nodes%stamp(nodes) == things%nodes%set)) &
+               call things%sides%put(most_sides*(owner%element - 1) + owner%side)
+         end do
+      end do
+   end subroutine put_sides_between
+
+   !> Notes what a name stands for in the file and not in the mesh.
+   pure subroutine note_losses(draft, name, things)
+      type(mesh_draft_t), intent(inout) :: draft !! the draft
+      character(*), intent(in) :: name !! the name
+      type(named_things_t), intent(in) :: things !! what was found and what was not
+
+      if (things%n_inside > 0) call draft%add_note("set '"//name//"': "//counted(things%n_inside, 'side')// &
+         ' inside the body left out')
+      if (things%n_elsewhere > 0) call draft%add_note("set '"//name//"': "//counted(things%n_elsewhere, 'line')// &
+         ' without an element left out')
+      if (things%n_unused > 0) call draft%add_note("set '"//name//"': "//counted(things%n_unused, 'node')// &
+         ' without an element left out')
+      if (things%sides%members%n + things%nodes%members%n + things%elements%members%n &
+         + things%n_inside + things%n_elsewhere + things%n_unused == 0) call draft%add_note("set '"//name//"' left out: nothing of the body belongs to it")
+   end subroutine note_losses
+
 end module amontons_mesh_sets

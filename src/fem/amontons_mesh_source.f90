@@ -29,14 +29,17 @@ module amontons_mesh_source
       type(error_t), allocatable :: error !! the first fault, once there is one
    contains
       procedure :: check_count => mesh_source_check_count
+      procedure :: end_line => mesh_source_end_line
       procedure :: end_record => mesh_source_end_record
       procedure :: refuse => mesh_source_refuse
       procedure :: skip_blanks => mesh_source_skip_blanks
       procedure :: skip_white => mesh_source_skip_white
       procedure :: start_record => mesh_source_start_record
+      procedure :: take_count => mesh_source_take_count
       procedure :: take_integer => mesh_source_take_integer
       procedure :: take_line => mesh_source_take_line
       procedure :: take_real => mesh_source_take_real
+      procedure :: take_numeral => mesh_source_take_numeral
       procedure :: take_size => mesh_source_take_size
       procedure :: word => mesh_source_word
    end type mesh_source_t
@@ -160,7 +163,14 @@ contains
    pure subroutine mesh_source_end_record(self)
       class(mesh_source_t), intent(inout) :: self !! the file
 
-      if (self%is_binary .or. allocated(self%error)) return
+      if (.not. self%is_binary) call self%end_line()
+   end subroutine mesh_source_end_record
+
+   !> Moves to the next line of text; only blanks may be left on this one.
+   pure subroutine mesh_source_end_line(self)
+      class(mesh_source_t), intent(inout) :: self !! the file
+
+      if (allocated(self%error)) return
       call self%skip_blanks()
       if (self%position > len(self%text)) return
       if (self%text(self%position:self%position) == line_feed) then
@@ -168,7 +178,7 @@ contains
       else
          call self%refuse('expected the end of the line, found '//self%word())
       end if
-   end subroutine mesh_source_end_record
+   end subroutine mesh_source_end_line
 
    !> Takes the rest of a line of text, without blanks at its ends, and moves to the next line.
    pure subroutine mesh_source_take_line(self, line)
@@ -194,7 +204,6 @@ contains
       integer, intent(out) :: value !! the number, 0 where there is a fault
       character(*), intent(in) :: what !! what it means, for the message
       character(4) :: four_bytes
-      logical :: ok
 
       value = 0
       if (allocated(self%error)) return
@@ -203,13 +212,40 @@ contains
          value = transfer(four_bytes, value)
          if (value < -huge(value)) call self%refuse('expected '//what//', found a number out of range', &
             self%position - len(four_bytes))
+         if (allocated(self%error)) value = 0
       else
-         call self%skip_blanks()
-         call scan_integer(self%text, self%position, value, ok)
-         if (.not. ok) call self%refuse('expected '//what//', found '//self%word())
+         call self%take_numeral(value, what)
       end if
-      if (allocated(self%error)) value = 0
    end subroutine mesh_source_take_integer
+
+   !> Takes a word of text as an integer, even in a binary file.
+   pure subroutine mesh_source_take_numeral(self, value, what)
+      class(mesh_source_t), intent(inout) :: self !! the file
+      integer, intent(out) :: value !! the number, 0 where there is a fault
+      character(*), intent(in) :: what !! what it means, for the message
+      logical :: ok
+
+      value = 0
+      if (allocated(self%error)) return
+      call self%skip_blanks()
+      call scan_integer(self%text, self%position, value, ok)
+      if (.not. ok) call self%refuse('expected '//what//', found '//self%word())
+   end subroutine mesh_source_take_numeral
+
+   !> Takes a number of things, which stands alone on a line of text, even in a binary file.
+   pure subroutine mesh_source_take_count(self, n, things)
+      class(mesh_source_t), intent(inout) :: self !! the file
+      integer, intent(out) :: n !! the number, not negative
+      character(*), intent(in) :: things !! what the things are
+
+      n = 0
+      if (allocated(self%error)) return
+      call self%skip_white()
+      call self%take_numeral(n, 'the number of '//things)
+      if (n < 0) call self%refuse('the number of '//things//' is negative: '//to_text(n))
+      call self%end_line()
+      if (allocated(self%error)) n = 0
+   end subroutine mesh_source_take_count
 
    !> Takes an integer that is not negative: eight bytes, or a word of text.
    pure subroutine mesh_source_take_size(self, value, what)
@@ -280,19 +316,15 @@ contains
    !> Refuses a number of things that the rest of the file cannot hold.
    pure subroutine mesh_source_check_count(self, n, least_bytes, things)
       class(mesh_source_t), intent(inout) :: self !! the file, behind the number
-      integer, intent(in) :: n !! number of things announced
+      integer, intent(in) :: n !! number of things announced, not negative
       integer, intent(in) :: least_bytes !! number of bytes that one takes at least
       character(*), intent(in) :: things !! what they are, for the message
       integer :: n_left
 
       if (allocated(self%error)) return
       n_left = len(self%text) - self%position + 1
-      if (n < 0) then
-         call self%refuse('the number of '//things//' is negative: '//to_text(n))
-      else if (n > n_left/least_bytes) then
-         call self%refuse(to_text(n)//' '//things//' are announced, but the file ends after '//to_text(n_left)// &
-            ' more bytes')
-      end if
+      if (n > n_left/least_bytes) call self%refuse(to_text(n)//' '//things// &
+         ' are announced, but the file ends after '//to_text(n_left)//' more bytes')
    end subroutine mesh_source_check_count
 
 end module amontons_mesh_source

@@ -29,7 +29,9 @@ contains
       type(mesh_t), intent(out) :: mesh !! the mesh
       type(rectangle_t), intent(in) :: rectangle !! the rectangle and its cells
       type(error_t), allocatable, intent(out) :: error !! the rectangle makes no sense
-      integer(int64), parameter :: max_unknowns = 2_int64**29
+      ! The longest list counts 12 unknowns for the two linear triangles of a cell, 24 for quadratic ones; default integers
+      ! reach 2^31.
+      integer(int64), parameter :: most_nodes = 2_int64**27
       integer :: kind, shape
 
       kind = findloc(element_names == rectangle%element, .true., dim=1)
@@ -39,11 +41,12 @@ contains
             'rectangle: size, cells and grading must be positive, element and diagonal known words')
          return
       end if
-      if (2*product(int(rectangle%cells, int64) + 1) > max_unknowns) then
-         call new_error(error, input_refused, 'rectangle: more cells than node numbers allow (about 268 million)')
+      shape = merge(tri3, quad4, is_triangle(kind))
+      if (product(int(rectangle%cells, int64) + 1)*merge(1, 2, kind == shape) > most_nodes) then
+         call new_error(error, input_refused, 'rectangle: more cells than node numbers allow (about 134 million, '// &
+            'of quadratic elements half as many)')
          return
       end if
-      shape = merge(tri3, quad4, is_triangle(kind))
       call place_nodes(mesh, rectangle)
       call connect_cells(mesh, rectangle, shape)
       call name_sides(mesh, rectangle%cells, shape, rectangle%diagonal)

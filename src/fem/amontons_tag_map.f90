@@ -20,7 +20,7 @@ contains
    !> Makes the map of a list of tags, in a time that grows with their number only.
    pure subroutine new_tag_map(map, tags)
       type(tag_map_t), intent(out) :: map !! the map
-      integer, intent(in) :: tags(:) !! the tags, positive
+      integer, intent(in) :: tags(:) !! the tags, not negative
       integer, parameter :: n_bits = 11
       integer :: i, n, shift
 
@@ -96,7 +96,7 @@ contains
       high = size(self%tag) + 1
       if (high > 1) then
          ! Tags without gaps are found at once.
-         place = max(tag, 1) - self%tag(1) + 1
+         place = max(tag, 1) - max(self%tag(1), 1) + 1
          if (place > 1 .and. place < high) then
             if (self%tag(place) >= tag) high = place
             if (self%tag(place - 1) < tag) low = place - 1

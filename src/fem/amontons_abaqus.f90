@@ -1,0 +1,214 @@
+!> Meshes in the input format of Abaqus and CalculiX: nodes, plane elements and sets; everything else is skipped.
+module amontons_abaqus
+   use amontons_abaqus_line, only: find_parameter, is_at_line_end, next_data_line, next_keyword, take_comma
+   use amontons_abaqus_sets, only: abaqus_scope_t, get_set, read_set, read_surface, resolve_elements
+   use amontons_element, only: quad4, quad8, tri3, tri6
+   use amontons_kinds, only: dp
+   use amontons_mesh_draft, only: counted, line2, line3, mesh_draft_t, n_cell_nodes, no_cell
+   use amontons_mesh_source, only: mesh_source_t
+   use amontons_text, only: lower_case
+   implicit none (type, external)
+   private
+
+   public :: read_abaqus
+
+contains
+
+   !> Reads nodes, elements and sets. Faults go to the source.
+   pure subroutine read_abaqus(draft, source)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(mesh_source_t), intent(inout) :: source !! the file, at its first keyword
+      type(abaqus_scope_t) :: scope
+      character(:), allocatable :: keyword, line
+      integer :: n_skipped
+
+      draft%nodes_name_sides = .true.
+      draft%ignores_case = .true.
+      n_skipped = 0
+      do
+         call next_keyword(source, keyword, line)
+         if (keyword == '' .or. allocated(source%error)) exit
+         select case (keyword)
+         case ('node')
+            if (scope%in_assembly) n_skipped = n_skipped + 1
+            if (.not. scope%in_assembly) call read_nodes(draft, source, scope, line)
+         case ('element')
+            call read_elements(draft, source, scope, line)
+         case ('nset', 'elset')
+            call read_set(draft, source, scope, line, keyword)
+         case ('surface')
+            call read_surface(draft, source, scope, line)
+         case ('part', 'instance', 'assembly', 'endpart', 'endinstance', 'endassembly')
+            call enter_scope(scope, draft, source, keyword)
+         case ('include', 'system', 'ngen', 'nfill', 'nmap', 'ncopy', 'elgen', 'elcopy')
+            call source%refuse('*'//keyword//' is not read: write the nodes and elements out', source%position - 1)
+         case default
+            n_skipped = n_skipped + 1
+         end select
+      end do
+      if (n_skipped > 0) call draft%add_note(counted(n_skipped, 'keyword')//' of no matter to the mesh skipped')
+      if (.not. allocated(source%error)) call resolve_elements(draft, source)
+   end subroutine read_abaqus
+
+   !> Enters or leaves a part or the assembly; there may be one part, in one instance, where it is.
+   pure subroutine enter_scope(scope, draft, source, keyword)
+      type(abaqus_scope_t), intent(inout) :: scope !! where the file is
+      type(mesh_draft_t), intent(in) :: draft !! the draft
+      type(mesh_source_t), intent(inout) :: source !! the file
+      character(*), intent(in) :: keyword !! the keyword in small letters
+      logical :: is_moved
+
+      select case (keyword)
+      case ('part')
+         scope%n_parts = scope%n_parts + 1
+      case ('instance')
+         scope%n_instances = scope%n_instances + 1
+         call next_data_line(source, is_moved)
+         if (is_moved) call source%refuse('an instance that is moved from where its part is')
+      case ('assembly')
+         scope%in_assembly = .true.
+         scope%n_part_groups = draft%n_groups
+      case ('endassembly')
+         scope%in_assembly = .false.
+      end select
+      if (max(scope%n_parts, scope%n_instances) > 1) call source%refuse( &
+         'a second part or instance: only one body is read', source%position - 1)
+   end subroutine enter_scope
+
+   !> Reads nodes: number and up to three coordinates, absent ones being 0.
+   pure subroutine read_nodes(draft, source, scope, line)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(mesh_source_t), intent(inout) :: source !! the file, behind the keyword line
+      type(abaqus_scope_t), intent(in) :: scope !! where the file is
+      character(*), intent(in) :: line !! the keyword line
+      character(:), allocatable :: value
+      integer :: group, place, tag
+      real(dp) :: x(3)
+      logical :: is_there
+
+      call find_parameter(line, 'input', value, is_there)
+      if (is_there) call source%refuse('*NODE with INPUT= is not read: write the nodes out', source%position - 1)
+      call find_parameter(line, 'system', value, is_there)
+      if (is_there .and. lower_case(value) /= 'r') call source%refuse( &
+         'nodes in other than rectangular coordinates', source%position - 1)
+      call get_set(draft, source, scope, line, 'nset', group)
+      do
+         call next_data_line(source, is_there)
+         if (.not. is_there) exit
+         place = source%position
+         call source%take_integer(tag, 'the number of a node')
+         call take_coordinates(source, x)
+         if (allocated(source%error)) exit
+         call draft%add_node(tag, place, x)
+         if (group > 0) call draft%groups(group)%node%append(tag)
+      end do
+   end subroutine read_nodes
+
+   !> Takes the coordinates of a node; more numbers, as the normals of shells, are skipped.
+   pure subroutine take_coordinates(source, x)
+      type(mesh_source_t), intent(inout) :: source !! the file
+      real(dp), intent(out) :: x(3) !! the coordinates [L]
+      integer, parameter :: most_numbers = 6
+      integer :: i
+      real(dp) :: number
+      logical :: is_there
+
+      x = 0.0_dp
+      do i = 1, most_numbers
+         call take_comma(source, is_there)
+         if (.not. is_there) exit
+         if (is_at_line_end(source)) exit
+         if (source%text(source%position:source%position) == ',') cycle
+         call source%take_real(number, 'a coordinate')
+         if (i <= 3) x(i) = number
+      end do
+      call source%end_line()
+   end subroutine take_coordinates
+
+   !> Reads elements of one type.
+   pure subroutine read_elements(draft, source, scope, line)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(mesh_source_t), intent(inout) :: source !! the file, behind the keyword line
+      type(abaqus_scope_t), intent(in) :: scope !! where the file is
+      character(*), intent(in) :: line !! the keyword line
+      character(:), allocatable :: value
+      integer :: group, kind, place, tag
+      logical :: is_there
+
+      call find_parameter(line, 'input', value, is_there)
+      if (is_there) call source%refuse('*ELEMENT with INPUT= is not read: write the elements out', source%position - 1)
+      call find_parameter(line, 'type', value, is_there)
+      call find_kind(source, value, kind)
+      call get_set(draft, source, scope, line, 'elset', group)
+      do
+         call next_data_line(source, is_there)
+         if (.not. is_there) exit
+         place = source%position
+         call source%take_integer(tag, 'the number of an element')
+         call take_nodes(draft, source, kind, tag, place)
+         if (allocated(source%error)) exit
+         if (group == 0) cycle
+         call draft%groups(group)%cell%append(tag)
+         call draft%groups(group)%side%append(0)
+      end do
+   end subroutine read_elements
+
+   !> Takes the nodes of an element; a comma at the end of a line continues it on the next one.
+   pure subroutine take_nodes(draft, source, kind, tag, place)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(mesh_source_t), intent(inout) :: source !! the file, behind the number of the element
+      integer, intent(in) :: kind !! kind of the element
+      integer, intent(in) :: tag !! its number
+      integer, intent(in) :: place !! where the file gives it
+      integer :: nodes(n_cell_nodes(kind)), i
+      logical :: is_there
+
+      do i = 1, size(nodes)
+         call take_comma(source, is_there)
+         if (.not. is_there) call source%refuse('expected a comma and a node of an element, found '//source%word())
+         if (is_at_line_end(source)) call next_data_line(source, is_there)
+         call source%take_integer(nodes(i), 'a node of an element')
+      end do
+      call take_comma(source, is_there)
+      call source%end_line()
+      if (allocated(source%error)) return
+      ! A line over three nodes is given from end to end here.
+      if (kind == line3) nodes = nodes([1, 3, 2])
+      call draft%add_cell(kind, tag, place, nodes)
+   end subroutine take_nodes
+
+   !> Finds the kind of elements of a type.
+   pure subroutine find_kind(source, type, kind)
+      type(mesh_source_t), intent(inout) :: source !! the file, behind the keyword line
+      character(*), intent(in) :: type !! name of the type
+      integer, intent(out) :: kind !! kind of the elements, `no_cell` where there is a fault
+      character(:), allocatable :: name
+
+      kind = no_cell
+      name = lower_case(type)//'     '
+      select case (name(:4))
+      case ('cpe3', 'cps3', 'cax3')
+         kind = tri3
+      case ('cpe4', 'cps4', 'cax4')
+         kind = quad4
+      case ('cpe6', 'cps6', 'cax6')
+         kind = tri6
+      case ('cpe8', 'cps8', 'cax8')
+         kind = quad8
+      case ('t2d2', 't3d2')
+         kind = line2
+      case ('t2d3', 't3d3')
+         kind = line3
+      end select
+      if (verify(trim(name(5:)), 'rhimt') > 0) kind = no_cell
+      if (kind /= no_cell) return
+      if (name(:3) == 'c3d') then
+         call source%refuse('elements of type '//type//': a 3-D mesh, where a plane one is expected', &
+            source%position - 1)
+      else
+         call source%refuse("elements of type '"//type//"', which are not read: expected CPE3, CPE4, CPE6, CPE8 or "// &
+            'the same of CPS and CAX', source%position - 1)
+      end if
+   end subroutine find_kind
+
+end module amontons_abaqus

@@ -1,0 +1,162 @@
+!> Lines of the input format of Abaqus and CalculiX: keywords with parameters, data lines with fields.
+module amontons_abaqus_line
+   use amontons_mesh_source, only: mesh_source_t
+   use amontons_text, only: lower_case, to_text
+   implicit none (type, external)
+   private
+
+   public :: find_parameter, is_at_line_end, next_data_line, next_keyword, take_comma, take_field
+
+   character, parameter :: line_feed = achar(10)
+   !> Longer keyword lines are refused.
+   integer, parameter :: longest_line = 2000
+
+contains
+
+   !> Whether nothing but blanks is left on the line.
+   pure logical function is_at_line_end(source)
+      type(mesh_source_t), intent(in) :: source !! the file, behind blanks
+
+      is_at_line_end = source%position > len(source%text)
+      if (.not. is_at_line_end) is_at_line_end = source%text(source%position:source%position) == line_feed
+   end function is_at_line_end
+
+   !> Whether a text begins at the position.
+   pure logical function stands_here(source, text)
+      type(mesh_source_t), intent(in) :: source !! the file
+      character(*), intent(in) :: text !! the text
+
+      stands_here = source%position + len(text) - 1 <= len(source%text)
+      if (stands_here) stands_here = source%text(source%position:source%position + len(text) - 1) == text
+   end function stands_here
+
+   !> Moves to the next line that is no comment and not empty.
+   pure subroutine skip_comments(source)
+      type(mesh_source_t), intent(inout) :: source !! the file, at the beginning of a line
+
+      do
+         call source%skip_white()
+         if (.not. stands_here(source, '**')) return
+         call skip_line(source)
+      end do
+   end subroutine skip_comments
+
+   !> Moves to the next line.
+   pure subroutine skip_line(source)
+      type(mesh_source_t), intent(inout) :: source !! the file
+
+      do while (.not. is_at_line_end(source))
+         source%position = source%position + 1
+      end do
+      source%position = source%position + 1
+   end subroutine skip_line
+
+   !> Moves to the next data line; there is none where a keyword or the end of the file follows.
+   pure subroutine next_data_line(source, is_there)
+      type(mesh_source_t), intent(inout) :: source !! the file, at the beginning of a line
+      logical, intent(out) :: is_there !! whether there is a data line
+
+      call skip_comments(source)
+      is_there = source%position <= len(source%text) .and. .not. stands_here(source, '*') &
+         .and. .not. allocated(source%error)
+   end subroutine next_data_line
+
+   !> Moves over data lines to the next keyword and takes its line and those that continue it.
+   pure subroutine next_keyword(source, keyword, line)
+      type(mesh_source_t), intent(inout) :: source !! the file, at the beginning of a line
+      character(:), allocatable, intent(out) :: keyword !! the keyword in small letters, without `*` and blanks; or empty
+      character(:), allocatable, intent(out) :: line !! the whole line, behind the `*`
+      character(:), allocatable :: more
+      integer :: i, place
+      logical :: is_there
+
+      keyword = ''
+      line = ''
+      do
+         call next_data_line(source, is_there)
+         if (.not. is_there) exit
+         call skip_line(source)
+      end do
+      if (.not. stands_here(source, '*') .or. allocated(source%error)) return
+      place = source%position
+      source%position = source%position + 1
+      call source%take_line(line)
+      do while (len(line) > 0 .and. len(line) <= longest_line .and. index(line, ',', back=.true.) == len(line))
+         call next_data_line(source, is_there)
+         if (.not. is_there) exit
+         call source%take_line(more)
+         line = line//more
+      end do
+      if (len(line) > longest_line) then
+         call source%refuse('a keyword line of more than '//to_text(longest_line)//' characters', place)
+         return
+      end if
+      do i = 1, len(line)
+         if (line(i:i) == ',') exit
+         if (line(i:i) /= ' ') keyword = keyword//lower_case(line(i:i))
+      end do
+   end subroutine next_keyword
+
+   !> Finds a parameter of a keyword line, as in `*NSET, NSET=left, GENERATE`.
+   pure subroutine find_parameter(line, name, value, is_there)
+      character(*), intent(in) :: line !! the line
+      character(*), intent(in) :: name !! name of the parameter, in small letters
+      character(:), allocatable, intent(out) :: value !! its value without quotes, empty where there is none
+      logical, intent(out) :: is_there !! whether the line has this parameter
+      integer :: equals, first, last
+
+      value = ''
+      is_there = .false.
+      first = index(line//',', ',') + 1
+      do while (first <= len(line))
+         last = first - 2 + index(line(first:)//',', ',')
+         equals = index(line(first:last)//'=', '=')
+         if (lower_case(trim(adjustl(line(first:first + equals - 2)))) == name) then
+            is_there = .true.
+            value = unquoted(trim(adjustl(line(first + equals:last))))
+            return
+         end if
+         first = last + 2
+      end do
+   end subroutine find_parameter
+
+   !> A text without the double quotes around it.
+   pure function unquoted(text) result(inside)
+      character(*), intent(in) :: text !! the text
+      character(:), allocatable :: inside
+
+      inside = text
+      if (len(text) < 2) return
+      if (text(1:1) == '"' .and. text(len(text):) == '"') inside = trim(text(2:len(text) - 1))
+   end function unquoted
+
+   !> Moves over a comma and the blanks around it.
+   pure subroutine take_comma(source, is_there)
+      type(mesh_source_t), intent(inout) :: source !! the file
+      logical, intent(out) :: is_there !! whether there is a comma
+
+      call source%skip_blanks()
+      is_there = stands_here(source, ',')
+      if (.not. is_there) return
+      source%position = source%position + 1
+      call source%skip_blanks()
+   end subroutine take_comma
+
+   !> Takes a field of a data line as a text.
+   pure subroutine take_field(source, field)
+      type(mesh_source_t), intent(inout) :: source !! the file
+      character(:), allocatable, intent(out) :: field !! the text, without quotes, blanks and the comma behind it
+      integer :: first
+
+      first = source%position
+      do while (.not. is_at_line_end(source))
+         if (stands_here(source, ',')) exit
+         source%position = source%position + 1
+      end do
+      field = source%text(first:source%position - 1)
+      if (len(field) == 0) return
+      if (field(len(field):) == achar(13)) field = field(:len(field) - 1)
+      field = unquoted(trim(field))
+   end subroutine take_field
+
+end module amontons_abaqus_line

@@ -1,0 +1,254 @@
+!> Sets of nodes and elements and surfaces in the input format of Abaqus and CalculiX.
+module amontons_abaqus_sets
+   use amontons_abaqus_line, only: find_parameter, is_at_line_end, next_data_line, take_comma, take_field
+   use amontons_element, only: n_corners
+   use amontons_integer_list, only: integer_list_t
+   use amontons_mesh_draft, only: draft_group_t, mesh_draft_t
+   use amontons_mesh_source, only: mesh_source_t
+   use amontons_tag_map, only: new_tag_map, tag_map_t
+   use amontons_text, only: lower_case, read_integer, to_text
+   implicit none (type, external)
+   private
+
+   public :: abaqus_scope_t, get_set, read_set, read_surface, resolve_elements
+
+   !> Where in the file a keyword stands. Names in the assembly are others than those in the part.
+   type :: abaqus_scope_t
+      integer :: n_parts = 0 !! number of parts so far
+      integer :: n_instances = 0 !! number of instances so far
+      logical :: in_assembly = .false. !! whether the assembly has begun and not ended
+      integer :: n_part_groups = 0 !! number of named sets before the assembly
+   end type abaqus_scope_t
+
+   !> What precedes the name of a set of the assembly when the part has a set of that name.
+   character(*), parameter :: assembly_prefix = 'assembly.'
+   !> Names of the sides of an element.
+   character(*), parameter :: side_names(4) = ['s1', 's2', 's3', 's4']
+
+contains
+
+   !> The set that a keyword line names, a new one if need be.
+   pure subroutine get_set(draft, source, scope, line, parameter, group)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(mesh_source_t), intent(inout) :: source !! the file, behind the keyword line
+      type(abaqus_scope_t), intent(in) :: scope !! where the file is
+      character(*), intent(in) :: line !! the keyword line
+      character(*), intent(in) :: parameter !! name of the parameter, in small letters
+      integer, intent(out) :: group !! the set, 0 where the line has no such parameter
+      character(:), allocatable :: name
+      logical :: is_there
+
+      group = 0
+      call find_parameter(line, parameter, name, is_there)
+      if (.not. is_there) return
+      if (scope%in_assembly) then
+         group = draft%find_group(name)
+         if (group > 0 .and. group <= scope%n_part_groups) then
+            name = assembly_prefix//name
+         end if
+      end if
+      call draft%get_group(source, name, group)
+   end subroutine get_set
+
+   !> Reads a set of nodes or elements.
+   pure subroutine read_set(draft, source, scope, line, keyword)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(mesh_source_t), intent(inout) :: source !! the file, behind the keyword line
+      type(abaqus_scope_t), intent(in) :: scope !! where the file is
+      character(*), intent(in) :: line !! the keyword line
+      character(*), intent(in) :: keyword !! 'nset' or 'elset', which is also the parameter that names the set
+      character(:), allocatable :: value
+      type(integer_list_t) :: members
+      integer :: group
+      logical :: has_elements, is_in_instance, is_range
+
+      call find_parameter(line, 'elset', value, has_elements)
+      call find_parameter(line, 'instance', value, is_in_instance)
+      call find_parameter(line, 'generate', value, is_range)
+      if (keyword == 'nset' .and. has_elements) then
+         call draft%add_note('a set of the nodes of an element set left out: '//line)
+      else if (scope%in_assembly .and. .not. is_in_instance) then
+         call draft%add_note('a set outside the instance left out: '//line)
+      else
+         call get_set(draft, source, scope, line, keyword, group)
+         if (group == 0) call source%refuse('expected '//keyword//'= and a name', source%position - 1)
+         if (is_range) call take_ranges(draft, source, members)
+         if (.not. is_range) call take_members(draft, source, keyword == 'nset', members)
+         if (group > 0) call put(draft%groups(group), keyword == 'nset', members%items())
+      end if
+   end subroutine read_set
+
+   !> Puts nodes or elements into a set.
+   pure subroutine put(group, of_nodes, members)
+      type(draft_group_t), intent(inout) :: group !! the set
+      logical, intent(in) :: of_nodes !! whether the members are nodes rather than elements
+      integer, intent(in) :: members(:) !! their numbers in the file
+
+      if (of_nodes) then
+         call group%node%append_all(members)
+      else
+         call group%cell%append_all(members)
+         call group%side%append_all(0*members)
+      end if
+   end subroutine put
+
+   !> Takes ranges: first number, last number, and an increment that is 1 where it is absent.
+   pure subroutine take_ranges(draft, source, members)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(mesh_source_t), intent(inout) :: source !! the file
+      type(integer_list_t), intent(inout) :: members !! the numbers in the ranges
+      integer :: first, i, increment, last, n
+      logical :: is_there
+
+      do
+         call next_data_line(source, is_there)
+         if (.not. is_there) exit
+         call source%take_integer(first, 'the first number of a range')
+         call take_comma(source, is_there)
+         call source%take_integer(last, 'the last number of a range')
+         call take_comma(source, is_there)
+         increment = 1
+         if (.not. is_at_line_end(source)) call source%take_integer(increment, 'the increment of a range')
+         call take_comma(source, is_there)
+         if (first < 1 .or. last < first .or. increment < 1) call source%refuse( &
+            'expected a range: two positive numbers, the second not the smaller one, and a positive increment')
+         call source%end_line()
+         if (allocated(source%error)) exit
+         n = (last - first)/increment
+         call draft%expect_members(source, n)
+         if (allocated(source%error)) exit
+         call members%append_all([(first + i*increment, i=0, n)])
+      end do
+   end subroutine take_ranges
+
+   !> Takes the members of a set: numbers and names of sets above.
+   pure subroutine take_members(draft, source, of_nodes, members)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(mesh_source_t), intent(inout) :: source !! the file
+      logical, intent(in) :: of_nodes !! whether the members are nodes rather than elements
+      type(integer_list_t), intent(inout) :: members !! their numbers
+      character(:), allocatable :: field
+      logical :: is_there
+
+      do
+         call next_data_line(source, is_there)
+         if (.not. is_there) exit
+         do
+            call take_field(source, field)
+            call add_members(draft, source, of_nodes, field, members)
+            call take_comma(source, is_there)
+            if (is_at_line_end(source) .or. allocated(source%error)) exit
+         end do
+      end do
+   end subroutine take_members
+
+   !> Adds what a field names: one thing by its number, or the things of a set.
+   pure subroutine add_members(draft, source, of_nodes, field, members)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(mesh_source_t), intent(inout) :: source !! the file
+      logical, intent(in) :: of_nodes !! whether the things are nodes rather than elements
+      character(*), intent(in) :: field !! the field, perhaps with the name of an instance and a point before
+      type(integer_list_t), intent(inout) :: members !! numbers of the things
+      character(:), allocatable :: name
+      integer :: group, number
+      logical :: is_number
+
+      if (len(field) == 0) return
+      name = field(index(field, '.', back=.true.) + 1:)
+      call read_integer(name, number, is_number)
+      if (is_number) then
+         call members%append(number)
+         return
+      end if
+      group = draft%find_group(assembly_prefix//name)
+      if (group == 0) group = draft%find_group(name)
+      if (group == 0) then
+         call source%refuse("there is no set '"//name//"' above")
+      else if (of_nodes) then
+         call draft%expect_members(source, draft%groups(group)%node%n)
+         if (.not. allocated(source%error)) call members%append_all(draft%groups(group)%node%items())
+      else
+         associate (cells => draft%groups(group)%cell%items(), sides => draft%groups(group)%side%items())
+            call draft%expect_members(source, size(cells))
+            if (.not. allocated(source%error)) call members%append_all(pack(cells, sides == 0))
+         end associate
+      end if
+   end subroutine add_members
+
+   !> Reads a surface: sides of elements, or nodes. One that names anything else is left out.
+   pure subroutine read_surface(draft, source, scope, line)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(mesh_source_t), intent(inout) :: source !! the file, behind the keyword line
+      type(abaqus_scope_t), intent(in) :: scope !! where the file is
+      character(*), intent(in) :: line !! the keyword line
+      character(:), allocatable :: field, type, value
+      type(integer_list_t) :: members, sides
+      integer :: group, side
+      logical :: is_combined, is_there, is_typed, of_nodes
+
+      call find_parameter(line, 'type', type, is_typed)
+      call find_parameter(line, 'combine', value, is_combined)
+      of_nodes = lower_case(type) == 'node'
+      if (is_combined .or. (is_typed .and. .not. of_nodes .and. lower_case(type) /= 'element')) then
+         call draft%add_note('a surface of other things than sides and nodes left out: '//line)
+         return
+      end if
+      do
+         call next_data_line(source, is_there)
+         if (.not. is_there) exit
+         call take_field(source, field)
+         call add_members(draft, source, of_nodes, field, members)
+         call take_comma(source, is_there)
+         call take_field(source, field)
+         side = findloc(side_names, lower_case(field), dim=1)
+         if (side == 0 .and. .not. of_nodes) call source%refuse( &
+            "expected an element or a set and one of its sides S1 to S4, found '"//field//"'")
+         call sides%append_all(spread(side, 1, members%n - sides%n))
+         call take_comma(source, is_there)
+         call source%end_line()
+      end do
+      call get_set(draft, source, scope, line, 'name', group)
+      if (group == 0) call source%refuse('expected NAME= and a name')
+      if (allocated(source%error)) return
+      if (of_nodes) then
+         call draft%groups(group)%node%append_all(members%items())
+      else
+         call draft%groups(group)%cell%append_all(members%items())
+         call draft%groups(group)%side%append_all(sides%items())
+      end if
+   end subroutine read_surface
+
+   !> Replaces the numbers of elements in the sets by places in the list of cells.
+   pure subroutine resolve_elements(draft, source)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(mesh_source_t), intent(inout) :: source !! the file
+      type(tag_map_t) :: map
+      integer :: cell, group, i, tag
+
+      call new_tag_map(map, draft%cell_tag%items())
+      do group = 1, draft%n_groups
+         do i = 1, draft%groups(group)%cell%n
+            tag = draft%groups(group)%cell%item(i)
+            cell = map%find(tag)
+            if (cell == 0) then
+               call source%refuse("the set '"//draft%groups(group)%name//"' names element "//to_text(tag)// &
+                  ', which the file does not give', draft%groups(group)%place)
+            else if (draft%groups(group)%side%item(i) > n_sides(draft%cell_kind%item(cell))) then
+               call source%refuse("the surface '"//draft%groups(group)%name//"' names a side that element "// &
+                  to_text(tag)//' has not', draft%groups(group)%place)
+            end if
+            if (allocated(source%error)) return
+            draft%groups(group)%cell%item(i) = cell
+         end do
+      end do
+   end subroutine resolve_elements
+
+   !> Number of sides of a kind of cell, none for lines.
+   elemental integer function n_sides(kind)
+      integer, intent(in) :: kind !! the kind
+
+      n_sides = 0
+      if (kind > 0) n_sides = n_corners(kind)
+   end function n_sides
+
+end module amontons_abaqus_sets

@@ -1,0 +1,198 @@
+!> Meshes in Gmsh's MSH format, versions 2.2 and 4.1, text and binary.
+module amontons_gmsh
+   use amontons_gmsh_2, only: read_elements_2, read_nodes_2
+   use amontons_gmsh_4, only: read_elements_4, read_entities_4, read_nodes_4
+   use amontons_gmsh_groups, only: gmsh_groups_t
+   use amontons_kinds, only: dp
+   use amontons_mesh_draft, only: mesh_draft_t
+   use amontons_mesh_source, only: mesh_source_t
+   use amontons_numeral, only: ends_word
+   use amontons_tag_map, only: new_tag_map, tag_map_t
+   implicit none (type, external)
+   private
+
+   public :: read_gmsh
+
+contains
+
+   !> Reads a mesh section by section. Faults go to the source.
+   pure subroutine read_gmsh(draft, source)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(mesh_source_t), intent(inout) :: source !! the file, at its first section
+      type(gmsh_groups_t) :: groups
+      character(:), allocatable :: name, seen
+      integer :: version
+
+      version = 0
+      seen = ' '
+      do
+         call source%skip_white()
+         if (source%position > len(source%text) .or. allocated(source%error)) exit
+         call take_section_name(source, name)
+         select case (name)
+         case ('MeshFormat', 'PhysicalNames', 'Entities', 'Nodes', 'ParametricNodes', 'Elements')
+            if (index(seen, ' '//name//' ') > 0) call source%refuse('a second section $'//name)
+            seen = seen//name//' '
+            if (version == 0 .and. name /= 'MeshFormat') call source%refuse( &
+               'the section $'//name//' stands before $MeshFormat; files older than that are not read')
+            call read_section(draft, groups, source, name, version)
+            call end_section(source, name)
+         case ('PartitionedEntities')
+            call source%refuse('a partitioned mesh; save it as one')
+         case default
+            call skip_section(source, name)
+         end select
+      end do
+      if (index(seen, 'Nodes ') == 0) call source%refuse('the file has no section $Nodes')
+      if (index(seen, ' Elements ') == 0) call source%refuse('the file has no section $Elements')
+      if (.not. allocated(source%error)) call groups%put(draft, source)
+   end subroutine read_gmsh
+
+   !> Takes the name of a section.
+   pure subroutine take_section_name(source, name)
+      type(mesh_source_t), intent(inout) :: source !! the file, at the beginning of a line
+      character(:), allocatable, intent(out) :: name !! the name, without its `$`
+      integer, parameter :: longest_name = 80
+      integer :: last
+
+      last = source%position
+      do while (.not. ends_word(source%text, last + 1) .and. last < source%position + longest_name)
+         last = last + 1
+      end do
+      name = source%text(source%position + 1:last)
+      if (source%text(source%position:source%position) /= '$') &
+         call source%refuse('expected a section such as $Nodes, found '//source%word())
+      source%position = last + 1
+   end subroutine take_section_name
+
+   !> Moves behind the end of a section.
+   pure subroutine end_section(source, name)
+      type(mesh_source_t), intent(inout) :: source !! the file, behind the contents of the section
+      character(*), intent(in) :: name !! name of the section
+      integer :: behind
+
+      if (allocated(source%error)) return
+      call source%skip_white()
+      behind = source%position + len('$End'//name)
+      if (index(source%text(source%position:min(behind - 1, len(source%text))), '$End'//name) == 1 &
+         .and. ends_word(source%text, behind)) then
+         source%position = behind
+      else
+         call source%refuse('expected $End'//name//' after the numbers announced, found '//source%word())
+      end if
+   end subroutine end_section
+
+   !> Moves behind the end of a section that does not matter here.
+   pure subroutine skip_section(source, name)
+      type(mesh_source_t), intent(inout) :: source !! the file, behind the name of the section
+      character(*), intent(in) :: name !! name of the section
+      integer :: at
+
+      if (allocated(source%error)) return
+      at = index(source%text(source%position:), new_line('a')//'$End'//name)
+      if (at == 0) then
+         call source%refuse('the section $'//name//' has no end $End'//name)
+      else
+         source%position = source%position + at
+         call end_section(source, name)
+      end if
+   end subroutine skip_section
+
+   !> Reads the contents of a section.
+   pure subroutine read_section(draft, groups, source, name, version)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
+      type(mesh_source_t), intent(inout) :: source !! the file, behind the name of the section
+      character(*), intent(in) :: name !! name of the section
+      integer, intent(inout) :: version !! 2 or 4
+
+      call source%end_line()
+      select case (name)
+      case ('MeshFormat')
+         call read_format(source, version)
+         groups%has_entities = version == 4
+      case ('PhysicalNames')
+         call read_names(draft, groups, source)
+      case ('Entities')
+         call read_entities_4(groups, source)
+      case ('Nodes', 'ParametricNodes')
+         if (version == 4) call read_nodes_4(draft, source)
+         if (version == 2) call read_nodes_2(draft, source, name == 'ParametricNodes')
+      case ('Elements')
+         if (version == 4) call read_elements_4(draft, groups, source)
+         if (version == 2) call read_elements_2(draft, groups, source)
+      end select
+   end subroutine read_section
+
+   !> Reads the version, whether the file is binary, and in which order the bytes of a number stand.
+   pure subroutine read_format(source, version)
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(out) :: version !! 2 or 4
+      integer, parameter :: swapped_one = 2**24
+      real(dp) :: full_version
+      integer :: binary, n_bytes, one
+
+      call source%take_real(full_version, 'the version of the format')
+      version = 0
+      if (nint(10*full_version) == 22) version = 2
+      if (nint(10*full_version) == 41) version = 4
+      if (version == 0) call source%refuse('a version of the format that is not read; save the mesh as 2.2 or 4.1')
+      call source%take_numeral(binary, 'the type of the file')
+      call source%take_numeral(n_bytes, 'the number of bytes of a number')
+      if (binary < 0 .or. binary > 1) call source%refuse('the type of the file must be 0 (text) or 1 (binary)')
+      if (n_bytes /= 8) call source%refuse('a number of the file must have 8 bytes')
+      call source%end_line()
+      source%is_binary = binary == 1
+      if (binary /= 1 .or. allocated(source%error)) return
+      call source%take_integer(one, 'the number 1')
+      source%is_swapped = one == swapped_one
+      if (one /= 1 .and. one /= swapped_one) call source%refuse('expected the number 1 in four bytes')
+   end subroutine read_format
+
+   !> Reads the names of the physical groups.
+   pure subroutine read_names(draft, groups, source)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(gmsh_groups_t), intent(inout) :: groups !! the groups
+      type(mesh_source_t), intent(inout) :: source !! the file, at the number of names
+      type(tag_map_t) :: map
+      integer :: dimension, i, n
+
+      call source%take_count(n, 'names')
+      do i = 1, n
+         call read_name(draft, groups, source)
+         if (allocated(source%error)) return
+      end do
+      do dimension = 0, 2
+         call new_tag_map(map, groups%of_dimension(dimension)%named_tag%items())
+         if (map%repeated() > 0) call source%refuse('a physical group is named twice', source%position - 1)
+      end do
+   end subroutine read_names
+
+   !> Reads the name of a physical group.
+   pure subroutine read_name(draft, groups, source)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(gmsh_groups_t), intent(inout) :: groups !! the groups
+      type(mesh_source_t), intent(inout) :: source !! the file
+      character(:), allocatable :: name
+      integer :: dimension, group, place, tag
+
+      call source%skip_white()
+      call source%take_numeral(dimension, 'the dimension of a physical group')
+      call source%take_numeral(tag, 'the number of a physical group')
+      if (dimension < 0 .or. dimension > 3 .or. tag < 1) call source%refuse( &
+         'expected the dimension of a physical group, 0 to 3, and its number, which is positive')
+      place = source%position
+      call source%take_line(name)
+      if (len(name) < 2) then
+         call source%refuse('expected the name of a physical group in double quotes', place)
+      else if (name(1:1)//name(len(name):) /= '""') then
+         call source%refuse('expected the name of a physical group in double quotes', place)
+      end if
+      if (allocated(source%error) .or. dimension == 3) return
+      name = trim(adjustl(name(2:len(name) - 1)))
+      if (len(name) == 0) return
+      call draft%get_group(source, name, group)
+      call groups%add_name(dimension, tag, group)
+   end subroutine read_name
+
+end module amontons_gmsh

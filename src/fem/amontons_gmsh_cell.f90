@@ -1,0 +1,56 @@
+!> Types of Gmsh's elements, and which of them are read.
+module amontons_gmsh_cell
+   use amontons_element, only: quad4, quad8, quad9, tri3, tri6
+   use amontons_mesh_draft, only: line2, line3, no_cell, point1
+   use amontons_mesh_source, only: mesh_source_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: dimension_of, take_cell_kind
+
+contains
+
+   !> Takes the type of an element; refuses those that are not read.
+   pure subroutine take_cell_kind(source, kind)
+      type(mesh_source_t), intent(inout) :: source !! the file, at the type
+      integer, intent(out) :: kind !! kind of the cell, `no_cell` where there is a fault
+      integer :: type, place
+
+      place = source%position
+      call source%take_integer(type, 'the type of an element')
+      kind = no_cell
+      select case (type)
+      case (1)
+         kind = line2
+      case (2)
+         kind = tri3
+      case (3)
+         kind = quad4
+      case (8)
+         kind = line3
+      case (9)
+         kind = tri6
+      case (10)
+         kind = quad9
+      case (15)
+         kind = point1
+      case (16)
+         kind = quad8
+      case (4:7, 11:14, 17:19, 29:33)
+         call source%refuse('an element of type '//to_text(type)//': a 3-D mesh, where a plane one is expected', place)
+      case default
+         call source%refuse('an element of type '//to_text(type)//', which is not read: expected points (15), lines '// &
+            '(1, 8), triangles (2, 9) and quadrilaterals (3, 10, 16)', place)
+      end select
+   end subroutine take_cell_kind
+
+   !> Dimension of a kind of cell: 0 for points, 1 for lines, 2 for elements.
+   elemental integer function dimension_of(kind)
+      integer, intent(in) :: kind !! the kind
+
+      dimension_of = merge(0, 1, kind == point1)
+      if (kind > 0) dimension_of = 2
+   end function dimension_of
+
+end module amontons_gmsh_cell

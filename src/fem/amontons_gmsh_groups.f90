@@ -1,0 +1,176 @@
+!> Physical groups of a Gmsh mesh: which cells belong to which, and what they are called.
+module amontons_gmsh_groups
+   use amontons_integer_list, only: integer_list_t
+   use amontons_mesh_draft, only: counted, mesh_draft_t, no_cell
+   use amontons_mesh_source, only: mesh_source_t
+   use amontons_tag_map, only: new_tag_map, tag_map_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: gmsh_groups_t
+
+   !> The groups of one dimension.
+   type :: dimension_t
+      type(integer_list_t) :: named_tag !! number of each physical group that has a name
+      type(integer_list_t) :: named_group !! its set in the draft
+      type(integer_list_t) :: entity !! numbers of entities
+      type(integer_list_t) :: entity_tag !! number of a physical group that each belongs to
+      type(integer_list_t) :: run_owner !! what a run of cells belongs to: an entity or a physical group
+      type(integer_list_t) :: run_first !! first cell of the run
+      type(integer_list_t) :: run_last !! last cell of the run
+   end type dimension_t
+
+   !> What a file says about its physical groups, dimension by dimension: points, curves, surfaces.
+   type :: gmsh_groups_t
+      logical :: has_entities = .false. !! whether runs belong to entities, and those to groups
+      type(dimension_t) :: of_dimension(0:2) !! the groups of each dimension
+   contains
+      procedure :: add_entity => gmsh_groups_add_entity
+      procedure :: add_name => gmsh_groups_add_name
+      procedure :: add_run => gmsh_groups_add_run
+      procedure :: put => gmsh_groups_put
+   end type gmsh_groups_t
+
+contains
+
+   !> Names a physical group; a name without a group's members is still a set.
+   pure subroutine gmsh_groups_add_name(self, dimension, tag, group)
+      class(gmsh_groups_t), intent(inout) :: self !! the groups
+      integer, intent(in) :: dimension !! dimension of the physical group
+      integer, intent(in) :: tag !! its number, positive
+      integer, intent(in) :: group !! its set in the draft
+
+      call self%of_dimension(dimension)%named_tag%append(tag)
+      call self%of_dimension(dimension)%named_group%append(group)
+   end subroutine gmsh_groups_add_name
+
+   !> Notes that an entity belongs to a physical group.
+   pure subroutine gmsh_groups_add_entity(self, dimension, entity, tag)
+      class(gmsh_groups_t), intent(inout) :: self !! the groups
+      integer, intent(in) :: dimension !! dimension of both
+      integer, intent(in) :: entity !! number of the entity, not negative
+      integer, intent(in) :: tag !! number of the physical group, positive
+
+      call self%of_dimension(dimension)%entity%append(entity)
+      call self%of_dimension(dimension)%entity_tag%append(tag)
+   end subroutine gmsh_groups_add_entity
+
+   !> Notes that consecutive cells belong to an entity or a group.
+   pure subroutine gmsh_groups_add_run(self, dimension, owner, first, last)
+      class(gmsh_groups_t), intent(inout) :: self !! the groups
+      integer, intent(in) :: dimension !! dimension of the cells
+      integer, intent(in) :: owner !! number of the entity or of the physical group
+      integer, intent(in) :: first !! first of the cells
+      integer, intent(in) :: last !! last of the cells
+
+      associate (all => self%of_dimension(dimension))
+         if (all%run_last%n > 0) then
+            if (all%run_last%item(all%run_last%n) == first - 1 .and. all%run_owner%item(all%run_owner%n) == owner) then
+               all%run_last%item(all%run_last%n) = last
+               return
+            end if
+         end if
+         call all%run_owner%append(owner)
+         call all%run_first%append(first)
+         call all%run_last%append(last)
+      end associate
+   end subroutine gmsh_groups_add_run
+
+   !> Makes the groups sets of a draft. Where there are physical surfaces, the body consists of them.
+   pure subroutine gmsh_groups_put(self, draft, source)
+      class(gmsh_groups_t), intent(inout) :: self !! the groups
+      type(mesh_draft_t), intent(inout) :: draft !! the draft, its cells complete
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer :: dimension
+      logical :: has_surfaces
+
+      has_surfaces = .false.
+      do dimension = 0, 2
+         call put_dimension(self%of_dimension(dimension), self%has_entities, draft, source, has_surfaces)
+      end do
+      if (has_surfaces) call drop_others(draft)
+   end subroutine gmsh_groups_put
+
+   !> Makes the groups of one dimension sets of a draft.
+   pure subroutine put_dimension(groups, has_entities, draft, source, has_any)
+      type(dimension_t), intent(in) :: groups !! the groups
+      logical, intent(in) :: has_entities !! whether runs belong to entities, and those to groups
+      type(mesh_draft_t), intent(inout) :: draft !! the draft
+      type(mesh_source_t), intent(inout) :: source !! the file
+      logical, intent(out) :: has_any !! whether any cell belongs to a group
+      type(integer_list_t) :: tag, run
+      type(tag_map_t) :: map, names
+      integer :: cell, first, group, i, place, named
+
+      call list_pairs(groups, has_entities, source, tag, run)
+      call new_tag_map(map, tag%items())
+      call new_tag_map(names, groups%named_tag%items())
+      has_any = tag%n > 0
+      first = 0
+      do place = 1, tag%n
+         if (map%tag(place) /= first) then
+            first = map%tag(place)
+            named = names%find(first)
+            if (named > 0) group = groups%named_group%item(named)
+            if (named == 0) call draft%get_group(source, to_text(first), group)
+         end if
+         i = run%item(map%item(place))
+         call draft%expect_members(source, groups%run_last%item(i) - groups%run_first%item(i) + 1)
+         if (allocated(source%error)) return
+         do cell = groups%run_first%item(i), groups%run_last%item(i)
+            call draft%groups(group)%cell%append(cell)
+            call draft%groups(group)%side%append(0)
+         end do
+      end do
+   end subroutine put_dimension
+
+   !> Lists the physical groups and the runs that belong to them.
+   pure subroutine list_pairs(groups, has_entities, source, tag, run)
+      type(dimension_t), intent(in) :: groups !! the groups
+      logical, intent(in) :: has_entities !! whether runs belong to entities, and those to groups
+      type(mesh_source_t), intent(inout) :: source !! the file
+      type(integer_list_t), intent(out) :: tag !! numbers of physical groups
+      type(integer_list_t), intent(out) :: run !! a run that belongs to each
+      type(tag_map_t) :: entities
+      integer :: i, place
+
+      if (.not. has_entities) then
+         tag = groups%run_owner
+         call run%append_all([(i, i=1, tag%n)])
+         return
+      end if
+      call new_tag_map(entities, groups%entity%items())
+      do i = 1, groups%run_owner%n
+         do place = entities%first(groups%run_owner%item(i)), size(entities%tag)
+            if (entities%tag(place) /= groups%run_owner%item(i)) exit
+            call tag%append(groups%entity_tag%item(entities%item(place)))
+            call run%append(i)
+         end do
+         if (tag%n > len(source%text)) then
+            call source%refuse('the blocks of cells belong to more physical groups than a file of this size can mean')
+            return
+         end if
+      end do
+   end subroutine list_pairs
+
+   !> Takes the elements that belong to no set out of the body.
+   pure subroutine drop_others(draft)
+      type(mesh_draft_t), intent(inout) :: draft !! the draft
+      logical, allocatable :: is_kept(:)
+      integer :: cell, group, n_dropped
+
+      allocate (is_kept(draft%cell_kind%n), source=.false.)
+      do group = 1, draft%n_groups
+         is_kept(draft%groups(group)%cell%items()) = .true.
+      end do
+      n_dropped = 0
+      do cell = 1, size(is_kept)
+         if (is_kept(cell) .or. draft%cell_kind%item(cell) < 0) cycle
+         draft%cell_kind%item(cell) = no_cell
+         n_dropped = n_dropped + 1
+      end do
+      if (n_dropped > 0) call draft%add_note(counted(n_dropped, 'element')//' outside the physical surfaces left out')
+   end subroutine drop_others
+
+end module amontons_gmsh_groups

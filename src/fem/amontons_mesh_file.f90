@@ -1,0 +1,45 @@
+!> Meshes from files: Gmsh's MSH and the input format of Abaqus and CalculiX, told apart by their first character.
+module amontons_mesh_file
+   use amontons_abaqus, only: read_abaqus
+   use amontons_error, only: error_t
+   use amontons_gmsh, only: read_gmsh
+   use amontons_mesh, only: mesh_t
+   use amontons_mesh_cleanup, only: new_clean_mesh
+   use amontons_mesh_draft, only: mesh_draft_t
+   use amontons_mesh_source, only: mesh_source_t, new_mesh_source
+   implicit none (type, external)
+   private
+
+   public :: read_mesh_file
+
+contains
+
+   !> Reads a mesh file; what can be put right is, with a note, and the rest is refused.
+   subroutine read_mesh_file(mesh, file, notes, error)
+      type(mesh_t), intent(out) :: mesh !! the mesh; quadratic elements still need `mesh%check`
+      character(*), intent(in) :: file !! name of the file
+      character(:), allocatable, intent(out) :: notes
+         !! what was put right or left out, a line of text for each
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
+      type(mesh_source_t) :: source
+      type(mesh_draft_t) :: draft
+
+      call new_mesh_source(source, file, error)
+      if (allocated(error)) return
+      call source%skip_white()
+      select case (source%text(min(source%position, len(source%text)):min(source%position, len(source%text))))
+      case ('$')
+         call read_gmsh(draft, source)
+      case ('*')
+         call read_abaqus(draft, source)
+      case default
+         call source%refuse('neither a Gmsh mesh, which begins with $MeshFormat, nor an Abaqus one, which begins '// &
+            'with a keyword such as *NODE')
+      end select
+      if (.not. allocated(source%error)) call new_clean_mesh(mesh, draft, source)
+      call move_alloc(source%error, error)
+      notes = ''
+      if (allocated(draft%notes)) notes = draft%notes
+   end subroutine read_mesh_file
+
+end module amontons_mesh_file
