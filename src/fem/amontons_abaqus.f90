@@ -38,7 +38,7 @@ contains
             call read_set(draft, source, scope, line, keyword)
          case ('surface')
             call read_surface(draft, source, scope, line)
-         case ('part', 'instance', 'assembly', 'endpart', 'endinstance', 'endassembly')
+         case ('part', 'instance', 'assembly', 'endassembly')
             call enter_scope(scope, draft, source, keyword)
          case ('include', 'system', 'ngen', 'nfill', 'nmap', 'ncopy', 'elgen', 'elcopy')
             call source%refuse('*'//keyword//' is not read: write the nodes and elements out', source%position - 1)
@@ -50,7 +50,8 @@ contains
       if (.not. allocated(source%error)) call resolve_elements(draft, source)
    end subroutine read_abaqus
 
-   !> Enters or leaves a part or the assembly; there may be one part, in one instance, where it is.
+   !> Enters a part, an instance or the assembly, or leaves the assembly. There may be one part, in one instance, not
+   !> moved.
    pure subroutine enter_scope(scope, draft, source, keyword)
       type(abaqus_scope_t), intent(inout) :: scope !! where the file is
       type(mesh_draft_t), intent(in) :: draft !! the draft
@@ -68,7 +69,7 @@ contains
       case ('assembly')
          scope%in_assembly = .true.
          scope%n_part_groups = draft%n_groups
-      case ('endassembly')
+      case default
          scope%in_assembly = .false.
       end select
       if (max(scope%n_parts, scope%n_instances) > 1) call source%refuse( &
@@ -110,18 +111,18 @@ contains
       real(dp), intent(out) :: x(3) !! the coordinates [L]
       integer, parameter :: most_numbers = 6
       integer :: i
-      real(dp) :: number
+      real(dp) :: numbers(most_numbers)
       logical :: is_there
 
-      x = 0.0_dp
+      numbers = 0.0_dp
       do i = 1, most_numbers
          call take_comma(source, is_there)
          if (.not. is_there) exit
          if (is_at_line_end(source)) exit
          if (source%text(source%position:source%position) == ',') cycle
-         call source%take_real(number, 'a coordinate')
-         if (i <= 3) x(i) = number
+         call source%take_real(numbers(i), 'a coordinate')
       end do
+      x = numbers(:3)
       call source%end_line()
    end subroutine take_coordinates
 
@@ -139,6 +140,10 @@ contains
       if (is_there) call source%refuse('*ELEMENT with INPUT= is not read: write the elements out', source%position - 1)
       call find_parameter(line, 'type', value, is_there)
       call find_kind(source, value, kind)
+      if (kind == line2 .or. kind == line3) call draft%add_note('elements of type '//value// &
+         ' are taken for names of the boundary, not for bars')
+      if (kind > 0 .and. len(value) > 4) call draft%add_note('elements of type '//value// &
+         ' are taken for '//value(:4)//': compatible and fully integrated')
       call get_set(draft, source, scope, line, 'elset', group)
       do
          call next_data_line(source, is_there)
@@ -184,7 +189,6 @@ contains
       integer, intent(out) :: kind !! kind of the elements, `no_cell` where there is a fault
       character(:), allocatable :: name
 
-      kind = no_cell
       name = lower_case(type)//'     '
       select case (name(:4))
       case ('cpe3', 'cps3', 'cax3')
@@ -199,6 +203,8 @@ contains
          kind = line2
       case ('t2d3', 't3d3')
          kind = line3
+      case default
+         kind = no_cell
       end select
       if (verify(trim(name(5:)), 'rhimt') > 0) kind = no_cell
       if (kind /= no_cell) return

@@ -64,10 +64,10 @@ contains
    !> Moves over data lines to the next keyword and takes its line and those that continue it.
    pure subroutine next_keyword(source, keyword, line)
       type(mesh_source_t), intent(inout) :: source !! the file, at the beginning of a line
-      character(:), allocatable, intent(out) :: keyword !! the keyword in small letters, without `*` and blanks; or empty
+      character(:), allocatable, intent(out) :: keyword
+         !! the keyword in small letters, without `*` and blanks; empty at the end of the file
       character(:), allocatable, intent(out) :: line !! the whole line, behind the `*`
-      character(:), allocatable :: more
-      integer :: i, place
+      integer :: i
       logical :: is_there
 
       keyword = ''
@@ -77,7 +77,23 @@ contains
          if (.not. is_there) exit
          call skip_line(source)
       end do
-      if (.not. stands_here(source, '*') .or. allocated(source%error)) return
+      if (.not. stands_here(source, '*')) return
+      call take_keyword_line(source, line)
+      if (allocated(source%error)) return
+      do i = 1, len(line)
+         if (line(i:i) == ',') exit
+         if (line(i:i) /= ' ') keyword = keyword//lower_case(line(i:i))
+      end do
+   end subroutine next_keyword
+
+   !> Takes a keyword line and the lines that continue it.
+   pure subroutine take_keyword_line(source, line)
+      type(mesh_source_t), intent(inout) :: source !! the file, at the `*` of the line
+      character(:), allocatable, intent(out) :: line !! the whole line, behind the `*`
+      character(:), allocatable :: more
+      integer :: place
+      logical :: is_there
+
       place = source%position
       source%position = source%position + 1
       call source%take_line(line)
@@ -87,15 +103,9 @@ contains
          call source%take_line(more)
          line = line//more
       end do
-      if (len(line) > longest_line) then
-         call source%refuse('a keyword line of more than '//to_text(longest_line)//' characters', place)
-         return
-      end if
-      do i = 1, len(line)
-         if (line(i:i) == ',') exit
-         if (line(i:i) /= ' ') keyword = keyword//lower_case(line(i:i))
-      end do
-   end subroutine next_keyword
+      if (len(line) > longest_line) call source%refuse( &
+         'a keyword line of more than '//to_text(longest_line)//' characters', place)
+   end subroutine take_keyword_line
 
    !> Finds a parameter of a keyword line, as in `*NSET, NSET=left, GENERATE`.
    pure subroutine find_parameter(line, name, value, is_there)

@@ -34,13 +34,13 @@ contains
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
       character(*), intent(in) :: parameter !! name of the parameter, in small letters
-      integer, intent(out) :: group !! the set, 0 where the line has no such parameter
+      integer, intent(out) :: group !! the set, 0 where the line names none
       character(:), allocatable :: name
       logical :: is_there
 
       group = 0
       call find_parameter(line, parameter, name, is_there)
-      if (.not. is_there) return
+      if (name == '') return
       if (scope%in_assembly) then
          group = draft%find_group(name)
          if (group > 0 .and. group <= scope%n_part_groups) then
@@ -112,10 +112,9 @@ contains
          call take_comma(source, is_there)
          if (first < 1 .or. last < first .or. increment < 1) call source%refuse( &
             'expected a range: two positive numbers, the second not the smaller one, and a positive increment')
-         call source%end_line()
-         if (allocated(source%error)) exit
-         n = (last - first)/increment
+         n = (last - first)/max(1, increment)
          call draft%expect_members(source, n)
+         call source%end_line()
          if (allocated(source%error)) exit
          call members%append_all([(first + i*increment, i=0, n)])
       end do
@@ -181,10 +180,10 @@ contains
       type(mesh_source_t), intent(inout) :: source !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
-      character(:), allocatable :: field, type, value
+      character(:), allocatable :: type, value
       type(integer_list_t) :: members, sides
-      integer :: group, side
-      logical :: is_combined, is_there, is_typed, of_nodes
+      integer :: group
+      logical :: is_combined, is_typed, of_nodes
 
       call find_parameter(line, 'type', type, is_typed)
       call find_parameter(line, 'combine', value, is_combined)
@@ -193,22 +192,9 @@ contains
          call draft%add_note('a surface of other things than sides and nodes left out: '//line)
          return
       end if
-      do
-         call next_data_line(source, is_there)
-         if (.not. is_there) exit
-         call take_field(source, field)
-         call add_members(draft, source, of_nodes, field, members)
-         call take_comma(source, is_there)
-         call take_field(source, field)
-         side = findloc(side_names, lower_case(field), dim=1)
-         if (side == 0 .and. .not. of_nodes) call source%refuse( &
-            "expected an element or a set and one of its sides S1 to S4, found '"//field//"'")
-         call sides%append_all(spread(side, 1, members%n - sides%n))
-         call take_comma(source, is_there)
-         call source%end_line()
-      end do
       call get_set(draft, source, scope, line, 'name', group)
-      if (group == 0) call source%refuse('expected NAME= and a name')
+      if (group == 0) call source%refuse('expected NAME= and a name', source%position - 1)
+      call take_sides(draft, source, of_nodes, members, sides)
       if (allocated(source%error)) return
       if (of_nodes) then
          call draft%groups(group)%node%append_all(members%items())
@@ -217,6 +203,35 @@ contains
          call draft%groups(group)%side%append_all(sides%items())
       end if
    end subroutine read_surface
+
+   !> Takes the lines of a surface: an element, or a set, and a side of it; of a surface of nodes, nodes.
+   pure subroutine take_sides(draft, source, of_nodes, members, sides)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(mesh_source_t), intent(inout) :: source !! the file
+      logical, intent(in) :: of_nodes !! whether the surface is one of nodes
+      type(integer_list_t), intent(inout) :: members !! numbers of the elements or nodes
+      type(integer_list_t), intent(inout) :: sides !! side of each element, 0 for nodes
+      character(:), allocatable :: field
+      integer :: side
+      logical :: is_there
+
+      do
+         call next_data_line(source, is_there)
+         if (.not. is_there) exit
+         call take_field(source, field)
+         call add_members(draft, source, of_nodes, field, members)
+         call take_comma(source, is_there)
+         call take_field(source, field)
+         side = 0
+         if (.not. of_nodes) then
+            side = findloc(side_names, lower_case(field), dim=1)
+            if (side == 0) call source%refuse("expected one of the sides S1 to S4, found '"//field//"'")
+         end if
+         call sides%append_all(spread(side, 1, members%n - sides%n))
+         call take_comma(source, is_there)
+         call source%end_line()
+      end do
+   end subroutine take_sides
 
    !> Replaces the numbers of elements in the sets by places in the list of cells.
    pure subroutine resolve_elements(draft, source)

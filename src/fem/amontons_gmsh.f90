@@ -29,12 +29,12 @@ contains
          call source%skip_white()
          if (source%position > len(source%text) .or. allocated(source%error)) exit
          call take_section_name(source, name)
+         if (version == 0 .and. name /= 'MeshFormat' .and. name /= 'Comments') call source%refuse( &
+            'expected $MeshFormat before $'//name//'; save the mesh as version 2.2 or 4.1')
          select case (name)
          case ('MeshFormat', 'PhysicalNames', 'Entities', 'Nodes', 'ParametricNodes', 'Elements')
             if (index(seen, ' '//name//' ') > 0) call source%refuse('a second section $'//name)
             seen = seen//name//' '
-            if (version == 0 .and. name /= 'MeshFormat') call source%refuse( &
-               'the section $'//name//' stands before $MeshFormat; files older than that are not read')
             call read_section(draft, groups, source, name, version)
             call end_section(source, name)
          case ('PartitionedEntities')
@@ -60,8 +60,8 @@ contains
          last = last + 1
       end do
       name = source%text(source%position + 1:last)
-      if (source%text(source%position:source%position) /= '$') &
-         call source%refuse('expected a section such as $Nodes, found '//source%word())
+      if (source%text(source%position:source%position) /= '$') call source%refuse( &
+         'expected a section such as $Nodes, found '//source%word())
       source%position = last + 1
    end subroutine take_section_name
 
@@ -118,7 +118,7 @@ contains
       case ('Nodes', 'ParametricNodes')
          if (version == 4) call read_nodes_4(draft, source)
          if (version == 2) call read_nodes_2(draft, source, name == 'ParametricNodes')
-      case ('Elements')
+      case default
          if (version == 4) call read_elements_4(draft, groups, source)
          if (version == 2) call read_elements_2(draft, groups, source)
       end select

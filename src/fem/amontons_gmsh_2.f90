@@ -106,12 +106,13 @@ contains
       header%n_left = 1
       place = source%position
       if (source%is_binary) call source%take_integer(header%n_left, 'the number of elements of a type')
-      if (header%n_left < 1 .or. header%n_left > n_left) &
-         call source%refuse('the elements of this type are more than those announced, or none', place)
+      if (header%n_left < 1 .or. header%n_left > n_left) call source%refuse( &
+         'the elements of this type are more than those announced, or none', place)
       place = source%position
       call source%take_integer(header%n_tags, 'the number of tags of an element')
-      if (header%n_tags < 0 .or. header%n_tags > most_tags) &
-         call source%refuse('the number of tags of an element is out of range', place)
+      if (header%n_tags < 0 .or. header%n_tags > most_tags) call source%refuse( &
+         'the number of tags of an element is out of range', place)
+      if (allocated(source%error)) header%n_tags = 0
    end subroutine take_header
 
    !> Takes the tags of an element, of which the first is its physical group; reversed ones have a minus.

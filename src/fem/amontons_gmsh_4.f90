@@ -13,6 +13,8 @@ module amontons_gmsh_4
 
    !> Bytes that anything takes at least in text: a digit and a blank.
    integer, parameter :: least_text = 2
+   !> A node has three coordinates and up to three parameters.
+   integer, parameter :: most_numbers = 6
    !> Bytes that a size takes in a binary file.
    integer, parameter :: size_bytes = 8
 
@@ -135,14 +137,14 @@ contains
       integer, intent(inout) :: n_left !! number of nodes that the section still has to hold
       integer, allocatable :: tags(:), places(:)
       integer :: dimension, entity, i, has_parameters, n, n_numbers, node
-      real(dp) :: x(6)
+      real(dp) :: x(most_numbers)
 
       call source%start_record()
       call source%take_integer(dimension, 'the dimension of an entity')
       call source%take_integer(entity, 'the number of an entity')
       call source%take_integer(has_parameters, 'whether nodes have parameters, 0 or 1')
-      if (dimension < 0 .or. dimension > 3 .or. has_parameters < 0 .or. has_parameters > 1) &
-         call source%refuse('expected a dimension from 0 to 3 and whether nodes have parameters, 0 or 1')
+      if (dimension < 0 .or. dimension > 3 .or. has_parameters < 0 .or. has_parameters > 1) call source%refuse( &
+         'expected a dimension from 0 to 3 and whether nodes have parameters, 0 or 1')
       call take_block_size(source, n, n_left, 'nodes')
       n_numbers = 3 + merge(dimension, 0, has_parameters == 1)
       allocate (tags(n), places(n))

@@ -40,8 +40,9 @@ contains
       case (4:7, 11:14, 17:19, 29:33)
          call source%refuse('an element of type '//to_text(type)//': a 3-D mesh, where a plane one is expected', place)
       case default
-         call source%refuse('an element of type '//to_text(type)//', which is not read: expected points (15), lines '// &
-            '(1, 8), triangles (2, 9) and quadrilaterals (3, 10, 16)', place)
+         call source%refuse('an element of type '//to_text(type)// &
+            ', which is not read: expected points (15), lines (1, 8), triangles (2, 9), quadrilaterals (3, 10, 16)', &
+            place)
       end select
    end subroutine take_cell_kind
 

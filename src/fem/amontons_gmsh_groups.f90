@@ -103,7 +103,7 @@ contains
       type(tag_map_t) :: map, names
       integer :: cell, first, group, i, place, named
 
-      call list_pairs(groups, has_entities, source, tag, run)
+      call list_pairs(groups, has_entities, draft, source, tag, run)
       call new_tag_map(map, tag%items())
       call new_tag_map(names, groups%named_tag%items())
       has_any = tag%n > 0
@@ -126,9 +126,10 @@ contains
    end subroutine put_dimension
 
    !> Lists the physical groups and the runs that belong to them.
-   pure subroutine list_pairs(groups, has_entities, source, tag, run)
+   pure subroutine list_pairs(groups, has_entities, draft, source, tag, run)
       type(dimension_t), intent(in) :: groups !! the groups
       logical, intent(in) :: has_entities !! whether runs belong to entities, and those to groups
+      type(mesh_draft_t), intent(inout) :: draft !! the draft
       type(mesh_source_t), intent(inout) :: source !! the file
       type(integer_list_t), intent(out) :: tag !! numbers of physical groups
       type(integer_list_t), intent(out) :: run !! a run that belongs to each
@@ -146,11 +147,9 @@ contains
             if (entities%tag(place) /= groups%run_owner%item(i)) exit
             call tag%append(groups%entity_tag%item(entities%item(place)))
             call run%append(i)
+            call draft%expect_members(source, 1)
+            if (allocated(source%error)) return
          end do
-         if (tag%n > len(source%text)) then
-            call source%refuse('the blocks of cells belong to more physical groups than a file of this size can mean')
-            return
-         end if
       end do
    end subroutine list_pairs
 

@@ -60,8 +60,7 @@ contains
       integer :: item
 
       item = findloc(tags < 1, .true., dim=1)
-      if (item > 0) call source%refuse('the number of '//thing//' '//to_text(tags(item))//' is not positive', &
-         places(item))
+      if (item > 0) call source%refuse(thing//' '//to_text(tags(item))//': its number must be positive', places(item))
       if (allocated(source%error)) return
       call new_tag_map(map, tags)
       item = map%repeated()
@@ -269,6 +268,7 @@ contains
             to_text(draft%cell_tag%item(cell_of(overlapping(1)))))
          return
       end if
+      if (all(n_element_nodes(mesh%element_kind) == n_corners(mesh%element_kind))) return
       do side = 1, table%n_sides
          associate (a => table%along(side), b => table%against(side))
             if (a%element == 0 .or. b%element == 0) cycle

@@ -3,7 +3,7 @@ module amontons_mesh_draft
    use amontons_element, only: n_element_nodes
    use amontons_integer_list, only: integer_list_t
    use amontons_kinds, only: dp
-   use amontons_mesh_source, only: mesh_source_t
+   use amontons_mesh_source, only: mesh_source_t, printable
    use amontons_text, only: lower_case, to_text
    implicit none (type, external)
    private
@@ -25,11 +25,14 @@ module amontons_mesh_draft
    !> otherwise name more than any memory holds.
    integer, parameter :: free_members = 1000000
 
+   !> How many notes are told; the first ones say enough.
+   integer, parameter :: most_notes = 100
+
    !> A named set: of elements, of lines and sides, of nodes.
    type :: draft_group_t
       character(:), allocatable :: name !! its name
       character(:), allocatable, private :: key !! what tells it from the others: the name, with or without its case
-      integer :: place = 0 !! where the file names it first
+      integer :: place = 0 !! the end of the line that names it first
       type(integer_list_t) :: cell !! its cells, and the cells whose sides are in it
       type(integer_list_t) :: side !! the side of each that is in it, 0 for the cell itself
       type(integer_list_t) :: node !! numbers of its nodes in the file
@@ -47,9 +50,11 @@ module amontons_mesh_draft
       type(integer_list_t) :: node !! nodes of the cells, by their numbers in the file
       type(draft_group_t), allocatable :: groups(:) !! the named sets, and room for more
       integer :: n_groups = 0 !! number of named sets
-      integer :: n_members = 0 !! number of things in all of them
+      integer, allocatable, private :: sorted(:) !! the named sets in the order of their keys, and room for more
+      integer, private :: n_members = 0 !! number of things in all of them that are not written out
       logical :: ignores_case = .false. !! whether capital letters do not tell names apart
       logical :: nodes_name_sides = .false. !! whether a set of nodes also names the boundary sides between them
+      integer, private :: n_notes = 0 !! number of notes
       character(:), allocatable :: notes !! what was put right or left out, a line of text for each
    contains
       procedure :: add_cell => mesh_draft_add_cell
@@ -81,16 +86,20 @@ contains
       if (n /= 1) text = text//'s'
    end function counted
 
-   !> Adds a note.
+   !> Adds a note; the same note again is not another one.
    pure subroutine mesh_draft_add_note(self, sentence)
       class(mesh_draft_t), intent(inout) :: self !! the draft
       character(*), intent(in) :: sentence !! what was put right or left out
 
-      if (allocated(self%notes)) then
-         self%notes = self%notes//new_line('a')//sentence
-      else
-         self%notes = sentence
+      if (.not. allocated(self%notes)) then
+         self%notes = printable(sentence)
+      else if (self%n_notes == most_notes) then
+         self%notes = self%notes//new_line('a')//'there is more to note'
+      else if (self%n_notes < most_notes) then
+         if (index(self%notes, printable(sentence)) > 0) return
+         self%notes = self%notes//new_line('a')//printable(sentence)
       end if
+      self%n_notes = self%n_notes + 1
    end subroutine mesh_draft_add_note
 
    !> Adds a node.
@@ -150,17 +159,36 @@ contains
       if (draft%ignores_case) key = lower_case(name)
    end function key_of
 
+   !> Place in the sorted list of the first named set whose key is not before a given one.
+   pure integer function place_of(draft, key) result(place)
+      type(mesh_draft_t), intent(in) :: draft !! the draft
+      character(*), intent(in) :: key !! the key
+      integer :: low, middle
+
+      low = 0
+      place = draft%n_groups + 1
+      do while (place - low > 1)
+         middle = (low + place)/2
+         if (draft%groups(draft%sorted(middle))%key < key) then
+            low = middle
+         else
+            place = middle
+         end if
+      end do
+   end function place_of
+
    !> The named set of a name, 0 where there is none.
    pure integer function mesh_draft_find_group(self, name) result(group)
       class(mesh_draft_t), intent(in) :: self !! the draft
       character(*), intent(in) :: name !! the name
       character(:), allocatable :: key
+      integer :: place
 
-      key = key_of(self, name)
-      do group = 1, self%n_groups
-         if (self%groups(group)%key == key) return
-      end do
       group = 0
+      key = key_of(self, name)
+      place = place_of(self, key)
+      if (place > self%n_groups) return
+      if (self%groups(self%sorted(place))%key == key) group = self%sorted(place)
    end function mesh_draft_find_group
 
    !> The named set of a name; a new one where there is none.
@@ -169,20 +197,26 @@ contains
       type(mesh_source_t), intent(inout) :: source !! the file
       character(*), intent(in) :: name !! the name
       integer, intent(out) :: group !! the set
+      integer :: place
 
-      if (.not. allocated(self%groups)) allocate (self%groups(most_groups))
+      if (.not. allocated(self%groups)) allocate (self%groups(most_groups), self%sorted(most_groups))
       group = self%find_group(name)
       if (group > 0) return
+      if (printable(name) /= name) call source%refuse("the name '"//name//"' holds a control character", &
+         source%position - 1)
       if (self%n_groups == most_groups) then
-         call source%refuse('more than '//to_text(most_groups)//' named sets')
-         group = 1
+         call source%refuse('more than '//to_text(most_groups)//' named sets', source%position - 1)
+         group = most_groups
          return
       end if
+      place = place_of(self, key_of(self, name))
+      self%sorted(place + 1:self%n_groups + 1) = self%sorted(place:self%n_groups)
       self%n_groups = self%n_groups + 1
       group = self%n_groups
+      self%sorted(place) = group
       self%groups(group)%name = name
       self%groups(group)%key = key_of(self, name)
-      self%groups(group)%place = source%position
+      self%groups(group)%place = source%position - 1
    end subroutine mesh_draft_get_group
 
    !> Must be asked before sets get things that are not all written out: a range or another set. Refuses more than a

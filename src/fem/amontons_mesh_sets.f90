@@ -145,8 +145,9 @@ contains
          end if
          call put_node(things, translation%node(node))
       end do
-      if (draft%nodes_name_sides .and. things%sides%members%n + things%n_inside == 0) &
+      if (draft%nodes_name_sides .and. things%sides%members%n + things%n_inside == 0) then
          call put_sides_between(things, mesh, table)
+      end if
    end subroutine collect
 
    !> Puts a node into a set, if elements have it.
@@ -232,8 +233,8 @@ contains
             if (owner%element == 0) cycle
             nodes = mesh%side(owner%element, owner%side)
             if (nodes(3) == 0) nodes(3) = nodes(1)
-            if (all(things%nodes%stamp(nodes) == things%nodes%set)) &
-               call things%sides%put(most_sides*(owner%element - 1) + owner%side)
+            if (any(things%nodes%stamp(nodes) /= things%nodes%set)) cycle
+            call things%sides%put(most_sides*(owner%element - 1) + owner%side)
          end do
       end do
    end subroutine put_sides_between
@@ -251,7 +252,8 @@ contains
       if (things%n_unused > 0) call draft%add_note("set '"//name//"': "//counted(things%n_unused, 'node')// &
          ' without an element left out')
       if (things%sides%members%n + things%nodes%members%n + things%elements%members%n &
-         + things%n_inside + things%n_elsewhere + things%n_unused == 0) call draft%add_note("set '"//name//"' left out: nothing of the body belongs to it")
+         + things%n_inside + things%n_elsewhere + things%n_unused == 0) call draft%add_note( &
+         "set '"//name//"' left out: it is empty")
    end subroutine note_losses
 
 end module amontons_mesh_sets

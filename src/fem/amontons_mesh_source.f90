@@ -10,7 +10,7 @@ module amontons_mesh_source
    implicit none (type, external)
    private
 
-   public :: mesh_source_t, new_mesh_source
+   public :: mesh_source_t, new_mesh_source, printable
 
    character, parameter :: line_feed = achar(10)
    !> Longer words are cut in messages.
@@ -61,9 +61,10 @@ contains
       ! The size is asked for first: to open a pipe could take for ever.
       inquire (file=file, size=n_bytes)
       if (n_bytes == 0) then
-         call new_error(error, input_refused, file//': this file is empty')
+         call new_error(error, input_refused, file//': this file is empty, or no plain file')
          return
-      else if (n_bytes > most_bytes) then
+      end if
+      if (n_bytes > most_bytes) then
          call new_error(error, input_refused, file//': this file is larger than '//to_text(most_bytes/10**6)//' MB')
          return
       end if
@@ -83,6 +84,18 @@ contains
       end if
    end subroutine new_mesh_source
 
+   !> A text without control characters, which have no place in a message.
+   pure function printable(text)
+      character(*), intent(in) :: text !! any text
+      character(:), allocatable :: printable
+      integer :: i
+
+      printable = text
+      do i = 1, len(text)
+         if (iachar(text(i:i)) < 32 .or. iachar(text(i:i)) == 127) printable(i:i) = '?'
+      end do
+   end function printable
+
    !> Notes a fault, if it is the first: `file:line: sentence`, or `file: sentence (byte n)` in a binary file.
    pure subroutine mesh_source_refuse(self, sentence, place)
       class(mesh_source_t), intent(inout) :: self !! the file
@@ -94,14 +107,14 @@ contains
       at = self%position
       if (present(place)) at = place
       if (self%is_binary) then
-         call new_error(self%error, input_refused, self%file//': '//sentence//' (byte '//to_text(at)//')')
+         call new_error(self%error, input_refused, self%file//': '//printable(sentence)//' (byte '//to_text(at)//')')
          return
       end if
       line = 1
       do i = 1, min(at, len(self%text) + 1) - 1
          if (self%text(i:i) == line_feed) line = line + 1
       end do
-      call new_error(self%error, input_refused, self%file//':'//to_text(line)//': '//sentence)
+      call new_error(self%error, input_refused, self%file//':'//to_text(line)//': '//printable(sentence))
    end subroutine mesh_source_refuse
 
    !> The word at the position, as messages quote it.
@@ -203,15 +216,15 @@ contains
       class(mesh_source_t), intent(inout) :: self !! the file
       integer, intent(out) :: value !! the number, 0 where there is a fault
       character(*), intent(in) :: what !! what it means, for the message
-      character(4) :: four_bytes
+      character(8) :: bytes
 
       value = 0
       if (allocated(self%error)) return
       if (self%is_binary) then
-         call take_bytes(self, four_bytes, what)
-         value = transfer(four_bytes, value)
+         call take_bytes(self, 4, bytes, what)
+         value = transfer(bytes(:4), value)
          if (value < -huge(value)) call self%refuse('expected '//what//', found a number out of range', &
-            self%position - len(four_bytes))
+            self%position - 4)
          if (allocated(self%error)) value = 0
       else
          call self%take_numeral(value, what)
@@ -223,13 +236,17 @@ contains
       class(mesh_source_t), intent(inout) :: self !! the file
       integer, intent(out) :: value !! the number, 0 where there is a fault
       character(*), intent(in) :: what !! what it means, for the message
+      character(:), allocatable :: found
       logical :: ok
 
       value = 0
       if (allocated(self%error)) return
       call self%skip_blanks()
       call scan_integer(self%text, self%position, value, ok)
-      if (.not. ok) call self%refuse('expected '//what//', found '//self%word())
+      if (ok) return
+      found = self%word()
+      if (verify(found, "'0123456789") == 0) found = found//', which is out of range'
+      call self%refuse('expected '//what//', found '//found)
    end subroutine mesh_source_take_numeral
 
    !> Takes a number of things, which stands alone on a line of text, even in a binary file.
@@ -252,14 +269,14 @@ contains
       class(mesh_source_t), intent(inout) :: self !! the file
       integer, intent(out) :: value !! the number, 0 where there is a fault
       character(*), intent(in) :: what !! what it means, for the message
-      character(8) :: eight_bytes
+      character(8) :: bytes
       integer(int64) :: long
       integer :: place
 
       place = self%position
       if (self%is_binary) then
-         call take_bytes(self, eight_bytes, what)
-         long = transfer(eight_bytes, long)
+         call take_bytes(self, 8, bytes, what)
+         long = transfer(bytes, long)
       else
          call self%take_integer(value, what)
          long = value
@@ -275,18 +292,18 @@ contains
       class(mesh_source_t), intent(inout) :: self !! the file
       real(dp), intent(out) :: value !! the number, 0 where there is a fault
       character(*), intent(in) :: what !! what it means, for the message
-      character(8) :: eight_bytes
+      character(8) :: bytes
       logical :: ok
 
       value = 0.0_dp
       if (allocated(self%error)) return
       if (self%is_binary) then
-         call take_bytes(self, eight_bytes, what)
-         value = transfer(eight_bytes, value)
+         call take_bytes(self, 8, bytes, what)
+         value = transfer(bytes, value)
          if (ieee_is_finite(value)) return
          value = 0.0_dp
          call self%refuse('expected '//what//', found a number that is not finite', &
-            self%position - len(eight_bytes))
+            self%position - 8)
       else
          call self%skip_blanks()
          call scan_real(self%text, self%position, value, ok)
@@ -295,22 +312,22 @@ contains
    end subroutine mesh_source_take_real
 
    !> Takes the bytes of a number, in this machine's order.
-   pure subroutine take_bytes(source, bytes, what)
+   pure subroutine take_bytes(source, n, bytes, what)
       type(mesh_source_t), intent(inout) :: source !! the file
-      character(*), intent(out) :: bytes !! the bytes, all zero where there is a fault
+      integer, intent(in) :: n !! number of bytes
+      character(8), intent(out) :: bytes !! the bytes, all zero where there is a fault
       character(*), intent(in) :: what !! what the number means, for the message
-      integer :: n, i
+      integer :: i
 
-      n = len(bytes)
-      bytes = repeat(achar(0), n)
+      bytes = repeat(achar(0), len(bytes))
       if (allocated(source%error)) return
       if (source%position > len(source%text) - n + 1) then
          call source%refuse('expected '//what//', found the end of the file')
          return
       end if
-      bytes = source%text(source%position:source%position + n - 1)
+      bytes(:n) = source%text(source%position:source%position + n - 1)
       source%position = source%position + n
-      if (source%is_swapped) bytes = transfer([(bytes(i:i), i=n, 1, -1)], bytes)
+      if (source%is_swapped) bytes(:n) = transfer([(bytes(i:i), i=n, 1, -1)], bytes(:n))
    end subroutine take_bytes
 
    !> Refuses a number of things that the rest of the file cannot hold.

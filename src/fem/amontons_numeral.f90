@@ -1,7 +1,7 @@
 !> Numbers in long texts, scanned where they stand: much faster than an internal read, and rounded as well.
 module amontons_numeral
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_kinds, only: dp, int64
-   use amontons_text, only: read_real
    implicit none (type, external)
    private
 
@@ -23,11 +23,15 @@ contains
       character(*), intent(in) :: text !! any text
       integer, intent(in) :: position !! the position, positive
 
-      ends_word = position > len(text)
-      if (ends_word) return
+      if (position > len(text)) then
+         ends_word = .true.
+         return
+      end if
       select case (iachar(text(position:position)))
       case (iachar(' '), iachar(','), 9, 10, 13)
          ends_word = .true.
+      case default
+         ends_word = .false.
       end select
    end function ends_word
 
@@ -99,17 +103,12 @@ contains
       ok = ok .and. ends_word(text, at) .and. at - position <= longest_numeral
       if (.not. ok) return
       power = power + power_written
-      if (is_exact .and. mantissa == 0) then
-         value = 0.0_dp
-      else if (is_exact .and. mantissa <= largest_exact .and. abs(power) <= largest_power) then
-         if (power < 0) then
-            value = real(mantissa, dp)/power_of_ten(-power)
-         else
-            value = real(mantissa, dp)*power_of_ten(power)
-         end if
+      if (mantissa == 0) power = 0
+      if (is_exact .and. abs(power) <= largest_power) then
+         value = scaled(mantissa, power)
          if (is_negative) value = -value
       else
-         call read_real(text(position:at - 1), value, ok)
+         call read_rounded(text(position:at - 1), value, ok)
       end if
       if (ok) position = at
    end subroutine scan_real
@@ -120,7 +119,7 @@ contains
       integer, intent(inout) :: position !! where the digits begin; behind them on return
       integer(int64), intent(out) :: mantissa !! the digits without point
       integer, intent(out) :: power !! power of ten to multiply them by
-      logical, intent(out) :: is_exact !! whether the mantissa holds all digits
+      logical, intent(out) :: is_exact !! whether the mantissa holds all digits and is a number of kind `dp`
       logical, intent(out) :: ok !! whether there is a digit
       integer(int64), parameter :: full = 10_int64**(most_digits - 1)
       integer :: digit
@@ -144,10 +143,11 @@ contains
          else if (digit == iachar('.') - iachar('0') .and. .not. is_behind_point) then
             is_behind_point = .true.
          else
-            return
+            exit
          end if
          position = position + 1
       end do
+      is_exact = is_exact .and. mantissa <= largest_exact
    end subroutine scan_mantissa
 
    !> Scans an exponent, if there is one.
@@ -177,13 +177,30 @@ contains
       if (is_negative) power = -power
    end subroutine scan_exponent
 
-   !> An exact power of ten.
-   pure real(dp) function power_of_ten(power)
-      integer, intent(in) :: power !! the exponent, 0 to `largest_power`
+   !> Reads a numeral whose digits or power are too many for one rounding.
+   pure subroutine read_rounded(numeral, value, ok)
+      character(*), intent(in) :: numeral !! the numeral, well formed, not 0, at most `longest_numeral` long
+      real(dp), intent(out) :: value !! the number, 0 on failure
+      logical, intent(out) :: ok !! whether it is neither too large nor so small that it rounds to 0
+      integer :: status
+
+      read (numeral, '(f400.0)', iostat=status) value
+      ok = status == 0 .and. ieee_is_finite(value) .and. abs(value) > 0.0_dp
+      if (.not. ok) value = 0.0_dp
+   end subroutine read_rounded
+
+   !> An integer times a power of ten, rounded once.
+   pure real(dp) function scaled(mantissa, power)
+      integer(int64), intent(in) :: mantissa !! the integer, at most `largest_exact`
+      integer, intent(in) :: power !! the power, at most `largest_power` in magnitude
       integer :: i
       real(dp), parameter :: powers(0:largest_power) = [(10.0_dp**i, i=0, largest_power)]
 
-      power_of_ten = powers(power)
-   end function power_of_ten
+      if (power < 0) then
+         scaled = real(mantissa, dp)/powers(-power)
+      else
+         scaled = real(mantissa, dp)*powers(power)
+      end if
+   end function scaled
 
 end module amontons_numeral

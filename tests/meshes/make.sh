@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Makes the meshes of strip.geo again: every element, version and encoding. Needs gmsh 4.
+set -euo pipefail
+cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")"
+
+mesh() {
+   local name=$1 shape=$2 degree=$3 has_centers=$4 version
+   local options=(-v 1 -2 -setnumber shape "$shape" -setnumber degree "$degree" -setnumber has_centers "$has_centers")
+   for version in 22 41; do
+      gmsh "${options[@]}" -format "msh$version" strip.geo -o "$name-$version.msh"
+      gmsh "${options[@]}" -format "msh$version" -bin strip.geo -o "$name-$version-binary.msh"
+   done
+}
+
+mesh tri3 3 1 1
+mesh tri6 3 2 1
+mesh quad4 4 1 1
+mesh quad8 4 2 0
+mesh quad9 4 2 1
+mesh mixed 7 2 0
