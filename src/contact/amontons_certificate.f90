@@ -111,8 +111,8 @@ contains
          certificate%penetration = relative(max(0.0_dp, maxval(-distance)), largest_displacement)
          certificate%tension = relative(max(0.0_dp, maxval(-normal)), largest_force)
          certificate%friction_excess = relative(max(0.0_dp, maxval(abs(tangential) - bound)), largest_force)
-         certificate%complementarity = maxval(min(relative(normal, largest_force), &
-            relative(distance, largest_displacement)))
+         certificate%complementarity = max(0.0_dp, maxval(min(relative(normal, largest_force), &
+            relative(distance, largest_displacement))))
          certificate%wrong_dissipation = max(0.0_dp, maxval(-min(relative(abs(tangential), largest_force), &
             relative(abs(slip), largest_displacement))*sign(1.0_dp, tangential*slip)))
          certificate%dissipation = sum(tangential*slip)

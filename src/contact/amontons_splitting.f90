@@ -44,7 +44,7 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
-      real(dp), allocatable :: normal(:), tangential(:), b(:), factor(:, :), schur(:, :)
+      real(dp), allocatable :: normal(:), tangential(:), displacement(:), b(:), factor(:, :), schur(:, :)
       ! Forces that rest while the residual is this many tolerances away will not lower it any more.
       real(dp), parameter :: at_rest = 1.0e3_dp
       real(dp) :: change
@@ -73,11 +73,14 @@ contains
             call tangential_step(problem, b(m + 1:), normal, tangential)
             call normal_step(problem, b(:m), tangential, normal)
          end select
-         change = maxval(abs([normal, tangential] - solution%force))/problem%force_scale()
-         call solution%record(problem, problem%displacement(b, [normal, tangential]), [normal, tangential], &
-            self%tolerance, may_continue)
+         displacement = problem%displacement(b, [normal, tangential])
+         ! A proximal step counts as the force that it takes.
+         change = maxval(abs([[normal, tangential] - solution%force, &
+            problem%shift*(displacement - solution%displacement)]))/problem%force_scale()
+         call solution%record(problem, displacement, [normal, tangential], self%tolerance, may_continue)
          if (.not. may_continue) return
-         solution%is_at_rest = change <= self%tolerance .and. solution%residual > at_rest*self%tolerance
+         solution%is_at_rest = self%variant /= 'exact' .and. change <= self%tolerance &
+            .and. solution%residual > at_rest*self%tolerance
          if (solution%is_at_rest) return
          ! A body that only contact holds: a proximal step moves the centre to the displacement just found.
          if (.not. problem%is_held) b = problem%dual_load(solution%displacement)
