@@ -35,8 +35,8 @@ contains
       call new_output_file(file, path, .false., error)
       if (allocated(error)) return
       write (file%unit, '(a)', iostat=status, advance='no') head_text(config)//model_text(config, body) &
-         //loads_text(config)//solution_text(config, body, result)//zones_text(body, result)//resultants_text(body, result) &
-         //certificate_text(config, result%certificate)
+         //loads_text(config)//solution_text(config, body, result)//zones_text(body, result) &
+         //resultants_text(body, result)//certificate_text(config, result%certificate)
       if (status == 0) call write_points(file%unit, body, result, status)
       if (status == 0) write (file%unit, '(a)', iostat=status) times_text(result)
       call file%finish(status, error)

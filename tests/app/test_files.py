@@ -12,7 +12,7 @@ except ImportError:
     meshio = None
 
 MESH = "size = 4.0, 2.0  cells = 8, 4"
-PUSH = "load set = 'right'  traction = -0.5, -0.1"
+PUSH = "load set = 'right'  traction = -1.5, 0.3"  # part of the floor sticks, part slides, part opens
 # A 64-bit number needs 17 significant digits to read back as the same one.
 NUMBER = re.compile(r"-?\d\.\d{16}E[+-]\d{3}")
 MEMBERS = {

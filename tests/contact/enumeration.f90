@@ -85,7 +85,7 @@ contains
                   .and. abs(force_t) <= problem%friction(p)*force_n + rounding
             case (slip_plus)
                is_admissible = is_admissible .and. force_n >= -rounding .and. u_t >= -rounding
-            case (slip_minus)
+            case default
                is_admissible = is_admissible .and. force_n >= -rounding .and. u_t <= rounding
             end select
          end associate
