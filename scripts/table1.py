@@ -44,8 +44,8 @@ def verdict(result):
 def main(coarse, fine):
     first = summary(coarse, 1)
     print("Table 1 of Pop and Zelina (2005): parts of the contact line that are separated (AB), sliding (BC) and")
-    print(f"sticking (CD), in mm. Computed with method {first['method']}. off: by how many segments of 1.25 mm the ends of")
-    print("AB and BC lie off.")
+    print(f"sticking (CD), in mm. Computed with method {first['method']}.")
+    print("off: by how many segments of 1.25 mm the ends of AB and BC lie off.")
     print()
     print(f"row   mu    F    f  {'mesh':20}{'AB':>8} {'BC':>8} {'CD':>8}   {'off':>11}  iterations  residual"
           "  certificate")

@@ -110,7 +110,7 @@ contains
       call tell(command_line, solved_text(config, result))
       if (.not. result%solution%is_converged) then
          status = status_not_converged
-      else if (result%certificate%largest() > certificate_limit(config%method%tolerance)) then
+      else if (.not. result%certificate%largest() <= certificate_limit(config%method%tolerance)) then
          status = status_not_converged
          write (error_unit, '(a)') config%file//': the certificate FAILED on the full model; see the listing'
       end if

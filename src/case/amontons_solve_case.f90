@@ -180,7 +180,9 @@ contains
       type(contact_solution_t), intent(in) :: solution !! the solution
       type(error_t), allocatable, intent(out) :: error !! it is not finite
 
-      if (all(ieee_is_finite(solution%force)) .and. all(ieee_is_finite(solution%displacement))) return
+      ! A residual still at its first value, the largest number, means that no iteration gave a finite one.
+      if (solution%residual < huge(solution%residual) .and. all(ieee_is_finite(solution%force)) &
+         .and. all(ieee_is_finite(solution%displacement))) return
       call new_error(error, numerical_failure, 'the contact method left the range of finite numbers: '// &
          'stiffness, load and friction differ by more than the arithmetic can hold')
    end subroutine check_finite

@@ -44,7 +44,7 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
-      real(dp), allocatable :: normal(:), tangential(:), b(:), factor(:, :), schur(:, :)
+      real(dp), allocatable :: normal(:), tangential(:), displacement(:), b(:), factor(:, :), schur(:, :)
       ! Forces that rest while the residual is this many tolerances away will not lower it any more.
       real(dp), parameter :: at_rest = 1.0e3_dp
       real(dp) :: change
@@ -62,27 +62,45 @@ contains
       if (self%variant == 'printed') schur = printed_schur(problem, factor)
 
       do iteration = 1, self%max_iterations
-         select case (self%variant)
-         case ('clip')
-            call tangential_step(problem, b(m + 1:), normal, tangential)
-            call clipped_normal_step(problem, factor, b(:m), tangential, normal)
-         case ('printed')
-            call printed_tangential_step(schur, b(m + 1:), problem%bound(normal), tangential)
-            call clipped_normal_step(problem, factor, b(:m), tangential, normal)
-         case default
-            call tangential_step(problem, b(m + 1:), normal, tangential)
-            call normal_step(problem, b(:m), tangential, normal)
-         end select
-         change = maxval(abs([normal, tangential] - solution%force))/problem%force_scale()
-         call solution%record(problem, problem%displacement(b, [normal, tangential]), [normal, tangential], &
-            self%tolerance, may_continue)
+         call half_steps(self%variant, problem, b, factor, schur, normal, tangential)
+         displacement = problem%displacement(b, [normal, tangential])
+         ! A proximal step counts as the force that it takes.
+         change = maxval(abs([[normal, tangential] - solution%force, &
+            problem%shift*(displacement - solution%displacement)]))/problem%force_scale()
+         call solution%record(problem, displacement, [normal, tangential], self%tolerance, may_continue)
          if (.not. may_continue) return
-         solution%is_at_rest = change <= self%tolerance .and. solution%residual > at_rest*self%tolerance
+         solution%is_at_rest = self%variant /= 'exact' .and. change <= self%tolerance &
+            .and. solution%residual > at_rest*self%tolerance
          if (solution%is_at_rest) return
          ! A body that only contact holds: a proximal step moves the centre to the displacement just found.
          if (.not. problem%is_held) b = problem%dual_load(solution%displacement)
       end do
    end subroutine splitting_solve
+
+   !> The tangential half step and the normal one, in the reading of a variant.
+   pure subroutine half_steps(variant, problem, b, factor, schur, normal, tangential)
+      character(*), intent(in) :: variant !! 'exact', 'clip' or 'printed'
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), intent(in) :: b(:) !! dual load B (2m) [L]
+      real(dp), allocatable, intent(in) :: factor(:, :) !! Cholesky factor of A11, for `clip` and `printed` (m, m)
+      real(dp), allocatable, intent(in) :: schur(:, :) !! the paper's S, for `printed` (m, m) [L/F]
+      real(dp), intent(inout) :: normal(:) !! lambda_N (m) [F]
+      real(dp), intent(inout) :: tangential(:) !! lambda_T (m) [F]
+      integer :: m
+
+      m = problem%n_points
+      select case (variant)
+      case ('clip')
+         call tangential_step(problem, b(m + 1:), normal, tangential)
+         call clipped_normal_step(problem, factor, b(:m), tangential, normal)
+      case ('printed')
+         call printed_tangential_step(schur, b(m + 1:), problem%bound(normal), tangential)
+         call clipped_normal_step(problem, factor, b(:m), tangential, normal)
+      case default
+         call tangential_step(problem, b(m + 1:), normal, tangential)
+         call normal_step(problem, b(:m), tangential, normal)
+      end select
+   end subroutine half_steps
 
    !> Tangential half step: min 1/2 l^T A22 l - l^T (B2 - A21 lambda_N), |l| <= phi lambda_N.
    pure subroutine tangential_step(problem, b2, normal, tangential)

@@ -102,7 +102,8 @@ contains
             list(2::2, i + (j - 1)*n_cells) = 2*cell
          end do
       end do
-      call new_sparse_matrix(matrix, 2*size(corner), [(1 + n_cell_unknowns*(k - 1), k=1, n_cells**2 + 1)], [list], error)
+      call new_sparse_matrix(matrix, 2*size(corner), [(1 + n_cell_unknowns*(k - 1), k=1, n_cells**2 + 1)], [list], &
+         error)
       call add_blocks(matrix, list)
    end subroutine plate_matrix
 

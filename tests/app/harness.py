@@ -1,0 +1,131 @@
+"""Runs the program in a scratch directory and reads what it leaves there.
+
+The environment variable AMONTONS names the program. Standard library only.
+"""
+import csv
+import json
+import os
+import struct
+import subprocess
+import tempfile
+import unittest
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+PROGRAM = os.environ["AMONTONS"]
+SUFFIXES = ("contact.csv", "deck.nml", "lst", "summary.json", "vtu")
+COLUMNS = ("point", "x", "y", "normal_x", "normal_y", "weight", "gap", "slip", "normal_force", "tangential_force",
+           "normal_stress", "tangential_stress", "status")
+
+
+class Result:
+    """What a solved case left: the summary, and the columns of the contact table."""
+
+    def __init__(self, directory, name):
+        self.summary = json.loads((directory / f"{name}.summary.json").read_text(encoding="utf-8"))
+        with open(directory / f"{name}.contact.csv", newline="", encoding="utf-8") as table:
+            rows = list(csv.DictReader(table))
+        self.columns = {column: [row[column] if column == "status" else float(row[column]) for row in rows]
+                        for column in COLUMNS}
+
+    def __getitem__(self, column):
+        return self.columns[column]
+
+    @property
+    def forces(self):
+        """All normal forces, then all tangential ones."""
+        return self["normal_force"] + self["tangential_force"]
+
+    @property
+    def lengths(self):
+        """The separated, the sliding and the sticking length."""
+        return [self.summary["lengths"][part] for part in ("separated", "sliding", "sticking")]
+
+
+class ProgramTest(unittest.TestCase):
+    """A scratch directory that the program runs in."""
+
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory(prefix="amontons_")
+        self.addCleanup(scratch.cleanup)
+        self.directory = Path(scratch.name)
+
+    def run_program(self, *arguments, status=0):
+        """Runs the program, checks its exit status and returns what it printed."""
+        return self.run_command([PROGRAM, *map(str, arguments)], status)
+
+    def run_command(self, command, status=0):
+        """Runs a command, checks its exit status, unless it is None, and returns what the command printed."""
+        run = subprocess.run(command, cwd=self.directory, capture_output=True, encoding="utf-8", timeout=60,
+                             check=False)
+        if status is not None:
+            self.assertEqual(run.returncode, status, f"{command}\n{run.stdout}{run.stderr}")
+        return run
+
+    def write(self, name, text):
+        """Writes a file, byte by byte as given, and returns its name."""
+        (self.directory / name).write_bytes(text.encode("utf-8"))
+        return name
+
+    def files(self):
+        """The names of all files and directories in the scratch directory."""
+        return sorted(str(path.relative_to(self.directory)) for path in self.directory.rglob("*"))
+
+    def contents(self, directory="."):
+        """The content of every file in a directory of the scratch directory."""
+        return {path.name: path.read_bytes() for path in (self.directory / directory).iterdir() if path.is_file()}
+
+    def result(self, name, directory="."):
+        """What the case of this name left."""
+        return Result(self.directory / directory, name)
+
+    def solve(self, text, name="case", status=0):
+        """Writes a deck, runs the program on it, quietly, and returns what the case left."""
+        run = self.run_program("--quiet", self.write(f"{name}.nml", text), status=status)
+        self.assertEqual(run.stdout, "")
+        return self.result(name)
+
+    def assert_close(self, found, expected, tolerance, message=None):
+        """Checks numbers one by one against an absolute tolerance."""
+        self.assertEqual(len(found), len(expected), message)
+        self.assertLessEqual(max(map(lambda a, b: abs(a - b), found, expected)), tolerance, message)
+
+
+def read_vtu(content):
+    """The arrays of a VTU file with appended raw data, by name, and the numbers of points and cells."""
+    head, _, appended = content.partition(b'<AppendedData encoding="raw">\n_')
+    root = ElementTree.fromstring(head + b"</VTKFile>")
+    assert root.attrib == {"type": "UnstructuredGrid", "version": "1.0", "byte_order": "LittleEndian",
+                           "header_type": "UInt64"}, root.attrib
+    arrays = {}
+    end = 0
+    for array in root.iter("DataArray"):
+        offset = int(array.get("offset"))
+        assert offset == end, f"{array.get('Name')}: a gap before {offset}"
+        length, = struct.unpack_from("<Q", appended, offset)
+        end = offset + 8 + length
+        kind, size = {"Float64": ("d", 8), "Int32": ("i", 4)}[array.get("type")]
+        values = struct.unpack_from(f"<{length//size}{kind}", appended, offset + 8)
+        width = int(array.get("NumberOfComponents", "1"))
+        if width > 1:
+            values = [values[i:i + width] for i in range(0, len(values), width)]
+        arrays[array.get("Name")] = values
+    assert appended[end:] == b"\n  </AppendedData>\n</VTKFile>\n", appended[end:]
+    piece = root.find("UnstructuredGrid/Piece")
+    return arrays, int(piece.get("NumberOfPoints")), int(piece.get("NumberOfCells"))
+
+
+def results_of(name):
+    """The names of the files that a case leaves."""
+    return [f"{name}.{suffix}" for suffix in SUFFIXES]
+
+
+def block(*groups, mesh="size = 4.0, 2.0  cells = 8, 4", material="young = 100.0  poisson = 0.25"):
+    """The text of a deck: a block, and further groups without their & and /."""
+    return "".join(f"&{group} /\n" for group in (f"mesh {mesh}", f"material {material}", *groups))
+
+
+SUPPORT = "support set = 'left'  ux = 0.0"
+PRESSURE = "load set = 'top'  pressure = 1.0"
+CONTACT = "contact set = 'bottom'  friction = 0.3"
+SOUND = block(SUPPORT, PRESSURE, CONTACT)

@@ -1,0 +1,199 @@
+#!/usr/bin/env python3
+"""What goes wrong after the deck was read: exit status, message, and that no older result is harmed."""
+import os
+import shutil
+import unittest
+
+from harness import CONTACT, PRESSURE, PROGRAM, SOUND, SUPPORT, ProgramTest, block, results_of
+
+FLIES_OFF = "the body flies off: no contact forces can balance the loads against a "
+ADVICE = "; add a support, or a load that presses the body on its obstacle\n"
+SLOW = block(SUPPORT, "load set = 'top'  pressure = 3.0", CONTACT, "solver method = 'psor'  max_iterations = 2")
+LIFTED = block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0")
+
+
+class NumericalFailure(ProgramTest):
+    """Status 2: the deck is in order, the numbers are not; nothing is written."""
+
+    def assert_failure(self, text, message):
+        self.write("failed.nml", text)
+        run = self.run_program("--output", "results", "failed.nml", status=2)
+        self.assertEqual(run.stdout, "")
+        self.assertEqual(run.stderr, f"failed.nml: {message}")
+        self.assertEqual(self.files(), ["failed.nml"])
+
+    def test_body_lifted_from_the_floor(self):
+        self.assert_failure(LIFTED, FLIES_OFF + "translation along (0.0, 1.0)" + ADVICE)
+
+    def test_body_pushed_along_the_floor(self):
+        # 2 x 2 = 4 against friction of 0.3 x 4; sliding off leads up the edge of the friction cone.
+        self.assert_failure(block(PRESSURE, CONTACT, "load set = 'left'  traction = 2.0, 0.0"),
+                            FLIES_OFF + "translation along (1.0, 0.3)" + ADVICE)
+
+    def test_body_rolled_over_its_corner(self):
+        # 4 upwards at x = 4 and 4 downwards at x = 2 turn the block about its left side, free along x.
+        # In the middle of the block, at x = 2, a rotation by 1/sqrt(5) is a displacement of 2/sqrt(5) = 0.8944.
+        self.assert_failure(block(PRESSURE, "contact set = 'bottom'", "load set = 'right'  traction = 0.0, 2.0",
+                                  "support set = 'left'  uy = 0.0"),
+                            FLIES_OFF + "translation along (0.0, 0.8944) with counter-clockwise rotation" + ADVICE)
+
+    def test_body_that_nothing_holds(self):
+        advice = "; add a support or a contact set\n"
+        self.assert_failure(block(SUPPORT), "nothing holds the body against a translation along (0.0, -1.0)" + advice)
+
+    def test_stiffness_out_of_range(self):
+        # Areas of 1e400 are infinite.
+        self.write("failed.nml", block(SUPPORT, PRESSURE, CONTACT, mesh="size = 1e200, 1e200  cells = 8, 4"))
+        run = self.run_program("--output", "results", "failed.nml", status=2)
+        self.assertTrue(run.stderr.startswith("failed.nml: the matrix is not positive definite: "), run.stderr)
+        self.assertEqual(self.files(), ["failed.nml"])
+
+    def test_displacements_out_of_range(self):
+        self.assert_failure(block(SUPPORT, CONTACT, "load set = 'top'  pressure = 1e300",
+                                  material="young = 1e-300  poisson = 0.25"),
+                            "the contact method left the range of finite numbers: stiffness, load and friction differ "
+                            "by more than the arithmetic can hold\n")
+
+
+class SystemFailure(ProgramTest):
+    """Status 3: the files cannot be written."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("case.nml", SOUND)
+
+    def assert_failure(self, output, message):
+        before = self.files()
+        run = self.run_program("--output", output, "case.nml", status=3)
+        self.assertEqual(run.stdout, "")
+        self.assertEqual(run.stderr, f"case.nml: {output}{message}\n")
+        self.assertEqual(self.files(), before)
+
+    def test_output_is_a_file(self):
+        self.write("taken", "")
+        self.assert_failure("taken", ": cannot make this directory: Not a directory")
+        self.assert_failure("taken/results", ": cannot make this directory: Not a directory")
+        self.assert_failure("/dev/null/results", ": cannot make this directory: Not a directory")
+
+    def test_output_with_a_name_too_long(self):
+        self.assert_failure("x"*300, ": cannot make this directory: File name too long")
+
+    @unittest.skipIf(os.geteuid() == 0, "root may write everywhere")
+    def test_output_that_is_read_only(self):
+        (self.directory / "results").mkdir(0o555)
+        self.assert_failure("results/more", ": cannot make this directory: Permission denied")
+        run = self.run_program("--output", "results", "case.nml", status=3)
+        self.assertTrue(run.stderr.startswith("case.nml: results/case.lst: cannot write this file: "), run.stderr)
+
+    def test_directory_in_the_place_of_a_file(self):
+        for name in results_of("case"):
+            with self.subTest(name=name):
+                (self.directory / "results" / name).mkdir(parents=True)
+                run = self.run_program("--output", "results", "case.nml", status=3)
+                self.assertEqual(run.stderr,
+                                 f"case.nml: results/{name}: cannot put this file in place: Is a directory\n")
+                self.assertEqual([file for file in self.files() if file.endswith(".tmp")], [])
+                shutil.rmtree(self.directory / "results")
+
+    @unittest.skipUnless(os.path.exists("/dev/full"), "there is no /dev/full")
+    def test_full_disk(self):
+        self.run_program("case.nml")
+        before = self.contents()
+        for name in results_of("case"):
+            with self.subTest(name=name):
+                # The shell's process becomes the program's, so that the temporary name is known beforehand. Leaks are
+                # not looked for: gfortran's library loses the buffer of a file that it cannot write.
+                run = self.run_command(["sh", "-c", f"""ln -s /dev/full {name}.$$.tmp
+                    ASAN_OPTIONS=detect_leaks=0 exec "$0" case.nml""", PROGRAM], 3)
+                self.assertTrue(run.stderr.startswith(f"case.nml: ./{name}: cannot write this file: "), run.stderr)
+                self.assertEqual(self.contents(), before)
+
+
+class NotConverged(ProgramTest):
+    """Status 4: the files are written and say so."""
+
+    def test_files_are_written_and_marked(self):
+        run = self.run_program(self.write("slow.nml", SLOW), status=4)
+        self.assertEqual(run.stderr, "")
+        self.assertTrue(run.stdout.startswith("slow: NOT CONVERGED, 2 iterations, residual "), run.stdout)
+        self.assertEqual(self.files(), sorted(["slow.nml", *results_of("slow")]))
+        summary = self.result("slow").summary
+        self.assertIs(summary["converged"], False)
+        self.assertEqual(summary["iterations"], 2)
+        self.assertGreater(summary["residual"], 1e-10)
+        self.assertIs(summary["certificate"]["passed"], False)
+        listing = self.contents()["slow.lst"].decode()
+        self.assertIn("NO: stopped after 2 iterations; the results below are not the solution\n", listing)
+
+
+class SeveralDecks(ProgramTest):
+    """Every deck is tried; the largest status counts."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("sound.nml", SOUND)
+        self.write("slow.nml", SLOW)
+        self.write("lifted.nml", LIFTED)
+        self.write("refused.nml", "&mesh /")
+        self.write("other.nml", SOUND.replace("pressure = 1.0", "pressure = 2.0"))
+
+    def test_the_largest_status_counts(self):
+        decks = ["sound.nml", "refused.nml", "lifted.nml", "slow.nml"]
+        for last, status in enumerate((0, 1, 2, 4)):
+            run = self.run_program("--quiet", "--output", "results", *reversed(decks[:last + 1]), status=status)
+            self.assertEqual(run.stderr.count("\n"), last if last < 3 else 2, run.stderr)
+
+    def test_system_failure_is_worse_than_bad_input(self):
+        self.run_program("--output", "sound.nml", "sound.nml", "refused.nml", status=3)
+
+    def test_every_deck_is_tried(self):
+        decks = ["refused.nml", "sound.nml", "lifted.nml", "slow.nml", "none.nml", "other.nml"]
+        run = self.run_program("--output", "results", *decks, status=4)
+        self.assertEqual([line.split(":")[0] for line in run.stdout.splitlines()], ["sound", "slow", "other"])
+        self.assertEqual([line.split(":")[0] for line in run.stderr.splitlines()],
+                         ["refused.nml", "lifted.nml", "none.nml"])
+        self.assertEqual(sorted(self.contents("results")),
+                         sorted(results_of("sound") + results_of("slow") + results_of("other")))
+
+    def test_deck_behind_a_failed_one_is_solved_as_alone(self):
+        self.write("tpo.nml", SOUND.replace("'left'", "'tpo'"))
+        self.run_program("sound.nml", "tpo.nml", "other.nml", status=1)
+        behind = self.result("other")
+        self.run_program("--output", "alone", "other.nml")
+        self.assertEqual(behind.columns, self.result("other", "alone").columns)
+
+    def test_case_names_must_differ(self):
+        self.write("twin.nml", SOUND.replace("pressure = 1.0", "pressure = 2.0") + "&case name = 'sound' /\n")
+        for check in ([], ["--check"]):
+            run = self.run_program(*check, "sound.nml", "twin.nml", "other.nml", status=1)
+            self.assertEqual(run.stderr, "twin.nml: an earlier deck of this run has the case name 'sound' too; "
+                             "give each its own &case name\n")
+            self.assertEqual(run.stdout.count("\n"), 2)
+        self.assertAlmostEqual(self.result("sound").summary["resultants"]["normal"], 4.0)
+
+    def test_the_same_deck_twice_is_refused(self):
+        run = self.run_program("sound.nml", "./sound.nml", status=1)
+        self.assertTrue(run.stderr.startswith("./sound.nml: an earlier deck "), run.stderr)
+
+
+class OlderResults(ProgramTest):
+    """A failed run leaves the results of the run before as they are."""
+
+    def test_older_results_are_untouched(self):
+        self.write("case.nml", SOUND)
+        self.run_program("--output", "results", "case.nml")
+        before = self.contents("results")
+        self.assertEqual(sorted(before), results_of("case"))
+        for text, status in (("&mesh /", 1), (SOUND + "&load set = 'tpo'  pressure = 1.0 /", 1), (LIFTED, 2)):
+            self.run_program("--output", "results", self.write("case.nml", text), status=status)
+            self.assertEqual(self.contents("results"), before)
+
+    def test_results_are_replaced_by_those_of_the_next_run(self):
+        for pressure in ("1.0", "2.5"):
+            self.solve(SOUND.replace("pressure = 1.0", f"pressure = {pressure}"))
+            self.assertAlmostEqual(self.result("case").summary["resultants"]["normal"], 4*float(pressure))
+        self.assertEqual(self.files(), sorted(["case.nml", *results_of("case")]))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,236 @@
+#!/usr/bin/env python3
+"""The files of a solved case, read as other programs read them."""
+import math
+import re
+import unittest
+
+from harness import COLUMNS, CONTACT, PRESSURE, SUPPORT, ProgramTest, block, read_vtu
+
+try:
+    import meshio
+except ImportError:
+    meshio = None
+
+MESH = "size = 4.0, 2.0  cells = 8, 4"
+PUSH = "load set = 'right'  traction = -1.5, 0.3"  # part of the floor sticks, part slides, part opens
+# A 64-bit number needs 17 significant digits to read back as the same one.
+NUMBER = re.compile(r"-?\d\.\d{16}E[+-]\d{3}")
+MEMBERS = {
+    "case": str, "title": str, "version": str, "method": str, "converged": bool, "iterations": int, "residual": float,
+    "certificate": {"passed": bool, "limit": float, "equilibrium": float, "penetration": float, "tension": float,
+                    "friction_excess": float, "complementarity": float, "wrong_dissipation": float,
+                    "resultant": float, "moment": float, "energy": float, "strain_energy": float,
+                    "dissipation": float},
+    "counts": dict.fromkeys(("nodes", "elements", "dofs", "contact_points", "open", "stick", "slip"), int),
+    "lengths": dict.fromkeys(("separated", "sliding", "sticking"), float),
+    "resultants": dict.fromkeys(("normal", "tangential"), float),
+    "seconds": dict.fromkeys(("read", "assemble", "factorize", "condense", "solve", "recover", "write", "total"),
+                             float),
+    "peak_memory_mb": float,
+}
+
+
+class Summary(ProgramTest):
+    """NAME.summary.json"""
+
+    def assert_members(self, value, members, name):
+        """Checks that a value has these members, of these types, and no others."""
+        if isinstance(members, dict):
+            self.assertEqual(list(value), list(members), name)
+            for key in members:
+                self.assert_members(value[key], members[key], f"{name}.{key}")
+        else:
+            self.assertIs(type(value), members, name)
+
+    def test_members_and_their_types(self):
+        summary = self.solve(block(SUPPORT, PRESSURE, CONTACT, PUSH)).summary
+        self.assert_members(summary, MEMBERS, "summary")
+
+    def test_error_of_a_method_that_came_to_rest(self):
+        result = self.solve(block(SUPPORT, PRESSURE, CONTACT, PUSH, "solver method = 'splitting'  variant = 'printed'"),
+                            status=4)
+        error = result.summary.pop("method_error")
+        self.assert_members(result.summary, MEMBERS, "summary")
+        self.run_program("--output", "exact", self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, PUSH)))
+        exact = self.result("case", "exact").forces
+        largest = max(map(abs, exact))
+        # Both differences are of numbers known to 1e-10.
+        self.assertAlmostEqual(error, max(abs(a - b) for a, b in zip(result.forces, exact))/largest, delta=1e-9)
+        self.assertGreater(error, 0.01)
+
+    def test_numbers_are_those_of_the_table(self):
+        result = self.solve(block(SUPPORT, PRESSURE, CONTACT, PUSH,
+                                  material="young = 1.0  poisson = 0.0  thickness = 3.0"))
+        summary = result.summary
+        status = [name.strip("+-") for name in result["status"]]
+        self.assertEqual([summary["counts"][name] for name in ("open", "stick", "slip")],
+                         [status.count(name) for name in ("open", "stick", "slip")])
+        self.assertEqual([summary["counts"][name] for name in ("nodes", "elements", "dofs", "contact_points")],
+                         [45, 32, 85, 9])
+        self.assertAlmostEqual(summary["resultants"]["normal"], math.fsum(result["normal_force"]), delta=1e-12)
+        self.assertAlmostEqual(summary["resultants"]["tangential"], math.fsum(result["tangential_force"]), delta=1e-12)
+        self.assertAlmostEqual(math.fsum(result.lengths), 4.0, delta=1e-14)
+        work = math.fsum(map(lambda force, slip: force*slip, result["tangential_force"], result["slip"]))
+        self.assertAlmostEqual(summary["certificate"]["dissipation"], work, delta=1e-12)
+        self.assertIs(summary["certificate"]["passed"], True)
+        self.assertAlmostEqual(math.fsum(value for key, value in summary["seconds"].items() if key != "total"),
+                               summary["seconds"]["total"], delta=1e-9)
+
+
+class Table(ProgramTest):
+    """NAME.contact.csv"""
+
+    def test_header_and_digits(self):
+        self.solve(block(SUPPORT, PRESSURE, CONTACT, PUSH))
+        header, *rows, rest = self.contents()["case.contact.csv"].decode().split("\n")
+        self.assertEqual(header, ",".join(COLUMNS))
+        self.assertEqual(rest, "")
+        self.assertEqual(len(rows), 9)
+        for number, row in enumerate(rows, start=1):
+            point, *numbers, status = row.split(",")
+            self.assertEqual(point, str(number))
+            self.assertIn(status, ("open", "stick", "slip+", "slip-"))
+            self.assertEqual(len(numbers), len(COLUMNS) - 2)
+            for text in numbers:
+                self.assertRegex(text, NUMBER)
+
+    def test_columns_fit_together(self):
+        result = self.solve(block(SUPPORT, PRESSURE, CONTACT, PUSH,
+                                  material="young = 1.0  poisson = 0.25  thickness = 3.0"))
+        self.assert_close(result["weight"], [0.25, *[0.5]*7, 0.25], 1e-15)
+        for part in ("normal", "tangential"):
+            stress = [force/(3.0*weight) for force, weight in zip(result[f"{part}_force"], result["weight"])]
+            self.assert_close(result[f"{part}_stress"], stress, 1e-14)
+        for status, gap, slip, normal, tangential in zip(*map(result.__getitem__, (
+                "status", "gap", "slip", "normal_force", "tangential_force"))):
+            # Closed and stick are exact where Newton's method ends; the bound is a product of two rounded numbers.
+            if status == "open":
+                self.assertEqual((normal, tangential), (0.0, 0.0))
+                self.assertGreater(gap, 0.0)
+            else:
+                self.assertAlmostEqual(gap, 0.0, delta=1e-13)
+                self.assertGreater(normal, 0.0)
+                self.assertLessEqual(abs(tangential), 0.3*normal*(1.0 + 1e-12))
+            if status.startswith("slip"):
+                self.assertGreater(slip*float(status[-1] + "1"), 0.0)
+                self.assertAlmostEqual(tangential, math.copysign(0.3*normal, slip), delta=1e-13)
+            elif status == "stick":
+                self.assertAlmostEqual(slip, 0.0, delta=1e-13)
+
+    def test_body_without_contact_has_no_rows(self):
+        result = self.solve(block("support set = 'left'  ux = 0.0  uy = 0.0", PRESSURE))
+        self.assertEqual(self.contents()["case.contact.csv"].decode(), ",".join(COLUMNS) + "\n")
+        self.assertEqual(result.summary["counts"]["contact_points"], 0)
+        self.assertEqual(result.lengths, [0.0, 0.0, 0.0])
+        self.assertIs(result.summary["certificate"]["passed"], True)
+
+    def test_points_follow_the_line_with_the_body_on_the_left(self):
+        expected = {"bottom": [(0.5*i, 0.0) for i in range(9)], "right": [(4.0, 0.5*i) for i in range(5)],
+                    "top": [(4.0 - 0.5*i, 2.0) for i in range(9)], "left": [(0.0, 2.0 - 0.5*i) for i in range(5)]}
+        normals = {"bottom": (0.0, -1.0), "right": (1.0, 0.0), "top": (0.0, 1.0), "left": (-1.0, 0.0)}
+        for side, points in expected.items():
+            normal = normals[side]
+            contact = (f"contact set = '{side}'  friction = 1.0  point = {points[0][0]}, {points[0][1]}"
+                       f"  normal = {-normal[0]}, {-normal[1]}")
+            result = self.solve(block(f"load body_force = {normal[0]}, {normal[1]}", contact))
+            self.assertEqual(list(zip(result["x"], result["y"])), points)
+            self.assertEqual(list(zip(result["normal_x"], result["normal_y"])), [normal]*len(points))
+            # The body's weight, 1 x 4 x 2.
+            self.assertAlmostEqual(sum(result["normal_force"]), 8.0, delta=1e-11)
+
+
+class Picture(ProgramTest):
+    """NAME.vtu"""
+
+    def solve_and_read(self, *groups, **parts):
+        """Solves a block; returns its result, its arrays, and the numbers of points and cells."""
+        result = self.solve(block(*groups, **parts))
+        return (result, *read_vtu(self.contents()["case.vtu"]))
+
+    def test_mesh_of_quadrilaterals(self):
+        _, arrays, n_points, n_cells = self.solve_and_read(SUPPORT, PRESSURE, CONTACT)
+        self.assertEqual((n_points, n_cells), (45, 32))
+        self.assertEqual(list(arrays["types"]), [9]*32)
+        self.assertEqual(list(arrays["offsets"]), list(range(4, 129, 4)))
+        self.assertEqual(self.areas(arrays), [0.25]*32)
+
+    def test_mesh_of_triangles(self):
+        for diagonal in ("right", "left", "alternating"):
+            _, arrays, n_points, n_cells = self.solve_and_read(
+                SUPPORT, PRESSURE, CONTACT, mesh=f"{MESH}  element = 'tri3'  diagonal = '{diagonal}'")
+            self.assertEqual((n_points, n_cells), (45, 64))
+            self.assertEqual(list(arrays["types"]), [5]*64)
+            self.assertEqual(list(arrays["offsets"]), list(range(3, 193, 3)))
+            self.assertEqual(self.areas(arrays), [0.125]*64)
+
+    @staticmethod
+    def areas(arrays):
+        """The areas of the cells, positive where their nodes go counter-clockwise."""
+        areas, start = [], 0
+        for end in arrays["offsets"]:
+            corners = [arrays["points"][node] for node in arrays["connectivity"][start:end]]
+            start = end
+            areas.append(0.5*sum(a[0]*b[1] - a[1]*b[0] for a, b in zip(corners, corners[1:] + corners[:1])))
+        return areas
+
+    def test_contact_line_is_that_of_the_table(self):
+        result, arrays, *_ = self.solve_and_read(SUPPORT, PRESSURE, CONTACT, PUSH)
+        codes = {"open": 1, "stick": 2, "slip+": 3, "slip-": 4}
+        for i in range(9):
+            self.assertEqual(arrays["points"][i], (result["x"][i], result["y"][i], 0.0))
+            self.assertEqual(arrays["gap"][i], result["gap"][i])
+            self.assertEqual(arrays["slip"][i], result["slip"][i])
+            self.assertEqual(arrays["contact_normal_stress"][i], result["normal_stress"][i])
+            self.assertEqual(arrays["contact_tangential_stress"][i], result["tangential_stress"][i])
+            self.assertEqual(arrays["contact_status"][i], codes[result["status"][i]])
+            # The floor is y = 0: the displacement is (slip, gap) but for rounding.
+            self.assert_close(arrays["displacement"][i], (result["slip"][i], result["gap"][i], 0.0), 1e-15)
+        for name in ("gap", "slip", "contact_normal_stress", "contact_tangential_stress", "contact_status"):
+            self.assertEqual(set(arrays[name][9:]), {0})
+
+    def test_uniform_stress(self):
+        # Pressure 1 on a smooth floor in plane strain: yy = -1, xx = 0, zz = nu yy.
+        _, arrays, *_ = self.solve_and_read(SUPPORT, PRESSURE, "contact set = 'bottom'")
+        for stress, mises in zip(arrays["stress"], arrays["von_mises"]):
+            self.assert_close(stress, (0.0, -1.0, -0.25, 0.0, 0.0, 0.0), 1e-13)
+            self.assertAlmostEqual(mises, math.sqrt(0.5*(1.0 + 0.75**2 + 0.25**2)), delta=1e-13)
+
+    @unittest.skipIf(meshio is None, "meshio is not installed")
+    def test_meshio_reads_the_same(self):
+        _, arrays, *_ = self.solve_and_read(SUPPORT, PRESSURE, CONTACT)
+        mesh = meshio.read(self.directory / "case.vtu")
+        self.assertEqual(mesh.points.tolist(), [list(point) for point in arrays["points"]])
+        self.assertEqual(mesh.cells_dict["quad"].flatten().tolist(), list(arrays["connectivity"]))
+        self.assertEqual(mesh.point_data["displacement"].tolist(), [list(u) for u in arrays["displacement"]])
+        self.assertEqual(mesh.point_data["gap"].tolist(), list(arrays["gap"]))
+        self.assertEqual(mesh.cell_data["von_mises"][0].tolist(), list(arrays["von_mises"]))
+
+
+class Listing(ProgramTest):
+    """NAME.lst"""
+
+    def test_sections_and_points(self):
+        result = self.solve(block(SUPPORT, PRESSURE, CONTACT, PUSH))
+        listing = self.contents()["case.lst"].decode()
+        places = [listing.index(f"\n{title}") for title in ("Model\n", "Solution\n", "Contact line\n", "Resultants\n",
+                                                            "Certificate ", "Contact points (", "Time [s]\n")]
+        self.assertEqual(places, sorted(places))
+        self.assertTrue(listing.endswith("\nEnd of listing\n"))
+        rows = [line.split() for line in listing[places[5]:places[6]].splitlines() if re.match(r" +\d+ ", line)]
+        self.assertEqual(len(rows), 9)
+        for i, row in enumerate(rows):
+            # Six digits are printed.
+            for text, column in zip(row[1:9], ("x", "y", "gap", "slip", "normal_force", "tangential_force",
+                                               "normal_stress", "tangential_stress")):
+                self.assertAlmostEqual(float(text), result[column][i], delta=1e-5*max(abs(result[column][i]), 1e-99))
+            self.assertEqual(row[9], result["status"][i])
+
+    def test_no_line_ends_in_blanks_or_is_empty_twice(self):
+        self.solve(block(SUPPORT, PRESSURE, CONTACT, "case title = 'A block'"))
+        listing = self.contents()["case.lst"].decode()
+        self.assertNotRegex(listing, r"[ \t]\n")
+        self.assertNotIn("\n\n\n", listing)
+
+
+if __name__ == "__main__":
+    unittest.main()

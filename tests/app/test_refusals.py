@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+"""Bad input: each fault is named with file and line, the exit status is 1, and nothing is written.
+
+The decks in tests/bad begin with what is expected of them, a line for each fault:
+
+    ! expect: LINE: MESSAGE        or, for the deck as a whole,        ! expect: MESSAGE
+"""
+import os
+import re
+import shutil
+import unittest
+from pathlib import Path
+
+from harness import SOUND, ProgramTest, results_of
+
+CORPUS = Path(__file__).resolve().parents[1] / "bad"
+EXPECT = "! expect: "
+
+
+def expected_message(deck):
+    """What the program must print of a deck."""
+    message = ""
+    for line in deck.read_text(encoding="utf-8").split("\n"):
+        if not line.startswith(EXPECT):
+            break
+        fault = line.removeprefix(EXPECT)
+        message += f"{deck.name}:{'' if re.match('[0-9]+: ', fault) else ' '}{fault}\n"
+    return message
+
+
+class Corpus(ProgramTest):
+    """The decks in tests/bad."""
+
+    def setUp(self):
+        super().setUp()
+        self.decks = sorted(CORPUS.glob("*.nml"))
+        for deck in self.decks:
+            shutil.copy(deck, self.directory)
+        self.before = self.files()
+
+    def test_every_deck_states_its_faults(self):
+        self.assertGreater(len(self.decks), 100)
+        for deck in self.decks:
+            self.assertTrue(expected_message(deck), deck.name)
+
+    def test_every_fault_is_named_and_nothing_is_written(self):
+        for deck in self.decks:
+            for check in ([], ["--check"]):
+                with self.subTest(deck=deck.name, check=check):
+                    run = self.run_program("--output", "results", *check, deck.name, status=1)
+                    self.assertEqual(run.stderr, expected_message(deck))
+                    self.assertEqual(run.stdout, "")
+        self.assertEqual(self.files(), self.before)
+
+    def test_one_run_names_the_faults_of_all_decks_and_solves_the_sound_one(self):
+        names = [deck.name for deck in self.decks]
+        self.write("sound.nml", SOUND)
+        run = self.run_program("--quiet", "--output", "results", *names[:40], "sound.nml", *names[40:], status=1)
+        self.assertEqual(run.stderr, "".join(map(expected_message, self.decks)))
+        self.assertEqual(sorted(self.contents("results")), results_of("sound"))
+
+
+class Files(ProgramTest):
+    """Files that are no decks, or no files."""
+
+    def refuse(self, name, message):
+        before = self.files()
+        run = self.run_program("--output", "results", name, status=1)
+        self.assertEqual(run.stderr, f"{name}{message}\n")
+        self.assertEqual(run.stdout, "")
+        self.assertEqual(self.files(), before)
+
+    def test_missing_file(self):
+        self.refuse("none.nml", ": cannot read this file: No such file or directory")
+        self.refuse("none/none.nml", ": cannot read this file: No such file or directory")
+        self.refuse("", ": cannot read this file: No such file or directory")
+
+    def test_empty_file(self):
+        self.refuse(self.write("empty.nml", ""), ": this file is empty")
+
+    def test_blank_file(self):
+        self.refuse(self.write("blank.nml", "\n \n\n"), ": expected a group such as &mesh, found none")
+
+    def test_directory(self):
+        (self.directory / "folder").mkdir()
+        self.refuse("folder", ": cannot read this file: Is a directory")
+        self.refuse(self.write("file", SOUND) + "/deck", ": cannot read this file: Not a directory")
+
+    @unittest.skipIf(os.geteuid() == 0, "root may read every file")
+    def test_file_without_permission(self):
+        (self.directory / self.write("secret.nml", SOUND)).chmod(0)
+        self.refuse("secret.nml", ": cannot read this file: Permission denied")
+
+    def test_file_of_bytes(self):
+        (self.directory / "bytes.nml").write_bytes(bytes(range(255, -1, -1))*10)
+        self.refuse("bytes.nml", ":1: expected text, found the control character 127 (column 129)")
+
+    def test_deck_cut_anywhere_is_refused_unless_between_groups(self):
+        for length in range(1, len(SOUND), 7):
+            text = SOUND[:length]
+            is_sound = text.rstrip().endswith("/") and text.count("/") >= 2
+            run = self.run_program("--check", self.write("cut.nml", text), status=0 if is_sound else 1)
+            self.assertEqual(run.stderr.startswith("cut.nml:"), not is_sound, text)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,83 @@
+!> Contact sets in one line each, and bodies made ready to be solved.
+module sample_contacts
+   use amontons_assembly, only: from_unknowns, to_unknowns
+   use amontons_auto, only: auto_t
+   use amontons_body, only: body_t, condense_body, new_body
+   use amontons_constraints, only: support_t
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_contact_zone, only: contact_t, set_obstacles
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_mesh, only: mesh_t
+   use amontons_timings, only: new_timings, timings_t
+   use sample_bodies, only: sample_material
+   implicit none (type, external)
+   private
+
+   public :: contact_on_floor, contact_on_set, ready_body, solve_loaded_body
+
+contains
+
+   !> A contact set that faces the floor y = 0.
+   pure function contact_on_floor(set, friction) result(contact)
+      character(*), intent(in) :: set !! name of the set
+      real(dp), intent(in) :: friction !! Coulomb coefficient
+      type(contact_t) :: contact
+
+      contact = contact_on_set(set, friction, [0.0_dp, 0.0_dp], [0.0_dp, 1.0_dp])
+   end function contact_on_floor
+
+   !> A contact set that faces a plane.
+   pure function contact_on_set(set, friction, point, normal) result(contact)
+      character(*), intent(in) :: set !! name of the set
+      real(dp), intent(in) :: friction !! Coulomb coefficient
+      real(dp), intent(in) :: point(2) !! a point of the plane [L]
+      real(dp), intent(in) :: normal(2) !! its normal, towards the body
+      type(contact_t) :: contact
+
+      contact%set = set
+      contact%friction = friction
+      contact%point = point
+      contact%normal = normal
+      contact%origin = 'deck.nml:12: '
+   end function contact_on_set
+
+   !> Makes a body of the sample material in plane strain, sets its obstacles, factorises and condenses it.
+   subroutine ready_body(body, mesh, supports, contacts, error)
+      type(body_t), intent(out) :: body !! the body
+      type(mesh_t), intent(in) :: mesh !! its mesh
+      type(support_t), intent(in) :: supports(:) !! its supports
+      type(contact_t), intent(in) :: contacts(:) !! its contact sets
+      type(error_t), allocatable, intent(out) :: error !! whatever failed
+      type(timings_t) :: timings
+
+      call new_timings(timings)
+      call new_body(body, mesh, sample_material('plane strain'), supports, contacts, error)
+      if (allocated(error)) return
+      call set_obstacles(body%zone, body%mesh, contacts, error)
+      if (allocated(error)) return
+      call condense_body(body, 'auto', timings, error)
+   end subroutine ready_body
+
+   !> Solves a ready body, whose supports hold it in place, under nodal forces.
+   subroutine solve_loaded_body(body, loads, displacement, solution, error)
+      type(body_t), intent(inout) :: body !! the body
+      real(dp), intent(in) :: loads(:, :) !! nodal forces (2, n_nodes) [F]
+      real(dp), allocatable, intent(out) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      type(contact_solution_t), intent(out) :: solution !! solution of the contact problem
+      type(error_t), allocatable, intent(out) :: error !! whatever failed
+      real(dp), allocatable :: unknowns(:)
+      type(auto_t) :: method
+
+      call body%condensation%condense_load(to_unknowns(loads, body%constraints, body%dof_map), body%problem%load)
+      body%problem%gap = body%zone%gap
+      body%problem%friction = merge(0.0_dp, body%zone%friction, body%zone%is_guided)
+      call new_contact_solution(solution, body%zone%n_points)
+      method%tolerance = 1.0e-12_dp
+      call method%solve(body%problem, solution, error)
+      if (allocated(error)) return
+      call body%condensation%recover(solution%displacement, unknowns)
+      displacement = from_unknowns(unknowns, body%constraints, body%dof_map)
+   end subroutine solve_loaded_body
+
+end module sample_contacts

@@ -1,0 +1,164 @@
+!> Contact problems written by hand or drawn at random, the same every time.
+module sample_problems
+   use amontons_contact_problem, only: contact_problem_t, new_contact_problem
+   use amontons_kinds, only: dp, int64
+   implicit none (type, external)
+   private
+
+   public :: arbitrary_matrix, arbitrary_numbers, arbitrary_problem, free_problem, inverse, one_point, &
+      three_solutions, two_points, written_problem
+
+   !> Stiffness of the point in `one_point`.
+   real(dp), parameter :: point_stiffness(2, 2) = reshape([4.0_dp, 1.0_dp, 1.0_dp, 2.0_dp], [2, 2])
+   !> Compliance of the problem that has three solutions.
+   real(dp), parameter :: coupled_compliance(2, 2) = reshape([1.0_dp, 0.8_dp, 0.8_dp, 1.0_dp], [2, 2])
+
+contains
+
+   !> A held problem from its numbers.
+   subroutine written_problem(problem, stiffness, load, gap, friction)
+      type(contact_problem_t), intent(out) :: problem !! the problem
+      real(dp), intent(in) :: stiffness(:, :) !! S (2m, 2m)
+      real(dp), intent(in) :: load(:) !! q (2m)
+      real(dp), intent(in) :: gap(:) !! d (m)
+      real(dp), intent(in) :: friction(:) !! phi (m)
+
+      call new_contact_problem(problem, stiffness, is_held=.true.)
+      problem%load = load
+      problem%gap = gap
+      problem%friction = friction
+   end subroutine written_problem
+
+   !> One point with S = [4 1; 1 2], so that A = [2 -1; -1 4]/7; its solution is unique for friction below 2.
+   subroutine one_point(problem, load, gap, friction)
+      type(contact_problem_t), intent(out) :: problem !! the problem
+      real(dp), intent(in) :: load(2) !! q
+      real(dp), intent(in) :: gap !! d
+      real(dp), intent(in) :: friction !! phi
+
+      call written_problem(problem, point_stiffness, load, [gap], [friction])
+   end subroutine one_point
+
+   !> Two points whose normal and tangential directions do not couple: [2 -1; -1 2] in each; gap 0, friction 0.4.
+   subroutine two_points(problem, load)
+      type(contact_problem_t), intent(out) :: problem !! the problem
+      real(dp), intent(in) :: load(4) !! q
+      real(dp) :: stiffness(4, 4)
+
+      stiffness = 0.0_dp
+      stiffness(:2, :2) = reshape([2.0_dp, -1.0_dp, -1.0_dp, 2.0_dp], [2, 2])
+      stiffness(3:, 3:) = stiffness(:2, :2)
+      call written_problem(problem, stiffness, load, [0.0_dp, 0.0_dp], [0.4_dp, 0.4_dp])
+   end subroutine two_points
+
+   !> Two points that nothing holds in the normal direction: a spring of stiffness 1 between u_N1 + u_T1 / 2 and u_N2,
+   !> the rest of the stiffness 3 in each tangential direction; gap 0, friction 0.5.
+   subroutine free_problem(problem, load)
+      type(contact_problem_t), intent(out) :: problem !! the problem
+      real(dp), intent(in) :: load(4) !! q
+      real(dp), parameter :: spring(4) = [1.0_dp, -1.0_dp, 0.5_dp, 0.0_dp]
+      real(dp) :: stiffness(4, 4)
+
+      stiffness = spread(spring, 1, 4)*spread(spring, 2, 4)
+      stiffness(3, 3) = 3.0_dp
+      stiffness(4, 4) = 3.0_dp
+      call new_contact_problem(problem, stiffness, is_held=.false.)
+      problem%load = load
+      problem%friction = 0.5_dp
+   end subroutine free_problem
+
+   !> One point with A = [1 0.8; 0.8 1], B = (-0.1, -0.5) and friction 1.5, and its three solutions: open, sliding,
+   !> sticking.
+   subroutine three_solutions(problem, forces)
+      type(contact_problem_t), intent(out) :: problem !! the problem
+      real(dp), intent(out) :: forces(2, 3) !! lambda of each solution
+
+      call written_problem(problem, inverse(coupled_compliance), &
+         matmul(inverse(coupled_compliance), [-0.1_dp, -0.5_dp]), [0.0_dp], [1.5_dp])
+      forces(:, 1) = [0.0_dp, 0.0_dp]
+      forces(:, 2) = [0.5_dp, -0.75_dp]
+      forces(:, 3) = [5.0_dp/6.0_dp, -7.0_dp/6.0_dp]
+   end subroutine three_solutions
+
+   !> A problem without visible order: some points open, some closed, gaps from -0.2 to 0.4, friction up to 0.3. If it
+   !> is not held, a common normal displacement of all points is free, and the load presses the points down.
+   subroutine arbitrary_problem(problem, n_points, seed, is_held)
+      type(contact_problem_t), intent(out) :: problem !! the problem
+      integer, intent(in) :: n_points !! number of points m
+      integer, intent(in) :: seed !! which problem
+      logical, intent(in) :: is_held !! whether S is positive definite
+      real(dp) :: stiffness(2*n_points, 2*n_points), numbers(4*n_points)
+
+      stiffness = arbitrary_matrix(2*n_points, seed)
+      numbers = arbitrary_numbers(4*n_points, seed + 1000)
+      if (.not. is_held) then
+         associate (rows => stiffness(:n_points, :))
+            rows = rows - spread(sum(rows, dim=1)/n_points, 1, n_points)
+         end associate
+         associate (columns => stiffness(:, :n_points))
+            columns = columns - spread(sum(columns, dim=2)/n_points, 2, n_points)
+         end associate
+      end if
+      call new_contact_problem(problem, stiffness, is_held)
+      problem%load = numbers(:2*n_points)
+      if (.not. is_held) then
+         associate (pressure => problem%load(:n_points))
+            pressure = pressure + 0.5_dp - sum(pressure)/n_points
+         end associate
+      end if
+      problem%gap = 0.1_dp + 0.3_dp*numbers(2*n_points + 1:3*n_points)
+      problem%friction = 0.15_dp*(1.0_dp + numbers(3*n_points + 1:))
+   end subroutine arbitrary_problem
+
+   !> A symmetric matrix with eigenvalues between 0.2 and about 1.5, without visible order.
+   pure function arbitrary_matrix(n, seed) result(matrix)
+      integer, intent(in) :: n !! its order
+      integer, intent(in) :: seed !! which matrix
+      real(dp) :: matrix(n, n)
+      integer :: i
+
+      matrix = reshape(arbitrary_numbers(n*n, seed), [n, n])
+      matrix = matmul(matrix, transpose(matrix))/n
+      do i = 1, n
+         matrix(i, i) = matrix(i, i) + 0.2_dp
+      end do
+   end function arbitrary_matrix
+
+   !> Numbers between -1 and 1 from a linear congruential generator.
+   pure function arbitrary_numbers(n, seed) result(numbers)
+      integer, intent(in) :: n !! how many
+      integer, intent(in) :: seed !! which ones
+      real(dp) :: numbers(n)
+      integer(int64), parameter :: factor = 1103515245_int64, increment = 12345_int64, modulus = 2_int64**31
+      integer(int64) :: state
+      integer :: i
+
+      ! Seeds that follow each other must not begin alike.
+      state = modulo(factor*modulo(factor*seed + increment, modulus), modulus)
+      do i = 1, n
+         state = modulo(factor*state + increment, modulus)
+         numbers(i) = 2.0_dp*real(state, dp)/real(modulus, dp) - 1.0_dp
+      end do
+   end function arbitrary_numbers
+
+   !> The inverse of a symmetric positive definite matrix, by Gauss and Jordan.
+   pure function inverse(matrix)
+      real(dp), intent(in) :: matrix(:, :) !! the matrix (n, n)
+      real(dp) :: inverse(size(matrix, 1), size(matrix, 1))
+      real(dp) :: row(size(matrix, 1)), column(size(matrix, 1))
+      integer :: k
+
+      inverse = matrix
+      do k = 1, size(matrix, 1)
+         row = inverse(k, :)/inverse(k, k)
+         column = inverse(:, k)
+         row(k) = 1.0_dp/inverse(k, k)
+         column(k) = 0.0_dp
+         inverse(:, k) = 0.0_dp
+         inverse(k, :) = 0.0_dp
+         inverse = inverse - spread(column, 2, size(row))*spread(row, 1, size(row))
+         inverse(k, :) = row
+      end do
+   end function inverse
+
+end module sample_problems
