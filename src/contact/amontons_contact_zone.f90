@@ -70,6 +70,11 @@ contains
          zone%is_guided(n), zone%station(n), zone%held_node(0), zone%shared_node(0))
       is_taken = .false.
       do i = 1, size(contacts)
+         if (all(is_taken(lines(i)%node))) then
+            call new_error(error, input_refused, contacts(i)%origin// &
+               'every node of this contact set belongs to an earlier one')
+            return
+         end if
          call add_line(zone, i, contacts(i)%direction, lines(i), mesh, constraints, is_taken)
          is_taken(lines(i)%node) = .true.
       end do

@@ -29,7 +29,8 @@ contains
       type(boundary_line_t), intent(out) :: line !! the line
       type(mesh_t), intent(in) :: mesh !! the mesh
       character(*), intent(in) :: set !! name of the boundary set
-      type(error_t), allocatable, intent(out) :: error !! no such set, or more than two of its sides meet in a node
+      type(error_t), allocatable, intent(out) :: error
+         !! no such set, more than two of its sides meet in a node, or two fold back on each other
       type(materials_t), intent(in), optional :: materials !! materials of the elements, for the areas
       integer, allocatable :: sides(:, :), after(:), before(:)
 
@@ -39,7 +40,8 @@ contains
       call link_sides(sides, after, before, set, error)
       if (allocated(error)) return
       call order_nodes(line, sides, after, before)
-      call measure_sides(line, sides, mesh%coordinates)
+      call measure_sides(line, sides, mesh%coordinates, set, error)
+      if (allocated(error)) return
       if (present(materials)) call measure_areas(line, sides, mesh%coordinates, materials)
    end subroutine new_boundary_line
 
@@ -112,11 +114,16 @@ contains
    end subroutine follow_piece
 
    !> Normals and weights of the nodes: integrals of their shape functions times the normal, and alone.
-   pure subroutine measure_sides(line, sides, coordinates)
+   pure subroutine measure_sides(line, sides, coordinates, set, error)
       type(boundary_line_t), intent(inout) :: line !! the line, its nodes in order
       integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      character(*), intent(in) :: set !! name of the set, for the message
+      type(error_t), allocatable, intent(out) :: error !! a node has no normal: its sides fold back on each other
+      ! What is left of two normals that cancel but for the digits of a mesh file.
+      real(dp), parameter :: negligible = 1.0e-6_dp
       type(side_geometry_t) :: geometry
+      real(dp) :: length
       integer :: place(size(coordinates, 2)), i, k, point, p
 
       place = 0
@@ -135,7 +142,15 @@ contains
          end do
       end do
       do i = 1, line%n_nodes
-         line%normal(:, i) = line%normal(:, i)/norm2(line%normal(:, i))
+         length = norm2(line%normal(:, i))
+         if (.not. length > negligible*line%weight(i)) then
+            associate (position => coordinates(:, line%node(i)))
+               call new_error(error, input_refused, "the sides of the set '"//set//"' fold back on each other at "// &
+                  'the node '//to_text(position(1))//', '//to_text(position(2))//', which leaves it no normal')
+            end associate
+            return
+         end if
+         line%normal(:, i) = line%normal(:, i)/length
       end do
    end subroutine measure_sides
 

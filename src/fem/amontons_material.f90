@@ -78,7 +78,7 @@ contains
       type(material_t), intent(in) :: list(:) !! the materials
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(error_t), allocatable, intent(out) :: error
-         !! no such region, two materials for an element or none, or different hypotheses
+         !! no such region, two materials for an element or none, different hypotheses, or a negative radius
       integer :: i, region
 
       materials%list = list
@@ -101,7 +101,23 @@ contains
       end do
       if (allocated(error)) return
       call fill_rest(materials, error)
+      if (allocated(error)) return
+      if (any(list%is_axisymmetric)) call check_radii(mesh, error)
    end subroutine new_materials
+
+   !> Checks that a body of revolution lies on one side of its axis.
+   pure subroutine check_radii(mesh, error)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(error_t), allocatable, intent(out) :: error !! a node has a negative radius
+      ! Nodes on the axis may miss it by the last digits of a mesh file.
+      real(dp), parameter :: negligible = 1.0e-6_dp
+      integer :: node
+
+      node = minloc(mesh%coordinates(1, :), dim=1)
+      if (mesh%coordinates(1, node) < -negligible*maxval(abs(mesh%coordinates))) call new_error(error, input_refused, &
+         'node '//to_text(node)//' has the negative radius '//to_text(mesh%coordinates(1, node))// &
+         "; under 'axisymmetric' x is the radius")
+   end subroutine check_radii
 
    !> Gives the elements that no region's material fills the one without a region.
    pure subroutine fill_rest(materials, error)

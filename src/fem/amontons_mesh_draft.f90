@@ -227,8 +227,7 @@ contains
       integer, intent(in) :: n_more !! number of things to come
 
       if (n_more > free_members + len(source%text) - self%n_members) then
-         call source%refuse('the sets name more than '//to_text(free_members + len(source%text))// &
-            ' things, more than a file of this size can mean')
+         call source%refuse('the sets name more things than a file of this size can mean')
       else
          self%n_members = self%n_members + n_more
       end if

@@ -326,8 +326,12 @@ contains
          return
       end if
       bytes(:n) = source%text(source%position:source%position + n - 1)
+      if (source%is_swapped) then
+         do i = 1, n
+            bytes(i:i) = source%text(source%position + n - i:source%position + n - i)
+         end do
+      end if
       source%position = source%position + n
-      if (source%is_swapped) bytes(:n) = transfer([(bytes(i:i), i=n, 1, -1)], bytes(:n))
    end subroutine take_bytes
 
    !> Refuses a number of things that the rest of the file cannot hold.

@@ -31,7 +31,7 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
       logical, intent(in) :: is_axisymmetric !! whether only the translation along the axis (y) is a rigid motion
-      ! Held directions are known to about 1e-9; a square of that is noise in the Gram matrix.
+      ! Held directions are known to about 1e-6; a square of that is noise in the Gram matrix.
       real(dp), parameter :: negligible = 1.0e-12_dp
       real(dp) :: gram(3, 3), values(3), frame(2, 2)
       integer :: node, axis, i, info

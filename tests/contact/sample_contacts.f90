@@ -36,9 +36,10 @@ contains
       type(contact_t) :: contact
 
       contact%set = set
-      contact%friction = friction
-      contact%point = point
-      contact%normal = normal
+      contact%friction%value = friction
+      contact%obstacle%kind = 'plane'
+      contact%obstacle%point = point
+      contact%obstacle%normal = normal
       contact%origin = 'deck.nml:12: '
    end function contact_on_set
 
@@ -52,7 +53,7 @@ contains
       type(timings_t) :: timings
 
       call new_timings(timings)
-      call new_body(body, mesh, sample_material('plane strain'), supports, contacts, error)
+      call new_body(body, mesh, [sample_material('plane strain')], supports, contacts, error)
       if (allocated(error)) return
       call set_obstacles(body%zone, body%mesh, contacts, error)
       if (allocated(error)) return
@@ -72,6 +73,7 @@ contains
       call body%condensation%condense_load(to_unknowns(loads, body%constraints, body%dof_map), body%problem%load)
       body%problem%gap = body%zone%gap
       body%problem%friction = merge(0.0_dp, body%zone%friction, body%zone%is_guided)
+      body%problem%slip_bound = merge(0.0_dp, body%zone%slip_bound, body%zone%is_guided)
       call new_contact_solution(solution, body%zone%n_points)
       method%tolerance = 1.0e-12_dp
       call method%solve(body%problem, solution, error)

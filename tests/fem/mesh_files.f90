@@ -8,15 +8,16 @@ module mesh_files
    implicit none (type, external)
    private
 
-   public :: area_of, length_of, nodes_22, read_lines, read_text, square_22, text_file, write_text
+   public :: area_of, format_22, length_of, nodes_22, read_lines, read_text, square_22, text_file
 
    !> Name of the file that the small meshes are written to.
    character(*), parameter :: text_file = 'mesh_of_the_test'
    character, parameter :: line_feed = achar(10)
 
-   !> The unit square in version 2.2 up to its elements: nodes 1 to 4 at the corners, 5 beside it.
-   character(*), parameter :: nodes_22 = '$MeshFormat|2.2 0 8|$EndMeshFormat|'// &
-      '$Nodes|5|1 0 0 0|2 1 0 0|3 1 1 0|4 0 1 0|5 2 0 0|$EndNodes|'
+   !> How a text in version 2.2 begins.
+   character(*), parameter :: format_22 = '$MeshFormat|2.2 0 8|$EndMeshFormat|'
+   !> The nodes of the unit square: 1 to 4 at the corners, 5 beside it.
+   character(*), parameter :: nodes_22 = '$Nodes|5|1 0 0 0|2 1 0 0|3 1 1 0|4 0 1 0|5 2 0 0|$EndNodes|'
 
 contains
 
@@ -26,7 +27,8 @@ contains
       character(*), intent(in) :: elements !! the other elements, a `|` behind each
       character(:), allocatable :: lines
 
-      lines = nodes_22//'$Elements|'//achar(iachar('1') + n)//'|'//elements//'9 3 2 0 1 1 2 3 4|$EndElements|'
+      lines = format_22//nodes_22//'$Elements|'//achar(iachar('1') + n)//'|'//elements// &
+         '9 3 2 0 1 1 2 3 4|$EndElements|'
    end function square_22
 
    !> Writes a text to the test's file as it is.

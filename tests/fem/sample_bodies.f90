@@ -6,20 +6,24 @@ module sample_bodies
    use amontons_dof_map, only: dof_map_t, new_dof_map
    use amontons_error, only: error_t
    use amontons_factorization, only: factorization_t
+   use amontons_foundation, only: new_foundation, spring_side_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_t, load_vector
-   use amontons_material, only: material_t, new_material
+   use amontons_material, only: material_t, materials_t, new_material, new_materials
    use amontons_mesh, only: mesh_t
    use amontons_new_factorization, only: new_factorization
    use amontons_sparse_matrix, only: sparse_matrix_t
    implicit none (type, external)
    private
 
-   public :: along_normal, along_tangent, along_x, along_y, nodal_reactions, sample_material, solve_body, &
-      support_at_point, support_on_set, traction_on_set
+   public :: along_normal, along_tangent, along_x, along_y, make_springs, nodal_reactions, no_springs, &
+      sample_material, sample_materials, solve_body, solve_materials, springs_on_set, support_at_point, &
+      support_on_set, traction_on_set, uniform
 
    !> Components of a support: x, y, outward normal, tangent.
    integer, parameter :: along_x = 1, along_y = 2, along_normal = 3, along_tangent = 4
+   !> The springs of a body without foundation.
+   type(spring_side_t), parameter :: no_springs(0) = [spring_side_t ::]
 
 contains
 
@@ -47,6 +51,17 @@ contains
       support%point = point
    end function support_at_point
 
+   !> An elastic foundation under a boundary set.
+   pure function springs_on_set(set, moduli) result(support)
+      character(*), intent(in) :: set !! name of the set
+      real(dp), intent(in) :: moduli(2) !! stress per displacement along normal and tangent [F/L^3]
+      type(support_t) :: support
+
+      support%set = set
+      support%spring = moduli
+      support%origin = 'deck.nml:7: '
+   end function springs_on_set
+
    !> A load by a traction on a boundary set.
    pure function traction_on_set(set, traction) result(load)
       character(*), intent(in) :: set !! name of the set
@@ -54,24 +69,67 @@ contains
       type(load_t) :: load
 
       load%set = set
+      load%region = ''
       load%traction = traction
       load%origin = 'deck.nml:9: '
    end function traction_on_set
 
    !> A material with Young's modulus 1000, Poisson's ratio 0.3 and thickness 2.
    function sample_material(hypothesis) result(material)
-      character(*), intent(in) :: hypothesis !! 'plane strain' or 'plane stress'
+      character(*), intent(in) :: hypothesis !! one of the hypotheses
       type(material_t) :: material
       type(error_t), allocatable :: error
 
       call new_material(material, 1000.0_dp, 0.3_dp, trim(hypothesis), 2.0_dp, error)
    end function sample_material
 
-   !> Displacement of a body that its supports hold: K u = f - K times the prescribed displacement, on the unknowns.
+   !> One material for all elements of a mesh.
+   pure function uniform(material, mesh) result(materials)
+      type(material_t), intent(in) :: material !! the material
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t) :: materials
+      type(error_t), allocatable :: error
+
+      call new_materials(materials, [material], mesh, error)
+   end function uniform
+
+   !> The sample material in all elements of a mesh.
+   function sample_materials(hypothesis, mesh) result(materials)
+      character(*), intent(in) :: hypothesis !! one of the hypotheses
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t) :: materials
+
+      materials = uniform(sample_material(hypothesis), mesh)
+   end function sample_materials
+
+   !> The springs of supports whose sets are known to be there.
+   pure function make_springs(mesh, materials, supports) result(springs)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials of its elements
+      type(support_t), intent(in) :: supports(:) !! the supports
+      type(spring_side_t), allocatable :: springs(:)
+      type(error_t), allocatable :: error
+
+      call new_foundation(springs, mesh, materials, supports, error)
+   end function make_springs
+
+   !> Displacement of a body of one material.
    subroutine solve_body(displacement, mesh, material, supports, loads, error)
       real(dp), allocatable, intent(out) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(material_t), intent(in) :: material !! its material
+      type(support_t), intent(in) :: supports(:) !! its supports
+      type(load_t), intent(in) :: loads(:) !! its loads
+      type(error_t), allocatable, intent(out) :: error !! whatever failed
+
+      call solve_materials(displacement, mesh, uniform(material, mesh), supports, loads, error)
+   end subroutine solve_body
+
+   !> Displacement of a body that its supports hold: K u = f - K times the prescribed displacement, on the unknowns.
+   subroutine solve_materials(displacement, mesh, materials, supports, loads, error)
+      real(dp), allocatable, intent(out) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials of its elements
       type(support_t), intent(in) :: supports(:) !! its supports
       type(load_t), intent(in) :: loads(:) !! its loads
       type(error_t), allocatable, intent(out) :: error !! whatever failed
@@ -80,24 +138,27 @@ contains
       type(dof_map_t) :: dof_map
       type(sparse_matrix_t) :: stiffness
       class(factorization_t), allocatable :: factorization
+      type(spring_side_t), allocatable :: springs(:)
       real(dp), allocatable :: forces(:, :), held(:, :), unknowns(:)
       integer :: no_nodes(0)
 
       call new_coloring(coloring, mesh)
       call new_constraints(constraints, mesh, supports, error)
       if (allocated(error)) return
+      call new_foundation(springs, mesh, materials, supports, error)
+      if (allocated(error)) return
       call new_dof_map(dof_map, constraints, no_nodes)
-      call assemble_stiffness(stiffness, mesh, material, coloring, constraints, dof_map, error)
+      call assemble_stiffness(stiffness, mesh, materials, springs, coloring, constraints, dof_map, error)
       if (allocated(error)) return
-      call load_vector(forces, mesh, material, loads, error)
+      call load_vector(forces, mesh, materials, loads, error)
       if (allocated(error)) return
-      call internal_forces(held, mesh, material, coloring, constraints%prescribed)
+      call internal_forces(held, mesh, materials, springs, coloring, constraints%prescribed)
       call new_factorization(factorization, 'band', stiffness, 0, error)
       if (allocated(error)) return
       allocate (unknowns(dof_map%n_dofs))
       call factorization%solve(to_unknowns(forces - held, constraints, dof_map), unknowns)
       displacement = from_unknowns(unknowns, constraints, dof_map)
-   end subroutine solve_body
+   end subroutine solve_materials
 
    !> What the supports of a body without loads exert on its nodes (2, n_nodes) [F].
    function nodal_reactions(mesh, material, displacement) result(forces)
@@ -108,7 +169,7 @@ contains
       type(coloring_t) :: coloring
 
       call new_coloring(coloring, mesh)
-      call internal_forces(forces, mesh, material, coloring, displacement)
+      call internal_forces(forces, mesh, uniform(material, mesh), no_springs, coloring, displacement)
    end function nodal_reactions
 
 end module sample_bodies

@@ -18,3 +18,11 @@ mesh quad4 4 1 1
 mesh quad8 4 2 0
 mesh quad9 4 2 1
 mesh mixed 7 2 0
+
+# Curves become bars in this format, and their points are saved with them.
+gmsh -v 1 -2 -setnumber shape 3 strip.geo -o tri3.inp
+gmsh -v 1 -2 -setnumber shape 4 -setnumber degree 2 -setnumber has_centers 0 strip.geo -o quad8.inp
+for version in 22 41; do
+   gmsh -v 1 -2 -parametric -format "msh$version" strip.geo -o "parametric-$version.msh"
+   gmsh -v 1 -2 -parametric -format "msh$version" -bin strip.geo -o "parametric-$version-binary.msh"
+done
