@@ -37,7 +37,7 @@ def segments_off(found, expected):
 def verdict(result):
     if not result["converged"]:
         error = result.get("method_error")
-        return "NOT CONVERGED" + (f", forces wrong by {error:.2g} of the largest" if error is not None else "")
+        return "NOT CONVERGED" + (f", forces off by {error:.0%} of the largest" if error is not None else "")
     return "passed" if result["certificate"]["passed"] else "FAILED"
 
 

@@ -24,7 +24,7 @@ contains
       real(dp), intent(in) :: upper(:) !! upper bounds, at least the lower ones (n)
       real(dp), intent(inout) :: x(:) !! in: where to start; out: the minimiser (n)
       real(dp) :: gradient(size(b)), step(size(b)), full(size(b))
-      logical :: is_free(size(b)), was_free(size(b)), is_exact
+      logical :: is_free(size(b)), was_free(size(b)), is_newton, is_exact
       integer :: i
 
       x = min(max(x, lower), upper)
@@ -32,12 +32,12 @@ contains
       was_free = .false.
       do i = 1, max_steps
          gradient = matmul(a, x) - b
-         is_free = (x > lower .or. gradient < 0.0_dp) .and. (x < upper .or. gradient > 0.0_dp)
+         is_free = may_move(x, gradient, lower, upper)
          if (is_exact .and. all(is_free .eqv. was_free)) return
-         call newton_step(a, gradient, is_free, step)
+         call newton_step(a, gradient, is_free, step, is_newton)
          full = min(max(x + step, lower), upper)
-         ! A step that met no bound is exact on its face: if the face stays, this is the minimiser.
-         is_exact = all(.not. is_free .or. (full > lower .and. full < upper))
+         ! A Newton step that met no bound is exact on its face: if the face stays, this is the minimiser.
+         is_exact = is_newton .and. all(.not. is_free .or. (full > lower .and. full < upper))
          was_free = is_free
          if (is_exact) then
             x = full
@@ -47,23 +47,34 @@ contains
       end do
    end subroutine solve_box_program
 
+   !> Whether a component is off its bounds, or leaves its bound on the way down.
+   elemental logical function may_move(x, gradient, lower, upper)
+      real(dp), intent(in) :: x !! the component
+      real(dp), intent(in) :: gradient !! derivative of the objective
+      real(dp), intent(in) :: lower !! lower bound
+      real(dp), intent(in) :: upper !! upper bound
+
+      may_move = (x > lower .or. gradient < 0.0_dp) .and. (x < upper .or. gradient > 0.0_dp)
+   end function may_move
+
    !> The Newton step of the free components: A_ff step_f = -gradient_f; the others stay.
-   pure subroutine newton_step(a, gradient, is_free, step)
+   pure subroutine newton_step(a, gradient, is_free, step, is_newton)
       real(dp), intent(in) :: a(:, :) !! the matrix (n, n)
       real(dp), intent(in) :: gradient(:) !! gradient of the objective (n)
       logical, intent(in) :: is_free(:) !! which components may move (n)
       real(dp), intent(out) :: step(:) !! the step (n)
+      logical, intent(out) :: is_newton !! false for a step that merely leads down
       real(dp), allocatable :: block(:, :), right(:)
       integer, allocatable :: free(:)
       integer :: i, info
 
       step = 0.0_dp
       free = pack([(i, i=1, size(is_free))], is_free)
-      if (size(free) == 0) return
       block = a(free, free)
       right = -gradient(free)
       call cholesky_factor(block, info)
-      if (info == 0) then
+      is_newton = info == 0
+      if (is_newton) then
          call cholesky_solve(block, right)
          step(free) = right
       else

@@ -132,6 +132,7 @@ contains
       real(dp) :: full_version
       integer :: binary, n_bytes, one
 
+      call source%skip_white()
       call source%take_real(full_version, 'the version of the format')
       version = 0
       if (nint(10*full_version) == 22) version = 2
