@@ -29,7 +29,8 @@ contains
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
       real(dp), parameter :: coarse(3) = [1.0e-6_dp, 1.0e-8_dp, 0.0_dp]
-      integer, parameter :: n_newton_steps = 20
+      ! Where the splitting converges at all, a few dozen steps are enough; Newton needs fewer.
+      integer, parameter :: n_splitting_steps = 100, n_newton_steps = 20
       type(contact_solution_t) :: best
       real(dp), allocatable :: history(:)
       integer :: i
@@ -38,7 +39,7 @@ contains
       call best%begin()
       allocate (history(0))
       do i = 1, size(coarse)
-         call run(splitting_t(max(coarse(i), self%tolerance), self%max_iterations))
+         call run(splitting_t(max(coarse(i), self%tolerance), n_splitting_steps))
          if (allocated(error)) return
          call run(newton_t(self%tolerance, n_newton_steps))
          if (allocated(error) .or. best%residual <= self%tolerance) exit
@@ -51,13 +52,17 @@ contains
 
    contains
 
-      !> Runs one method from the best pair so far, and appends its record.
+      !> Runs one method from the best pair so far, as far as iterations are left, and appends its record.
       subroutine run(method)
          class(contact_method_t), intent(in) :: method !! the method
+         class(contact_method_t), allocatable :: limited
 
+         allocate (limited, source=method)
+         limited%max_iterations = min(method%max_iterations, self%max_iterations - size(history))
+         if (limited%max_iterations < 1) return
          solution%force = best%force
          solution%displacement = best%displacement
-         call method%solve(problem, solution, error)
+         call limited%solve(problem, solution, error)
          if (allocated(error)) return
          history = [history, solution%history(:solution%n_iterations)]
          if (solution%residual < best%residual) best = solution

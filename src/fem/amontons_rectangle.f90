@@ -29,8 +29,8 @@ contains
       type(mesh_t), intent(out) :: mesh !! the mesh
       type(rectangle_t), intent(in) :: rectangle !! the rectangle and its cells
       type(error_t), allocatable, intent(out) :: error !! the rectangle makes no sense
-      ! The longest list counts 12 unknowns for the two linear triangles of a cell, 24 for quadratic ones; default integers
-      ! reach 2^31.
+      ! The longest list counts 12 unknowns for the two linear triangles of a cell, 24 for quadratic ones; default
+      ! integers reach 2^31.
       integer(int64), parameter :: most_nodes = 2_int64**27
       integer :: kind, shape
 

@@ -16,7 +16,7 @@ module sample_meshes
    !> Ways to mesh it with quadratic elements.
    character(11), parameter :: quadratic_meshings(3) = [character(11) :: 'tri6', 'quad8', 'quad9']
    !> A way to mesh it with each kind of element.
-   character(11), parameter :: element_kinds(5) = [character(11) :: 'right', 'quad4', quadratic_meshings]
+   character(11), parameter :: element_kinds(*) = [character(11) :: 'right', 'quad4', quadratic_meshings]
 
 contains
 
