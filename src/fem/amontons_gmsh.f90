@@ -29,8 +29,7 @@ contains
          call source%skip_white()
          if (source%position > len(source%text) .or. allocated(source%error)) exit
          call take_section_name(source, name)
-         if (version == 0 .and. name /= 'MeshFormat' .and. name /= 'Comments') call source%refuse( &
-            'expected $MeshFormat before $'//name//'; save the mesh as version 2.2 or 4.1')
+         if (version == 0) call check_first(source, name)
          select case (name)
          case ('MeshFormat', 'PhysicalNames', 'Entities', 'Nodes', 'ParametricNodes', 'Elements')
             if (index(seen, ' '//name//' ') > 0) call source%refuse('a second section $'//name)
@@ -43,10 +42,21 @@ contains
             call skip_section(source, name)
          end select
       end do
-      if (index(seen, 'Nodes ') == 0) call source%refuse('the file has no section $Nodes')
-      if (index(seen, ' Elements ') == 0) call source%refuse('the file has no section $Elements')
+      if (draft%node_tag%n == 0) call source%refuse('the file has no section $Nodes with nodes in it')
+      if (draft%cell_tag%n == 0) call source%refuse('the file has no section $Elements with elements in it')
+      if (all(draft%cell_kind%items() < 0)) call source%refuse( &
+         'no triangles and no quadrilaterals: where there are physical groups, only surfaces in one are saved')
       if (.not. allocated(source%error)) call groups%put(draft, source)
    end subroutine read_gmsh
+
+   !> Refuses everything but comments before the format; older versions of it begin otherwise.
+   pure subroutine check_first(source, name)
+      type(mesh_source_t), intent(inout) :: source !! the file, behind the name
+      character(*), intent(in) :: name !! name of a section
+
+      if (name /= 'MeshFormat' .and. name /= 'Comments') call source%refuse( &
+         'expected $MeshFormat before $'//name//'; save the mesh as version 2.2 or 4.1')
+   end subroutine check_first
 
    !> Takes the name of a section.
    pure subroutine take_section_name(source, name)
@@ -130,7 +140,7 @@ contains
       integer, intent(out) :: version !! 2 or 4
       integer, parameter :: swapped_one = 2**24
       real(dp) :: full_version
-      integer :: binary, n_bytes, one
+      integer :: binary, n_bytes, one, place
 
       call source%skip_white()
       call source%take_real(full_version, 'the version of the format')
@@ -145,9 +155,10 @@ contains
       call source%end_line()
       source%is_binary = binary == 1
       if (binary /= 1 .or. allocated(source%error)) return
+      place = source%position
       call source%take_integer(one, 'the number 1')
       source%is_swapped = one == swapped_one
-      if (one /= 1 .and. one /= swapped_one) call source%refuse('expected the number 1 in four bytes')
+      if (one /= 1 .and. one /= swapped_one) call source%refuse('expected the number 1 in four bytes', place)
    end subroutine read_format
 
    !> Reads the names of the physical groups.

@@ -45,6 +45,7 @@ contains
       if (allocated(source%error)) return
       call check_neighbours(mesh, draft, source, cell_of, table)
       if (allocated(source%error)) return
+      call note_pieces(mesh, draft)
       allocate (translation%element(draft%cell_tag%n), source=0)
       translation%element(cell_of) = [(element, element=1, mesh%n_elements)]
       call name_sets(mesh, draft, source, table, translation)
@@ -281,5 +282,40 @@ contains
          end associate
       end do
    end subroutine check_neighbours
+
+   !> Notes that a body is not one: pieces that touch without sharing a node do not hold together.
+   pure subroutine note_pieces(mesh, draft)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(mesh_draft_t), intent(inout) :: draft !! the draft
+      integer, allocatable :: parent(:)
+      integer :: element, i, n_pieces, node, one, other
+
+      ! Every node points to another one of its piece, one node of each piece to itself.
+      parent = [(node, node=1, mesh%n_nodes)]
+      n_pieces = mesh%n_nodes
+      do element = 1, mesh%n_elements
+         one = mesh%node(mesh%node_start(element))
+         call find_root(parent, one)
+         do i = mesh%node_start(element) + 1, mesh%node_start(element + 1) - 1
+            other = mesh%node(i)
+            call find_root(parent, other)
+            if (other == one) cycle
+            parent(other) = one
+            n_pieces = n_pieces - 1
+         end do
+      end do
+      if (n_pieces > 1) call draft%add_note('the body falls into '//to_text(n_pieces)//' pieces that share no node')
+   end subroutine note_pieces
+
+   !> Follows the parents of a node to the one that points to itself, and shortens the way.
+   pure subroutine find_root(parent, node)
+      integer, intent(inout) :: parent(:) !! the parent of each node
+      integer, intent(inout) :: node !! the node; its root on return
+
+      do while (parent(node) /= node)
+         parent(node) = parent(parent(node))
+         node = parent(node)
+      end do
+   end subroutine find_root
 
 end module amontons_mesh_cleanup
