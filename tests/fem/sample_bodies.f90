@@ -23,6 +23,7 @@ module sample_bodies
    !> Components of a support: x, y, outward normal, tangent.
    integer, parameter :: along_x = 1, along_y = 2, along_normal = 3, along_tangent = 4
    !> The springs of a body without foundation.
+   ! allow(incorrect-space-between-brackets): the other rule wants a blank behind ::
    type(spring_side_t), parameter :: no_springs(0) = [spring_side_t :: ]
 
 contains
