@@ -22,7 +22,7 @@ contains
       real(dp), intent(in) :: b(:) !! the linear term (n)
       real(dp), intent(in) :: lower(:) !! lower bounds (n)
       real(dp), intent(in) :: upper(:) !! upper bounds, at least the lower ones (n)
-      real(dp), intent(inout) :: x(:) !! in: where to start; out: the minimiser (n)
+      real(dp), intent(inout) :: x(:) !! where to start, and the minimiser (n)
       real(dp) :: gradient(size(b)), step(size(b)), full(size(b))
       logical :: is_free(size(b)), was_free(size(b)), is_newton, is_exact
       integer :: i

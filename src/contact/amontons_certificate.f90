@@ -76,7 +76,7 @@ contains
    pure subroutine split_imbalance(constraints, reaction, imbalance)
       type(constraints_t), intent(in) :: constraints !! the supports
       real(dp), intent(inout) :: reaction(:, :)
-         !! in: what is missing; out: its part along held directions (2, n_nodes) [F]
+         !! what is missing, and then its part along held directions (2, n_nodes) [F]
       real(dp), intent(out) :: imbalance !! norm of the part along free directions [F]
       real(dp) :: frame(2, 2), part(2)
       integer :: node

@@ -36,7 +36,7 @@ contains
    subroutine new_condensation(condensation, stiffness, kind, is_held, zone, constraints, dof_map, error)
       type(condensation_t), intent(out) :: condensation !! the factorised body
       type(sparse_matrix_t), intent(inout) :: stiffness !! K, or K + alpha E on return [F/L]
-      character(*), intent(in) :: kind !! factorisation: 'auto', 'band' or 'sparse'
+      character(*), intent(in) :: kind !! which factorisation, 'auto', 'band' or 'sparse'
       logical, intent(in) :: is_held !! whether supports alone hold the body
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports

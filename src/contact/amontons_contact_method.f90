@@ -25,7 +25,7 @@ module amontons_contact_method
          implicit none (type, external)
          class(contact_method_t), intent(in) :: self !! the method
          type(contact_problem_t), intent(inout) :: problem !! the problem; its dual matrix may be added to it
-         type(contact_solution_t), intent(inout) :: solution !! in: where to start; out: the result
+         type(contact_solution_t), intent(inout) :: solution !! where to start, and the result
          type(error_t), allocatable, intent(out) :: error !! the problem's data are unusable
       end subroutine solve_interface
    end interface

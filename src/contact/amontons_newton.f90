@@ -32,7 +32,7 @@ contains
       class(newton_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
-      type(error_t), allocatable, intent(out) :: error !! never: kept for the common interface
+      type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
       real(dp) :: displacement(2*problem%n_points), force(2*problem%n_points)
       type(guess_t) :: guess
       integer :: iteration, info
@@ -85,7 +85,7 @@ contains
    subroutine newton_step(problem, guess, displacement, force, info)
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(guess_t), intent(in) :: guess !! state of each point
-      real(dp), intent(inout) :: displacement(:) !! in: v before the step, out: after it (2m) [L]
+      real(dp), intent(inout) :: displacement(:) !! v before the step, and after it (2m) [L]
       real(dp), intent(out) :: force(:) !! lambda after the step (2m) [F]
       integer, intent(out) :: info !! 0, or nonzero where the guess leaves the system singular
       real(dp) :: factor(problem%n_points), load(2*problem%n_points), v(2*problem%n_points)

@@ -123,7 +123,7 @@ contains
       integer, intent(in) :: node !! the node
       real(dp), intent(in) :: direction(2) !! unit vector [-]
       real(dp), intent(in) :: displacement !! where to [L]
-      logical, intent(out) :: is_consistent !! false: the node is held elsewhere along this direction already
+      logical, intent(out) :: is_consistent !! whether no earlier support holds it elsewhere along this direction
       ! Mesh files carry about eight digits, so directions that should agree differ in the last of them.
       real(dp), parameter :: parallel = 1.0e-6_dp
       real(dp) :: frame(2, 2), missing, along
