@@ -1,4 +1,4 @@
-!> Threads: how many the program's own loops use, and one for what runs inside the foreign libraries.
+!> Threads, that is how many the program's own loops use, and one for what runs inside the foreign libraries.
 module amontons_threads
    use, intrinsic :: iso_c_binding, only: c_int
    use omp_lib, only: omp_get_max_active_levels, omp_get_max_threads, omp_set_max_active_levels, omp_set_num_threads
