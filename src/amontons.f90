@@ -1,6 +1,6 @@
 !> The public interface of the Amontons library, on one screen.
 !>
-!> From a deck: `read_config`, `solve_case`, `write_report`. In code: `new_rectangle_mesh`, `new_material`, `new_body`,
+!> From a deck: `read_config`, `solve_case`, `write_report`. In code: `new_rectangle_mesh` or `read_mesh_file`, `new_material`, `new_body`,
 !> `condense_body`, and the contact methods on the body's contact problem. A contact problem alone:
 !> `new_contact_problem`, `new_contact_method`, `new_contact_solution`.
 module amontons
@@ -18,6 +18,7 @@ module amontons
    use amontons_loads, only: load_t
    use amontons_material, only: material_t, new_material
    use amontons_mesh, only: mesh_t
+   use amontons_mesh_file, only: read_mesh_file
    use amontons_methods, only: method_names, method_options_t, new_contact_method
    use amontons_rectangle, only: new_rectangle_mesh, rectangle_t
    use amontons_report, only: write_report
@@ -34,7 +35,7 @@ module amontons
    public :: config_t, prepare_case, read_config, result_t, solve_case, workshop_t, write_report
    ! Bodies
    public :: body_t, condense_body, contact_t, load_t, material_t, mesh_t, new_body, new_material, new_rectangle_mesh, &
-      rectangle_t, support_t
+      read_mesh_file, rectangle_t, support_t
    ! Contact problems and methods
    public :: contact_method_t, contact_problem_t, contact_solution_t, method_names, method_options_t, &
       new_contact_method, new_contact_problem, new_contact_solution
