@@ -1,8 +1,8 @@
 !> The public interface of the Amontons library, on one screen.
 !>
-!> From a deck: `read_config`, `solve_case`, `write_report`. In code: `new_rectangle_mesh` or `read_mesh_file`, `new_material`, `new_body`,
-!> `condense_body`, and the contact methods on the body's contact problem. A contact problem alone:
-!> `new_contact_problem`, `new_contact_method`, `new_contact_solution`.
+!> From a deck: `read_config`, `solve_case`, `write_report`. In code: `new_rectangle_mesh` or `read_mesh_file`,
+!> `new_material`, `new_body`, `condense_body`, and the contact methods on the body's contact problem. A contact problem
+!> alone: `new_contact_problem`, `new_contact_method`, `new_contact_solution`.
 module amontons
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_certificate, only: certificate_t, new_certificate
