@@ -38,6 +38,8 @@ contains
 
       call source%take_count(n, 'nodes')
       call source%check_count(n, merge(least_node_bytes, least_node_text, source%is_binary), 'nodes')
+      if (allocated(source%error)) return
+      call draft%expect_nodes(n)
       do node = 1, n
          call source%start_record()
          place = source%position
@@ -77,6 +79,8 @@ contains
 
       call source%take_count(n, 'elements')
       call source%check_count(n, least_element, 'elements')
+      if (allocated(source%error)) return
+      call draft%expect_cells(n)
       do element = 1, n
          call source%start_record()
          place = source%position

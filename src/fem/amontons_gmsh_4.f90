@@ -11,12 +11,10 @@ module amontons_gmsh_4
 
    public :: read_elements_4, read_entities_4, read_nodes_4
 
-   !> Bytes that anything takes at least in text: a digit and a blank.
-   integer, parameter :: least_text = 2
+   !> Bytes that a number takes at least: in text a digit and a blank, in a binary file more.
+   integer, parameter :: least_bytes = 2
    !> A node has three coordinates and up to three parameters.
    integer, parameter :: most_numbers = 6
-   !> Bytes that a size takes in a binary file.
-   integer, parameter :: size_bytes = 8
 
 contains
 
@@ -31,7 +29,7 @@ contains
          call source%take_size(n(dimension), 'the number of entities of dimension '//to_text(dimension))
       end do
       do dimension = 0, 3
-         call source%check_count(n(dimension), least_text, 'entities')
+         call source%check_count(n(dimension), least_bytes, 'entities')
       end do
       call source%end_record()
       do dimension = 0, 3
@@ -57,7 +55,7 @@ contains
          call source%take_real(x, 'a coordinate of an entity')
       end do
       call source%take_size(n, 'the number of physical groups of an entity')
-      call source%check_count(n, least_text, 'physical groups')
+      call source%check_count(n, least_bytes, 'physical groups')
       do i = 1, n
          call source%take_integer(group, 'a physical group')
          if (allocated(source%error)) return
@@ -65,7 +63,7 @@ contains
       end do
       if (dimension > 0) then
          call source%take_size(n, 'the number of entities that bound an entity')
-         call source%check_count(n, least_text, 'bounding entities')
+         call source%check_count(n, least_bytes, 'bounding entities')
          do i = 1, n
             call source%take_integer(entity, 'a bounding entity')
             if (allocated(source%error)) return
@@ -81,6 +79,8 @@ contains
       integer :: block, n_blocks, n_left
 
       call take_section_header(source, n_blocks, n_left, 'nodes')
+      if (allocated(source%error)) return
+      call draft%expect_nodes(n_left)
       do block = 1, n_blocks
          call read_node_block(draft, source, n_left)
          if (allocated(source%error)) return
@@ -101,8 +101,8 @@ contains
       call source%take_size(n, 'the number of '//things)
       call source%take_size(least, 'the least number of all '//things)
       call source%take_size(greatest, 'the greatest number of all '//things)
-      call source%check_count(n_blocks, 4*least_text, 'blocks of '//things)
-      call source%check_count(n, 2*least_text, things)
+      call source%check_count(n_blocks, 4*least_bytes, 'blocks of '//things)
+      call source%check_count(n, 2*least_bytes, things)
       call source%end_record()
    end subroutine take_section_header
 
@@ -172,6 +172,8 @@ contains
       integer :: block, n_blocks, n_left
 
       call take_section_header(source, n_blocks, n_left, 'elements')
+      if (allocated(source%error)) return
+      call draft%expect_cells(n_left)
       do block = 1, n_blocks
          call read_element_block(draft, groups, source, n_left)
          if (allocated(source%error)) return

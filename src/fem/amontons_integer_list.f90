@@ -13,6 +13,7 @@ module amontons_integer_list
       procedure :: append => integer_list_append
       procedure :: append_all => integer_list_append_all
       procedure :: items => integer_list_items
+      procedure :: make_room => integer_list_make_room
    end type integer_list_t
 
 contains
@@ -23,9 +24,9 @@ contains
       integer, intent(in) :: item !! the item
 
       if (.not. allocated(self%item)) then
-         call make_room(self, 1)
+         call self%make_room(1)
       else if (self%n == size(self%item)) then
-         call make_room(self, 1)
+         call self%make_room(1)
       end if
       self%n = self%n + 1
       self%item(self%n) = item
@@ -36,7 +37,7 @@ contains
       class(integer_list_t), intent(inout) :: self !! the list
       integer, intent(in) :: items(:) !! the items
 
-      call make_room(self, size(items))
+      call self%make_room(size(items))
       self%item(self%n + 1:self%n + size(items)) = items
       self%n = self%n + size(items)
    end subroutine integer_list_append_all
@@ -53,21 +54,21 @@ contains
       end if
    end function integer_list_items
 
-   !> Makes room for more items, at least doubling the room there is when it does not suffice.
-   pure subroutine make_room(list, n_more)
-      type(integer_list_t), intent(inout) :: list !! the list
+   !> Makes room for more items; room that does not suffice grows by at least half.
+   pure subroutine integer_list_make_room(self, n_more)
+      class(integer_list_t), intent(inout) :: self !! the list
       integer, intent(in) :: n_more !! number of items to come
       integer, parameter :: least_room = 16
       integer, allocatable :: longer(:)
 
-      if (allocated(list%item)) then
-         if (list%n + n_more <= size(list%item)) return
-         allocate (longer(max(list%n + n_more, list%n + list%n/2)))
-         longer(:list%n) = list%item(:list%n)
-         call move_alloc(longer, list%item)
+      if (allocated(self%item)) then
+         if (self%n + n_more <= size(self%item)) return
+         allocate (longer(max(self%n + n_more, self%n + self%n/2)))
+         longer(:self%n) = self%item(:self%n)
+         call move_alloc(longer, self%item)
       else
-         allocate (list%item(max(n_more, least_room)))
+         allocate (self%item(max(n_more, least_room)))
       end if
-   end subroutine make_room
+   end subroutine integer_list_make_room
 
 end module amontons_integer_list

@@ -6,7 +6,7 @@ module amontons_mesh_cleanup
    use amontons_mesh_draft, only: counted, mesh_draft_t, n_cell_nodes
    use amontons_mesh_sets, only: name_sets, translation_t
    use amontons_mesh_source, only: mesh_source_t
-   use amontons_side_table, only: new_side_table, side_table_t
+   use amontons_side_table, only: new_side_table, side_element, side_place, side_table_t
    use amontons_tag_map, only: new_tag_map, tag_map_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -261,7 +261,7 @@ contains
       type(mesh_source_t), intent(inout) :: source !! the file
       integer, intent(in) :: cell_of(:) !! cell of each element (n_elements)
       type(side_table_t), intent(out) :: table !! the sides of the elements
-      integer :: one(3), other(3), overlapping(2), side
+      integer :: elements(2), numbers(2), one(3), other(3), overlapping(2), side
 
       call new_side_table(table, mesh, overlapping)
       if (overlapping(1) > 0) then
@@ -271,15 +271,15 @@ contains
       end if
       if (all(n_element_nodes(mesh%element_kind) == n_corners(mesh%element_kind))) return
       do side = 1, table%n_sides
-         associate (a => table%along(side), b => table%against(side))
-            if (a%element == 0 .or. b%element == 0) cycle
-            one = mesh%side(a%element, a%side)
-            other = mesh%side(b%element, b%side)
-            if (one(3) == other(3)) cycle
-            call refuse_cell(source, draft, cell_of(max(a%element, b%element)), 'shares a side with element '// &
-               to_text(draft%cell_tag%item(cell_of(min(a%element, b%element))))//' but not the node in its middle')
-            return
-         end associate
+         if (table%boundary(side) > 0) cycle
+         numbers = [table%sides(side)%left, table%sides(side)%right]
+         one = mesh%side(side_element(numbers(1)), side_place(numbers(1)))
+         other = mesh%side(side_element(numbers(2)), side_place(numbers(2)))
+         if (one(3) == other(3)) cycle
+         elements = side_element([minval(numbers), maxval(numbers)])
+         call refuse_cell(source, draft, cell_of(elements(2)), 'shares a side with element '// &
+            to_text(draft%cell_tag%item(cell_of(elements(1))))//' but not the node in its middle')
+         return
       end do
    end subroutine check_neighbours
 

@@ -61,7 +61,9 @@ module amontons_mesh_draft
       procedure :: add_note => mesh_draft_add_note
       procedure :: add_node => mesh_draft_add_node
       procedure :: cell_nodes => mesh_draft_cell_nodes
+      procedure :: expect_cells => mesh_draft_expect_cells
       procedure :: expect_members => mesh_draft_expect_members
+      procedure :: expect_nodes => mesh_draft_expect_nodes
       procedure :: find_group => mesh_draft_find_group
       procedure :: get_group => mesh_draft_get_group
    end type mesh_draft_t
@@ -102,6 +104,27 @@ contains
       self%n_notes = self%n_notes + 1
    end subroutine mesh_draft_add_note
 
+   !> Makes room for nodes to come.
+   pure subroutine mesh_draft_expect_nodes(self, n)
+      class(mesh_draft_t), intent(inout) :: self !! the draft
+      integer, intent(in) :: n !! number of nodes, which the file must be long enough for
+
+      if (.not. allocated(self%coordinates)) allocate (self%coordinates(3, n))
+      call self%node_tag%make_room(n)
+      call self%node_place%make_room(n)
+   end subroutine mesh_draft_expect_nodes
+
+   !> Makes room for cells to come.
+   pure subroutine mesh_draft_expect_cells(self, n)
+      class(mesh_draft_t), intent(inout) :: self !! the draft
+      integer, intent(in) :: n !! number of cells, which the file must be long enough for
+
+      call self%cell_kind%make_room(n)
+      call self%cell_tag%make_room(n)
+      call self%cell_place%make_room(n)
+      call self%cell_start%make_room(n)
+   end subroutine mesh_draft_expect_cells
+
    !> Adds a node.
    pure subroutine mesh_draft_add_node(self, tag, place, coordinates)
       class(mesh_draft_t), intent(inout) :: self !! the draft
@@ -116,7 +139,7 @@ contains
       if (.not. allocated(self%coordinates)) then
          allocate (self%coordinates(3, least_room))
       else if (n == size(self%coordinates, 2)) then
-         allocate (longer(3, n + n/2))
+         allocate (longer(3, n + n/2 + least_room))
          longer(:, :n) = self%coordinates
          call move_alloc(longer, self%coordinates)
       end if

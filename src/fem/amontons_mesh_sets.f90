@@ -5,16 +5,14 @@ module amontons_mesh_sets
    use amontons_mesh, only: boundary_set_t, mesh_t, node_set_t, region_t
    use amontons_mesh_draft, only: counted, draft_group_t, mesh_draft_t, point1
    use amontons_mesh_source, only: mesh_source_t
-   use amontons_side_table, only: side_of_element_t, side_table_t
+   use amontons_side_table, only: side_element, side_number, side_place, side_table_t, &
+      sides_per_element
    use amontons_tag_map, only: tag_map_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
    public :: name_sets, translation_t
-
-   !> Most sides of an element: a side is number `most_sides*(element - 1) + side`.
-   integer, parameter :: most_sides = 4
 
    !> From the things of a draft to those of a mesh.
    type :: translation_t
@@ -77,7 +75,7 @@ contains
       type(named_things_t) :: things
       integer :: group, n_sets, n_node_sets, n_regions
 
-      allocate (things%sides%stamp(most_sides*mesh%n_elements), things%nodes%stamp(mesh%n_nodes), &
+      allocate (things%sides%stamp(sides_per_element*mesh%n_elements), things%nodes%stamp(mesh%n_nodes), &
          things%elements%stamp(mesh%n_elements), source=0)
       allocate (sets(draft%n_groups), node_sets(draft%n_groups), regions(draft%n_groups))
       n_sets = 0
@@ -89,7 +87,7 @@ contains
          associate (name => draft%groups(group)%name, sides => things%sides%members%items())
             if (size(sides) > 0) then
                n_sets = n_sets + 1
-               sets(n_sets) = boundary_set_t(name, (sides - 1)/most_sides + 1, mod(sides - 1, most_sides) + 1)
+               sets(n_sets) = boundary_set_t(name, side_element(sides), side_place(sides))
             end if
             if (things%nodes%members%n > 0) then
                n_node_sets = n_node_sets + 1
@@ -102,9 +100,9 @@ contains
          end associate
          call note_losses(draft, draft%groups(group)%name, things)
       end do
-      mesh%sets = sets(:n_sets)
-      if (n_node_sets > 0) mesh%node_sets = node_sets(:n_node_sets)
-      if (n_regions > 0) mesh%regions = regions(:n_regions)
+      allocate (mesh%sets, source=sets(:n_sets))
+      if (n_node_sets > 0) allocate (mesh%node_sets, source=node_sets(:n_node_sets))
+      if (n_regions > 0) allocate (mesh%regions, source=regions(:n_regions))
    end subroutine name_sets
 
    !> Collects everything that a group names.
@@ -170,18 +168,17 @@ contains
       type(translation_t), intent(in) :: translation !! from the draft to the mesh
       integer, intent(in) :: cell !! the cell
       integer, intent(in) :: cell_side !! the side of the cell
-      type(side_of_element_t) :: left, right
-      integer :: element, side, corners(3)
+      integer :: element, side, corners(3), left, right
 
       element = translation%element(cell)
       side = cell_side
       if (translation%is_turned(element)) side = n_corners(mesh%element_kind(element)) + 1 - side
       corners = mesh%side(element, side)
       call table%find(corners(1), corners(2), left, right)
-      if (right%element > 0) then
+      if (right > 0) then
          things%n_inside = things%n_inside + 1
       else
-         call things%sides%put(most_sides*(element - 1) + side)
+         call things%sides%put(left)
       end if
    end subroutine put_side
 
@@ -194,26 +191,26 @@ contains
       type(side_table_t), intent(in) :: table !! the sides of the elements
       type(translation_t), intent(in) :: translation !! from the draft to the mesh
       integer, intent(in) :: cell !! the line
-      type(side_of_element_t) :: left, right
-      integer :: middle(3)
+      integer :: left, right, side(3)
 
       associate (nodes => translation%node(draft%cell_nodes(cell)))
+         left = 0
+         right = 0
          if (all(nodes(:2) > 0)) call table%find(nodes(1), nodes(2), left, right)
-         if (left%element > 0 .and. right%element > 0) then
+         if (min(left, right) > 0) then
             things%n_inside = things%n_inside + 1
             return
          end if
-         if (left%element == 0) left = right
-         if (left%element == 0) then
+         if (max(left, right) == 0) then
             things%n_elsewhere = things%n_elsewhere + 1
             return
          end if
-         middle = mesh%side(left%element, left%side)
-         if (size(nodes) == 3 .and. middle(3) > 0) then
-            if (nodes(3) /= middle(3)) call source%refuse('line '//to_text(draft%cell_tag%item(cell))// &
+         call things%sides%put(max(left, right))
+         side = mesh%side(side_element(max(left, right)), side_place(max(left, right)))
+         if (size(nodes) == 3 .and. side(3) > 0) then
+            if (nodes(3) /= side(3)) call source%refuse('line '//to_text(draft%cell_tag%item(cell))// &
                ' has another middle node than the element at its side', draft%cell_place%item(cell))
          end if
-         call things%sides%put(most_sides*(left%element - 1) + left%side)
       end associate
    end subroutine put_line
 
@@ -222,19 +219,18 @@ contains
       type(named_things_t), intent(inout) :: things !! the set, its nodes complete
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(side_table_t), intent(in) :: table !! the sides of the elements
-      type(side_of_element_t) :: owner
-      integer :: i, place, nodes(3)
+      integer :: i, number, place, nodes(3)
 
       do i = 1, things%nodes%members%n
          place = table%last(things%nodes%members%item(i))
          do while (place > 0)
-            owner = table%boundary(place)
-            place = table%before(place)
-            if (owner%element == 0) cycle
-            nodes = mesh%side(owner%element, owner%side)
+            number = table%boundary(place)
+            place = table%sides(place)%before
+            if (number == 0) cycle
+            nodes = mesh%side(side_element(number), side_place(number))
             if (nodes(3) == 0) nodes(3) = nodes(1)
             if (any(things%nodes%stamp(nodes) /= things%nodes%set)) cycle
-            call things%sides%put(most_sides*(owner%element - 1) + owner%side)
+            call things%sides%put(number)
          end do
       end do
    end subroutine put_sides_between

@@ -51,6 +51,7 @@ contains
       type(mesh_source_t), intent(out) :: source !! the file in memory
       character(*), intent(in) :: file !! name of the file
       type(error_t), allocatable, intent(out) :: error !! the file cannot be read, is empty or is too large
+      character(*), parameter :: no_text = ': this file is empty, or no plain file'
       character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
       character(256) :: reason
       integer(int64) :: n_bytes
@@ -61,7 +62,7 @@ contains
       ! The size is asked for first: to open a pipe could take for ever.
       inquire (file=file, size=n_bytes)
       if (n_bytes == 0) then
-         call new_error(error, input_refused, file//': this file is empty, or no plain file')
+         call new_error(error, input_refused, file//no_text)
          return
       end if
       if (n_bytes > most_bytes) then
@@ -79,6 +80,8 @@ contains
       end if
       if (status /= 0) then
          call new_error(error, input_refused, file//': cannot read this file: '//trim(reason))
+      else if (len(source%text) == 0) then
+         call new_error(error, input_refused, file//no_text)
       else if (index(source%text(:min(3, len(source%text))), byte_order_mark) == 1) then
          source%position = 4
       end if

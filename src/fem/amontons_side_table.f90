@@ -5,23 +5,26 @@ module amontons_side_table
    implicit none (type, external)
    private
 
-   public :: new_side_table, side_of_element_t, side_table_t
+   public :: new_side_table, side_element, side_number, side_place, side_table_t, sides_per_element
 
-   !> A side of an element.
-   type :: side_of_element_t
-      integer :: element = 0 !! number of the element, 0 for none
-      integer :: side = 0 !! number of the side in the element
-   end type side_of_element_t
+   !> Every element has this many numbers for its sides, used or not.
+   integer, parameter :: sides_per_element = 4
+
+   !> A side between two elements or at the boundary.
+   type :: side_t
+      integer :: before !! side filed before it under the same node, 0 for none
+      integer :: home !! the corner it is filed under
+      integer :: other !! its other corner
+      integer :: left !! number of the element's side that runs from home to the other corner, 0 for none
+      integer :: right !! number of the element's side that runs the other way, 0 for none
+   end type side_t
 
    !> The sides of all elements. Each is filed under that of its two corners where fewer elements meet, which keeps
-   !> every search short, even around the hub of a fan.
+   !> every search short, even around the hub of a wheel.
    type :: side_table_t
       integer :: n_sides = 0 !! number of sides
+      type(side_t), allocatable :: sides(:) !! the sides, and room for more
       integer, allocatable :: last(:) !! last side filed under each node, 0 for none (nodes)
-      integer, allocatable :: before(:) !! side filed before it under the same node, 0 for none (sides)
-      integer, allocatable :: corners(:, :) !! the node a side is filed under, and its other corner (2, sides)
-      type(side_of_element_t), allocatable :: along(:) !! the element that the side has on its left (sides)
-      type(side_of_element_t), allocatable :: against(:) !! the element that the side has on its right (sides)
       integer, allocatable, private :: valence(:) !! number of elements at each node (nodes)
    contains
       procedure :: boundary => side_table_boundary
@@ -30,16 +33,37 @@ module amontons_side_table
 
 contains
 
+   !> Number of a side of an element.
+   elemental integer function side_number(element, place)
+      integer, intent(in) :: element !! the element
+      integer, intent(in) :: place !! the side's place in the element, from 1
+
+      side_number = sides_per_element*(element - 1) + place
+   end function side_number
+
+   !> The element of a numbered side, 0 for number 0.
+   elemental integer function side_element(number)
+      integer, intent(in) :: number !! number of the side, or 0
+
+      side_element = (number + sides_per_element - 1)/sides_per_element
+   end function side_element
+
+   !> The place of a numbered side in its element.
+   elemental integer function side_place(number)
+      integer, intent(in) :: number !! number of the side
+
+      side_place = mod(number - 1, sides_per_element) + 1
+   end function side_place
+
    !> Files the sides of a mesh; stops at the first side that has two elements on the same side of it.
    pure subroutine new_side_table(table, mesh, overlapping)
       type(side_table_t), intent(out) :: table !! the sides
       type(mesh_t), intent(in) :: mesh !! the mesh, its elements counter-clockwise
       integer, intent(out) :: overlapping(2) !! two elements that lie one over the other, 0 where none do
-      integer :: element, i, n, first, most
+      integer :: element, i, n, first
 
-      most = sum(n_corners(mesh%element_kind))
       allocate (table%last(mesh%n_nodes), table%valence(mesh%n_nodes), source=0)
-      allocate (table%before(most), table%corners(2, most), table%along(most), table%against(most))
+      allocate (table%sides(sum(n_corners(mesh%element_kind))))
       do element = 1, mesh%n_elements
          first = mesh%node_start(element)
          do i = first, first + n_corners(mesh%element_kind(element)) - 1
@@ -51,38 +75,39 @@ contains
          first = mesh%node_start(element)
          n = n_corners(mesh%element_kind(element))
          do i = 1, n
-            call file_side(table, mesh%node(first + i - 1), mesh%node(first + mod(i, n)), &
-               side_of_element_t(element, i), overlapping)
+            call file_side(table, mesh%node(first + i - 1), mesh%node(first + mod(i, n)), side_number(element, i), &
+               overlapping)
             if (overlapping(1) > 0) return
          end do
       end do
    end subroutine new_side_table
 
    !> Files a side of an element.
-   pure subroutine file_side(table, a, b, owner, overlapping)
+   pure subroutine file_side(table, a, b, number, overlapping)
       type(side_table_t), intent(inout) :: table !! the sides filed so far
       integer, intent(in) :: a !! first corner of the side; the element lies on the left
       integer, intent(in) :: b !! second corner of the side
-      type(side_of_element_t), intent(in) :: owner !! the element and the side in it
-      integer, intent(inout) :: overlapping(2) !! the element and the one that is there already, if one is
+      integer, intent(in) :: number !! number of the side
+      integer, intent(inout) :: overlapping(2) !! the element that is there already, if one is, and this one
       integer :: side, home
 
-      side = place_of(table, a, b)
       home = home_of(table, a, b)
+      side = place_of(table, home, a + b - home)
       if (side == 0) then
          table%n_sides = table%n_sides + 1
          side = table%n_sides
-         table%corners(:, side) = [home, a + b - home]
-         table%before(side) = table%last(home)
+         table%sides(side) = side_t(table%last(home), home, a + b - home, 0, 0)
          table%last(home) = side
       end if
-      if (home == a) then
-         if (table%along(side)%element > 0) overlapping = [table%along(side)%element, owner%element]
-         table%along(side) = owner
-      else
-         if (table%against(side)%element > 0) overlapping = [table%against(side)%element, owner%element]
-         table%against(side) = owner
-      end if
+      associate (filed => table%sides(side))
+         if (home == a) then
+            if (filed%left > 0) overlapping = side_element([filed%left, number])
+            filed%left = number
+         else
+            if (filed%right > 0) overlapping = side_element([filed%right, number])
+            filed%right = number
+         end if
+      end associate
    end subroutine file_side
 
    !> The node that a side is filed under: that of its corners where fewer elements meet.
@@ -98,47 +123,46 @@ contains
       end if
    end function home_of
 
-   !> Place in the table of the side between two corners, 0 where no element has it.
-   pure integer function place_of(table, a, b) result(side)
+   !> Place in the table of a side, 0 where no element has it.
+   pure integer function place_of(table, home, other) result(side)
       type(side_table_t), intent(in) :: table !! the sides
-      integer, intent(in) :: a !! one corner
-      integer, intent(in) :: b !! the other corner
-      integer :: home
+      integer, intent(in) :: home !! the corner it would be filed under
+      integer, intent(in) :: other !! its other corner
 
-      home = home_of(table, a, b)
       side = table%last(home)
       do while (side > 0)
-         if (table%corners(2, side) == a + b - home) return
-         side = table%before(side)
+         if (table%sides(side)%other == other) return
+         side = table%sides(side)%before
       end do
    end function place_of
 
-   !> Finds the elements on both sides of the way from one corner to another.
+   !> Finds the elements' sides on both sides of the way from one corner to another.
    pure subroutine side_table_find(self, a, b, left, right)
       class(side_table_t), intent(in) :: self !! the sides
       integer, intent(in) :: a !! the corner to come from
       integer, intent(in) :: b !! the corner to go to
-      type(side_of_element_t), intent(out) :: left !! the element on the left
-      type(side_of_element_t), intent(out) :: right !! the element on the right
-      integer :: side
+      integer, intent(out) :: left !! number of the side of the element on the left, 0 for none
+      integer, intent(out) :: right !! number of the side of the element on the right, 0 for none
+      integer :: side, home
 
-      side = place_of(self, a, b)
+      left = 0
+      right = 0
+      home = home_of(self, a, b)
+      side = place_of(self, home, a + b - home)
       if (side == 0) return
-      left = self%along(side)
-      right = self%against(side)
-      if (self%corners(1, side) == a) return
-      left = self%against(side)
-      right = self%along(side)
+      left = merge(self%sides(side)%left, self%sides(side)%right, home == a)
+      right = merge(self%sides(side)%right, self%sides(side)%left, home == a)
    end subroutine side_table_find
 
-   !> The element of a side that has one element only; no element for the others.
-   pure function side_table_boundary(self, side) result(owner)
+   !> Number of the element's side at a side of the boundary, 0 at a side between two elements.
+   pure integer function side_table_boundary(self, side) result(number)
       class(side_table_t), intent(in) :: self !! the sides
       integer, intent(in) :: side !! place in the table
-      type(side_of_element_t) :: owner
 
-      if (self%against(side)%element == 0) owner = self%along(side)
-      if (self%along(side)%element == 0) owner = self%against(side)
+      number = 0
+      if (min(self%sides(side)%left, self%sides(side)%right) == 0) then
+         number = max(self%sides(side)%left, self%sides(side)%right)
+      end if
    end function side_table_boundary
 
 end module amontons_side_table
