@@ -2,7 +2,7 @@
 !>
 !> With the contact unknowns c last, the trailing block of the Cholesky factor of K + alpha E (E the identity on c) is
 !> the Cholesky factor of S + alpha I, S = K_cc - K_ci K_ii^-1 K_ic; alpha is 0 for a body that its supports hold.
-!> A forward substitution gives q = f_c - K_ci K_ii^-1 f_i, a backward one all displacements (theory, section 2).
+!> A forward substitution gives q = f_c - K_ci K_ii^-1 f_i, a backward one all displacements (theory, section 3).
 module amontons_condensation
    use amontons_constraints, only: constraints_t
    use amontons_contact_zone, only: contact_zone_t

@@ -1,7 +1,7 @@
-!> Fixed point on the slip bound: a Tresca problem with the bound g, solved exactly; then g := phi lambda_N; repeat.
+!> Fixed point on the slip bound: a Tresca problem with the bound b, solved exactly; then b := g + phi lambda_N; repeat.
 !>
 !> Coulomb's solution is a fixed point of the map from a slip bound phi lambda_N to the normal forces of its Tresca
-!> problem (theory, section 4).
+!> problem (theory, section 5).
 module amontons_fixed_point
    use amontons_box_program, only: solve_box_program
    use amontons_contact_method, only: contact_method_t

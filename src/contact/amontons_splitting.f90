@@ -8,10 +8,11 @@
 !>        lambda_N := solution of A11 lambda_N = B1 - A12 lambda_T  such that lambda_N >= 0
 !>     until solved
 !>
-!> "such that" means the minimiser of the quadratic program of the half step (variant `exact`; Haslinger, Dostal and
-!> Kucera, CMAME 191, 2002). `clip` solves the normal half step without the constraint and cuts the result at zero:
-!> right only if nothing separates. `printed` is the paper to the letter: one Gauss-Seidel sweep of its matrix S, with
-!> its right-hand side, cut afterwards. It comes to rest at a wrong answer, and says so.
+!> A slip bound g that the problem gives is added to phi lambda_N. "such that" means the minimiser of the quadratic
+!> program of the half step (variant `exact`; Haslinger, Dostal and Kucera, CMAME 191, 2002). `clip` solves the normal
+!> half step without the constraint and cuts the result at zero: right only if nothing separates. `printed` is the
+!> paper to the letter: one Gauss-Seidel sweep of its S, with its right-hand side, cut afterwards. It comes to rest at a
+!> wrong answer, and says so.
 module amontons_splitting
    use amontons_box_program, only: solve_box_program
    use amontons_contact_method, only: contact_method_t
