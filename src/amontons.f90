@@ -2,14 +2,14 @@
 !>
 !> From a deck: `read_config`, `solve_case`, `write_report`. In code: `new_rectangle_mesh` or `read_mesh_file`,
 !> `new_material`, `new_body`, `condense_body`, and the contact methods on the body's contact problem. A contact problem
-!> alone: `new_contact_problem`, `new_contact_method`, `new_contact_solution`.
+!> alone: `new_contact_problem` or `new_reduced_problem`, `new_contact_method`, `new_contact_solution`.
 module amontons
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_certificate, only: certificate_t, new_certificate
    use amontons_config, only: config_t, read_config
    use amontons_constraints, only: support_t
    use amontons_contact_method, only: contact_method_t
-   use amontons_contact_problem, only: contact_problem_t, new_contact_problem
+   use amontons_contact_problem, only: contact_problem_t, new_contact_problem, new_reduced_problem
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_t
    use amontons_error, only: error_t, input_refused, numerical_failure, system_failure
@@ -24,6 +24,7 @@ module amontons
    use amontons_report, only: write_report
    use amontons_result, only: result_t
    use amontons_solve_case, only: prepare_case, solve_case, workshop_t
+   use amontons_symmetric_matrix, only: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
    use amontons_threads, only: set_threads
    use amontons_version, only: version
    implicit none (type, external)
@@ -38,7 +39,8 @@ module amontons
       read_mesh_file, rectangle_t, support_t
    ! Contact problems and methods
    public :: contact_method_t, contact_problem_t, contact_solution_t, method_names, method_options_t, &
-      new_contact_method, new_contact_problem, new_contact_solution
+      new_contact_method, new_contact_problem, new_contact_solution, new_dense_matrix, new_reduced_problem, new_sparse_matrix, &
+      symmetric_matrix_t
    public :: open_point, slip_minus, slip_plus, status_names, stick_point
    ! Certificates
    public :: certificate_t, new_certificate

@@ -2,36 +2,43 @@
 !>
 !> The displacements v = (u_N; u_T) of m contact points and the forces lambda = (lambda_N; lambda_T) obey
 !> `S v = q - lambda` and the contact law. S is symmetric and positive semidefinite; its kernel are the rigid motions
-!> that only contact holds. All vectors list the m normal components first, the m tangential ones after them.
+!> that only contact holds. A reduced problem comes without S, in the dual form `v = v_free - A lambda` with a compliance
+!> A that may be semidefinite. All vectors list the m normal components first, the m tangential ones after them.
 module amontons_contact_problem
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_dense, only: cholesky_factor, cholesky_inverse, symmetric_multiply
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_friction_law, only: contact_status, law_violation
    use amontons_kinds, only: dp
+   use amontons_symmetric_matrix, only: new_dense_matrix, symmetric_matrix_t
    implicit none (type, external)
    private
 
-   public :: contact_problem_t, new_contact_problem
+   public :: contact_problem_t, new_contact_problem, new_reduced_problem
 
-   !> Stiffness, load, gap and friction on the contact points. One stiffness serves many loads.
+   !> Stiffness, load, gap and friction on the contact points. One stiffness serves many loads. A reduced problem has
+   !> `compliance` and `free_displacement` in the place of `stiffness` and `load`.
    type :: contact_problem_t
       integer :: n_points = 0 !! number m of contact points
       logical :: is_held = .true. !! whether the supports alone hold the body, so that S is positive definite
       real(dp), allocatable :: stiffness(:, :) !! condensed stiffness S (2m, 2m) [F/L]
       real(dp), allocatable :: load(:) !! condensed load q (2m) [F]
+      real(dp), allocatable :: free_displacement(:) !! displacements v_free without contact forces (2m) [L]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
       real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
       real(dp), allocatable :: slip_bound(:) !! given slip bound g, added to phi lambda_N (m) [F]
       real(dp) :: shift = 0.0_dp
          !! alpha of the proximal iteration: 0 for a held body [F/L]
-      real(dp), allocatable :: compliance(:, :)
-         !! the paper's dual matrix A = (S + alpha I)^-1, made by `prepare_compliance` (2m, 2m) [L/F]
+      type(symmetric_matrix_t), allocatable :: compliance
+         !! the paper's dual matrix A = (S + alpha I)^-1, made by `prepare_compliance`; always there in a reduced
+         !! problem (2m, 2m) [L/F]
    contains
+      procedure :: augmentation => contact_problem_augmentation
       procedure :: bound => contact_problem_bound
       procedure :: displacement => contact_problem_displacement
       procedure :: dual_load => contact_problem_dual_load
       procedure :: force_scale => contact_problem_force_scale
+      procedure :: is_reduced => contact_problem_is_reduced
       procedure :: prepare_compliance => contact_problem_prepare_compliance
       procedure :: residual => contact_problem_residual
       procedure :: status => contact_problem_status
@@ -51,6 +58,43 @@ contains
       allocate (problem%load(2*problem%n_points), problem%gap(problem%n_points), &
          problem%friction(problem%n_points), problem%slip_bound(problem%n_points), source=0.0_dp)
    end subroutine new_contact_problem
+
+   !> Makes a reduced problem: no gap beyond what the free displacements say, no given slip bound.
+   pure subroutine new_reduced_problem(problem, compliance, free_displacement, friction)
+      type(contact_problem_t), intent(out) :: problem !! the problem
+      type(symmetric_matrix_t), intent(in) :: compliance !! A, positive semidefinite (2m, 2m) [L/F]
+      real(dp), intent(in) :: free_displacement(:)
+         !! displacements without contact forces, the normal ones counted from the obstacle on (2m) [L]
+      real(dp), intent(in) :: friction(:) !! Coulomb coefficient phi (m) [-]
+
+      problem%n_points = size(friction)
+      problem%compliance = compliance
+      problem%free_displacement = free_displacement
+      problem%friction = friction
+      allocate (problem%gap(problem%n_points), problem%slip_bound(problem%n_points), source=0.0_dp)
+   end subroutine new_reduced_problem
+
+   !> Whether this is a reduced problem: without a stiffness.
+   pure logical function contact_problem_is_reduced(self)
+      class(contact_problem_t), intent(in) :: self !! the problem
+
+      contact_problem_is_reduced = .not. allocated(self%stiffness)
+   end function contact_problem_is_reduced
+
+   !> The stiffness rho that turns displacements into forces in the contact law: the diagonal of S or, in a reduced
+   !> problem, the reciprocal one of A; a displacement that no force changes takes the smallest of the others
+   !> (2m) [F/L].
+   pure function contact_problem_augmentation(self) result(rho)
+      class(contact_problem_t), intent(in) :: self !! the problem
+      real(dp), allocatable :: rho(:)
+      integer :: i
+
+      if (self%is_reduced()) then
+         rho = self%compliance%reciprocal_diagonal()
+      else
+         rho = [(self%stiffness(i, i), i=1, 2*self%n_points)]
+      end if
+   end function contact_problem_augmentation
 
    !> The slip bounds g + phi max(0, lambda_N) of given normal forces (m) [F].
    pure function contact_problem_bound(self, normal_force) result(bound)
@@ -89,17 +133,23 @@ contains
          return
       end if
       call cholesky_inverse(factor)
-      call move_alloc(factor, self%compliance)
+      allocate (self%compliance)
+      call new_dense_matrix(self%compliance, factor)
    end subroutine contact_problem_prepare_compliance
 
-   !> The paper's dual load B = A (q + alpha v_k) - (d; 0), with the proximal centre v_k (2m) [L].
+   !> The paper's dual load B = v_free - (d; 0), where v_free = A (q + alpha v_k) with the proximal centre v_k unless the
+   !> problem is a reduced one and gives it (2m) [L].
    pure function contact_problem_dual_load(self, center) result(b)
       class(contact_problem_t), intent(in) :: self !! the problem, its compliance prepared
       real(dp), intent(in) :: center(:) !! v_k; without effect for a held body (2m) [L]
       real(dp), allocatable :: b(:)
 
-      allocate (b(2*self%n_points))
-      call symmetric_multiply(self%compliance, self%load + self%shift*center, b)
+      if (self%is_reduced()) then
+         b = self%free_displacement
+      else
+         allocate (b(2*self%n_points))
+         call self%compliance%multiply(self%load + self%shift*center, b)
+      end if
       b(:self%n_points) = b(:self%n_points) - self%gap
    end function contact_problem_dual_load
 
@@ -111,48 +161,58 @@ contains
       real(dp), allocatable :: displacement(:)
 
       allocate (displacement(2*self%n_points))
-      call symmetric_multiply(self%compliance, force, displacement)
+      call self%compliance%multiply(force, displacement)
       displacement = dual_load - displacement
       displacement(:self%n_points) = displacement(:self%n_points) + self%gap
    end function contact_problem_displacement
 
    !> The force that residuals are measured by: the largest force that would act on a point if none could move,
-   !> interference included; 1 where nothing acts at all [F].
+   !> interference included; in a reduced problem, if only this point could not; 1 where nothing acts at all [F].
    pure real(dp) function contact_problem_force_scale(self) result(scale)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp) :: bound(2*self%n_points), force(2*self%n_points)
 
-      force = 0.0_dp
-      if (any(self%gap < 0.0_dp)) then
-         bound = 0.0_dp
-         bound(:self%n_points) = min(0.0_dp, self%gap)
-         call symmetric_multiply(self%stiffness, bound, force)
+      if (self%is_reduced()) then
+         force = self%augmentation()*self%dual_load(self%free_displacement)
+      else
+         force = self%load
+         if (any(self%gap < 0.0_dp)) then
+            bound = 0.0_dp
+            bound(:self%n_points) = min(0.0_dp, self%gap)
+            call symmetric_multiply(self%stiffness, bound, force)
+            force = self%load - force
+         end if
       end if
-      scale = maxval(abs(self%load - force))
+      scale = maxval(abs(force))
       if (.not. scale > 0.0_dp) scale = 1.0_dp
    end function contact_problem_force_scale
 
-   !> The residual of a pair (v, lambda): largest violation of `S v = q - lambda` and of the contact law, over the
-   !> force scale. It depends on no method and on no unit, and is zero at a solution only; numbers that are not finite
-   !> make it huge [-].
+   !> The residual of a pair (v, lambda): largest violation of `S v = q - lambda`, or of `v = v_free - A lambda` turned
+   !> into forces, and of the contact law, over the force scale. It depends on no method and on no unit, and is zero at a
+   !> solution only; numbers that are not finite make it huge [-].
    pure real(dp) function contact_problem_residual(self, displacement, force) result(residual)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
       real(dp), intent(in) :: force(:) !! lambda (2m) [F]
-      real(dp) :: imbalance(2*self%n_points), violation
+      real(dp) :: imbalance(2*self%n_points), rho(2*self%n_points), violation
       integer :: p, m
 
       m = self%n_points
-      call symmetric_multiply(self%stiffness, displacement, imbalance)
-      imbalance = imbalance - self%load + force
+      rho = self%augmentation()
+      if (self%is_reduced()) then
+         call self%compliance%multiply(force, imbalance)
+         imbalance = rho*(imbalance - self%free_displacement + displacement)
+      else
+         call symmetric_multiply(self%stiffness, displacement, imbalance)
+         imbalance = imbalance - self%load + force
+      end if
       ! maxval passes over what is not a number.
       residual = huge(residual)
       if (.not. all(ieee_is_finite(imbalance))) return
       violation = 0.0_dp
       do p = 1, m
          violation = max(violation, law_violation(force(p), displacement(p) - self%gap(p), force(m + p), &
-            displacement(m + p), self%friction(p), self%slip_bound(p), self%stiffness(p, p), &
-            self%stiffness(m + p, m + p)))
+            displacement(m + p), self%friction(p), self%slip_bound(p), rho(p), rho(m + p)))
       end do
       residual = max(maxval(abs(imbalance)), violation)/self%force_scale()
    end function contact_problem_residual
@@ -163,12 +223,14 @@ contains
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
       real(dp), intent(in) :: force(:) !! lambda (2m) [F]
       integer, allocatable :: status(:)
-      integer :: p, m
+      real(dp) :: augmented(2*self%n_points)
+      integer :: m
 
       m = self%n_points
-      status = [(contact_status(force(p) + self%stiffness(p, p)*(displacement(p) - self%gap(p)), &
-         force(m + p) + self%stiffness(m + p, m + p)*displacement(m + p), self%friction(p), &
-         self%slip_bound(p)), p=1, m)]
+      augmented = displacement
+      augmented(:m) = augmented(:m) - self%gap
+      augmented = force + self%augmentation()*augmented
+      status = contact_status(augmented(:m), augmented(m + 1:), self%friction, self%slip_bound)
    end function contact_problem_status
 
 end module amontons_contact_problem

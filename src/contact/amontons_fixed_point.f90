@@ -42,7 +42,7 @@ contains
          bound = problem%bound(force(:m))
          lower = [spread(0.0_dp, 1, m), -bound]
          upper = [spread(huge(1.0_dp), 1, m), bound]
-         call solve_box_program(problem%compliance, b, lower, upper, force)
+         call solve_box_program(problem%compliance%values, b, lower, upper, force)
          call solution%record(problem, problem%displacement(b, force), force, self%tolerance, may_continue)
          if (.not. may_continue) return
          if (.not. problem%is_held) b = problem%dual_load(solution%displacement)

@@ -47,14 +47,15 @@ contains
       type(psor_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       type(contact_solution_t), intent(inout) :: solution !! start and result
-      real(dp) :: force(2*problem%n_points), b(2*problem%n_points)
+      real(dp) :: force(2*problem%n_points), b(2*problem%n_points), rho(2*problem%n_points)
       integer :: sweep
       logical :: may_continue
 
       force = solution%force
+      rho = problem%compliance%reciprocal_diagonal()
       b = problem%dual_load(solution%displacement)
       do sweep = 1, self%max_iterations
-         call sweep_forces(problem, b, self%omega, force)
+         call sweep_forces(problem, b, self%omega, rho, force)
          call solution%record(problem, problem%displacement(b, force), force, self%tolerance, may_continue)
          if (.not. may_continue) return
          if (.not. problem%is_held) b = problem%dual_load(solution%displacement)
@@ -62,18 +63,19 @@ contains
    end subroutine iterate_dual
 
    !> One sweep over the forces of all points: w = B - A lambda is the distance (normal) or the slip (tangential).
-   pure subroutine sweep_forces(problem, b, omega, force)
+   pure subroutine sweep_forces(problem, b, omega, rho, force)
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), intent(in) :: b(:) !! dual load B (2m) [L]
       real(dp), intent(in) :: omega !! relaxation [-]
+      real(dp), intent(in) :: rho(:) !! reciprocal diagonal of A (2m) [F/L]
       real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
       integer :: n, t
 
       associate (a => problem%compliance)
          do n = 1, problem%n_points
             t = n + problem%n_points
-            force(n) = max(0.0_dp, force(n) + omega*(b(n) - dot_product(a(:, n), force))/a(n, n))
-            force(t) = bounded(force(t) + omega*(b(t) - dot_product(a(:, t), force))/a(t, t), &
+            force(n) = max(0.0_dp, force(n) + omega*rho(n)*(b(n) - a%column_product(n, force)))
+            force(t) = bounded(force(t) + omega*rho(t)*(b(t) - a%column_product(t, force)), &
                problem%slip_bound(n) + problem%friction(n)*force(n))
          end do
       end associate

@@ -112,7 +112,7 @@ contains
       integer :: m
 
       m = problem%n_points
-      associate (a21 => problem%compliance(m + 1:, :m), a22 => problem%compliance(m + 1:, m + 1:), &
+      associate (a21 => problem%compliance%values(m + 1:, :m), a22 => problem%compliance%values(m + 1:, m + 1:), &
          bound => problem%bound(normal))
          call solve_box_program(a22, b2 - matmul(a21, normal), -bound, bound, tangential)
       end associate
@@ -127,7 +127,7 @@ contains
       integer :: m
 
       m = problem%n_points
-      associate (a11 => problem%compliance(:m, :m), a12 => problem%compliance(:m, m + 1:))
+      associate (a11 => problem%compliance%values(:m, :m), a12 => problem%compliance%values(:m, m + 1:))
          call solve_box_program(a11, b1 - matmul(a12, tangential), spread(0.0_dp, 1, m), &
             spread(huge(1.0_dp), 1, m), normal)
       end associate
@@ -143,7 +143,7 @@ contains
       integer :: m
 
       m = problem%n_points
-      normal = b1 - matmul(problem%compliance(:m, m + 1:), tangential)
+      normal = b1 - matmul(problem%compliance%values(:m, m + 1:), tangential)
       call cholesky_solve(factor, normal)
       normal = max(0.0_dp, normal)
    end subroutine clipped_normal_step
@@ -168,7 +168,7 @@ contains
       real(dp), allocatable :: factor(:, :)
       integer :: info
 
-      factor = problem%compliance(:problem%n_points, :problem%n_points)
+      factor = problem%compliance%values(:problem%n_points, :problem%n_points)
       ! A block on the diagonal of a positive definite matrix is positive definite.
       call cholesky_factor(factor, info)
    end function factor_of_a11
@@ -182,9 +182,9 @@ contains
       integer :: m
 
       m = problem%n_points
-      columns = problem%compliance(:m, m + 1:)
+      columns = problem%compliance%values(:m, m + 1:)
       call cholesky_solve(factor, columns)
-      schur = matmul(problem%compliance(m + 1:, :m), columns) - problem%compliance(m + 1:, m + 1:)
+      schur = matmul(problem%compliance%values(m + 1:, :m), columns) - problem%compliance%values(m + 1:, m + 1:)
    end function printed_schur
 
 end module amontons_splitting

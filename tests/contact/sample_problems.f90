@@ -1,11 +1,12 @@
 !> Contact problems written by hand or drawn at random, the same every time.
 module sample_problems
-   use amontons_contact_problem, only: contact_problem_t, new_contact_problem
+   use amontons_contact_problem, only: contact_problem_t, new_contact_problem, new_reduced_problem
    use amontons_kinds, only: dp, int64
+   use amontons_symmetric_matrix, only: new_dense_matrix, symmetric_matrix_t
    implicit none (type, external)
    private
 
-   public :: arbitrary_matrix, arbitrary_numbers, arbitrary_problem, free_problem, inverse, one_point, &
+   public :: arbitrary_matrix, arbitrary_numbers, arbitrary_problem, free_problem, inverse, one_point, reduced, &
       three_solutions, two_points, written_problem
 
    !> Stiffness of the point in `one_point`.
@@ -79,6 +80,21 @@ contains
       forces(:, 2) = [0.5_dp, -0.75_dp]
       forces(:, 3) = [5.0_dp/6.0_dp, -7.0_dp/6.0_dp]
    end subroutine three_solutions
+
+   !> The same held problem in its reduced form.
+   subroutine reduced(problem, held)
+      type(contact_problem_t), intent(out) :: problem !! the reduced form
+      type(contact_problem_t), intent(in) :: held !! a problem with a positive definite stiffness
+      type(symmetric_matrix_t) :: compliance
+      real(dp), allocatable :: values(:, :), displacement(:)
+
+      values = inverse(held%stiffness)
+      displacement = matmul(values, held%load)
+      displacement(:held%n_points) = displacement(:held%n_points) - held%gap
+      call new_dense_matrix(compliance, values)
+      call new_reduced_problem(problem, compliance, displacement, held%friction)
+      problem%slip_bound = held%slip_bound
+   end subroutine reduced
 
    !> A problem without visible order: some points open, some closed, gaps from -0.2 to 0.4, friction up to 0.3. If it
    !> is not held, a common normal displacement of all points is free, and the load presses the points down.

@@ -1,0 +1,212 @@
+!> A symmetric matrix to multiply with: dense, or sparse with both triangles stored.
+module amontons_symmetric_matrix
+   use amontons_dense, only: symmetric_multiply
+   use amontons_kinds, only: dp
+   implicit none (type, external)
+   private
+
+   public :: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
+
+   !> A symmetric matrix. Either `values` is allocated (dense), or the three arrays of the sparse form are.
+   type :: symmetric_matrix_t
+      integer :: n = 0 !! number of rows
+      real(dp), allocatable :: values(:, :) !! dense: both triangles (n, n)
+      integer, allocatable :: first(:) !! sparse: where each column begins in `row` and `entry`, and the end (n + 1)
+      integer, allocatable :: row(:) !! sparse: rows of the entries, ascending within a column
+      real(dp), allocatable :: entry(:) !! sparse: the entries
+   contains
+      procedure :: block => symmetric_matrix_block
+      procedure :: column_product => symmetric_matrix_column_product
+      procedure :: diagonal => symmetric_matrix_diagonal
+      procedure :: is_sparse => symmetric_matrix_is_sparse
+      procedure :: multiply => symmetric_matrix_multiply
+      procedure :: reciprocal_diagonal => symmetric_matrix_reciprocal_diagonal
+      procedure :: scale => symmetric_matrix_scale
+   end type symmetric_matrix_t
+
+contains
+
+   !> Takes over a full array as a dense matrix.
+   pure subroutine new_dense_matrix(matrix, values)
+      type(symmetric_matrix_t), intent(out) :: matrix !! the matrix
+      real(dp), allocatable, intent(inout) :: values(:, :) !! both triangles (n, n); not allocated on return
+
+      matrix%n = size(values, 1)
+      call move_alloc(values, matrix%values)
+   end subroutine new_dense_matrix
+
+   !> Makes a sparse matrix from the entries of both triangles, in any order; entries of one place add up.
+   pure subroutine new_sparse_matrix(matrix, n, row, column, entry)
+      type(symmetric_matrix_t), intent(out) :: matrix !! the matrix
+      integer, intent(in) :: n !! number of rows
+      integer, intent(in) :: row(:) !! rows of the entries, 1 to n
+      integer, intent(in) :: column(:) !! their columns, 1 to n
+      real(dp), intent(in) :: entry(:) !! their values
+      integer :: by_row(size(row)), by_column(size(row))
+      integer :: i, j, last, previous
+
+      ! Sorted by row and then, stably, by column: the entries of a column stand in the order of their rows.
+      by_row = sorted_by(row, n, [(i, i=1, size(row))])
+      by_column = sorted_by(column, n, by_row)
+      matrix%n = n
+      allocate (matrix%first(n + 1), matrix%row(size(row)), matrix%entry(size(row)))
+      last = 0
+      i = 1
+      do j = 1, n
+         matrix%first(j) = last + 1
+         previous = 0
+         do
+            if (i > size(row)) exit
+            associate (k => by_column(i))
+               if (column(k) /= j) exit
+               if (row(k) == previous) then
+                  matrix%entry(last) = matrix%entry(last) + entry(k)
+               else
+                  last = last + 1
+                  matrix%row(last) = row(k)
+                  matrix%entry(last) = entry(k)
+                  previous = row(k)
+               end if
+            end associate
+            i = i + 1
+         end do
+      end do
+      matrix%first(n + 1) = last + 1
+      matrix%row = matrix%row(:last)
+      matrix%entry = matrix%entry(:last)
+   end subroutine new_sparse_matrix
+
+   !> An order of items by their keys 1 to n, stable against the order given.
+   pure function sorted_by(key, n, order) result(sorted)
+      integer, intent(in) :: key(:) !! key of each item
+      integer, intent(in) :: n !! the largest key
+      integer, intent(in) :: order(:) !! the items in their present order
+      integer :: sorted(size(order))
+      integer :: next(n + 1), i
+
+      next = 0
+      do i = 1, size(key)
+         next(key(i) + 1) = next(key(i) + 1) + 1
+      end do
+      next(1) = 1
+      do i = 2, n
+         next(i) = next(i) + next(i - 1)
+      end do
+      do i = 1, size(order)
+         associate (k => key(order(i)))
+            sorted(next(k)) = order(i)
+            next(k) = next(k) + 1
+         end associate
+      end do
+   end function sorted_by
+
+   !> Whether the matrix is stored as sparse.
+   pure logical function symmetric_matrix_is_sparse(self)
+      class(symmetric_matrix_t), intent(in) :: self !! the matrix
+
+      symmetric_matrix_is_sparse = .not. allocated(self%values)
+   end function symmetric_matrix_is_sparse
+
+   !> The product y = A x.
+   pure subroutine symmetric_matrix_multiply(self, x, y)
+      class(symmetric_matrix_t), intent(in) :: self !! the matrix A
+      real(dp), contiguous, intent(in) :: x(:) !! the vector (n)
+      real(dp), contiguous, intent(out) :: y(:) !! the product (n)
+      integer :: j
+
+      if (allocated(self%values)) then
+         call symmetric_multiply(self%values, x, y)
+      else
+         do j = 1, self%n
+            y(j) = self%column_product(j, x)
+         end do
+      end if
+   end subroutine symmetric_matrix_multiply
+
+   !> The product of one column with a vector: one component of A x.
+   pure real(dp) function symmetric_matrix_column_product(self, column, x) result(product)
+      class(symmetric_matrix_t), intent(in) :: self !! the matrix A
+      integer, intent(in) :: column !! number of the column
+      real(dp), intent(in) :: x(:) !! the vector (n)
+      integer :: k
+
+      if (allocated(self%values)) then
+         product = dot_product(self%values(:, column), x)
+      else
+         product = 0.0_dp
+         do k = self%first(column), self%first(column + 1) - 1
+            product = product + self%entry(k)*x(self%row(k))
+         end do
+      end if
+   end function symmetric_matrix_column_product
+
+   !> The diagonal (n).
+   pure function symmetric_matrix_diagonal(self) result(diagonal)
+      class(symmetric_matrix_t), intent(in) :: self !! the matrix
+      real(dp) :: diagonal(self%n)
+      integer :: j, k
+
+      diagonal = 0.0_dp
+      do j = 1, self%n
+         if (allocated(self%values)) then
+            diagonal(j) = self%values(j, j)
+         else
+            do k = self%first(j), self%first(j + 1) - 1
+               if (self%row(k) == j) diagonal(j) = self%entry(k)
+            end do
+         end if
+      end do
+   end function symmetric_matrix_diagonal
+
+   !> The reciprocals of the diagonal, as a stiffness to each row's motion; where the diagonal is not positive, the
+   !> smallest of the others, or 1 if there is none (n).
+   pure function symmetric_matrix_reciprocal_diagonal(self) result(reciprocal)
+      class(symmetric_matrix_t), intent(in) :: self !! the matrix
+      real(dp) :: reciprocal(self%n)
+
+      reciprocal = self%diagonal()
+      if (.not. any(reciprocal > 0.0_dp)) reciprocal = 1.0_dp
+      reciprocal = 1.0_dp/merge(reciprocal, maxval(reciprocal), reciprocal > 0.0_dp)
+   end function symmetric_matrix_reciprocal_diagonal
+
+   !> The dense block of given rows and columns.
+   pure function symmetric_matrix_block(self, rows, columns) result(block)
+      class(symmetric_matrix_t), intent(in) :: self !! the matrix
+      integer, intent(in) :: rows(:) !! numbers of the rows, each at most once
+      integer, intent(in) :: columns(:) !! numbers of the columns
+      real(dp), allocatable :: block(:, :)
+      integer :: place(self%n), i, j, k
+
+      allocate (block(size(rows), size(columns)))
+      if (allocated(self%values)) then
+         do j = 1, size(columns)
+            do i = 1, size(rows)
+               block(i, j) = self%values(rows(i), columns(j))
+            end do
+         end do
+         return
+      end if
+      place = 0
+      place(rows) = [(i, i=1, size(rows))]
+      block = 0.0_dp
+      do j = 1, size(columns)
+         do k = self%first(columns(j)), self%first(columns(j) + 1) - 1
+            i = place(self%row(k))
+            if (i > 0) block(i, j) = self%entry(k)
+         end do
+      end do
+   end function symmetric_matrix_block
+
+   !> Multiplies the matrix by a number.
+   pure subroutine symmetric_matrix_scale(self, factor)
+      class(symmetric_matrix_t), intent(inout) :: self !! the matrix
+      real(dp), intent(in) :: factor !! the number
+
+      if (allocated(self%values)) then
+         self%values = factor*self%values
+      else
+         self%entry = factor*self%entry
+      end if
+   end subroutine symmetric_matrix_scale
+
+end module amontons_symmetric_matrix
