@@ -1,3 +1,8 @@
+# The tests' Python is the system's, where there is one: meshio and VTK are its packages.
+if(NOT DEFINED Python3_EXECUTABLE AND EXISTS /usr/bin/python3)
+  set(Python3_EXECUTABLE /usr/bin/python3)
+endif()
+
 # Unit tests: on pFUnit where it is installed, else on the stand-in in tests/funit. Both run the same .pf files.
 find_package(PFUNIT 4.4 QUIET)
 

@@ -143,6 +143,7 @@ contains
          '  NAME.contact.csv   gap, slip, forces, stresses and status of every contact point'//newline// &
          '  NAME.summary.json  residual, certificate, lengths, resultants, times'//newline// &
          '  NAME.vtu           mesh, displacements and stresses for ParaView'//newline// &
+         '  NAME.contact.vtu   the contact line for ParaView'//newline// &
          '  NAME.deck.nml      the deck with all defaults in place'//newline// &
          'Decks whose mesh, material, supports and contact sets agree share one factorisation when they'//newline// &
          'follow each other.'//newline//newline// &

@@ -3,6 +3,7 @@ module amontons_report
    use amontons_body, only: body_t
    use amontons_config, only: config_t
    use amontons_contact_table, only: write_contact_table
+   use amontons_contact_vtu, only: write_contact_vtu
    use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_listing, only: write_listing
@@ -18,12 +19,12 @@ module amontons_report
    public :: write_report
 
    !> Number of files that a case leaves.
-   integer, parameter :: n_files = 5
+   integer, parameter :: n_files = 6
 
 contains
 
-   !> Writes NAME.lst, NAME.contact.csv, NAME.vtu, NAME.deck.nml and NAME.summary.json. Names change hands only after
-   !> every file is complete.
+   !> Writes NAME.lst, NAME.contact.csv, NAME.vtu, NAME.contact.vtu, NAME.deck.nml and NAME.summary.json. Names change
+   !> hands only after every file is complete.
    subroutine write_report(directory, config, body, result, error)
       character(*), intent(in) :: directory !! output directory, made if it is not there
       type(config_t), intent(in) :: config !! the case
@@ -57,10 +58,12 @@ contains
       if (allocated(error)) return
       call write_vtu(files(3), stem//'.vtu', body, result, error)
       if (allocated(error)) return
-      call write_deck(files(4), stem//'.deck.nml', config, error)
+      call write_contact_vtu(files(4), stem//'.contact.vtu', body, result, error)
+      if (allocated(error)) return
+      call write_deck(files(5), stem//'.deck.nml', config, error)
       if (allocated(error)) return
       call result%timings%lap(phase_write)
-      call write_summary(files(5), stem//'.summary.json', config, body, result, error)
+      call write_summary(files(6), stem//'.summary.json', config, body, result, error)
    end subroutine write_files
 
    !> Writes the effective deck under its temporary name.

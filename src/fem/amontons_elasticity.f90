@@ -8,7 +8,8 @@ module amontons_elasticity
    implicit none (type, external)
    private
 
-   public :: element_forces, element_geometry_t, element_stiffness, element_stress, new_element_geometry
+   public :: element_forces, element_geometry_t, element_stiffness, element_strain, element_stress, &
+      new_element_geometry
 
    !> Shape functions and their gradients at the quadrature points of one element.
    type :: element_geometry_t
@@ -112,7 +113,18 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
       integer, intent(in) :: point !! number of the quadrature point
       real(dp) :: stress(4)
-      real(dp) :: strain(4), g(2), u(2)
+
+      stress = material%stress(element_strain(geometry, material, displacement, point))
+   end function element_stress
+
+   !> Strain at a quadrature point: xx, yy, the engineering shear 2 xy, and the hoop strain, 0 in the plane [-].
+   pure function element_strain(geometry, material, displacement, point) result(strain)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      type(material_t), intent(in) :: material !! its material
+      real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
+      integer, intent(in) :: point !! number of the quadrature point
+      real(dp) :: strain(4)
+      real(dp) :: g(2), u(2)
       integer :: i
 
       strain = 0.0_dp
@@ -123,8 +135,7 @@ contains
          if (material%is_axisymmetric) strain(4) = strain(4) &
             + geometry%values(i, point)*u(1)/geometry%position(1, point)
       end do
-      stress = material%stress(strain)
-   end function element_stress
+   end function element_strain
 
    !> Nodal forces that the stress of an element amounts to: integral of B^T stress (2, nodes) [F].
    pure function element_forces(geometry, material, displacement) result(forces)

@@ -6,8 +6,8 @@ module amontons_element
    implicit none (type, external)
    private
 
-   public :: corner_coordinates, element_names, is_triangle, max_nodes, max_points, n_corners, n_element_nodes, &
-      n_element_points, quad4, quad8, quad9, quadrature_point, shape_functions, side_nodes, tri3, tri6
+   public :: element_names, is_triangle, max_nodes, max_points, n_corners, n_element_nodes, n_element_points, &
+      node_coordinates, quad4, quad8, quad9, quadrature_point, shape_functions, side_nodes, tri3, tri6
 
    !> Kind of the three-node triangle.
    integer, parameter :: tri3 = 1
@@ -37,6 +37,9 @@ module amontons_element
    real(dp), parameter :: quad_nodes(2, max_nodes) = reshape([-1.0_dp, -1.0_dp, 1.0_dp, -1.0_dp, 1.0_dp, 1.0_dp, &
       -1.0_dp, 1.0_dp, 0.0_dp, -1.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, -1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], &
       [2, max_nodes])
+   !> Reference coordinates of the nodes of the six-node triangle, which begin with those of the other.
+   real(dp), parameter :: triangle_nodes(2, 6) = reshape([0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, &
+      0.5_dp, 0.0_dp, 0.5_dp, 0.5_dp, 0.0_dp, 0.5_dp], [2, 6])
 
 contains
 
@@ -47,18 +50,18 @@ contains
       is_triangle = kind == tri3 .or. kind == tri6
    end function is_triangle
 
-   !> Reference coordinates of a corner.
-   pure function corner_coordinates(kind, corner) result(xi)
+   !> Reference coordinates of a node.
+   pure function node_coordinates(kind, node) result(xi)
       integer, intent(in) :: kind !! kind of element
-      integer, intent(in) :: corner !! number of the corner
+      integer, intent(in) :: node !! number of the node
       real(dp) :: xi(2)
 
       if (is_triangle(kind)) then
-         xi = real([merge(1, 0, corner == 2), merge(1, 0, corner == 3)], dp)
+         xi = triangle_nodes(:, node)
       else
-         xi = quad_nodes(:, corner)
+         xi = quad_nodes(:, node)
       end if
-   end function corner_coordinates
+   end function node_coordinates
 
    !> The nodes (local numbers) of a side: its corners, in the direction that has the element on its left, and its
    !> middle, 0 for a linear element.

@@ -1,6 +1,6 @@
 !> The mesh: nodes, elements, named sets of sides, nodes and elements, and the checks every mesh must pass.
 module amontons_mesh
-   use amontons_element, only: corner_coordinates, max_nodes, n_corners, n_element_points, quadrature_point, &
+   use amontons_element, only: max_nodes, n_corners, n_element_points, node_coordinates, quadrature_point, &
       shape_functions, side_nodes
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
@@ -88,7 +88,7 @@ contains
       kind = mesh%element_kind(element)
       is_turned_over = .false.
       do point = 1, n_corners(kind)
-         is_turned_over = is_turned_over .or. .not. determinant(mesh, element, corner_coordinates(kind, point)) > 0.0_dp
+         is_turned_over = is_turned_over .or. .not. determinant(mesh, element, node_coordinates(kind, point)) > 0.0_dp
       end do
       do point = 1, n_element_points(kind)
          call quadrature_point(kind, point, xi, weight)

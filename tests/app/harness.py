@@ -13,7 +13,7 @@ import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 PROGRAM = os.environ["AMONTONS"]
-SUFFIXES = ("contact.csv", "deck.nml", "lst", "summary.json", "vtu")
+SUFFIXES = ("contact.csv", "contact.vtu", "deck.nml", "lst", "summary.json", "vtu")
 COLUMNS = ("point", "x", "y", "normal_x", "normal_y", "weight", "gap", "slip", "normal_force", "tangential_force",
            "normal_stress", "tangential_stress", "status")
 

@@ -10,6 +10,10 @@ try:
     import meshio
 except ImportError:
     meshio = None
+try:
+    import vtk
+except ImportError:
+    vtk = None
 
 MESH = "size = 4.0, 2.0  cells = 8, 4"
 PUSH = "load set = 'right'  traction = -1.5, 0.3"  # part of the floor sticks, part slides, part opens
@@ -194,6 +198,32 @@ class Picture(ProgramTest):
         for stress, mises in zip(arrays["stress"], arrays["von_mises"]):
             self.assert_close(stress, (0.0, -1.0, -0.25, 0.0, 0.0, 0.0), 1e-13)
             self.assertAlmostEqual(mises, math.sqrt(0.5*(1.0 + 0.75**2 + 0.25**2)), delta=1e-13)
+        for stress, mises in zip(arrays["nodal_stress"], arrays["nodal_von_mises"]):
+            self.assert_close(stress, (0.0, -1.0, -0.25, 0.0, 0.0, 0.0), 1e-13)
+            self.assertAlmostEqual(mises, math.sqrt(0.5*(1.0 + 0.75**2 + 0.25**2)), delta=1e-13)
+        # Half of the stress times the strain (1 - nu^2)/E.
+        for density in arrays["strain_energy_density"]:
+            self.assertAlmostEqual(density, 0.5*(1.0 - 0.25**2)/100.0, delta=1e-15)
+        self.assertEqual(set(arrays["material"]), {1})
+
+    def test_contact_line_as_a_grid_of_its_own(self):
+        result = self.solve(block(SUPPORT, PRESSURE, CONTACT, PUSH))
+        arrays, n_points, n_cells = read_vtu(self.contents()["case.contact.vtu"])
+        self.assertEqual((n_points, n_cells), (9, 8))
+        self.assertEqual(list(arrays["connectivity"]), [node for i in range(8) for node in (i, i + 1)])
+        self.assertEqual(list(arrays["offsets"]), list(range(2, 17, 2)))
+        self.assertEqual(list(arrays["types"]), [3]*8)
+        self.assertEqual([point[0] for point in arrays["points"]], result["x"])
+        for name, column in (("gap", "gap"), ("slip", "slip"), ("pressure", "normal_stress"),
+                             ("shear", "tangential_stress")):
+            self.assertEqual(list(arrays[name]), result[column])
+        for bound, shear, pressure, status in zip(arrays["shear_bound"], arrays["shear"], arrays["pressure"],
+                                                  result["status"]):
+            self.assertAlmostEqual(bound, 0.3*pressure, delta=1e-15)
+            if status.startswith("slip"):
+                self.assertAlmostEqual(abs(shear), bound, delta=1e-13)
+        self.assertEqual(set(arrays["set"]), {1})
+        self.assertEqual(list(arrays["normal"]), [(0.0, -1.0, 0.0)]*9)
 
     @unittest.skipIf(meshio is None, "meshio is not installed")
     def test_meshio_reads_the_same(self):
@@ -204,6 +234,28 @@ class Picture(ProgramTest):
         self.assertEqual(mesh.point_data["displacement"].tolist(), [list(u) for u in arrays["displacement"]])
         self.assertEqual(mesh.point_data["gap"].tolist(), list(arrays["gap"]))
         self.assertEqual(mesh.cell_data["von_mises"][0].tolist(), list(arrays["von_mises"]))
+        self.assertEqual(mesh.cell_data["material"][0].tolist(), list(arrays["material"]))
+        line = meshio.read(self.directory / "case.contact.vtu")
+        self.assertEqual(line.point_data["pressure"].tolist(), list(read_vtu(self.contents()["case.contact.vtu"])[0]
+                                                                    ["pressure"]))
+
+    @unittest.skipIf(vtk is None, "VTK is not installed")
+    def test_vtk_reads_the_same(self):
+        self.solve_and_read(SUPPORT, PRESSURE, CONTACT)
+        for name in ("case.vtu", "case.contact.vtu"):
+            arrays, n_points, n_cells = read_vtu(self.contents()[name])
+            reader = vtk.vtkXMLUnstructuredGridReader()
+            complaints = []
+            reader.AddObserver("ErrorEvent", lambda *_: complaints.append("error"))
+            reader.AddObserver("WarningEvent", lambda *_: complaints.append("warning"))
+            reader.SetFileName(str(self.directory / name))
+            reader.Update()
+            grid = reader.GetOutput()
+            self.assertEqual(complaints, [])
+            self.assertEqual((grid.GetNumberOfPoints(), grid.GetNumberOfCells()), (n_points, n_cells))
+            for i in range(n_points):
+                self.assertEqual(grid.GetPoint(i), tuple(arrays["points"][i]))
+                self.assertEqual(grid.GetPointData().GetArray("displacement").GetTuple(i), arrays["displacement"][i])
 
 
 class Listing(ProgramTest):

@@ -1,0 +1,101 @@
+!> NAME.contact.vtu: the contact line alone, as a grid of line segments.
+module amontons_contact_vtu
+   use amontons_body, only: body_t
+   use amontons_contact_table, only: contact_point_t, new_contact_point
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_output_file, only: output_file_t
+   use amontons_result, only: result_t
+   use amontons_vtk_file, only: new_vtk_file, vtk_file_t
+   implicit none (type, external)
+   private
+
+   public :: write_contact_vtu
+
+   !> VTK's number of a line segment.
+   integer, parameter :: vtk_line = 3
+
+   !> What is shown of the contact points.
+   type :: contact_line_t
+      real(dp), allocatable :: position(:, :) !! coordinates (2, m) [L]
+      real(dp), allocatable :: displacement(:, :) !! displacement (2, m) [L]
+      real(dp), allocatable :: normal(:, :) !! unit outward normal of the body (2, m) [-]
+      real(dp), allocatable :: gap(:) !! distance to the obstacle (m) [L]
+      real(dp), allocatable :: slip(:) !! tangential displacement (m) [L]
+      real(dp), allocatable :: pressure(:) !! normal stress, compression positive (m) [F/L^2]
+      real(dp), allocatable :: shear(:) !! tangential stress, along the slip (m) [F/L^2]
+      real(dp), allocatable :: bound(:) !! shear stress that friction can bear (m) [F/L^2]
+   end type contact_line_t
+
+contains
+
+   !> Writes the file under its temporary name.
+   subroutine write_contact_vtu(file, path, body, result, error)
+      type(output_file_t), intent(out) :: file !! the finished file
+      character(*), intent(in) :: path !! name of the file
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! the result
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
+      type(vtk_file_t) :: vtk
+      type(contact_line_t) :: line
+      integer, allocatable :: start(:)
+      integer :: p
+
+      line = new_contact_line(body, result)
+      start = pack([(p, p=1, body%zone%n_points)], body%zone%next > 0)
+      call new_vtk_file(vtk, path, body%zone%n_points, size(start), error)
+      if (allocated(error)) return
+      call put_arrays(vtk, line, body%zone%set, result%solution%status, start, body%zone%next(start))
+      call vtk%begin_data()
+      call put_arrays(vtk, line, body%zone%set, result%solution%status, start, body%zone%next(start))
+      call vtk%finish(file, error)
+   end subroutine write_contact_vtu
+
+   !> Hands over all arrays.
+   subroutine put_arrays(vtk, line, set, status, start, end)
+      type(vtk_file_t), intent(inout) :: vtk !! the file
+      type(contact_line_t), intent(in) :: line !! the contact points
+      integer, intent(in) :: set(:) !! contact set of each point (m)
+      integer, intent(in) :: status(:) !! status of each point (m)
+      integer, intent(in) :: start(:) !! point where each segment begins
+      integer, intent(in) :: end(:) !! point where each segment ends
+      integer :: i
+
+      call vtk%put_vectors('PointData', 'displacement', line%displacement)
+      call vtk%put_vectors('PointData', 'normal', line%normal)
+      call vtk%put_reals('PointData', 'gap', 1, line%gap)
+      call vtk%put_reals('PointData', 'slip', 1, line%slip)
+      call vtk%put_reals('PointData', 'pressure', 1, line%pressure)
+      call vtk%put_reals('PointData', 'shear', 1, line%shear)
+      call vtk%put_reals('PointData', 'shear_bound', 1, line%bound)
+      call vtk%put_integers('PointData', 'status', status)
+      call vtk%put_integers('PointData', 'set', set)
+      call vtk%put_cells(line%position, [(start(i), end(i), i=1, size(start))], [(2*i, i=1, size(start))], &
+         spread(vtk_line, 1, size(start)))
+   end subroutine put_arrays
+
+   !> Gathers what is shown of the contact points.
+   pure function new_contact_line(body, result) result(line)
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! the result
+      type(contact_line_t) :: line
+      type(contact_point_t) :: point
+      integer :: p, m
+
+      m = body%zone%n_points
+      allocate (line%position(2, m), line%normal(2, m), line%gap(m), line%slip(m), line%pressure(m), line%shear(m))
+      do p = 1, m
+         call new_contact_point(point, body, result, p)
+         line%position(:, p) = point%position
+         line%normal(:, p) = point%normal
+         line%gap(p) = point%gap
+         line%slip(p) = point%slip
+         line%pressure(p) = point%normal_stress
+         line%shear(p) = point%tangential_stress
+      end do
+      line%displacement = result%displacement(:, body%zone%node)
+      line%bound = body%zone%friction*max(0.0_dp, line%pressure)
+      where (body%zone%area > 0.0_dp) line%bound = line%bound + body%zone%slip_bound/body%zone%area
+   end function new_contact_line
+
+end module amontons_contact_vtu

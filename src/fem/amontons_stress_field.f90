@@ -1,0 +1,145 @@
+!> Stresses and strain energy density of a whole body, as result files show them.
+module amontons_stress_field
+   use amontons_dense, only: cholesky_factor, cholesky_solve
+   use amontons_elasticity, only: element_geometry_t, element_strain, new_element_geometry
+   use amontons_element, only: element_names, is_triangle, max_nodes, max_points, n_element_nodes, n_element_points, &
+      node_coordinates, quadrature_point
+   use amontons_kinds, only: dp
+   use amontons_material, only: materials_t
+   use amontons_mesh, only: mesh_t
+   implicit none (type, external)
+   private
+
+   public :: new_stress_field, stress_field_t, von_mises
+
+   !> Stresses xx, yy, xy, zz; in a body of revolution radial, axial, shear, hoop.
+   type :: stress_field_t
+      real(dp), allocatable :: element(:, :) !! mean stress of each element (4, n_elements) [F/L^2]
+      real(dp), allocatable :: energy_density(:) !! mean strain energy density of each element (n_elements) [F/L^2]
+      real(dp), allocatable :: node(:, :)
+         !! stress at each node: the mean of what its elements say; 0 at a node without elements (4, n_nodes) [F/L^2]
+   end type stress_field_t
+
+contains
+
+   !> Evaluates the stresses of a displacement field.
+   subroutine new_stress_field(field, mesh, materials, displacement)
+      type(stress_field_t), intent(out) :: field !! the stresses
+      type(mesh_t), intent(in) :: mesh !! a checked mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), allocatable :: at_nodes(:, :)
+      real(dp) :: to_nodes(max_nodes, max_points, size(element_names))
+      integer :: element, kind
+
+      do kind = 1, size(element_names)
+         to_nodes(:, :, kind) = extrapolation(kind)
+      end do
+      allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements), &
+         at_nodes(4, size(mesh%node)))
+      !$omp parallel do schedule(static)
+      do element = 1, mesh%n_elements
+         call evaluate_element(mesh, materials, element, displacement, to_nodes(:, :, mesh%element_kind(element)), &
+            field%element(:, element), field%energy_density(element), &
+            at_nodes(:, mesh%node_start(element):mesh%node_start(element + 1) - 1))
+      end do
+      !$omp end parallel do
+      call average(mesh%n_nodes, mesh%node, at_nodes, field%node)
+   end subroutine new_stress_field
+
+   !> Evaluates one element: means over its volume, and stresses at its nodes.
+   pure subroutine evaluate_element(mesh, materials, element, displacement, to_nodes, mean, energy_density, at_nodes)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      integer, intent(in) :: element !! number of the element
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: to_nodes(:, :) !! weights of the quadrature points at each node (node, point) [-]
+      real(dp), intent(out) :: mean(4) !! mean stress [F/L^2]
+      real(dp), intent(out) :: energy_density !! mean strain energy density [F/L^2]
+      real(dp), intent(out) :: at_nodes(:, :) !! stress at the element's nodes (4, nodes) [F/L^2]
+      type(element_geometry_t) :: geometry
+      real(dp) :: strain(4), stress(4, max_points), volume
+      integer :: point
+
+      associate (material => materials%list(materials%of_element(element)))
+         call new_element_geometry(geometry, mesh, element, material)
+         mean = 0.0_dp
+         energy_density = 0.0_dp
+         do point = 1, geometry%n_points
+            strain = element_strain(geometry, material, displacement, point)
+            stress(:, point) = material%stress(strain)
+            mean = mean + geometry%volume(point)*stress(:, point)
+            energy_density = energy_density + 0.5_dp*geometry%volume(point)*dot_product(strain, stress(:, point))
+         end do
+      end associate
+      volume = sum(geometry%volume(:geometry%n_points))
+      mean = mean/volume
+      energy_density = energy_density/volume
+      at_nodes = matmul(stress(:, :geometry%n_points), transpose(to_nodes(:geometry%n_nodes, :geometry%n_points)))
+   end subroutine evaluate_element
+
+   !> Weights that carry values from the quadrature points of a kind of element to its nodes: through the polynomial
+   !> 1, x, y (and x y in a quadrilateral) that fits them with least squares (node, point) [-].
+   pure function extrapolation(kind) result(weights)
+      integer, intent(in) :: kind !! kind of element
+      real(dp) :: weights(max_nodes, max_points)
+      real(dp), allocatable :: at_points(:, :), normal(:, :), right(:, :)
+      real(dp) :: xi(2), unused
+      integer :: n_terms, i, info
+
+      n_terms = min(n_element_points(kind), merge(3, 4, is_triangle(kind)))
+      allocate (at_points(n_terms, n_element_points(kind)))
+      do i = 1, n_element_points(kind)
+         call quadrature_point(kind, i, xi, unused)
+         at_points(:, i) = terms(xi, n_terms)
+      end do
+      normal = matmul(at_points, transpose(at_points))
+      right = at_points
+      ! The points of every kind tell these terms apart, so the matrix is positive definite.
+      call cholesky_factor(normal, info)
+      call cholesky_solve(normal, right)
+      weights = 0.0_dp
+      do i = 1, n_element_nodes(kind)
+         weights(i, :n_element_points(kind)) = matmul(terms(node_coordinates(kind, i), n_terms), right)
+      end do
+   end function extrapolation
+
+   !> The first terms of 1, x, y, x y.
+   pure function terms(xi, n_terms)
+      real(dp), intent(in) :: xi(2) !! reference coordinates [-]
+      integer, intent(in) :: n_terms !! how many, 1, 3 or 4
+      real(dp) :: terms(n_terms)
+      real(dp) :: all_terms(4)
+
+      all_terms = [1.0_dp, xi(1), xi(2), xi(1)*xi(2)]
+      terms = all_terms(:n_terms)
+   end function terms
+
+   !> Means at each node of the values that its elements have there.
+   pure subroutine average(n_nodes, node, values, mean)
+      integer, intent(in) :: n_nodes !! number of nodes
+      integer, intent(in) :: node(:) !! node that each value belongs to (n_values)
+      real(dp), intent(in) :: values(:, :) !! the values (any, n_values)
+      real(dp), allocatable, intent(out) :: mean(:, :) !! the means, 0 where there is no value (any, n_nodes)
+      integer :: n_values(n_nodes), i
+
+      allocate (mean(size(values, 1), n_nodes), source=0.0_dp)
+      n_values = 0
+      do i = 1, size(node)
+         mean(:, node(i)) = mean(:, node(i)) + values(:, i)
+         n_values(node(i)) = n_values(node(i)) + 1
+      end do
+      do i = 1, n_nodes
+         mean(:, i) = mean(:, i)/max(1, n_values(i))
+      end do
+   end subroutine average
+
+   !> Von Mises stress [F/L^2].
+   pure real(dp) function von_mises(stress)
+      real(dp), intent(in) :: stress(4) !! stress xx, yy, xy, zz [F/L^2]
+
+      von_mises = sqrt(0.5_dp*((stress(1) - stress(2))**2 + (stress(2) - stress(4))**2 + (stress(4) - stress(1))**2) &
+         + 3.0_dp*stress(3)**2)
+   end function von_mises
+
+end module amontons_stress_field
