@@ -53,7 +53,8 @@ contains
             '  "method": '//string(config%method%method)//','//newline// &
             '  "converged": '//truth(solution%is_converged)//','//newline// &
             '  "iterations": '//to_text(solution%n_iterations)//','//newline// &
-            '  "residual": '//number(solution%residual)//','//newline
+            '  "residual": '//number(solution%residual)//','//newline// &
+            '  "history": ['//numbers(solution%history(:solution%n_iterations))//'],'//newline
          if (result%method_error >= 0.0_dp) text = text//'  "method_error": '//number(result%method_error)//','//newline
          text = text// &
             '  "certificate": {'//certificate_text(result%certificate, config%method%tolerance)//'},'//newline// &
@@ -109,6 +110,19 @@ contains
          text = 'null'
       end if
    end function number
+
+   !> Reals as the elements of a JSON array.
+   pure function numbers(values) result(text)
+      real(dp), intent(in) :: values(:) !! the numbers
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(values)
+         if (i > 1) text = text//', '
+         text = text//number(values(i))
+      end do
+   end function numbers
 
    !> A logical as JSON.
    pure function truth(value) result(text)

@@ -21,6 +21,7 @@ PUSH = "load set = 'right'  traction = -1.5, 0.3"  # part of the floor sticks, p
 NUMBER = re.compile(r"-?\d\.\d{16}E[+-]\d{3}")
 MEMBERS = {
     "case": str, "title": str, "version": str, "method": str, "converged": bool, "iterations": int, "residual": float,
+    "history": list,
     "certificate": {"passed": bool, "limit": float, "equilibrium": float, "penetration": float, "tension": float,
                     "friction_excess": float, "complementarity": float, "wrong_dissipation": float,
                     "resultant": float, "moment": float, "energy": float, "strain_energy": float,

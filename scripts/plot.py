@@ -1,0 +1,168 @@
+"""Draws cases from their files: the deformed body with its stress and contact points, pressure and shear with what
+friction can bear, gap and slip, and the residuals of the iterations.
+
+Usage: plot.py CASE... A CASE is any file of a case, the path of its files without their endings, or a folder of cases.
+Writes CASE.png and CASE.svg beside the files.
+"""
+
+import json
+import pathlib
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import meshio
+import numpy as np
+from matplotlib.collections import LineCollection, PolyCollection
+
+# Okabe and Ito's colours, told apart by colour-blind readers too; a marker says the same once more.
+STATUSES = (("open", "#D55E00", "o"), ("sticking", "#009E73", "s"), ("sliding along t", "#0072B2", ">"),
+            ("sliding against t", "#56B4E9", "<"))
+PRESSURE, SHEAR, BOUND = "black", "#CC79A7", "#E69F00"
+SUMMARY = ".summary.json"
+
+
+def cases_of(arguments):
+    """The paths of the cases that the arguments name, without the endings of their files."""
+    cases = []
+    for argument in map(pathlib.Path, arguments):
+        if argument.is_dir():
+            found = sorted(str(path)[: -len(SUMMARY)] for path in argument.glob("*" + SUMMARY))
+        else:
+            names = [str(argument)[: -len(ending)] for ending in
+                     (SUMMARY, ".contact.csv", ".contact.vtu", ".deck.nml", ".vtu", ".lst")
+                     if str(argument).endswith(ending)] + [str(argument)]
+            found = [name for name in names if pathlib.Path(name + SUMMARY).exists()][:1]
+        if not found:
+            sys.exit(f"plot: {argument}: there is no case here; expected a folder with *{SUMMARY}, or the path of a case")
+        cases += found
+    return cases
+
+
+def outlines(mesh, positions):
+    """The polygon of each cell, middle nodes between their corners."""
+    order = {"triangle": [0, 1, 2], "quad": [0, 1, 2, 3], "triangle6": [0, 3, 1, 4, 2, 5],
+             "quad8": [0, 4, 1, 5, 2, 6, 3, 7], "quad9": [0, 4, 1, 5, 2, 6, 3, 7]}
+    return [polygon for block in mesh.cells for polygon in positions[block.data[:, order[block.type]]]]
+
+
+def boundary(mesh):
+    """The edges that belong to one cell alone (pairs of nodes)."""
+    edges = np.concatenate([np.stack([block.data[:, :n], np.roll(block.data[:, :n], -1, axis=1)], axis=-1).reshape(-1, 2)
+                            for block in mesh.cells for n in [3 if block.type.startswith("tri") else 4]])
+    _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
+    return edges[first[count == 1]]
+
+
+def magnification(mesh):
+    """A round number that makes displacements visible: the largest then measures about a twelfth of the body."""
+    largest = np.abs(mesh.point_data["displacement"]).max()
+    if largest == 0.0:
+        return 1.0
+    wanted = np.ptp(mesh.points[:, :2], axis=0).max() / 12.0 / largest
+    power = 10.0 ** np.floor(np.log10(wanted))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= wanted)
+
+
+def draw_body(figure, axes, mesh, line):
+    """The deformed mesh, coloured by von Mises stress, its outline before, and the contact points by status."""
+    factor = magnification(mesh)
+    moved = mesh.points[:, :2] + factor * mesh.point_data["displacement"][:, :2]
+    cells = outlines(mesh, moved)
+    stress = np.concatenate(mesh.cell_data["von_mises"])
+    # A mesh so fine that its lines would hide the colours is drawn without them.
+    drawn = axes.add_collection(PolyCollection(cells, array=stress, cmap="cividis", edgecolors="face" if len(cells) > 4000
+                                               else "white", linewidths=0.2, rasterized=len(cells) > 4000))
+    axes.add_collection(LineCollection(mesh.points[boundary(mesh)][:, :, :2], colors="grey", linestyles="--",
+                                       linewidths=0.8))
+    at = line.points[:, :2] + factor * line.point_data["displacement"][:, :2]
+    for status, (label, color, marker) in enumerate(STATUSES, start=1):
+        here = at[line.point_data["status"] == status]
+        if len(here):
+            axes.plot(*here.T, linestyle="none", marker=marker, color=color, markersize=4, label=f"{label} ({len(here)})")
+    axes.set(aspect="equal", xlabel="x", ylabel="y", title=f"von Mises stress; displacements magnified {factor:g} times")
+    axes.autoscale_view()
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.09), ncols=2, frameon=False)
+    figure.colorbar(drawn, ax=axes, shrink=0.8)
+
+
+def stretches(line):
+    """The contact sets: for each the points and their lengths along the line, one set behind the other."""
+    result, start = [], 0.0
+    for number in np.unique(line.point_data["set"]):
+        points = np.flatnonzero(line.point_data["set"] == number)
+        steps = np.linalg.norm(np.diff(line.points[points], axis=0), axis=1)
+        length = start + np.concatenate([[0.0], np.cumsum(steps)])
+        result.append((points, length))
+        start = length[-1] + 0.05 * max(length[-1], 1e-300)
+    return result
+
+
+def draw_stresses(axes, line, sets):
+    """Pressure, shear and the shear that friction can bear along the contact line, statuses as markers."""
+    data = line.point_data
+    for i, (points, length) in enumerate(sets):
+        names = ("pressure", "shear", "bound of the shear") if i == 0 else (None,) * 3
+        axes.plot(length, data["pressure"][points], color=PRESSURE, label=names[0])
+        axes.plot(length, data["shear"][points], color=SHEAR, label=names[1])
+        for sign in (1, -1):
+            axes.plot(length, sign * data["shear_bound"][points], color=BOUND, linestyle=":",
+                      label=names[2] if sign > 0 else None)
+        for status, (_, color, marker) in enumerate(STATUSES, start=1):
+            here = data["status"][points] == status
+            axes.plot(length[here], data["pressure"][points][here], linestyle="none", marker=marker, color=color,
+                      markersize=3.5, markevery=max(1, len(points) // 60))
+    axes.set(ylabel="contact stress")
+    axes.legend(loc="best", frameon=False, fontsize="small")
+
+
+def draw_motion(axes, line, sets):
+    """Gap and slip along the contact line."""
+    for i, (points, length) in enumerate(sets):
+        axes.plot(length, line.point_data["gap"][points], color="#D55E00", label="gap" if i == 0 else None)
+        axes.plot(length, line.point_data["slip"][points], color="#0072B2", linestyle="--", label="slip" if i == 0 else None)
+    axes.set(xlabel="length along the contact line", ylabel="gap, slip")
+    axes.legend(loc="best", frameon=False, fontsize="small")
+
+
+def draw_history(axes, summary):
+    """The residual after each iteration."""
+    history = [residual for residual in summary["history"] if residual]
+    axes.semilogy(range(1, len(history) + 1), history, color="black", marker=".", linewidth=0.8)
+    verdict = "converged" if summary["converged"] else "NOT CONVERGED"
+    axes.set(xlabel=f"iteration of {summary['method']}", ylabel="residual",
+             title=f"{verdict}, residual {summary['residual']:.1e}; certificate "
+             + ("passed" if summary["certificate"]["passed"] else "FAILED"))
+
+
+def draw_case(case):
+    """Draws one case and returns the names of the files written."""
+    mesh, line = meshio.read(f"{case}.vtu"), meshio.read(f"{case}.contact.vtu")
+    summary = json.loads(pathlib.Path(case + SUMMARY).read_text(encoding="utf-8"))
+    figure, axes = plt.subplot_mosaic([["body", "stresses"], ["body", "motion"], ["body", "history"]],
+                                      figsize=(12, 8), width_ratios=(1.15, 1), layout="constrained")
+    figure.suptitle(summary["title"] or summary["case"])
+    draw_body(figure, axes["body"], mesh, line)
+    if len(line.points):
+        sets = stretches(line)
+        draw_stresses(axes["stresses"], line, sets)
+        draw_motion(axes["motion"], line, sets)
+    draw_history(axes["history"], summary)
+    files = [f"{case}.png", f"{case}.svg"]
+    for file in files:
+        figure.savefig(file, dpi=110)
+    plt.close(figure)
+    return files
+
+
+def main(arguments):
+    if not arguments:
+        sys.exit("plot: name a case: any of its files, or the folder it is in")
+    for case in cases_of(arguments):
+        print(*draw_case(case), sep="\n")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
