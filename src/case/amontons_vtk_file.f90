@@ -60,8 +60,10 @@ contains
       integer, intent(in) :: n_components !! numbers per point or cell
       real(dp), intent(in) :: values(:) !! the values, those of one point or cell together
 
-      if (.not. self%has_head) call self%announce(section, 'Float64', name, n_components, 8_int64*size(values, kind=int64))
+      if (.not. self%has_head) call self%announce(section, 'Float64', name, n_components, &
+         8_int64*size(values, kind=int64))
       if (.not. self%has_head .or. self%state /= 0) return
+      ! allow(C181): `finish` checks the state
       write (self%file%unit, iostat=self%state) 8_int64*size(values, kind=int64), values
    end subroutine vtk_file_put_reals
 
@@ -74,6 +76,7 @@ contains
 
       if (.not. self%has_head) call self%announce(section, 'Int32', name, 1, 4_int64*size(values, kind=int64))
       if (.not. self%has_head .or. self%state /= 0) return
+      ! allow(C181): `finish` checks the state
       write (self%file%unit, iostat=self%state) 4_int64*size(values, kind=int64), int(values, int32)
    end subroutine vtk_file_put_integers
 
@@ -113,6 +116,7 @@ contains
 
       call self%enter('')
       self%has_head = .true.
+      ! allow(C181): `finish` checks the state
       write (self%file%unit, iostat=self%state) self%head//'    </Piece>'//newline//'  </UnstructuredGrid>'//newline// &
          '  <AppendedData encoding="raw">'//newline//'_'
    end subroutine vtk_file_begin_data
@@ -123,6 +127,7 @@ contains
       type(output_file_t), intent(out) :: file !! the finished file
       type(error_t), allocatable, intent(out) :: error !! not everything could be written
 
+      ! allow(C181): the output file's own `finish` checks the state
       if (self%state == 0) write (self%file%unit, iostat=self%state) newline//'  </AppendedData>'//newline// &
          '</VTKFile>'//newline
       call self%file%finish(self%state, error)

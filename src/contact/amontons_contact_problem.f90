@@ -2,8 +2,9 @@
 !>
 !> The displacements v = (u_N; u_T) of m contact points and the forces lambda = (lambda_N; lambda_T) obey
 !> `S v = q - lambda` and the contact law. S is symmetric and positive semidefinite; its kernel are the rigid motions
-!> that only contact holds. A reduced problem comes without S, in the dual form `v = v_free - A lambda` with a compliance
-!> A that may be semidefinite. All vectors list the m normal components first, the m tangential ones after them.
+!> that only contact holds. A reduced problem comes without S, in the dual form `v = v_free - A lambda` with a
+!> compliance A that may be semidefinite. All vectors list the m normal components first, the m tangential ones after
+!> them.
 module amontons_contact_problem
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_dense, only: cholesky_factor, cholesky_inverse, symmetric_multiply
@@ -137,8 +138,8 @@ contains
       call new_dense_matrix(self%compliance, factor)
    end subroutine contact_problem_prepare_compliance
 
-   !> The paper's dual load B = v_free - (d; 0), where v_free = A (q + alpha v_k) with the proximal centre v_k unless the
-   !> problem is a reduced one and gives it (2m) [L].
+   !> The paper's dual load B = v_free - (d; 0), where v_free = A (q + alpha v_k) with the proximal centre v_k unless
+   !> the problem is a reduced one and gives it (2m) [L].
    pure function contact_problem_dual_load(self, center) result(b)
       class(contact_problem_t), intent(in) :: self !! the problem, its compliance prepared
       real(dp), intent(in) :: center(:) !! v_k; without effect for a held body (2m) [L]
@@ -188,8 +189,8 @@ contains
    end function contact_problem_force_scale
 
    !> The residual of a pair (v, lambda): largest violation of `S v = q - lambda`, or of `v = v_free - A lambda` turned
-   !> into forces, and of the contact law, over the force scale. It depends on no method and on no unit, and is zero at a
-   !> solution only; numbers that are not finite make it huge [-].
+   !> into forces, and of the contact law, over the force scale. It depends on no method and on no unit, and is zero at
+   !> a solution only; numbers that are not finite make it huge [-].
    pure real(dp) function contact_problem_residual(self, displacement, force) result(residual)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
