@@ -121,8 +121,8 @@ def draw_stresses(axes, line, sets):
 def draw_motion(axes, line, sets):
     """Gap and slip along the contact line."""
     for i, (points, length) in enumerate(sets):
-        axes.plot(length, line.point_data["gap"][points], color="#D55E00", label="gap" if i == 0 else None)
-        axes.plot(length, line.point_data["slip"][points], color="#0072B2", linestyle="--", label="slip" if i == 0 else None)
+        for name, color, style in (("gap", "#D55E00", "-"), ("slip", "#0072B2", "--")):
+            axes.plot(length, line.point_data[name][points], color=color, linestyle=style, label=name if i == 0 else None)
     axes.set(xlabel="length along the contact line", ylabel="gap, slip")
     axes.legend(loc="best", frameon=False, fontsize="small")
 

@@ -39,8 +39,8 @@ module amontons
       read_mesh_file, rectangle_t, support_t
    ! Contact problems and methods
    public :: contact_method_t, contact_problem_t, contact_solution_t, method_names, method_options_t, &
-      new_contact_method, new_contact_problem, new_contact_solution, new_dense_matrix, new_reduced_problem, new_sparse_matrix, &
-      symmetric_matrix_t
+      new_contact_method, new_contact_problem, new_contact_solution, new_dense_matrix, new_reduced_problem, &
+      new_sparse_matrix, symmetric_matrix_t
    public :: open_point, slip_minus, slip_plus, status_names, stick_point
    ! Certificates
    public :: certificate_t, new_certificate

@@ -38,8 +38,8 @@ module amontons_element
       -1.0_dp, 1.0_dp, 0.0_dp, -1.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, -1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], &
       [2, max_nodes])
    !> Reference coordinates of the nodes of the six-node triangle, which begin with those of the other.
-   real(dp), parameter :: triangle_nodes(2, n_element_nodes(tri6)) = reshape([0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, &
-      0.5_dp, 0.0_dp, 0.5_dp, 0.5_dp, 0.0_dp, 0.5_dp], [2, n_element_nodes(tri6)])
+   real(dp), parameter :: triangle_nodes(2, n_element_nodes(tri6)) = reshape([0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, &
+      0.0_dp, 1.0_dp, 0.5_dp, 0.0_dp, 0.5_dp, 0.5_dp, 0.0_dp, 0.5_dp], [2, n_element_nodes(tri6)])
 
 contains
 
