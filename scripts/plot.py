@@ -73,8 +73,9 @@ def draw_body(figure, axes, mesh, line):
     cells = outlines(mesh, moved)
     stress = np.concatenate(mesh.cell_data["von_mises"])
     # A mesh so fine that its lines would hide the colours is drawn without them.
-    drawn = axes.add_collection(PolyCollection(cells, array=stress, cmap="cividis", edgecolors="face" if len(cells) > 4000
-                                               else "white", linewidths=0.2, rasterized=len(cells) > 4000))
+    is_fine = len(cells) > 4000
+    drawn = axes.add_collection(PolyCollection(cells, array=stress, cmap="cividis", linewidths=0.2,
+                                               edgecolors="face" if is_fine else "white", rasterized=is_fine))
     axes.add_collection(LineCollection(mesh.points[boundary(mesh)][:, :, :2], colors="grey", linestyles="--",
                                        linewidths=0.8))
     at = line.points[:, :2] + factor * line.point_data["displacement"][:, :2]
@@ -120,9 +121,10 @@ def draw_stresses(axes, line, sets):
 
 def draw_motion(axes, line, sets):
     """Gap and slip along the contact line."""
-    for i, (points, length) in enumerate(sets):
-        for name, color, style in (("gap", "#D55E00", "-"), ("slip", "#0072B2", "--")):
-            axes.plot(length, line.point_data[name][points], color=color, linestyle=style, label=name if i == 0 else None)
+    for name, color, style in (("gap", "#D55E00", "-"), ("slip", "#0072B2", "--")):
+        for points, length in sets:
+            axes.plot(length, line.point_data[name][points], color=color, linestyle=style,
+                      label=name if length is sets[0][1] else None)
     axes.set(xlabel="length along the contact line", ylabel="gap, slip")
     axes.legend(loc="best", frameon=False, fontsize="small")
 
