@@ -36,7 +36,7 @@ def cases_of(arguments):
                      if str(argument).endswith(ending)] + [str(argument)]
             found = [name for name in names if pathlib.Path(name + SUMMARY).exists()][:1]
         if not found:
-            sys.exit(f"plot: {argument}: there is no case here; expected a folder with *{SUMMARY}, or the path of a case")
+            sys.exit(f"plot: {argument}: no case is here; expected a folder with *{SUMMARY}, or the path of a case")
         cases += found
     return cases
 
@@ -50,8 +50,8 @@ def outlines(mesh, positions):
 
 def boundary(mesh):
     """The edges that belong to one cell alone (pairs of nodes)."""
-    edges = np.concatenate([np.stack([block.data[:, :n], np.roll(block.data[:, :n], -1, axis=1)], axis=-1).reshape(-1, 2)
-                            for block in mesh.cells for n in [3 if block.type.startswith("tri") else 4]])
+    corners = [block.data[:, :3 if block.type.startswith("tri") else 4] for block in mesh.cells]
+    edges = np.concatenate([np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2) for cells in corners])
     _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
     return edges[first[count == 1]]
 
@@ -82,8 +82,10 @@ def draw_body(figure, axes, mesh, line):
     for status, (label, color, marker) in enumerate(STATUSES, start=1):
         here = at[line.point_data["status"] == status]
         if len(here):
-            axes.plot(*here.T, linestyle="none", marker=marker, color=color, markersize=4, label=f"{label} ({len(here)})")
-    axes.set(aspect="equal", xlabel="x", ylabel="y", title=f"von Mises stress; displacements magnified {factor:g} times")
+            axes.plot(*here.T, linestyle="none", marker=marker, color=color, markersize=4,
+                      label=f"{label} ({len(here)})")
+    axes.set(aspect="equal", xlabel="x", ylabel="y",
+             title=f"von Mises stress; displacements magnified {factor:g} times")
     axes.autoscale_view()
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.09), ncols=2, frameon=False)
     figure.colorbar(drawn, ax=axes, shrink=0.8)
