@@ -141,8 +141,8 @@ def draw_history(axes, summary):
              + ("passed" if summary["certificate"]["passed"] else "FAILED"))
 
 
-def draw_case(case):
-    """Draws one case and returns the names of the files written."""
+def save_case(case, *files):
+    """Draws one case into files: names that tell their format by their ending, or an open one for SVG."""
     mesh, line = meshio.read(f"{case}.vtu"), meshio.read(f"{case}.contact.vtu")
     summary = json.loads(pathlib.Path(case + SUMMARY).read_text(encoding="utf-8"))
     figure, axes = plt.subplot_mosaic([["body", "stresses"], ["body", "motion"], ["body", "history"]],
@@ -154,18 +154,18 @@ def draw_case(case):
         draw_stresses(axes["stresses"], line, sets)
         draw_motion(axes["motion"], line, sets)
     draw_history(axes["history"], summary)
-    files = [f"{case}.png", f"{case}.svg"]
     for file in files:
-        figure.savefig(file, dpi=110)
+        figure.savefig(file, dpi=110, format=None if isinstance(file, str) else "svg")
     plt.close(figure)
-    return files
 
 
 def main(arguments):
     if not arguments:
         sys.exit("plot: name a case: any of its files, or the folder it is in")
     for case in cases_of(arguments):
-        print(*draw_case(case), sep="\n")
+        files = (f"{case}.png", f"{case}.svg")
+        save_case(case, *files)
+        print(*files, sep="\n")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,162 @@
+"""Turns a folder of solved cases into one page that needs nothing beside it. Usage: report.py FOLDER [PAGE]
+
+PAGE is FOLDER/report.html unless it is named.
+"""
+
+import base64
+import datetime
+import html
+import io
+import json
+import pathlib
+import sys
+import urllib.parse
+
+import plot
+
+VIOLATIONS = {
+    "equilibrium": "the forces on some node do not balance",
+    "penetration": "the body overlaps the obstacle",
+    "tension": "the obstacle pulls at the body",
+    "friction_excess": "friction bears more than it can",
+    "complementarity": "the obstacle presses where there is a gap",
+    "wrong_dissipation": "friction drives the slip somewhere",
+    "resultant": "the forces on the body do not add up to zero",
+    "moment": "their moments do not add up to zero",
+    "energy": "strain energy and work of the forces differ",
+}
+# A violation up to here leaves a picture that an engineer can use, and numbers that nobody should cite.
+USABLE = 1e-4
+
+STYLE = """
+body { font: 15px/1.5 system-ui, sans-serif; color: #222; max-width: 70rem; margin: 2rem auto; padding: 0 1rem }
+h1, h2 { line-height: 1.2 } h2 { border-top: 1px solid #ccc; padding-top: 1.5rem; margin-top: 2.5rem }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums } .wide { overflow-x: auto }
+th, td { padding: .25rem .5rem; text-align: right; border-bottom: 1px solid #ddd; white-space: nowrap }
+th:first-child, td:first-child, .words td { text-align: left; white-space: normal }
+img { width: 100%; height: auto } pre { background: #f5f5f5; padding: .8rem; overflow-x: auto; font-size: 13px }
+.verdict { padding: .5rem .8rem; border-left: .5rem solid; margin: 1rem 0 } .verdict b { margin-right: .5rem }
+.green { background: #e6f4ec; border-color: #00724f } .amber { background: #fdf1dc; border-color: #b26b00 }
+.red { background: #fbe6dd; border-color: #b03a00 } .mark { font-weight: bold } nav { margin: .5rem 0 }
+a { color: #00558c }
+@media print { body { max-width: none; margin: 0 } h2 { break-before: page; border: 0 } pre { white-space: pre-wrap } }
+"""
+
+
+def largest_violation(summary):
+    """The largest violation of the certificate; infinite where one is not a number."""
+    values = [summary["certificate"][name] for name in VIOLATIONS]
+    return float("inf") if None in values else max(values)
+
+
+def verdict_of(summary):
+    """The colour of a case, and the sentence that goes with it."""
+    certificate = summary["certificate"]
+    if summary["converged"] and certificate["passed"]:
+        return "green", (f"Solved and certified: on the full model every violation is at most "
+                         f"{largest_violation(summary):.1e}, {certificate['limit']:.0e} being allowed.")
+    faults = [text for name, text in VIOLATIONS.items() if not (certificate[name] or 0.0) <= certificate["limit"]]
+    found = f"On the full model {', '.join(faults)}. " if faults else ""
+    if not summary["converged"]:
+        found = f"The method stopped after {summary['iterations']} iterations at a residual of " \
+                f"{summary['residual']:.1e}. " + found
+    if summary["residual"] is not None and max(summary["residual"], largest_violation(summary)) <= USABLE:
+        return "amber", found + f"Nothing is off by more than {USABLE:.0e} of its scale: fit for a look, not for a " \
+            "proof. Raise max_iterations, or take method = 'auto'."
+    if summary["converged"]:
+        return "red", found + "Do not use these numbers. The stiffness may be badly conditioned: look for slivers in " \
+            "the mesh, for moduli that differ by many powers of ten, and for a Poisson's ratio close to 0.5."
+    return "red", found + "Do not use these numbers. Take method = 'auto'; if that is what failed, raise " \
+        "max_iterations, lower the friction in steps to see where it begins, or look whether the loads press the " \
+        "body on its obstacle at all."
+
+
+def picture_of(case):
+    """The picture of a case, to stand in the page itself."""
+    content = io.BytesIO()
+    plot.save_case(case, content)
+    return "data:image/svg+xml;base64," + base64.b64encode(content.getvalue()).decode("ascii")
+
+
+def row(cells, tag="td"):
+    return "<tr>" + "".join(f"<{tag}>{cell}</{tag}>" for cell in cells) + "</tr>\n"
+
+
+def number(value):
+    return "not a number" if value is None else f"{value:.5g}"
+
+
+def overview(summaries):
+    """The table of all cases."""
+    head = row(("case", "verdict", "open", "slip", "stick", "separated", "sliding", "sticking", "normal force",
+                "tangential force", "iterations", "residual", "seconds"), "th")
+    body = ""
+    for summary in summaries:
+        name, color = html.escape(summary["case"]), verdict_of(summary)[0]
+        counts, lengths, resultants = summary["counts"], summary["lengths"], summary["resultants"]
+        body += row([f'<a href="#{name}">{name}</a>', f'<span class="mark {color}">{color}</span>', counts["open"],
+                     counts["slip"], counts["stick"]]
+                    + [number(lengths[part]) for part in ("separated", "sliding", "sticking")]
+                    + [number(resultants[part]) for part in ("normal", "tangential")]
+                    + [summary["iterations"], f"{summary['residual'] or float('nan'):.1e}",
+                       number(summary["seconds"]["total"])])
+    return f'<div class="wide"><table>{head}{body}</table></div>\n'
+
+
+def section(case, summary):
+    """What the page says of one case."""
+    name, title = html.escape(summary["case"]), html.escape(summary["title"])
+    color, sentence = verdict_of(summary)
+    counts = summary["counts"]
+    certificate = "".join(row([name.replace("_", " "), number(summary["certificate"][name])]) for name in VIOLATIONS)
+    deck = html.escape(pathlib.Path(f"{case}.deck.nml").read_text(encoding="utf-8"))
+    stem = html.escape(pathlib.Path(case).name)
+    link = urllib.parse.quote(pathlib.Path(case).name)
+    files = ", ".join(f'<a href="{link}{ending}">{stem}{ending}</a>' for ending in
+                      (".lst", ".contact.csv", ".summary.json", ".vtu", ".contact.vtu", ".deck.nml"))
+    return f"""<h2 id="{name}">{name}{": " + title if title else ""}</h2>
+<p class="verdict {color}"><b>{color}</b>{html.escape(sentence)}</p>
+<p>{counts["nodes"]} nodes, {counts["elements"]} elements, {counts["dofs"]} unknowns, {counts["contact_points"]} contact
+points: {counts["open"]} open, {counts["slip"]} sliding, {counts["stick"]} sticking. Method {summary["method"]},
+{summary["iterations"]} iterations.</p>
+<img src="{picture_of(case)}" alt="{name}: deformed body and contact line">
+<p>Files: {files}</p>
+<details><summary>Certificate: violations on the full model, each over its natural scale</summary>
+<table>{certificate}</table></details>
+<details><summary>Deck (run it again with <code>amontons {stem}.deck.nml</code>, version {summary["version"]})</summary>
+<pre>{deck}</pre></details>
+"""
+
+
+def page_of(folder, cases):
+    """The page."""
+    summaries = [json.loads(pathlib.Path(case + plot.SUMMARY).read_text(encoding="utf-8")) for case in cases]
+    colors = [verdict_of(summary)[0] for summary in summaries]
+    versions = ", ".join(sorted({summary["version"] for summary in summaries}))
+    name = html.escape(folder.resolve().name)
+    counted = ", ".join(f"{colors.count(color)} {color}" for color in ("green", "amber", "red"))
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>Amontons: {name}</title><style>{STYLE}</style></head>
+<body>
+<h1>Contact results: {name}</h1>
+<p>{len(cases)} cases: {counted}. Amontons {versions}; page made on {datetime.date.today().isoformat()}.
+Lengths, forces and stresses are in the units of the decks.</p>
+{overview(summaries)}{"".join(map(section, cases, summaries))}</body>
+</html>
+"""
+
+
+def main(arguments):
+    if len(arguments) not in (1, 2) or not pathlib.Path(arguments[0]).is_dir():
+        sys.exit("report: name the folder of the cases, and, if it shall be another than report.html in it, the page")
+    folder = pathlib.Path(arguments[0])
+    page = pathlib.Path(arguments[1]) if len(arguments) > 1 else folder / "report.html"
+    text = page_of(folder, plot.cases_of([folder]))
+    page.write_text(text, encoding="utf-8")
+    print(page)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,77 @@
+"""Pictures and pages made of solved cases by scripts/plot.sh and scripts/report.sh."""
+import shutil
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+from xml.etree import ElementTree
+
+from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block
+
+try:
+    import matplotlib
+    import meshio
+except ImportError:
+    matplotlib = meshio = None
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+BROWSER = shutil.which("chromium")
+PUSH = "load set = 'right'  traction = -1.5, 0.3"
+
+
+@unittest.skipIf(matplotlib is None or meshio is None, "matplotlib or meshio is not installed")
+class Pictures(ProgramTest):
+    """The two scripts, on cases with names that need care."""
+
+    def setUp(self):
+        super().setUp()
+        for name, options in (("it's <one> & only", ""), ("two", "solver method = 'psor'  max_iterations = 2")):
+            groups = (SUPPORT, PRESSURE, CONTACT, PUSH, f'case name = "{name}"  title = "A & B"')
+            self.write("deck.nml", block(*groups, *filter(None, [options])))
+            self.run_program("--quiet", "--output", "some results", "deck.nml", status=4 if options else 0)
+
+    def script(self, name, *arguments, status=0):
+        """Runs one of the two Python scripts."""
+        return self.run_command([sys.executable, "-B", SCRIPTS / f"{name}.py", *arguments], status)
+
+    def test_a_case_is_drawn_as_png_and_svg(self):
+        run = self.script("plot", "some results/two.lst")
+        self.assertEqual(run.stdout, "some results/two.png\nsome results/two.svg\n")
+        folder = self.directory / "some results"
+        self.assertEqual((folder / "two.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertTrue(ElementTree.parse(folder / "two.svg").getroot().tag.endswith("svg"))
+
+    def test_a_folder_is_drawn_case_by_case(self):
+        self.script("plot", "some results")
+        self.assertEqual(len(list((self.directory / "some results").glob("*.png"))), 2)
+
+    def test_what_is_no_case_is_refused(self):
+        for script in ("plot", "report"):
+            self.assertIn(f"{script}: ", self.script(script, "nowhere", status=1).stderr)
+
+    def test_the_page_tells_every_case_and_verdict(self):
+        self.script("report", "some results")
+        page = (self.directory / "some results" / "report.html").read_text(encoding="utf-8")
+        self.assertIn("2 cases: 1 green, 0 amber, 1 red.", page)
+        self.assertIn("it&#x27;s &lt;one&gt; &amp; only", page)
+        self.assertIn("A &amp; B", page)
+        self.assertIn("The method stopped after 2 iterations", page)
+        self.assertNotIn("http", page.replace('xmlns="http://www.w3.org', ""), "the page needs no network")
+
+    @unittest.skipIf(BROWSER is None, "chromium is not installed")
+    def test_a_browser_shows_the_page(self):
+        self.script("report", "some results")
+        page = self.directory / "some results" / "report.html"
+        # A script of the test, not of the page, asks the browser whether it could draw the pictures.
+        probe = page.with_name("probe.html")
+        probe.write_text(page.read_text(encoding="utf-8") + "<script>addEventListener('load', () => { document.title = "
+                         "[...document.images].map(image => image.complete && image.naturalWidth > 100).join() + "
+                         "' ' + document.querySelectorAll('h2').length })</script>", encoding="utf-8")
+        run = subprocess.run([BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=10000",
+                              f"--user-data-dir={self.directory / 'profile'}", "--dump-dom", probe.as_uri()],
+                             capture_output=True, encoding="utf-8", timeout=60, check=True)
+        self.assertIn("<title>true,true 2</title>", run.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
