@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Solves the decks of a folder as a Slurm job array, one task for each deck.
+# Usage: sbatch --array=1-$(ls FOLDER/*.nml | wc -l) batch_slurm.sh FOLDER OUTPUT [PROGRAM-OPTION...]
+# Edit the lines below for your cluster. AMONTONS names the program; without it, it must be in the PATH.
+#SBATCH --job-name=amontons
+#SBATCH --cpus-per-task=2
+#SBATCH --mem=4G
+#SBATCH --time=00:30:00
+#SBATCH --output=amontons_%A_%a.log
+set -euo pipefail
+
+folder=${1:?name the folder of the decks}
+output=${2:?name the folder of the results}
+shift 2
+decks=("$folder"/*.nml)
+task=${SLURM_ARRAY_TASK_ID:?submit this with sbatch --array=1-${#decks[@]}}
+if ((task < 1 || task > ${#decks[@]})); then
+   echo "batch_slurm.sh: there is no deck $task of ${#decks[@]} in $folder" >&2
+   exit 1
+fi
+exec "${AMONTONS:-amontons}" --threads "${SLURM_CPUS_PER_TASK:-1}" --output "$output" "$@" "${decks[task - 1]}"

@@ -1,0 +1,63 @@
+"""Folders of decks solved by scripts/batch_parallel.sh and scripts/batch_slurm.sh."""
+import os
+import shutil
+import unittest
+from pathlib import Path
+
+from harness import SOUND, SUFFIXES, ProgramTest, results_of
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+
+
+class Batch(ProgramTest):
+    """Both scripts, on file names that need care."""
+
+    def setUp(self):
+        super().setUp()
+        (self.directory / "my decks").mkdir()
+        for name in ("one", "it's two"):
+            self.write(f"my decks/{name}.nml", SOUND)
+
+    def run_script(self, name, *arguments, status=0, **variables):
+        """Runs a script with more environment variables."""
+        words = [f"{key}={value}" for key, value in variables.items()]
+        return self.run_command(["env", *words, SCRIPTS / f"{name}.sh", *arguments], status)
+
+    def results(self):
+        """The result files in the output folder."""
+        return sorted(path.name for path in (self.directory / "out dir").iterdir() if path.is_file())
+
+    @unittest.skipIf(shutil.which("parallel") is None, "GNU parallel is not installed")
+    def test_every_deck_is_solved_and_logged(self):
+        self.run_script("batch_parallel", "my decks", "out dir")
+        self.assertEqual(self.results(), sorted(results_of("one") + results_of("it's two")))
+        log = self.directory / "out dir" / "batch"
+        self.assertIn("one: solved", (log / "one.nml.log").read_text(encoding="utf-8"))
+        self.assertEqual(len((log / "jobs.tsv").read_text(encoding="utf-8").splitlines()), 3)
+
+    @unittest.skipIf(shutil.which("parallel") is None, "GNU parallel is not installed")
+    def test_the_largest_status_counts_and_options_reach_the_program(self):
+        self.write("my decks/wrong.nml", "&mesh /\n")
+        self.run_script("batch_parallel", "my decks", "out dir", "--quiet", status=1)
+        self.assertEqual(len(self.results()), 2*len(SUFFIXES))
+        log = (self.directory / "out dir" / "batch" / "one.nml.log").read_text(encoding="utf-8")
+        self.assertEqual(log, "", "--quiet was handed on")
+
+    @unittest.skipIf(shutil.which("parallel") is None, "GNU parallel is not installed")
+    def test_a_second_run_does_what_is_left(self):
+        self.run_script("batch_parallel", "my decks", "out dir")
+        before = os.stat(self.directory / "out dir" / "one.lst").st_mtime_ns
+        self.write("my decks/zebra.nml", SOUND)
+        self.run_script("batch_parallel", "my decks", "out dir")
+        self.assertEqual(os.stat(self.directory / "out dir" / "one.lst").st_mtime_ns, before)
+        self.assertIn("zebra.lst", self.results())
+
+    def test_a_task_of_an_array_solves_its_deck(self):
+        self.run_script("batch_slurm", "my decks", "out dir", "--quiet", SLURM_ARRAY_TASK_ID=2)
+        self.assertEqual(self.results(), results_of("one"))
+        self.assertIn("no deck 3 of 2", self.run_script("batch_slurm", "my decks", "out dir", SLURM_ARRAY_TASK_ID=3,
+                                                        status=1).stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
