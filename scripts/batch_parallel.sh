@@ -2,9 +2,8 @@
 # Solves every deck of a folder, one process each, as many at once as there are cores, with GNU parallel.
 # Usage: batch_parallel.sh FOLDER OUTPUT [PROGRAM-OPTION...]
 #   FOLDER    decks, *.nml
-#   OUTPUT    where the result files go, and what each run said: OUTPUT/batch/DECK.log; OUTPUT/batch/jobs.tsv has
-#             start, seconds and exit status of each run
-# A run that was stopped goes on with the decks that are not in jobs.tsv; remove OUTPUT/batch to begin anew. The exit
+#   OUTPUT    where the result files go; what each run said and its exit status are OUTPUT/batch/DECK.log and .status
+# A batch that was stopped goes on with the decks that have no status yet; remove OUTPUT/batch to begin anew. The exit
 # status is the largest of all decks. Decks with one body are faster in one process, which shares the factorisation:
 # amontons --output OUTPUT FOLDER/*.nml. The environment variable AMONTONS names another program than the release build.
 set -euo pipefail
@@ -24,11 +23,22 @@ decks=("$folder"/*.nml)
 
 logs=$output/batch
 mkdir -p "$logs"
+status_of() { cat "$logs/$(basename "$1").status" 2>/dev/null; }
 run_deck() {
-   "$program" --threads 1 --output "$output" "${@:2}" "$1" &>"$logs/$(basename "$1").log"
+   local log=$logs/$(basename "$1") status=0
+   "$program" --threads 1 --output "$output" "${@:2}" "$1" &>"$log.log" || status=$?
+   echo "$status" >"$log.status"
 }
 export program output logs
 export -f run_deck
-# parallel's own status counts failures; jobs.tsv has the status of each run.
-parallel --resume --joblog "$logs/jobs.tsv" --jobs 100% run_deck {} "${@@Q}" ::: "${decks[@]}" || true
-awk -F '\t' 'NR > 1 { if ($7 > worst) worst = $7; if ($8 > 0) worst = 3 } END { exit worst }' "$logs/jobs.tsv"
+left=()
+for deck in "${decks[@]}"; do
+   status_of "$deck" >/dev/null || left+=("$deck")
+done
+((${#left[@]} == 0)) || parallel --jobs 100% run_deck {} "${@@Q}" ::: "${left[@]}"
+worst=0
+for deck in "${decks[@]}"; do
+   status=$(status_of "$deck")
+   ((status <= worst)) || worst=$status
+done
+exit "$worst"
