@@ -24,8 +24,10 @@ decks=("$folder"/*.nml)
 logs=$output/batch
 mkdir -p "$logs"
 status_of() { cat "$logs/$(basename "$1").status" 2>/dev/null; }
+# shellcheck disable=SC2317 # called by parallel
 run_deck() {
-   local log=$logs/$(basename "$1") status=0
+   local log status=0
+   log=$logs/$(basename "$1")
    "$program" --threads 1 --output "$output" "${@:2}" "$1" &>"$log.log" || status=$?
    echo "$status" >"$log.status"
 }
