@@ -44,6 +44,7 @@ class Result:
 
 class ProgramTest(unittest.TestCase):
     """A scratch directory that the program runs in."""
+    timeout = 60  # seconds a run may take
 
     def setUp(self):
         scratch = tempfile.TemporaryDirectory(prefix="amontons_")
@@ -56,7 +57,7 @@ class ProgramTest(unittest.TestCase):
 
     def run_command(self, command, status=0):
         """Runs a command, checks its exit status, unless it is None, and returns what the command printed."""
-        run = subprocess.run(command, cwd=self.directory, capture_output=True, encoding="utf-8", timeout=60,
+        run = subprocess.run(command, cwd=self.directory, capture_output=True, encoding="utf-8", timeout=self.timeout,
                              check=False)
         if status is not None:
             self.assertEqual(run.returncode, status, f"{command}\n{run.stdout}{run.stderr}")

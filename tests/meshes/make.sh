@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the meshes of strip.geo again: every element, version and encoding. Needs gmsh 4.
+# Makes the meshes of strip.geo again: every element, version and encoding; and those of patch.geo. Needs gmsh 4.
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")"
 
@@ -26,3 +26,15 @@ for version in 22 41; do
    gmsh -v 1 -2 -parametric -format "msh$version" strip.geo -o "parametric-$version.msh"
    gmsh -v 1 -2 -parametric -format "msh$version" -bin strip.geo -o "parametric-$version-binary.msh"
 done
+
+patch() {
+   local name=$1 shape=$2 degree=$3 has_centers=$4
+   gmsh -v 1 -2 -setnumber shape "$shape" -setnumber degree "$degree" -setnumber has_centers "$has_centers" \
+      -format msh41 patch.geo -o "patch-$name.msh"
+}
+
+patch tri3 3 1 1
+patch tri6 3 2 1
+patch quad4 4 1 1
+patch quad8 4 2 0
+patch quad9 4 2 1

@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# Runs the benchmarks of tests/verification/benchmarks.txt on the meshes of doc/verification.md and prints their
+# tables, in Markdown. Installs and builds what is missing. Usage: verify.sh [--update] [BENCHMARK...]
+#   --update    writes what it prints into doc/verification.md, between the markers
+# Exit status: 0 if every row keeps its tolerance.
+set -euo pipefail
+cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
+
+is_update=false
+if [[ ${1-} == --update ]]; then
+   is_update=true
+   shift
+fi
+mapfile -t benchmarks <tests/verification/benchmarks.txt
+if (($# > 0)); then
+   ! $is_update || { echo 'verify.sh: --update takes all benchmarks' >&2; exit 1; }
+   benchmarks=("$@")
+fi
+
+scripts/setup.sh build >&2
+scripts/build.sh release
+
+tables=build/verification
+rm -rf "$tables"
+mkdir -p "$tables"
+export AMONTONS=$PWD/build/release/bin/amontons PYTHONPATH=$PWD/tests/app OMP_NUM_THREADS=1 tables
+# shellcheck disable=SC2016 # expanded by the shell that xargs starts
+printf '%s\n' "${benchmarks[@]}" | xargs -P "$(nproc)" -I NAME bash -c '
+   python3 -B tests/verification/test_NAME.py --print >"$tables/NAME.md" 2>"$tables/NAME.log" || touch "$tables/NAME.failed"'
+
+status=0
+for benchmark in "${benchmarks[@]}"; do
+   echo
+   cat "$tables/$benchmark.md"
+   if [[ -e $tables/$benchmark.failed ]]; then
+      cat "$tables/$benchmark.log" >&2
+      status=1
+   fi
+done >"$tables/all"
+cat "$tables/all"
+((status == 0)) || { echo 'FAILED: a row misses its tolerance' >&2; exit 1; }
+
+document=doc/verification.md
+if $is_update; then
+   # Everything after the first marker and before the second is replaced.
+   sed -i -e "/<!-- verify.sh -->/r $tables/all" -e '/<!-- verify.sh -->/,/<!-- end -->/{/<!--/!d}' "$document"
+fi

@@ -1,0 +1,95 @@
+"""Benchmarks: tests on decks whose results stand in doc/verification.md.
+
+A benchmark is a file test_NAME.py, named in benchmarks.txt, with its decks in decks/. Its docstring is its text in the
+document: the first line the heading, the rest what is computed, the formula or source, and the tolerances.
+
+    python3 test_NAME.py           the test: coarse meshes, seconds
+    python3 test_NAME.py --print   on the meshes of the document; prints its section in Markdown
+"""
+import re
+import sys
+import unittest
+import zlib
+from pathlib import Path
+
+from harness import ProgramTest
+
+HERE = Path(__file__).resolve().parent
+DECKS = HERE/"decks"
+MESHES = HERE.parent/"meshes"
+ELEMENTS = ("tri3", "quad4", "tri6", "quad8", "quad9")
+VALUE = r"(?:'[^']*'|[^\s,/'!]+)"
+
+
+class Benchmark(ProgramTest):
+    """Runs decks, on coarse meshes as a test, on finer ones for the document, and fills tables."""
+    is_printing = False
+    tables = []
+    decks_used = []
+    timeout = 600
+
+    def meshes(self, coarse, fine):
+        """The meshes of a study: coarse ones in the test, fine ones for the document."""
+        return fine if self.is_printing else coarse
+
+    def deck(self, name, mesh=None, **values):
+        """The text of decks/NAME.nml with other values for keys, each of which must stand in it once.
+
+        `mesh` is the text of a mesh file that takes the place of the deck's own mesh.
+        """
+        if name not in self.decks_used:
+            self.decks_used.append(name)
+        text = (DECKS/f"{name}.nml").read_text(encoding="utf-8")
+        if mesh is not None:
+            # One file for each text, since decks of several meshes may be run together.
+            file = self.write(f"mesh_{zlib.crc32(mesh.encode()):08x}.msh", mesh)
+            text = re.sub(r"^&mesh\b[^/]*/", f"&mesh kind = 'file'  file = '{file}' /", text, flags=re.MULTILINE)
+        for key, value in values.items():
+            text, count = re.subn(rf"\b{key}( *= *){VALUE}( *, *{VALUE})*", rf"{key}\g<1>{written(value)}", text)
+            assert count == 1, f"{name}.nml: {key} stands in it {count} times"
+        return text
+
+    def assert_table(self, table):
+        """Keeps a table for the document, and fails if a row misses what is required of it."""
+        self.tables.append(table)
+        self.assertTrue(table.rows, table.caption)
+        self.assertEqual(table.faults, [])
+
+    def assert_sound(self, result):
+        """Checks that a case converged and passed its certificate."""
+        self.assertIs(result.summary["converged"], True)
+        self.assertIs(result.summary["certificate"]["passed"], True)
+
+
+def patch_mesh(element):
+    """A mesh by Gmsh of a block of 3 by 2, of cells of any shape."""
+    return (MESHES/f"patch-{element}.msh").read_text(encoding="utf-8")
+
+
+def written(value):
+    """A value as a deck writes it."""
+    if isinstance(value, (tuple, list)):
+        return ", ".join(map(written, value))
+    return f"'{value}'" if isinstance(value, str) else repr(value)
+
+
+def main():
+    """Runs the tests of the calling script; with --print its section of the document follows on standard output."""
+    module = sys.modules["__main__"]
+    arguments = sys.argv[1:]
+    Benchmark.is_printing = "--print" in arguments
+    program = unittest.main(module, argv=[sys.argv[0], *(a for a in arguments if a != "--print")], exit=False)
+    if Benchmark.is_printing:
+        print(section(module.__doc__))
+    sys.exit(not program.result.wasSuccessful())
+
+
+def section(text):
+    """The section of the document on a benchmark: its text, its files, its tables."""
+    heading, _, body = text.strip().partition("\n")
+    script = Path(sys.argv[0]).name
+    files = [f"[{script}](../tests/verification/{script})"]
+    files += [f"[{name}.nml](../tests/verification/decks/{name}.nml)" for name in Benchmark.decks_used]
+    parts = [f"## {heading.rstrip('.')}", body.strip(), "Files: " + ", ".join(files) + ".",
+             *(table.markdown() for table in Benchmark.tables)]
+    return "\n\n".join(part for part in parts if part) + "\n"

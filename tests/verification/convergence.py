@@ -1,0 +1,113 @@
+"""Tables of a benchmark: errors against the mesh with the observed order, values beside references, round-off.
+
+A table knows what is required of its rows, prints itself in Markdown, and tells the faults of the rows that miss it.
+"""
+import math
+
+# Observed orders approach the theoretical ones from either side. A study whose finest meshes are still on the way
+# states its own allowance, with the reason.
+ORDER_ALLOWANCE = 0.1
+# Deviations that may be no larger than this are not printed, only their bound: they change with the machine.
+ROUNDOFF = 1e-4
+
+
+def observed_order(coarse, fine):
+    """The order between two rows (h, error)."""
+    return math.log(coarse[1]/fine[1])/math.log(coarse[0]/fine[0])
+
+
+class Table:
+    """Rows of text under a caption and headings."""
+
+    def __init__(self, caption, headings):
+        self.caption = caption
+        self.headings = headings
+        self.rows = []
+        self.faults = []
+
+    def markdown(self):
+        """The table with its caption."""
+        lines = [self.headings, ["---"]*len(self.headings), *self.rows]
+        return "\n".join([self.caption, "", *("| " + " | ".join(map(str, line)) + " |" for line in lines)])
+
+    def judge(self, is_right, text, row):
+        """The text of a cell, marked, and a fault noted, where it is wrong."""
+        if is_right:
+            return text
+        self.faults.append(f"{self.caption} {' '.join(map(str, row))}: {text}")
+        return f"**{text}, FAILED**"
+
+
+class ConvergenceTable(Table):
+    """Errors against the mesh size h, for some quantities and kinds of mesh, usually the elements.
+
+    `orders` gives for every kind the order that each quantity must reach between the two finest meshes.
+    """
+
+    def __init__(self, caption, quantities, orders, kind="element", allowance=ORDER_ALLOWANCE):
+        headings = [kind, "h"]
+        for quantity in quantities:
+            headings += [f"error of {quantity}", "order", "theory"]
+        super().__init__(caption, headings)
+        self.orders = orders
+        self.allowance = allowance
+        self.errors = {}
+
+    def add(self, kind, h, *errors):
+        """Adds a mesh; those of a kind follow each other, from coarse to fine."""
+        self.errors.setdefault(kind, []).append((h, errors))
+
+    def close(self):
+        """Makes the rows, when all meshes are there."""
+        for kind, meshes in self.errors.items():
+            for number, (h, errors) in enumerate(meshes):
+                row = [kind, f"{h:.4g}"]
+                for error, least, coarser in zip(errors, self.orders[kind], self.coarser(kind, number)):
+                    order = observed_order(coarser, (h, error)) if coarser else None
+                    text = f"{order:.2f}" if coarser else ""
+                    if number == len(meshes) - 1:
+                        text = self.judge(order >= least - self.allowance, text, row)
+                    row += [f"{error:.3e}", text, least]
+                self.rows.append(row)
+
+    def coarser(self, kind, number):
+        """The mesh before a mesh, as (h, error) of each quantity; nothing before the first."""
+        if number == 0:
+            return [None]*len(self.orders[kind])
+        h, errors = self.errors[kind][number - 1]
+        return [(h, error) for error in errors]
+
+
+class ValueTable(Table):
+    """Computed values beside their references: closed forms, or published numbers."""
+
+    def __init__(self, caption, labels):
+        super().__init__(caption, [*labels, "computed", "reference", "deviation", "allowed"])
+
+    def add(self, *labels, computed, reference, allowed):
+        """Adds a value that may deviate by a part of the reference."""
+        deviation = (computed - reference)/abs(reference)
+        is_right = abs(deviation) <= allowed
+        if allowed >= ROUNDOFF:
+            cells = [self.judge(is_right, f"{deviation:+.2%}", labels), f"{allowed:.2%}"]
+        else:
+            text = f"< {allowed:.0e}" if is_right else f"{deviation:+.1e}"
+            cells = [self.judge(is_right, text, labels), f"{allowed:.0e}"]
+        self.rows.append([*labels, f"{computed:.5g}", f"{reference:.5g}", *cells])
+
+
+class RoundoffTable(Table):
+    """Errors of what must be exact but for rounding; all but their bound changes with the machine."""
+
+    def __init__(self, caption, labels, quantities, bound):
+        super().__init__(caption, [*labels, *(f"error of {quantity}" for quantity in quantities)])
+        self.bound = bound
+
+    def add(self, *labels, errors):
+        """Adds the errors of one case, each over the size of what it is an error of."""
+        cells = []
+        for error in errors:
+            is_right = error <= self.bound
+            text = f"< {self.bound:.0e}" if is_right else f"{error:.1e}"
+            cells.append(self.judge(is_right, text, labels))
+        self.rows.append([*labels, *cells])

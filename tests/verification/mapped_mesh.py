@@ -1,0 +1,77 @@
+"""Structured meshes of any four-sided body: cells of the unit square, mapped and written in Gmsh's format 2.2."""
+from math import atan2, cos, hypot, sin
+
+# Numbers of the elements in the format; order and shape.
+GMSH_KIND = {"tri3": 2, "quad4": 3, "tri6": 9, "quad8": 16, "quad9": 10}
+GMSH_SIDE = {1: 1, 2: 8}
+SIDES = ("bottom", "right", "top", "left")
+
+
+def mapped_mesh(cells, element, mapping=lambda s, t: (s, t)):
+    """The text of a mesh file: cells[0] by cells[1] cells, the point (s, t) of the unit square put to mapping(s, t).
+
+    The boundary sets are bottom (t = 0), right, top and left, the region is body. Middle nodes are mapped as well, so
+    that curved sides are curved. Triangles halve the cells by turns along one diagonal and the other.
+    """
+    order = 1 if element in ("tri3", "quad4") else 2
+    across, up = order*cells[0], order*cells[1]
+    is_left_out = (lambda i, j: i % 2 == 1 and j % 2 == 1) if element == "quad8" else (lambda i, j: False)
+    number = {}
+    for j in range(up + 1):
+        for i in range(across + 1):
+            if not is_left_out(i, j):
+                number[i, j] = len(number) + 1
+    nodes = ["{} {!r} {!r} 0".format(node, *map(float, mapping(i/across, j/up))) for (i, j), node in number.items()]
+    rows = side_rows(number, order, across, up)
+    for j in range(0, up, order):
+        for i in range(0, across, order):
+            corners = [(i, j), (i + order, j), (i + order, j + order), (i, j + order)]
+            for polygon in polygons(corners, element, (i + j)//order):
+                rows.append((GMSH_KIND[element], 5, with_middles(polygon, element, number)))
+    elements = [" ".join(map(str, (row, kind, 2, group, group, *members)))
+                for row, (kind, group, members) in enumerate(rows, start=1)]
+    names = [f'1 {group} "{name}"' for group, name in enumerate(SIDES, start=1)] + ['2 5 "body"']
+    return "\n".join(["$MeshFormat", "2.2 0 8", "$EndMeshFormat",
+                      "$PhysicalNames", "5", *names, "$EndPhysicalNames",
+                      "$Nodes", str(len(nodes)), *nodes, "$EndNodes",
+                      "$Elements", str(len(elements)), *elements, "$EndElements", ""])
+
+
+def side_rows(number, order, across, up):
+    """The sides of the boundary: kind, group, nodes."""
+    lines = {1: [(i, 0) for i in range(across + 1)], 2: [(across, j) for j in range(up + 1)],
+             3: [(i, up) for i in range(across, -1, -1)], 4: [(0, j) for j in range(up, -1, -1)]}
+    return [(GMSH_SIDE[order], group, [number[line[k]], number[line[k + order]], *(number[line[k + 1]],)*(order - 1)])
+            for group, line in lines.items() for k in range(0, len(line) - 1, order)]
+
+
+def polygons(corners, element, parity):
+    """The corners of a cell's elements: the cell itself, or its two triangles."""
+    a, b, c, d = corners
+    if not element.startswith("tri"):
+        return [corners]
+    return [(a, b, c), (a, c, d)] if parity % 2 == 0 else [(a, b, d), (b, c, d)]
+
+
+def with_middles(polygon, element, number):
+    """The nodes of an element: corners, middles of its sides, centre."""
+    nodes = [number[corner] for corner in polygon]
+    if element in ("tri6", "quad8", "quad9"):
+        for (i, j), (k, l) in zip(polygon, (*polygon[1:], polygon[0])):
+            nodes.append(number[(i + k)//2, (j + l)//2])
+    if element == "quad9":
+        nodes.append(number[(polygon[0][0] + polygon[2][0])//2, (polygon[0][1] + polygon[2][1])//2])
+    return nodes
+
+
+def sector(inner, outer, angle):
+    """The mapping to a sector of a ring: bottom is its first radius, right its outer side, left its inner one."""
+    return lambda s, t: ((inner + (outer - inner)*s)*cos(angle*t), (inner + (outer - inner)*s)*sin(angle*t))
+
+
+def turned(mapping, angle):
+    """A mapping turned about the origin."""
+    def turn(s, t):
+        x, y = mapping(s, t)
+        return hypot(x, y)*cos(atan2(y, x) + angle), hypot(x, y)*sin(atan2(y, x) + angle)
+    return turn
