@@ -66,6 +66,12 @@ def patch_mesh(element):
     return (MESHES/f"patch-{element}.msh").read_text(encoding="utf-8")
 
 
+def with_points_held(deck, points, exact):
+    """A deck whose supports at points give way to ones that put points where an exact field has them."""
+    supports = [f"&support point = {x!r}, {y!r}  ux = {{!r}}  uy = {{!r}} /\n".format(*exact(x, y)) for x, y in points]
+    return re.sub(r"^&support point[^/]*/\n", "", deck, flags=re.MULTILINE) + "".join(supports)
+
+
 def written(value):
     """A value as a deck writes it."""
     if isinstance(value, (tuple, list)):

@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+"""Beam under a uniform load.
+
+The displacements of the exact solution in plane stress (Timoshenko and Goodier, *Theory of Elasticity*, article 22) are
+polynomials of degree four, which no element represents. Half of the beam: symmetry on the left, pressure on the top, the
+nodes of the right end put where the exact solution has them. The error of the displacement is the $L_2$ norm over that
+of the displacement, by quadrature with the elements' shape functions; theory: order 2 for linear and 3 for quadratic
+elements.
+"""
+from benchmark import ELEMENTS, Benchmark, main, with_points_held
+from convergence import ORDER_ALLOWANCE, ConvergenceTable
+from displacement_error import displacement_error
+
+YOUNG, POISSON, LENGTH, HALF_DEPTH = 1000.0, 0.3, 4.0, 1.0
+
+
+def exact(x, height):
+    """The displacement of the beam, its lower side at height 0."""
+    l, c, nu = LENGTH, HALF_DEPTH, POISSON
+    y = c - height
+    factor = 3/(4*YOUNG*c**3)
+    u = (l**2*x - x**3/3)*y + x*(2*y**3/3 - 2*c**2*y/5) + nu*x*(y**3/3 - c**2*y + 2*c**3/3)
+    down = (y**4/12 - c**2*y**2/2 + 2*c**3*y/3 + nu*((l**2 - x**2)*y**2/2 + y**4/6 - c**2*y**2/5)
+            + l**2*x**2/2 - x**4/12 - c**2*x**2/5 + (1 + nu/2)*c**2*x**2)
+    return factor*u, factor*down
+
+
+class Beam(Benchmark):
+    """Orders of convergence of the elements alone."""
+
+    def test_displacement_converges(self):
+        orders = {element: ((2,) if element in ("tri3", "quad4") else (3,)) for element in ELEMENTS}
+        table = ConvergenceTable("Displacement of the beam", ["displacement"], orders,
+                                 allowance=self.meshes(0.2, ORDER_ALLOWANCE))
+        for element in ELEMENTS:
+            for cells in self.meshes((8, 16), (4, 8, 16, 32)):
+                rows = cells if orders[element] == (2,) else 2*cells
+                end = [(LENGTH, 2*HALF_DEPTH*row/rows) for row in range(rows + 1)]
+                deck = self.deck("beam", element=element, cells=(2*cells, cells))
+                self.assert_sound(self.solve(with_points_held(deck, end, exact)))
+                table.add(element, 2*HALF_DEPTH/cells, displacement_error(self.directory/"case.vtu", exact))
+        table.close()
+        self.assert_table(table)
+
+
+if __name__ == "__main__":
+    main()

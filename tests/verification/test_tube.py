@@ -1,0 +1,61 @@
+#!/usr/bin/env python3
+"""Thick-walled tube under inner pressure.
+
+Lamé's solution, once in plane strain as a quarter of the section, with curved sides, and once axisymmetric as a section
+through the wall, its cells no rectangles. The error of the displacement is the $L_2$ norm over that of the displacement,
+by quadrature with the elements' shape functions (in the axisymmetric case areas count times the radius); theory: order 2
+for linear and 3 for quadratic elements.
+"""
+from math import hypot, pi, sin
+
+from benchmark import ELEMENTS, Benchmark, main
+from convergence import ORDER_ALLOWANCE, ConvergenceTable
+from displacement_error import displacement_error
+from mapped_mesh import mapped_mesh, sector
+
+YOUNG, POISSON, PRESSURE, INNER, OUTER = 1000.0, 0.3, 30.0, 1.0, 2.0
+
+
+def radial(r):
+    """The radial displacement."""
+    factor = PRESSURE*INNER**2*(1 + POISSON)/(YOUNG*(OUTER**2 - INNER**2))
+    return factor*((1 - 2*POISSON)*r + OUTER**2/r)
+
+
+def plane(x, y):
+    """The displacement in the section."""
+    r = hypot(x, y)
+    return radial(r)*x/r, radial(r)*y/r
+
+
+def wall(s, t):
+    """A mapping to a section through the wall, its inner nodes moved."""
+    shift = 0.1*sin(pi*s)*sin(pi*t)
+    return INNER + (OUTER - INNER)*(s + shift), t - 0.7*shift
+
+
+class Tube(Benchmark):
+    """Orders of convergence of the elements alone."""
+
+    def test_plane_strain(self):
+        self.study("Plane strain", "tube_plane", sector(INNER, OUTER, 0.5*pi), 2, plane)
+
+    def test_revolution(self):
+        self.study("Axisymmetric", "tube_axisymmetric", wall, 1, lambda r, z: (radial(r), 0.0), depth=lambda r: r)
+
+    def study(self, caption, name, mapping, ratio, exact, **depth):
+        """Fills the table of one deck; `ratio` cells around or along for one through the wall."""
+        orders = {element: ((2,) if element in ("tri3", "quad4") else (3,)) for element in ELEMENTS}
+        table = ConvergenceTable(caption, ["displacement"], orders, allowance=self.meshes(0.2, ORDER_ALLOWANCE))
+        for element in ELEMENTS:
+            for cells in self.meshes((4, 8), (4, 8, 16, 32)):
+                mesh = mapped_mesh((cells, ratio*cells), element, mapping)
+                self.assert_sound(self.solve(self.deck(name, mesh=mesh)))
+                error = displacement_error(self.directory/"case.vtu", exact, **depth)
+                table.add(element, (OUTER - INNER)/cells, error)
+        table.close()
+        self.assert_table(table)
+
+
+if __name__ == "__main__":
+    main()
