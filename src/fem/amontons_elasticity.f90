@@ -36,11 +36,11 @@ contains
       kind = mesh%element_kind(element)
       n = n_element_nodes(kind)
       geometry%n_nodes = n
-      geometry%n_points = n_element_points(kind)
+      geometry%n_points = n_element_points(kind, material%is_axisymmetric)
       geometry%node(:n) = mesh%node(mesh%node_start(element):mesh%node_start(element) + n - 1)
       associate (coordinates => mesh%coordinates(:, geometry%node(:n)))
          do point = 1, geometry%n_points
-            call quadrature_point(kind, point, xi, weight)
+            call quadrature_point(kind, geometry%n_points, point, xi, weight)
             call shape_functions(kind, xi, geometry%values(:, point), derivatives)
             jacobian = element_jacobian(coordinates, derivatives)
             determinant = jacobian(1, 1)*jacobian(2, 2) - jacobian(1, 2)*jacobian(2, 1)

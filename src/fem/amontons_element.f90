@@ -26,8 +26,6 @@ module amontons_element
    integer, parameter :: n_element_nodes(*) = [3, 4, 6, 8, 9]
    !> Number of corners, and of sides, of each kind.
    integer, parameter :: n_corners(*) = [3, 4, 3, 4, 4]
-   !> Number of quadrature points of each kind: full integration, exact for the stiffness of a parallelogram.
-   integer, parameter :: n_element_points(*) = [1, 4, 3, 9, 9]
    !> Most nodes that an element has.
    integer, parameter :: max_nodes = 9
    !> Most quadrature points that an element has.
@@ -42,6 +40,17 @@ module amontons_element
       0.0_dp, 1.0_dp, 0.5_dp, 0.0_dp, 0.5_dp, 0.5_dp, 0.0_dp, 0.5_dp], [2, n_element_nodes(tri6)])
 
 contains
+
+   !> Number of quadrature points of a kind: full integration, exact for the stiffness of a parallelogram; in the plane
+   !> also for area and patch test of a triangle with curved sides. In a body of revolution exact but for the square of
+   !> the hoop strain, which is a fraction; a single point would leave a linear triangle a motion without energy.
+   elemental integer function n_element_points(kind, is_axisymmetric) result(n_points)
+      integer, intent(in) :: kind !! kind of element
+      logical, intent(in) :: is_axisymmetric !! whether it belongs to a body of revolution
+      integer, parameter :: in_plane(*) = [1, 4, 3, 9, 9], around_axis(*) = [3, 4, 6, 9, 9]
+
+      n_points = merge(around_axis(kind), in_plane(kind), is_axisymmetric)
+   end function n_element_points
 
    !> Whether a kind is a triangle.
    elemental logical function is_triangle(kind)
@@ -75,9 +84,10 @@ contains
    end function side_nodes
 
    !> A quadrature point of a reference element.
-   pure subroutine quadrature_point(kind, point, xi, weight)
+   pure subroutine quadrature_point(kind, n_points, point, xi, weight)
       integer, intent(in) :: kind !! kind of element
-      integer, intent(in) :: point !! number of the point, 1 to `n_element_points(kind)`
+      integer, intent(in) :: n_points !! number of points, by `n_element_points`
+      integer, intent(in) :: point !! number of the point, 1 to `n_points`
       real(dp), intent(out) :: xi(2) !! reference coordinates [-]
       real(dp), intent(out) :: weight !! weight; the weights sum to the area of the reference element [-]
       real(dp), parameter :: two_points = 1.0_dp/sqrt(3.0_dp)
@@ -85,24 +95,50 @@ contains
       real(dp), parameter :: three_weights(3) = [5.0_dp, 8.0_dp, 5.0_dp]/9.0_dp
       integer :: row, column
 
-      select case (kind)
-      case (tri3)
-         xi = 1.0_dp/3.0_dp
-         weight = 0.5_dp
-      case (tri6)
-         xi = 1.0_dp/6.0_dp
-         if (point > 1) xi(point - 1) = 2.0_dp/3.0_dp
-         weight = 1.0_dp/6.0_dp
-      case (quad4)
+      if (is_triangle(kind)) then
+         call triangle_point(n_points, point, xi, weight)
+      else if (n_points == 4) then
          xi = two_points*quad_nodes(:, point)
          weight = 1.0_dp
-      case default
+      else
          column = mod(point - 1, 3) + 1
          row = (point - 1)/3 + 1
          xi = three_points([column, row])
          weight = three_weights(column)*three_weights(row)
-      end select
+      end if
    end subroutine quadrature_point
+
+   !> A quadrature point of the reference triangle: 1, 3 or 6 points, exact to degree 1, 2 or 4.
+   pure subroutine triangle_point(n_points, point, xi, weight)
+      integer, intent(in) :: n_points !! number of points
+      integer, intent(in) :: point !! number of the point
+      real(dp), intent(out) :: xi(2) !! reference coordinates [-]
+      real(dp), intent(out) :: weight !! weight [-]
+      ! Two of the barycentric coordinates of each triple of points are alike. The rule of degree 4 is Cowper's (Int. J.
+      ! Num. Meth. Eng. 7, 1973) in closed form.
+      real(dp), parameter :: root = sqrt(38.0_dp - 44.0_dp*sqrt(0.4_dp))
+      real(dp), parameter :: six_points(2) = (8.0_dp - sqrt(10.0_dp) + [root, -root])/18.0_dp
+      real(dp), parameter :: difference = sqrt(213125.0_dp - 53320.0_dp*sqrt(10.0_dp))
+      real(dp), parameter :: six_weights(2) = (620.0_dp + [difference, -difference])/7440.0_dp
+      real(dp) :: alike
+      integer :: other
+
+      select case (n_points)
+      case (1)
+         xi = 1.0_dp/3.0_dp
+         weight = 0.5_dp
+         return
+      case (3)
+         alike = 1.0_dp/6.0_dp
+         weight = 1.0_dp/6.0_dp
+      case default
+         alike = six_points((point + 2)/3)
+         weight = six_weights((point + 2)/3)
+      end select
+      xi = alike
+      other = mod(point - 1, 3)
+      if (other > 0) xi(other) = 1.0_dp - 2.0_dp*alike
+   end subroutine triangle_point
 
    !> Shape functions and their derivatives at a point of a reference element.
    pure subroutine shape_functions(kind, xi, values, derivatives)

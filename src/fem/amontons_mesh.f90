@@ -1,7 +1,7 @@
 !> The mesh: nodes, elements, named sets of sides, nodes and elements, and the checks every mesh must pass.
 module amontons_mesh
    use amontons_element, only: max_nodes, n_corners, n_element_points, node_coordinates, quadrature_point, &
-      shape_functions, side_nodes
+      shape_functions, side_nodes, tri6
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_text, only: to_text
@@ -78,23 +78,37 @@ contains
       end do
    end subroutine mesh_check
 
-   !> Whether the Jacobian of an element fails to be positive at a quadrature point or a corner.
+   !> Whether the Jacobian of an element fails to be positive at a corner or a quadrature point, of either rule.
    pure logical function is_turned_over(mesh, element)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! number of the element
-      real(dp) :: xi(2), weight
-      integer :: kind, point
+      integer :: kind, corner
 
       kind = mesh%element_kind(element)
-      is_turned_over = .false.
-      do point = 1, n_corners(kind)
-         is_turned_over = is_turned_over .or. .not. determinant(mesh, element, node_coordinates(kind, point)) > 0.0_dp
-      end do
-      do point = 1, n_element_points(kind)
-         call quadrature_point(kind, point, xi, weight)
-         is_turned_over = is_turned_over .or. .not. determinant(mesh, element, xi) > 0.0_dp
+      is_turned_over = .not. is_positive(mesh, element, n_element_points(kind, .false.))
+      ! The Jacobian of the other kind with two rules, the linear triangle, is constant.
+      if (kind == tri6) is_turned_over = is_turned_over &
+         .or. .not. is_positive(mesh, element, n_element_points(kind, .true.))
+      do corner = 1, n_corners(kind)
+         is_turned_over = is_turned_over &
+            .or. .not. determinant(mesh, element, node_coordinates(kind, corner)) > 0.0_dp
       end do
    end function is_turned_over
+
+   !> Whether the Jacobian of an element is positive at all points of a quadrature rule.
+   pure logical function is_positive(mesh, element, n_points)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: element !! number of the element
+      integer, intent(in) :: n_points !! number of points of the rule
+      real(dp) :: xi(2), weight
+      integer :: point
+
+      is_positive = .true.
+      do point = 1, n_points
+         call quadrature_point(mesh%element_kind(element), n_points, point, xi, weight)
+         is_positive = is_positive .and. determinant(mesh, element, xi) > 0.0_dp
+      end do
+   end function is_positive
 
    !> Determinant of the Jacobian of an element at a reference point [L^2].
    pure real(dp) function determinant(mesh, element, xi)

@@ -33,7 +33,7 @@ contains
       integer :: element, kind
 
       do kind = 1, size(element_names)
-         to_nodes(:, :, kind) = extrapolation(kind)
+         to_nodes(:, :, kind) = extrapolation(kind, n_element_points(kind, materials%list(1)%is_axisymmetric))
       end do
       allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements), &
          at_nodes(4, size(mesh%node)))
@@ -80,17 +80,18 @@ contains
 
    !> Weights that carry values from the quadrature points of a kind of element to its nodes: through the polynomial
    !> 1, x, y (and x y in a quadrilateral) that fits them with least squares (node, point) [-].
-   pure function extrapolation(kind) result(weights)
+   pure function extrapolation(kind, n_points) result(weights)
       integer, intent(in) :: kind !! kind of element
+      integer, intent(in) :: n_points !! number of quadrature points
       real(dp) :: weights(max_nodes, max_points)
       real(dp), allocatable :: at_points(:, :), normal(:, :), right(:, :)
       real(dp) :: xi(2), unused
       integer :: n_terms, i, info
 
-      n_terms = min(n_element_points(kind), merge(3, 4, is_triangle(kind)))
-      allocate (at_points(n_terms, n_element_points(kind)))
-      do i = 1, n_element_points(kind)
-         call quadrature_point(kind, i, xi, unused)
+      n_terms = min(n_points, merge(3, 4, is_triangle(kind)))
+      allocate (at_points(n_terms, n_points))
+      do i = 1, n_points
+         call quadrature_point(kind, n_points, i, xi, unused)
          at_points(:, i) = terms(xi, n_terms)
       end do
       normal = matmul(at_points, transpose(at_points))
@@ -100,7 +101,7 @@ contains
       call cholesky_solve(normal, right)
       weights = 0.0_dp
       do i = 1, n_element_nodes(kind)
-         weights(i, :n_element_points(kind)) = matmul(terms(node_coordinates(kind, i), n_terms), right)
+         weights(i, :n_points) = matmul(terms(node_coordinates(kind, i), n_terms), right)
       end do
    end function extrapolation
 

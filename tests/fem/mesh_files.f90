@@ -78,8 +78,8 @@ contains
       do i = 1, size(elements)
          associate (kind => mesh%element_kind(elements(i)), first => mesh%node_start(elements(i)), &
             last => mesh%node_start(elements(i) + 1) - 1)
-            do point = 1, n_element_points(kind)
-               call quadrature_point(kind, point, xi, weight)
+            do point = 1, n_element_points(kind, .false.)
+               call quadrature_point(kind, n_element_points(kind, .false.), point, xi, weight)
                call shape_functions(kind, xi, values, derivatives)
                jacobian = element_jacobian(mesh%coordinates(:, mesh%node(first:last)), derivatives)
                area = area + weight*(jacobian(1, 1)*jacobian(2, 2) - jacobian(1, 2)*jacobian(2, 1))

@@ -26,7 +26,7 @@ class FrictionPatch(Benchmark):
                               ["pressure", "shear", "displacement"], 1e-11)
         for name, status, shear, exact in TWINS:
             for element in ELEMENTS:
-                even = {"cells": self.meshes((6, 4), (48, 32)), "element": element}
+                even = {"cells": self.meshes((6, 4), (24, 16)), "element": element}
                 for mesh, deck in (("even", self.deck(name, **even)),
                                    ("graded 1:20", self.deck(name, grading=20.0, **even)),
                                    ("unstructured", self.deck(name, mesh=patch_mesh(element)))):

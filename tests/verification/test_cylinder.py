@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""Solid cylinder under its own weight.
+
+An axisymmetric body with the axis in it, where the hoop strain $u_r/r$ is a quotient of zeros. The exact displacement is
+quadratic in $r$ and $z$: quadratic elements must give it to rounding, which takes stiffness and weight integrated
+exactly, and linear ones with order 2. The error is the $L_2$ norm over that of the displacement, areas times the radius.
+"""
+from benchmark import ELEMENTS, Benchmark, main, with_points_held
+from convergence import ORDER_ALLOWANCE, ConvergenceTable, RoundoffTable
+from displacement_error import displacement_error
+
+YOUNG, POISSON, WEIGHT, RADIUS, HEIGHT = 1000.0, 0.25, 6.0, 2.0, 3.0
+
+
+def exact(r, z):
+    """The displacement of the cylinder."""
+    return -POISSON*WEIGHT*z*r/YOUNG, WEIGHT*(z**2 - HEIGHT**2)/(2*YOUNG) + POISSON*WEIGHT*r**2/(2*YOUNG)
+
+
+class Cylinder(Benchmark):
+    """Displacement of linear and of quadratic elements."""
+
+    def error(self, element, cells):
+        """The error on a mesh of so many cells along the radius."""
+        columns = cells if element in ("tri3", "quad4") else 2*cells
+        top = [(RADIUS*column/columns, HEIGHT) for column in range(columns + 1)]
+        deck = self.deck("cylinder", element=element, cells=(cells, 3*cells//2))
+        self.assert_sound(self.solve(with_points_held(deck, top, exact)))
+        return displacement_error(self.directory/"case.vtu", exact, depth=lambda r: r)
+
+    def test_linear_elements_converge(self):
+        table = ConvergenceTable("Linear elements", ["displacement"], {"tri3": (2,), "quad4": (2,)},
+                                 allowance=self.meshes(0.2, ORDER_ALLOWANCE))
+        for element in ("tri3", "quad4"):
+            for cells in self.meshes((4, 8), (4, 8, 16, 32)):
+                table.add(element, RADIUS/cells, self.error(element, cells))
+        table.close()
+        self.assert_table(table)
+
+    def test_quadratic_elements_are_exact(self):
+        # A condition number of some thousand times 1e-16.
+        table = RoundoffTable("Quadratic elements", ["element"], ["displacement"], 1e-11)
+        for element in ELEMENTS[2:]:
+            table.add(element, errors=[self.error(element, self.meshes(4, 8))])
+        self.assert_table(table)
+
+
+if __name__ == "__main__":
+    main()
