@@ -26,7 +26,8 @@ mkdir -p "$tables"
 export AMONTONS=$PWD/build/release/bin/amontons PYTHONPATH=$PWD/tests/app OMP_NUM_THREADS=1 tables
 # shellcheck disable=SC2016 # expanded by the shell that xargs starts
 printf '%s\n' "${benchmarks[@]}" | xargs -P "$(nproc)" -I NAME bash -c '
-   python3 -B tests/verification/test_NAME.py --print >"$tables/NAME.md" 2>"$tables/NAME.log" || touch "$tables/NAME.failed"'
+   python3 -B tests/verification/test_NAME.py --print >"$tables/NAME.md" 2>"$tables/NAME.log" ||
+      touch "$tables/NAME.failed"'
 
 status=0
 for benchmark in "${benchmarks[@]}"; do

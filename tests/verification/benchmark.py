@@ -98,4 +98,4 @@ def section(text):
     files += [f"[{name}.nml](../tests/verification/decks/{name}.nml)" for name in Benchmark.decks_used]
     parts = [f"## {heading.rstrip('.')}", body.strip(), "Files: " + ", ".join(files) + ".",
              *(table.markdown() for table in Benchmark.tables)]
-    return "\n\n".join(part for part in parts if part) + "\n"
+    return "\n\n".join(part for part in parts if part)

@@ -43,7 +43,8 @@ class Wedge(Benchmark):
         self.assert_table(table)
 
     def test_pushed_wedge(self):
-        table = ValueTable("Pushed: largest push that friction bears, over the weight", ["slope", "friction", "element"])
+        table = ValueTable("Pushed: largest push that friction bears, over the weight",
+                           ["slope", "friction", "element"])
         for slope, friction in self.meshes(CASES[:2], CASES):
             for element in ELEMENTS:
                 deck = self.wedge("wedge_pushed", slope, friction, element)
