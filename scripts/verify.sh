@@ -38,6 +38,7 @@ for benchmark in "${benchmarks[@]}"; do
       status=1
    fi
 done >"$tables/all"
+echo >>"$tables/all"
 cat "$tables/all"
 ((status == 0)) || { echo 'FAILED: a row misses its tolerance' >&2; exit 1; }
 

@@ -51,7 +51,8 @@ class ShapeFunctions(unittest.TestCase):
         square = [(-1, -1), (1, -1), (1, 1), (-1, 1), (0, -1), (1, 0), (0, 1), (-1, 0), (0, 0)]
         corner = [(0, 0), (1, 0), (0, 1), (0.5, 0), (0.5, 0.5), (0, 0.5)]
         for functions, nodes in ((bilinear, square[:4]), (serendipity, square[:8]), (biquadratic, square),
-                                 (lambda r, s: triangle(r, s, 1), corner[:3]), (lambda r, s: triangle(r, s, 2), corner)):
+                                 (lambda r, s: triangle(r, s, 1), corner[:3]),
+                                 (lambda r, s: triangle(r, s, 2), corner)):
             for node, (r, s) in enumerate(nodes):
                 values = [value for value, _, _ in functions(r, s)]
                 self.assertEqual(values, [float(other == node) for other in range(len(nodes))])
