@@ -48,11 +48,8 @@ contains
       end if
       point%normal_force = result%solution%force(p)
       point%tangential_force = result%solution%force(m + p)
-      ! A corner on the axis of revolution may have no area; its force is then zero as well.
-      if (body%zone%area(p) > 0.0_dp) then
-         point%normal_stress = point%normal_force/body%zone%area(p)
-         point%tangential_stress = point%tangential_force/body%zone%area(p)
-      end if
+      point%normal_stress = point%normal_force/body%zone%area(p)
+      point%tangential_stress = point%tangential_force/body%zone%area(p)
       point%status = trim(status_names(result%solution%status(p)))
    end subroutine new_contact_point
 

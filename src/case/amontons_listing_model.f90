@@ -140,6 +140,10 @@ contains
             text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%held_node(i)))// &
                ' is no contact point: supports hold it')
          end do
+         do i = 1, size(zone%bare_node)
+            text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%bare_node(i)))// &
+               ' is no contact point: on the axis it has no area that a pressure could act on')
+         end do
          do i = 1, size(zone%shared_node)
             text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%shared_node(i)))// &
                ' is a corner of two contact sets; it belongs to the one named first')

@@ -41,12 +41,14 @@ module amontons_contact_zone
       logical, allocatable :: is_guided(:) !! whether a support leaves it one direction and bears the shear (m)
       integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
       integer, allocatable :: shared_node(:) !! corners of two contact sets: they belong to the set named first
+      integer, allocatable :: bare_node(:) !! contact nodes that are no points since they have no area
    end type contact_zone_t
 
 contains
 
-   !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point; a
-   !> corner of two contact sets belongs to the first of them.
+   !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point; nor
+   !> is a corner of a quadratic side on the axis of revolution: its area is 0, so that no pressure acts on it. A corner
+   !> of two contact sets belongs to the first of them.
    subroutine new_contact_zone(zone, mesh, materials, contacts, constraints, error)
       type(contact_zone_t), intent(out) :: zone !! the points; obstacles are set by `set_obstacles`
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -67,7 +69,7 @@ contains
       end do
       n = sum(lines%n_nodes)
       allocate (zone%node(n), zone%set(n), zone%next(n), zone%normal(2, n), zone%weight(n), zone%area(n), &
-         zone%is_guided(n), zone%station(n), zone%held_node(0), zone%shared_node(0))
+         zone%is_guided(n), zone%station(n), zone%held_node(0), zone%shared_node(0), zone%bare_node(0))
       is_taken = .false.
       do i = 1, size(contacts)
          if (all(is_taken(lines(i)%node))) then
@@ -79,8 +81,14 @@ contains
          is_taken(lines(i)%node) = .true.
       end do
       call trim_zone(zone)
-      if (size(contacts) > 0 .and. zone%n_points == 0) call new_error(error, input_refused, contacts(1)%origin// &
-         'supports hold every contact node; nothing is left that could come into contact')
+      if (size(contacts) == 0 .or. zone%n_points > 0) return
+      if (size(zone%bare_node) > 0) then
+         call new_error(error, input_refused, contacts(1)%origin//'the contact set lies on the axis of revolution, '// &
+            'where no pressure can act')
+      else
+         call new_error(error, input_refused, contacts(1)%origin// &
+            'supports hold every contact node; nothing is left that could come into contact')
+      end if
    end subroutine new_contact_zone
 
    !> Coordinates of a node as text.
@@ -101,6 +109,8 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
       logical, intent(in) :: is_taken(:) !! whether a node belongs to an earlier contact set (nodes)
+      ! What rounding leaves of an area of 0, over the largest one.
+      real(dp), parameter :: negligible = 1.0e-12_dp
       real(dp) :: station, normal(2)
       integer :: point_of(line%n_nodes), k, p
 
@@ -117,6 +127,10 @@ contains
          if (any(abs(direction) > 0.0_dp)) normal = direction/norm2(direction)
          if (is_held_normally(constraints, line%node(k), normal)) then
             zone%held_node = [zone%held_node, line%node(k)]
+            cycle
+         end if
+         if (abs(line%area(k)) <= negligible*maxval(line%area)) then
+            zone%bare_node = [zone%bare_node, line%node(k)]
             cycle
          end if
          p = zone%n_points + 1
