@@ -23,7 +23,11 @@ install(FILES
 # The library is static, so the pkg-config file names everything below it. Full paths become -L and -l, since CMake's
 # reader of such files would put a path before the library on the link line.
 set(AMONTONS_LINK_LINE "")
-foreach(_library IN ITEMS ${CHOLMOD_LIBRARY} ${CAMD_LIBRARY} ${SUITESPARSECONFIG_LIBRARY} ${LAPACK_LIBRARIES})
+set(_libraries ${CHOLMOD_LIBRARY} ${CAMD_LIBRARY} ${SUITESPARSECONFIG_LIBRARY} ${LAPACK_LIBRARIES})
+if(AMONTONS_HAS_HDF5)
+  list(APPEND _libraries ${HDF5_Fortran_LIBRARIES})
+endif()
+foreach(_library IN LISTS _libraries)
   if(IS_ABSOLUTE "${_library}")
     cmake_path(GET _library PARENT_PATH _directory)
     cmake_path(GET _library STEM _name)

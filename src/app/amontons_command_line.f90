@@ -8,8 +8,8 @@ module amontons_command_line
    public :: append_argument, argument_t, command_line_t, help_text, read_command_line
 
    !> Options, as they are written.
-   character(9), parameter :: option_names(*) = [character(9) :: '--output', '--check', '--quiet', '--threads', &
-      '--help', '--version']
+   character(15), parameter :: option_names(*) = [character(15) :: '--output', '--check', '--quiet', '--threads', &
+      '--reduced', '--write-reduced', '--help', '--version']
 
    !> A word of the command line.
    type :: argument_t
@@ -23,6 +23,8 @@ module amontons_command_line
       integer :: n_threads = 0 !! number of threads; 0 for as many as the machine offers
       logical :: is_check = .false. !! whether decks are only checked
       logical :: is_quiet = .false. !! whether nothing is told of solved decks
+      logical :: is_reduced = .false. !! whether the names are files of reduced problems rather than decks
+      logical :: writes_reduced = .false. !! whether the reduced problem of each case is written
       logical :: is_help = .false. !! whether help is asked for
       logical :: is_version = .false. !! whether the version is asked for
    end type command_line_t
@@ -55,7 +57,8 @@ contains
       end do
       if (command_line%is_help .or. command_line%is_version) return
       if (size(command_line%decks) == 0) call new_error(error, input_refused, &
-         'amontons: expected a deck; try amontons --help')
+         'amontons: expected '//trim(merge('the file of a reduced problem', 'a deck                       ', &
+         command_line%is_reduced))//'; try amontons --help')
    end subroutine read_command_line
 
    !> Reads one option and, if it takes one, its value: `--output DIR` or `--output=DIR`.
@@ -93,6 +96,10 @@ contains
          command_line%is_check = .true.
       case ('--quiet')
          command_line%is_quiet = .true.
+      case ('--reduced')
+         command_line%is_reduced = .true.
+      case ('--write-reduced')
+         command_line%writes_reduced = .true.
       case ('--help', '-h')
          command_line%is_help = .true.
       case ('--version')
@@ -137,7 +144,8 @@ contains
       character(*), parameter :: newline = new_line('a')
 
       text = 'amontons: plane contact with Coulomb friction by the dual method'//newline//newline// &
-         'Usage: amontons [options] DECK...'//newline//newline// &
+         'Usage: amontons [options] DECK...'//newline// &
+         '       amontons [options] --reduced FILE...'//newline//newline// &
          'Solves the case of each deck and writes, in the output directory,'//newline// &
          '  NAME.lst           the listing'//newline// &
          '  NAME.contact.csv   gap, slip, forces, stresses and status of every contact point'//newline// &
@@ -152,6 +160,9 @@ contains
          '  --check        check the decks and print their sizes; solve and write nothing'//newline// &
          '  --quiet        print nothing but errors'//newline// &
          '  --threads N    threads to use (default: OMP_NUM_THREADS, or all cores)'//newline// &
+         '  --reduced      the files are reduced problems u = W r + q (Siconos text or FCLIB), not decks'//newline// &
+         '  --write-reduced  write the reduced problem of each case too: NAME.reduced.dat (Siconos text)'//newline// &
+         '                 and NAME.reduced.hdf5 (FCLIB)'//newline// &
          '  --help         print this text'//newline// &
          '  --version      print the version'//newline//newline// &
          'Exit status: 0 solved; 1 input refused; 2 numerical failure; 3 cannot write, or an internal'//newline// &

@@ -1,11 +1,13 @@
 !> One run of the program: every deck of the command line, one after the other.
 module amontons_run
-   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+   use, intrinsic :: iso_fortran_env, only: error_unit
    use amontons_command_line, only: append_argument, argument_t, command_line_t
-   use amontons_config, only: config_t, read_config
+   use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_report, only: write_report
    use amontons_result, only: certificate_limit, result_t
+   use amontons_run_reduced, only: export_case, run_reduced
+   use amontons_screen, only: tell
    use amontons_solve_case, only: prepare_case, solve_case, workshop_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -49,13 +51,21 @@ contains
       integer, intent(out) :: status !! 0, or `status_not_converged`
       type(error_t), allocatable, intent(out) :: error !! the deck was refused or could not be solved
       type(config_t) :: config
+      logical :: is_solved
 
       status = 0
-      call read_config(config, deck, error)
+      if (command_line%is_reduced) then
+         call new_reduced_config(config, deck, error)
+      else
+         call read_config(config, deck, error)
+      end if
       if (allocated(error)) return
       call claim_name(names, config, error)
       if (allocated(error)) return
-      if (command_line%is_check) then
+      if (config%reduced%is_given) then
+         call run_reduced(command_line, config, is_solved, error)
+         if (.not. is_solved) status = status_not_converged
+      else if (command_line%is_check) then
          call check_case(command_line, config, workshop, error)
       else
          call report_case(command_line, config, workshop, status, error)
@@ -105,6 +115,10 @@ contains
       status = 0
       call solve_case(workshop, config, result, error)
       if (allocated(error)) return
+      if (command_line%writes_reduced) then
+         call export_case(command_line, config, workshop%body%problem, result%solution%force, error)
+         if (allocated(error)) return
+      end if
       call write_report(command_line%output, config, workshop%body, result, error)
       if (allocated(error)) return
       call tell(command_line, solved_text(config, result))
@@ -115,14 +129,6 @@ contains
          write (error_unit, '(a)') config%file//': the certificate FAILED on the full model; see the listing'
       end if
    end subroutine report_case
-
-   !> Prints a line unless the run is quiet.
-   subroutine tell(command_line, text)
-      type(command_line_t), intent(in) :: command_line !! the options
-      character(*), intent(in) :: text !! the line
-
-      if (.not. command_line%is_quiet) write (output_unit, '(a)') text
-   end subroutine tell
 
    !> What is told of a checked deck.
    pure function check_text(config, workshop) result(text)

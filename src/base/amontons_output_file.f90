@@ -7,14 +7,14 @@ module amontons_output_file
    implicit none (type, external)
    private
 
-   public :: new_output_file, output_file_t
+   public :: new_foreign_file, new_output_file, output_file_t
 
    !> A file being written. Until `commit` the final name is untouched.
    type :: output_file_t
       private
       integer, public :: unit = -1 !! the unit to write to while the file is open
       character(:), allocatable :: path !! final name
-      character(:), allocatable :: temporary_path !! name until `commit`
+      character(:), allocatable, public :: temporary_path !! name until `commit`
       logical :: is_open = .false. !! whether the unit is open
    contains
       procedure, public :: commit => output_file_commit
@@ -33,14 +33,22 @@ contains
       character(256) :: reason
       integer :: status
 
-      file%path = path
-      file%temporary_path = path//'.'//to_text(process_id())//'.tmp'
+      call new_foreign_file(file, path)
       reason = ''
       open (newunit=file%unit, file=file%temporary_path, status='replace', action='write', access='stream', &
          form=trim(merge('unformatted', 'formatted  ', is_binary)), iostat=status, iomsg=reason)
       file%is_open = status == 0
       if (status /= 0) call new_error(error, system_failure, path//': cannot write this file: '//trim(reason))
    end subroutine new_output_file
+
+   !> Names a file that a foreign library writes whole, and closes, under the temporary name.
+   subroutine new_foreign_file(file, path)
+      type(output_file_t), intent(out) :: file !! the file, not there yet
+      character(*), intent(in) :: path !! final name
+
+      file%path = path
+      file%temporary_path = path//'.'//to_text(process_id())//'.tmp'
+   end subroutine new_foreign_file
 
    !> Closes the file, every byte handed to the system; it still has its temporary name.
    subroutine output_file_finish(self, write_status, error)

@@ -2,9 +2,10 @@
 module amontons_config
    use amontons_config_body, only: read_loads, read_materials, read_supports
    use amontons_config_contact, only: read_contacts
+   use amontons_config_reduced, only: read_problem, reduced_source_t
    use amontons_constraints, only: support_t
    use amontons_contact_zone, only: contact_t
-   use amontons_deck, only: deck_t, read_deck
+   use amontons_deck, only: deck_t, read_deck, read_deck_text
    use amontons_deck_rules, only: origin_of, require
    use amontons_element, only: element_names
    use amontons_error, only: error_t
@@ -17,17 +18,17 @@ module amontons_config
    use amontons_rectangle, only: diagonal_names, rectangle_t
    use amontons_splitting, only: variant_names
    use amontons_system, only: absolute_path
-   use amontons_text, only: to_text
+   use amontons_text, only: quoted, to_text
    implicit none (type, external)
    private
 
-   public :: config_t, factorization_names, read_config
+   public :: config_t, factorization_names, new_reduced_config, read_config
 
    !> Factorisations, as a deck writes them.
    character(6), parameter :: factorization_names(3) = [character(6) :: 'auto', 'band', 'sparse']
    !> Groups of a deck.
-   character(8), parameter :: group_names(*) = [character(8) :: 'case', 'mesh', 'material', 'support', 'load', &
-      'contact', 'solver', 'output']
+   character(8), parameter :: group_names(*) = [character(8) :: 'case', 'problem', 'mesh', 'material', 'support', &
+      'load', 'contact', 'solver', 'output']
    !> Groups that may stand more than once.
    character(8), parameter :: repeatable_names(*) = [character(8) :: 'material', 'support', 'load', 'contact']
 
@@ -36,6 +37,7 @@ module amontons_config
       character(:), allocatable :: file !! name of the deck
       character(:), allocatable :: name !! name of the case, and of its files
       character(:), allocatable :: title !! what the case is about, for the listing
+      type(reduced_source_t) :: reduced !! the reduced problem that there is in the place of a body, if one is given
       character(:), allocatable :: mesh_file !! name of the mesh file from the root on; empty for a rectangle
       character(:), allocatable :: mesh_origin !! where the mesh file was specified, for messages: 'deck.nml:12: '
       type(rectangle_t) :: rectangle !! the rectangle that is the body where there is no mesh file
@@ -64,17 +66,43 @@ contains
          call deck%finish(error)
          return
       end if
+      call read_groups(config, deck, error)
+   end subroutine read_config
+
+   !> Makes the case of a reduced problem's file alone: that of a deck which names the file and nothing else.
+   subroutine new_reduced_config(config, file, error)
+      type(config_t), intent(out) :: config !! the case
+      character(*), intent(in) :: file !! name of the reduced problem's file
+      type(error_t), allocatable, intent(out) :: error !! the name cannot stand in a deck
+      type(deck_t) :: deck
+
+      call read_deck_text(deck, file, "&problem kind = 'reduced'  file = "//quoted(absolute_path(file))//' /')
+      config%file = file
+      call read_groups(config, deck, error)
+      config%reduced%file = file
+      config%reduced%origin = ''
+   end subroutine new_reduced_config
+
+   !> Reads all groups of a deck that is well formed.
+   subroutine read_groups(config, deck, error)
+      type(config_t), intent(inout) :: config !! the case, gains what the groups say
+      type(deck_t), intent(inout) :: deck !! the deck
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+
       call deck%refuse_unknown_groups(group_names, repeatable_names)
       call read_case(config, deck)
-      call read_mesh(config, deck)
-      call read_materials(config%materials, deck)
-      call read_supports(config%supports, deck)
-      call read_loads(config%loads, deck)
-      call read_contacts(config%contacts, deck)
+      call read_problem(config%reduced, deck)
+      if (.not. config%reduced%is_given) then
+         call read_mesh(config, deck)
+         call read_materials(config%materials, deck)
+         call read_supports(config%supports, deck)
+         call read_loads(config%loads, deck)
+         call read_contacts(config%contacts, deck)
+      end if
       call read_solver(config, deck)
       call deck%refuse_unknown(deck%group('output'))
       call deck%finish(error)
-   end subroutine read_config
+   end subroutine read_groups
 
    !> Reads `&case`: name and title.
    subroutine read_case(config, deck)

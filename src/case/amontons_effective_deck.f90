@@ -21,8 +21,12 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = '&case name = '//quoted(config%name)//'  title = '//quoted(config%title)//' /'//newline &
-         //mesh_text(config)
+      text = '&case name = '//quoted(config%name)//'  title = '//quoted(config%title)//' /'//newline
+      if (config%reduced%is_given) then
+         text = text//problem_text(config)//solver_text(config)//'&output /'//newline
+         return
+      end if
+      text = text//mesh_text(config)
       do i = 1, size(config%materials)
          text = text//material_text(config, i)
       end do
@@ -55,6 +59,16 @@ contains
          text = text//quoted(config%contacts(i)%set)//pair(config%contacts(i)%direction)
       end do
    end function body_text
+
+   !> `&problem`.
+   pure function problem_text(config) result(text)
+      type(config_t), intent(in) :: config !! the case, of a reduced problem
+      character(:), allocatable :: text
+
+      text = "&problem kind = 'reduced'  file = "//quoted(config%reduced%path)
+      if (config%reduced%has_friction) text = text//'  friction = '//to_text(config%reduced%friction)
+      text = text//' /'//newline
+   end function problem_text
 
    !> `&mesh`.
    pure function mesh_text(config) result(text)

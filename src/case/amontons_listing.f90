@@ -18,7 +18,7 @@ module amontons_listing
    implicit none (type, external)
    private
 
-   public :: write_listing
+   public :: history_text, method_text, write_listing
 
 contains
 

@@ -16,7 +16,7 @@ module amontons_report
    implicit none (type, external)
    private
 
-   public :: write_report
+   public :: write_deck, write_report
 
    !> Number of files that a case leaves.
    integer, parameter :: n_files = 6

@@ -15,7 +15,7 @@ module amontons_summary
    implicit none (type, external)
    private
 
-   public :: write_summary
+   public :: number, string, truth, write_summary
 
    character(*), parameter :: newline = new_line('a')
 

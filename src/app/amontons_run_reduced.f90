@@ -1,0 +1,91 @@
+!> Reduced problems in a run: solved, and written for others.
+module amontons_run_reduced
+   use, intrinsic :: iso_fortran_env, only: error_unit
+   use amontons_command_line, only: command_line_t
+   use amontons_config, only: config_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_error, only: error_t
+   use amontons_fclib_file, only: has_fclib
+   use amontons_kinds, only: dp
+   use amontons_reduced_file, only: write_reduced_files
+   use amontons_reduced_report, only: write_reduced_report
+   use amontons_reduced_system, only: new_condensed_system, reduced_system_t
+   use amontons_result, only: certificate_limit
+   use amontons_screen, only: tell
+   use amontons_solve_reduced, only: prepare_reduced, reduced_result_t, solve_reduced
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: export_case, run_reduced
+
+contains
+
+   !> Checks or solves a reduced problem.
+   subroutine run_reduced(command_line, config, is_solved, error)
+      type(command_line_t), intent(in) :: command_line !! the options
+      type(config_t), intent(in) :: config !! the case
+      logical, intent(out) :: is_solved !! whether it is solved and checked; true where it was only to be read
+      type(error_t), allocatable, intent(out) :: error !! the file is at fault, or no files can be written
+      type(reduced_result_t) :: result
+
+      is_solved = .true.
+      if (command_line%is_check) then
+         call prepare_reduced(config, result, error)
+         if (.not. allocated(error)) call tell(command_line, config%name//': in order; '//result%system%form//', '// &
+            to_text(result%system%n_contacts)//' contacts, '//to_text(size(result%system%entry))//' entries of W')
+         return
+      end if
+      call solve_reduced(config, result, error)
+      if (allocated(error)) return
+      if (command_line%writes_reduced) call export(command_line, config, result%system, error)
+      if (.not. allocated(error)) call write_reduced_report(command_line%output, config, result, error)
+      if (allocated(error)) return
+      call tell(command_line, solved_text(config, result))
+      is_solved = result%solution%is_converged
+      if (.not. is_solved .or. result%check%largest() <= certificate_limit(config%method%tolerance)) return
+      is_solved = .false.
+      write (error_unit, '(a)') config%file//': the check FAILED on the problem as read; see the listing'
+   end subroutine run_reduced
+
+   !> Writes the reduced problem of a solved deck, and its solution.
+   subroutine export_case(command_line, config, problem, force, error)
+      type(command_line_t), intent(in) :: command_line !! the options
+      type(config_t), intent(in) :: config !! the case
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem; gains its compliance
+      real(dp), intent(in) :: force(:) !! its contact forces (2m) [F]
+      type(error_t), allocatable, intent(out) :: error !! it has no reduced problem, or a file cannot be written
+      type(reduced_system_t) :: system
+
+      call new_condensed_system(system, problem, error)
+      if (allocated(error)) return
+      call system%set_solution(force, 1.0_dp)
+      call export(command_line, config, system, error)
+   end subroutine export_case
+
+   !> Writes a reduced problem, and tells where this build cannot write one of its files.
+   subroutine export(command_line, config, system, error)
+      type(command_line_t), intent(in) :: command_line !! the options
+      type(config_t), intent(in) :: config !! the case
+      type(reduced_system_t), intent(in) :: system !! the reduced problem and its solution
+      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+
+      call write_reduced_files(command_line%output, config%name, system, error)
+      if (.not. (allocated(error) .or. has_fclib)) call tell(command_line, config%name//': '//config%name// &
+         '.reduced.hdf5 is not written: this program was built without the HDF5 library')
+   end subroutine export
+
+   !> What is told of a solved reduced problem.
+   pure function solved_text(config, result) result(text)
+      type(config_t), intent(in) :: config !! the case
+      type(reduced_result_t), intent(in) :: result !! the result
+      character(:), allocatable :: text
+      character(9) :: residual
+
+      write (residual, '(es9.2)') result%solution%residual
+      text = config%name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
+         to_text(result%solution%n_iterations)//' iterations, residual '//trim(adjustl(residual))//'; '// &
+         to_text(result%system%n_contacts)//' contacts'
+   end function solved_text
+
+end module amontons_run_reduced

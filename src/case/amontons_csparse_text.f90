@@ -1,0 +1,260 @@
+!> A sparse matrix as CSparse prints it: triplets, or columns.
+!>
+!> CSparse prints six digits: counts from a million on tell no more than their size.
+module amontons_csparse_text
+   use amontons_kinds, only: dp
+   use amontons_mesh_source, only: mesh_source_t
+   use amontons_numeral, only: ends_word, scan_integer, scan_real
+   use amontons_reduced_system, only: entries_t, reduced_system_t
+   use amontons_reduced_words, only: refuse_word, take_choice, take_word
+   use amontons_text, only: to_text, to_text_17
+   implicit none (type, external)
+   private
+
+   public :: read_csparse, write_csparse
+
+   !> The number that stands for triplets.
+   integer, parameter :: origin_triplets = 1
+   !> The number that stands for columns.
+   integer, parameter :: origin_columns = 2
+   !> From here on counts with six digits may be rounded.
+   integer, parameter :: first_rounded = 1000000
+
+contains
+
+   !> Reads what CSparse prints of a matrix.
+   pure subroutine read_csparse(entries, source, n, form)
+      type(entries_t), intent(out) :: entries !! the matrix
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(in) :: n !! number of rows
+      character(:), allocatable, intent(out) :: form !! what kind of file this is
+      integer :: origin
+
+      call take_choice(source, origin, 'the origin of W: 1 (triplets) or 2 (columns)', [origin_triplets, origin_columns])
+      call take_line_of(source, 'CSparse Version')
+      if (origin == origin_triplets) then
+         form = 'Siconos text, CSparse triplets'
+         call read_triplets(entries, source, n)
+      else
+         form = 'Siconos text, CSparse columns'
+         call read_compressed(entries, source, n)
+      end if
+   end subroutine read_csparse
+
+   !> Takes a line that begins with given words.
+   pure subroutine take_line_of(source, words)
+      type(mesh_source_t), intent(inout) :: source !! the file
+      character(*), intent(in) :: words !! the words
+      character(:), allocatable :: line
+      integer :: place
+
+      if (allocated(source%error)) return
+      call source%skip_white()
+      place = source%position
+      call source%take_line(line)
+      if (index(line, words) == 0 .or. index(line, words) > 3) call source%refuse('expected a line that begins with '// &
+         words//", found '"//line(:min(40, len(line)))//"'", place)
+   end subroutine take_line_of
+
+   !> Takes a count as CSparse prints it: a number of six digits, followed by text that may touch it.
+   pure subroutine take_printed(source, value, what)
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(out) :: value !! the count; from a million on, about
+      character(*), intent(in) :: what !! what it means, for the message
+      character(*), parameter :: of_a_number = '0123456789.e+'
+      real(dp) :: number
+      integer :: last, at
+      logical :: ok
+
+      value = 0
+      if (allocated(source%error)) return
+      call source%skip_white()
+      last = source%position - 1
+      do while (last < len(source%text))
+         if (scan(source%text(last + 1:last + 1), of_a_number) == 0) exit
+         last = last + 1
+      end do
+      at = 1
+      call scan_real(source%text(source%position:last), at, number, ok)
+      if (ok) ok = number <= huge(value)
+      if (.not. ok) then
+         call source%refuse('expected '//what//', found '//source%word())
+         return
+      end if
+      value = nint(number)
+      source%position = last + 1
+   end subroutine take_printed
+
+   !> Whether a count is the one printed with six digits.
+   pure logical function is_printed(printed, count)
+      integer, intent(in) :: printed !! the count as printed
+      integer, intent(in) :: count !! the count
+
+      is_printed = printed == count .or. printed >= first_rounded .and. &
+         abs(real(printed, dp) - real(count, dp)) <= 5.0e-6_dp*real(count, dp)
+   end function is_printed
+
+   !> Takes `M-by-N, nzmax: a nnz: b`.
+   pure subroutine take_head(source, n, n_entries)
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(in) :: n !! number of rows
+      integer, intent(out) :: n_entries !! number of entries, as printed
+      integer :: n_rows, n_columns, most
+
+      call take_printed(source, n_rows, 'the number of rows of W, such as '//to_text(n)//'-by-'//to_text(n))
+      call take_word(source, '-by-')
+      call take_printed(source, n_columns, 'the number of columns of W')
+      if (.not. (is_printed(n_rows, n) .and. is_printed(n_columns, n))) call refuse_word(source, 'expected W to be '// &
+         to_text(n)//'-by-'//to_text(n)//', found '//to_text(n_rows)//'-by-'//to_text(n_columns))
+      call take_word(source, ', nzmax:')
+      call take_printed(source, most, 'the room for entries (nzmax)')
+      call take_word(source, 'nnz:')
+      call take_printed(source, n_entries, 'the number of entries (nnz)')
+   end subroutine take_head
+
+   !> Reads triplets: lines `row col : value`, counted from 0.
+   pure subroutine read_triplets(entries, source, n)
+      type(entries_t), intent(out) :: entries !! the matrix
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(in) :: n !! number of rows
+      integer :: n_entries, n_read, row, column
+
+      call take_word(source, 'triplet:')
+      call take_head(source, n, n_entries)
+      n_read = 0
+      do while (.not. allocated(source%error))
+         call source%skip_white()
+         if (n_entries < first_rounded .and. n_read >= n_entries .or. .not. is_entry(source, 2)) exit
+         call take_index(source, row, n, 'row')
+         call take_index(source, column, n, 'column')
+         call take_entry(entries, source, row, column)
+         n_read = n_read + 1
+      end do
+      if (.not. is_printed(n_entries, n_read)) call source%refuse('expected '//to_text(n_entries)// &
+         ' lines "row col : value" as nnz says, found '//to_text(n_read)//' and then '//source%word())
+   end subroutine read_triplets
+
+   !> Reads compressed columns: for each a line `col j : locations p to q`, then lines `row : value`, counted from 0.
+   pure subroutine read_compressed(entries, source, n)
+      type(entries_t), intent(out) :: entries !! the matrix
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(in) :: n !! number of rows
+      character(:), allocatable :: norm
+      integer :: n_entries, n_read, first, next, row, column
+
+      call take_head(source, n, n_entries)
+      call take_word(source, ', 1-norm:')
+      if (allocated(source%error)) return
+      call source%take_line(norm)
+      n_read = 0
+      do column = 1, n
+         call take_word(source, 'col')
+         call take_printed(source, first, 'the number of a column')
+         if (.not. is_printed(first, column - 1)) call refuse_word(source, 'expected column '//to_text(column - 1)// &
+            ', found column '//to_text(first))
+         call take_word(source, ': locations')
+         call take_printed(source, first, 'the first location of a column')
+         if (.not. is_printed(first, n_read)) call refuse_word(source, 'expected the column to begin at location '// &
+            to_text(n_read)//', found '//to_text(first))
+         call take_word(source, 'to')
+         call take_last(source, next)
+         do while (.not. allocated(source%error))
+            call source%skip_white()
+            if (next < first_rounded .and. n_read >= next .or. .not. is_entry(source, 1)) exit
+            call take_index(source, row, n, 'row')
+            call take_entry(entries, source, row, column)
+            n_read = n_read + 1
+         end do
+         if (.not. is_printed(next, n_read)) call source%refuse('expected lines "row : value" of column '// &
+            to_text(column - 1)//' up to location '//to_text(next - 1)//', found '//source%word())
+         if (allocated(source%error)) return
+      end do
+      if (.not. is_printed(n_entries, n_read)) call source%refuse('expected '//to_text(n_entries)// &
+         ' entries as nnz says, found '//to_text(n_read))
+   end subroutine read_compressed
+
+   !> Takes the last location of a column, which is -1 for an empty first one.
+   pure subroutine take_last(source, next)
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(out) :: next !! the location behind the last one
+
+      next = 0
+      if (allocated(source%error)) return
+      call source%skip_white()
+      if (source%text(source%position:min(source%position + 1, len(source%text))) == '-1') then
+         source%position = source%position + 2
+      else
+         call take_printed(source, next, 'the last location of a column')
+         next = next + 1
+      end if
+   end subroutine take_last
+
+   !> Whether a number of integers and a colon come next: an entry, and not yet the numbers of q.
+   pure logical function is_entry(source, n_integers)
+      type(mesh_source_t), intent(in) :: source !! the file, not at white space
+      integer, intent(in) :: n_integers !! number of integers
+      integer :: at, i, number
+
+      at = source%position
+      is_entry = .true.
+      do i = 1, n_integers
+         if (is_entry) call scan_integer(source%text, at, number, is_entry)
+         do while (at <= len(source%text))
+            if (.not. ends_word(source%text, at)) exit
+            at = at + 1
+         end do
+      end do
+      if (is_entry) is_entry = at <= len(source%text)
+      if (is_entry) is_entry = source%text(at:at) == ':'
+   end function is_entry
+
+   !> Takes an index that counts from 0.
+   pure subroutine take_index(source, value, n, what)
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(out) :: value !! the index, counted from 1
+      integer, intent(in) :: n !! number of rows
+      character(*), intent(in) :: what !! 'row' or 'column'
+
+      call source%take_numeral(value, 'a row or column of W')
+      if (value < 0 .or. value >= n) call refuse_word(source, 'expected a '//what//' from 0 to '//to_text(n - 1)// &
+         ', found '//to_text(value))
+      value = value + 1
+   end subroutine take_index
+
+   !> Takes a colon and the value of an entry.
+   pure subroutine take_entry(entries, source, row, column)
+      type(entries_t), intent(inout) :: entries !! the matrix
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(in) :: row !! row of the entry
+      integer, intent(in) :: column !! column of the entry
+      real(dp) :: value
+      integer :: place
+
+      call take_word(source, ':')
+      place = source%position
+      call source%take_real(value, 'an entry of W')
+      if (.not. allocated(source%error)) call entries%append(row, column, value, place)
+   end subroutine take_entry
+
+   !> Writes W as CSparse prints columns, but with all digits.
+   subroutine write_csparse(unit, system, status)
+      integer, intent(in) :: unit !! the unit to write to
+      type(reduced_system_t), intent(in) :: system !! the reduced problem
+      integer, intent(out) :: status !! 0 where all is well
+      real(dp) :: norm
+      integer :: j, k
+
+      norm = maxval([(sum(abs(system%entry(system%first(j):system%first(j + 1) - 1))), j=1, size(system%q))])
+      write (unit, '(i0/a/i0, 3(a, i0), a)', iostat=status) origin_columns, 'CSparse Version 3', size(system%q), '-by-', &
+         size(system%q), ', nzmax: ', size(system%entry), ' nnz: ', size(system%entry), ', 1-norm: '//to_text_17(norm)
+      do j = 1, size(system%q)
+         if (status == 0) write (unit, '(3(a, i0))', iostat=status) '    col ', j - 1, ' : locations ', &
+            system%first(j) - 1, ' to ', system%first(j + 1) - 2
+         do k = system%first(j), system%first(j + 1) - 1
+            if (status == 0) write (unit, '(6x, i0, a)', iostat=status) system%row(k) - 1, ' : '// &
+               to_text_17(system%entry(k))
+         end do
+      end do
+   end subroutine write_csparse
+
+end module amontons_csparse_text

@@ -1,0 +1,59 @@
+!> Files of reduced problems: Siconos text and FCLIB's HDF5, told apart by their first bytes.
+module amontons_reduced_file
+   use amontons_error, only: error_t
+   use amontons_fclib_file, only: has_fclib, read_fclib_file, write_fclib_file
+   use amontons_mesh_source, only: mesh_source_t, new_mesh_source
+   use amontons_output_file, only: new_foreign_file, output_file_t
+   use amontons_reduced_system, only: reduced_system_t
+   use amontons_siconos_text, only: read_siconos_text, write_siconos_text
+   use amontons_system, only: make_directory
+   implicit none (type, external)
+   private
+
+   public :: read_reduced_file, write_reduced_files
+
+   !> The first bytes of every HDF5 file.
+   character(*), parameter :: hdf5_signature = char(137)//'HDF'//achar(13)//achar(10)//achar(26)//achar(10)
+
+contains
+
+   !> Reads a reduced problem.
+   subroutine read_reduced_file(system, file, error)
+      type(reduced_system_t), intent(out) :: system !! the reduced problem
+      character(*), intent(in) :: file !! name of the file
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
+      type(mesh_source_t) :: source
+
+      call new_mesh_source(source, file, error)
+      if (allocated(error)) return
+      if (index(source%text, hdf5_signature) == 1) then
+         call read_fclib_file(system, file, error)
+      else
+         call read_siconos_text(system, source)
+         call move_alloc(source%error, error)
+      end if
+   end subroutine read_reduced_file
+
+   !> Writes NAME.reduced.dat and, in a build with HDF5, NAME.reduced.hdf5: both or none.
+   subroutine write_reduced_files(directory, name, system, error)
+      character(*), intent(in) :: directory !! output directory, made if it is not there
+      character(*), intent(in) :: name !! name of the case
+      type(reduced_system_t), intent(in) :: system !! the reduced problem
+      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(output_file_t) :: files(2)
+      integer :: i
+
+      call make_directory(directory, error)
+      if (allocated(error)) return
+      call write_siconos_text(files(1), directory//'/'//name//'.reduced.dat', system, error)
+      if (has_fclib .and. .not. allocated(error)) then
+         call new_foreign_file(files(2), directory//'/'//name//'.reduced.hdf5')
+         call write_fclib_file(files(2)%temporary_path, system, name, error)
+      end if
+      do i = 1, merge(2, 1, has_fclib)
+         if (.not. allocated(error)) call files(i)%commit(error)
+         if (allocated(error)) call files(i)%discard()
+      end do
+   end subroutine write_reduced_files
+
+end module amontons_reduced_file

@@ -1,0 +1,352 @@
+!> Reduced problems as others write them: `u = W r + q`, the forces r in Coulomb's cones.
+!>
+!> The unknowns of a contact stand together, normal before tangential: `u_N >= 0 _|_ r_N >= 0`, `|r_T| <= mu r_N`, and
+!> r_T opposes u_T. With lambda = (r_N; -r_T) this is the dual form of the contact problem: W_NN = A11, W_NT = -A12,
+!> W_TT = A22, q_N = -B1, q_T = B2 (theory, section 2). W may differ from its transpose by rounding: the contact problem
+!> has the mean of both, and `set_free_displacement` puts what is left over on the other side.
+module amontons_reduced_system
+   use amontons_contact_problem, only: contact_problem_t, new_reduced_problem
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_symmetric_matrix, only: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: entries_t, new_condensed_system, new_reduced_system, reduced_system_t
+
+   !> Entries of W may be off by this part of the root of their two diagonal entries: files have six digits or more.
+   real(dp), parameter :: rounding = 1.0e-3_dp
+   !> Entries of W may be off by this part of its largest diagonal entry: they are differences of numbers as large.
+   real(dp), parameter :: noise = 1.0e-12_dp
+   !> A matrix with a larger part of its places filled, or with at most so many rows, is stored as dense.
+   real(dp), parameter :: sparse_fill = 0.25_dp
+   integer, parameter :: most_dense_rows = 200
+
+   !> Entries of a matrix in the order of a file.
+   type :: entries_t
+      integer :: n = 0 !! number of entries
+      integer, allocatable :: row(:) !! their rows, from 1 (at least n)
+      integer, allocatable :: column(:) !! their columns, from 1 (at least n)
+      integer, allocatable :: place(:) !! where they stand in the file, for messages (at least n)
+      real(dp), allocatable :: value(:) !! the entries; those of one place add up (at least n) [L/F]
+   contains
+      procedure :: append => entries_append
+   end type entries_t
+
+   !> A reduced problem. W is stored column by column, without its zeros.
+   type :: reduced_system_t
+      integer :: n_contacts = 0 !! number m of contacts
+      integer, allocatable :: first(:) !! where each column begins in `row` and `entry`, and the end (2m + 1)
+      integer, allocatable :: row(:) !! rows of the entries, ascending within a column
+      real(dp), allocatable :: entry(:) !! the entries [L/F]
+      real(dp), allocatable :: q(:) !! u without forces (2m) [L]
+      real(dp), allocatable :: friction(:) !! mu (m) [-]
+      real(dp) :: asymmetry = 0.0_dp !! largest difference of W from its transpose [L/F]
+      real(dp) :: largest = 0.0_dp !! largest diagonal entry of W [L/F]
+      character(:), allocatable :: form !! how it came, for the listing: 'Siconos text, dense'
+      real(dp), allocatable :: u(:) !! displacements of a solution, if there is one (2m) [L]
+      real(dp), allocatable :: r(:) !! forces of that solution (2m) [F]
+   contains
+      procedure :: compliance_unit => reduced_system_compliance_unit
+      procedure :: contact_problem => reduced_system_contact_problem
+      procedure :: diagonal => reduced_system_diagonal
+      procedure :: fill => reduced_system_fill
+      procedure :: is_dense => reduced_system_is_dense
+            procedure :: length_unit => reduced_system_length_unit
+      procedure :: multiply => reduced_system_multiply
+      procedure :: set_solution => reduced_system_set_solution
+      procedure :: set_free_displacement => reduced_system_set_free_displacement
+   end type reduced_system_t
+
+contains
+
+   !> Appends an entry.
+   pure subroutine entries_append(self, row, column, value, place)
+      class(entries_t), intent(inout) :: self !! the entries
+      integer, intent(in) :: row !! its row
+      integer, intent(in) :: column !! its column
+      real(dp), intent(in) :: value !! the entry [L/F]
+      integer, intent(in) :: place !! where it stands in the file
+      integer, allocatable :: room(:)
+
+      if (.not. allocated(self%row)) allocate (self%row(0), self%column(0), self%place(0), self%value(0))
+      if (self%n == size(self%row)) then
+         room = spread(0, 1, self%n + 64)
+         self%row = [self%row, room]
+         self%column = [self%column, room]
+         self%place = [self%place, room]
+         self%value = [self%value, real(room, dp)]
+      end if
+      self%n = self%n + 1
+      self%row(self%n) = row
+      self%column(self%n) = column
+      self%value(self%n) = value
+      self%place(self%n) = place
+   end subroutine entries_append
+
+   !> Makes a reduced problem, unless W cannot be symmetric and positive semidefinite.
+   pure subroutine new_reduced_system(system, entries, q, friction, sentence, place)
+      type(reduced_system_t), intent(out) :: system !! the reduced problem
+      type(entries_t), intent(in) :: entries !! W, rows and columns within range
+      real(dp), intent(in) :: q(:) !! u without forces (2m) [L]
+      real(dp), intent(in) :: friction(:) !! mu, not negative (m) [-]
+      character(:), allocatable, intent(out) :: sentence !! what is wrong; not allocated where nothing is
+      integer, intent(out) :: place !! the place of the entry that it is about
+      type(symmetric_matrix_t) :: w, transposed
+      real(dp), allocatable :: diagonal(:)
+      integer :: fault(2), k
+
+      associate (n => entries%n)
+         call new_sparse_matrix(w, size(q), entries%row(:n), entries%column(:n), entries%value(:n))
+         call new_sparse_matrix(transposed, size(q), entries%column(:n), entries%row(:n), entries%value(:n))
+      end associate
+      system%n_contacts = size(friction)
+      system%q = q
+      system%friction = friction
+      call move_alloc(w%first, system%first)
+      call move_alloc(w%row, system%row)
+      call move_alloc(w%entry, system%entry)
+      diagonal = system%diagonal()
+      system%largest = max(0.0_dp, maxval(diagonal))
+      place = 0
+      if (any(diagonal < 0.0_dp)) then
+         fault = minloc(diagonal, dim=1)
+         sentence = entry_name(fault)//' = '//to_text(diagonal(fault(1)))//': expected no negative number on the '// &
+            'diagonal of W'
+      else
+         call check_entries(system, transposed, diagonal, sentence, fault)
+      end if
+      if (.not. allocated(sentence)) return
+      do k = 1, entries%n
+         if (entries%row(k) == fault(1) .and. entries%column(k) == fault(2)) place = entries%place(k)
+      end do
+   end subroutine new_reduced_system
+
+   !> Compares W with its transpose and every entry with the diagonal.
+   pure subroutine check_entries(system, transposed, diagonal, sentence, fault)
+      type(reduced_system_t), intent(inout) :: system !! the reduced problem; gains its asymmetry
+      type(symmetric_matrix_t), intent(in) :: transposed !! the transpose of W, column by column
+      real(dp), intent(in) :: diagonal(:) !! the diagonal of W (2m) [L/F]
+      character(:), allocatable, intent(out) :: sentence !! what is wrong; not allocated where nothing is
+      integer, intent(out) :: fault(2) !! row and column of the entry that it is about
+      real(dp) :: column(size(diagonal)), mirrored(size(diagonal)), scale, difference
+      integer :: j, k
+
+      column = 0.0_dp
+      mirrored = 0.0_dp
+      fault = 0
+      do j = 1, size(diagonal)
+         associate (own => [(k, k=system%first(j), system%first(j + 1) - 1)], &
+            other => [(k, k=transposed%first(j), transposed%first(j + 1) - 1)])
+            column(system%row(own)) = system%entry(own)
+            mirrored(transposed%row(other)) = transposed%entry(other)
+            do k = 1, size(own)
+               fault = [system%row(own(k)), j]
+               scale = sqrt(diagonal(fault(1)))*sqrt(diagonal(j))
+               difference = abs(column(fault(1)) - mirrored(fault(1)))
+               system%asymmetry = max(system%asymmetry, difference)
+               if (abs(column(fault(1))) > (1.0_dp + rounding)*scale + noise*system%largest) then
+                  sentence = entry_name(fault)//' = '//to_text(column(fault(1)))//' is larger than the root of the '// &
+                     'diagonal entries '//to_text(diagonal(fault(1)))//' and '//to_text(diagonal(j))// &
+                     ' allows: expected a positive semidefinite W'
+                  return
+               else if (difference > rounding*scale + noise*system%largest) then
+                  sentence = entry_name(fault)//' = '//to_text(column(fault(1)))//' and '//entry_name(fault(2:1:-1))// &
+                     ' = '//to_text(mirrored(fault(1)))//' differ by more than rounding: expected a symmetric W'
+                  return
+               end if
+            end do
+            column(system%row(own)) = 0.0_dp
+            mirrored(transposed%row(other)) = 0.0_dp
+         end associate
+      end do
+   end subroutine check_entries
+
+   !> The name of an entry in messages: 'W(3, 1)', counted from 1.
+   pure function entry_name(place) result(name)
+      integer, intent(in) :: place(2) !! row and column
+      character(:), allocatable :: name
+
+      name = 'W('//to_text(place(1))//', '//to_text(place(2))//')'
+   end function entry_name
+
+   !> Makes the reduced problem of a contact problem, from its compliance and dual load.
+   subroutine new_condensed_system(system, problem, error)
+      type(reduced_system_t), intent(out) :: system !! the reduced problem
+      type(contact_problem_t), intent(inout) :: problem !! the contact problem; gains its compliance
+      type(error_t), allocatable, intent(out) :: error !! there is no such reduced problem
+      real(dp), allocatable :: values(:, :), sign(:), dual_load(:)
+      integer, allocatable :: order(:)
+      integer :: m, i, j
+
+      m = problem%n_points
+      if (.not. problem%is_held) then
+         call new_error(error, input_refused, 'this case has no reduced problem u = W r + q to write: only contact '// &
+            'holds the body against a rigid motion, so that W would be infinite; add a support')
+      else if (any(problem%slip_bound > 0.0_dp)) then
+         call new_error(error, input_refused, 'this case has no reduced problem u = W r + q to write: it knows only '// &
+            'the bound mu r of the friction, no given slip_bound')
+      else
+         call problem%prepare_compliance(error)
+      end if
+      if (allocated(error)) return
+      order = [(i, m + i, i=1, m)]
+      sign = [(1.0_dp, -1.0_dp, i=1, m)]
+      values = problem%compliance%block(order, order)
+      allocate (system%first(2*m + 1), system%row(count(abs(values) > 0.0_dp)), &
+         system%entry(count(abs(values) > 0.0_dp)))
+      system%first(1) = 1
+      do j = 1, 2*m
+         associate (rows => pack([(i, i=1, 2*m)], abs(values(:, j)) > 0.0_dp))
+            system%first(j + 1) = system%first(j) + size(rows)
+            system%row(system%first(j):system%first(j + 1) - 1) = rows
+            system%entry(system%first(j):system%first(j + 1) - 1) = sign(j)*sign(rows)*values(rows, j)
+         end associate
+      end do
+      system%n_contacts = m
+      dual_load = problem%dual_load(spread(0.0_dp, 1, 2*m))
+      system%q = -sign*dual_load(order)
+      system%friction = problem%friction
+      system%largest = maxval(system%diagonal())
+      system%form = 'condensed'
+   end subroutine new_condensed_system
+
+   !> The part of the places of W that are filled [-].
+   pure real(dp) function reduced_system_fill(self) result(fill)
+      class(reduced_system_t), intent(in) :: self !! the reduced problem
+
+      fill = real(size(self%entry), dp)/max(1.0_dp, real(size(self%q), dp)**2)
+   end function reduced_system_fill
+
+   !> Whether W is better stored in full.
+   pure logical function reduced_system_is_dense(self) result(is_dense)
+      class(reduced_system_t), intent(in) :: self !! the reduced problem
+
+      is_dense = size(self%q) <= most_dense_rows .or. self%fill() >= sparse_fill
+   end function reduced_system_is_dense
+
+   !> The diagonal of W (2m) [L/F].
+   pure function reduced_system_diagonal(self) result(diagonal)
+      class(reduced_system_t), intent(in) :: self !! the reduced problem
+      real(dp) :: diagonal(2*self%n_contacts)
+      integer :: j, k
+
+      diagonal = 0.0_dp
+      do j = 1, size(diagonal)
+         do k = self%first(j), self%first(j + 1) - 1
+            if (self%row(k) == j) diagonal(j) = self%entry(k)
+         end do
+      end do
+   end function reduced_system_diagonal
+
+   !> The products W r and W^T r (2m) [L].
+   pure subroutine reduced_system_multiply(self, r, product, transposed_product)
+      class(reduced_system_t), intent(in) :: self !! the reduced problem
+      real(dp), intent(in) :: r(:) !! the forces (2m) [F]
+      real(dp), intent(out) :: product(:) !! W r (2m) [L]
+      real(dp), intent(out) :: transposed_product(:) !! W^T r (2m) [L]
+      integer :: j, k
+
+      product = 0.0_dp
+      do j = 1, size(r)
+         transposed_product(j) = 0.0_dp
+         do k = self%first(j), self%first(j + 1) - 1
+            product(self%row(k)) = product(self%row(k)) + self%entry(k)*r(j)
+            transposed_product(j) = transposed_product(j) + self%entry(k)*r(self%row(k))
+         end do
+      end do
+   end subroutine reduced_system_multiply
+
+   !> The power of two that displacements are counted in for the methods, so that their numbers are of order one [L].
+   pure real(dp) function reduced_system_length_unit(self) result(unit)
+      class(reduced_system_t), intent(in) :: self !! the reduced problem
+
+      unit = 1.0_dp
+      if (any(abs(self%q) > 0.0_dp)) unit = scale(1.0_dp, exponent(maxval(abs(self%q))))
+   end function reduced_system_length_unit
+
+   !> The power of two that compliances are counted in for the methods [L/F].
+   pure real(dp) function reduced_system_compliance_unit(self) result(unit)
+      class(reduced_system_t), intent(in) :: self !! the reduced problem
+
+      unit = 1.0_dp
+      if (self%largest > 0.0_dp) unit = scale(1.0_dp, exponent(self%largest))
+   end function reduced_system_compliance_unit
+
+   !> The contact problem in the units above.
+   pure subroutine reduced_system_contact_problem(self, problem)
+      class(reduced_system_t), intent(in) :: self !! the reduced problem
+      type(contact_problem_t), intent(out) :: problem !! the contact problem
+      type(symmetric_matrix_t) :: compliance
+      integer, allocatable :: row(:), column(:)
+      real(dp), allocatable :: half(:), values(:, :)
+      integer :: j, k, n
+
+      n = size(self%q)
+      allocate (column(size(self%row)))
+      do j = 1, n
+         column(self%first(j):self%first(j + 1) - 1) = contact_number(j, self%n_contacts)
+      end do
+      row = contact_number(self%row, self%n_contacts)
+      half = 0.5_dp*(self%entry/self%compliance_unit())*merge(1.0_dp, -1.0_dp, row > self%n_contacts .eqv. column > self%n_contacts)
+      if (self%is_dense()) then
+         allocate (values(n, n), source=0.0_dp)
+         do k = 1, size(half)
+            values(row(k), column(k)) = values(row(k), column(k)) + half(k)
+            values(column(k), row(k)) = values(column(k), row(k)) + half(k)
+         end do
+         call new_dense_matrix(compliance, values)
+      else
+         call new_sparse_matrix(compliance, n, [row, column], [column, row], [half, half])
+      end if
+      call new_reduced_problem(problem, compliance, spread(0.0_dp, 1, n), self%friction)
+      call self%set_free_displacement(problem, spread(0.0_dp, 1, n))
+   end subroutine reduced_system_contact_problem
+
+   !> Place of an unknown in the contact problem, all normal ones before the tangential ones.
+   elemental integer function contact_number(unknown, n_contacts) result(number)
+      integer, intent(in) :: unknown !! number of the unknown here, from 1
+      integer, intent(in) :: n_contacts !! number of contacts
+
+      number = (unknown + 1)/2
+      if (mod(unknown, 2) == 0) number = number + n_contacts
+   end function contact_number
+
+   !> Sets the free displacements of the contact problem to those of q and of what the skew part of W adds at given
+   !> forces: a solution that has these forces is one of the problem as it was read.
+   pure subroutine reduced_system_set_free_displacement(self, problem, force)
+      class(reduced_system_t), intent(in) :: self !! the reduced problem
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem
+      real(dp), intent(in) :: force(:) !! lambda, in the units above (2m)
+      real(dp), dimension(2*self%n_contacts) :: r, product, transposed_product, free
+      integer :: m
+
+      m = self%n_contacts
+      free = self%q/self%length_unit()
+      if (self%asymmetry > 0.0_dp) then
+         r(1::2) = force(:m)
+         r(2::2) = -force(m + 1:)
+         call self%multiply(r, product, transposed_product)
+         free = free + 0.5_dp*(product - transposed_product)/self%compliance_unit()
+      end if
+      problem%free_displacement = [-free(1::2), free(2::2)]
+   end subroutine reduced_system_set_free_displacement
+
+   !> Takes the forces of a contact problem as the solution, and computes the displacements that they give.
+   pure subroutine reduced_system_set_solution(self, force, unit)
+      class(reduced_system_t), intent(inout) :: self !! the reduced problem, gains u and r
+      real(dp), intent(in) :: force(:) !! lambda of the contact problem (2m)
+      real(dp), intent(in) :: unit !! the force that it is counted in [F]
+      real(dp) :: transposed_product(2*self%n_contacts)
+      integer :: m
+
+      m = self%n_contacts
+      if (.not. allocated(self%u)) allocate (self%u(2*m), self%r(2*m))
+      self%r(1::2) = unit*force(:m)
+      self%r(2::2) = 0.0_dp - unit*force(m + 1:)
+      call self%multiply(self%r, self%u, transposed_product)
+      self%u = self%u + self%q
+   end subroutine reduced_system_set_solution
+
+end module amontons_reduced_system

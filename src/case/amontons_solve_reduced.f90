@@ -1,0 +1,114 @@
+!> The way of a reduced problem from its file to its result.
+module amontons_solve_reduced
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_config, only: config_t
+   use amontons_contact_method, only: contact_method_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_kinds, only: dp
+   use amontons_methods, only: new_contact_method
+   use amontons_reduced_check, only: new_reduced_check, reduced_check_t
+   use amontons_reduced_file, only: read_reduced_file
+   use amontons_reduced_system, only: reduced_system_t
+   use amontons_timings, only: new_timings, phase_read, phase_recover, phase_solve, timings_t
+   implicit none (type, external)
+   private
+
+   public :: prepare_reduced, reduced_result_t, solve_reduced
+
+   !> The result of a reduced problem: everything that the reports tell.
+   type :: reduced_result_t
+      type(reduced_system_t) :: system !! the reduced problem, and its solution
+      type(contact_solution_t) :: solution !! statuses and record of the method, in the method's own units
+      type(reduced_check_t) :: check !! violations of the contact law
+      type(timings_t) :: timings !! where the time went
+   end type reduced_result_t
+
+contains
+
+   !> Reads the problem of a case.
+   subroutine prepare_reduced(config, result, error)
+      type(config_t), intent(in) :: config !! the case
+      type(reduced_result_t), intent(out) :: result !! gains the problem
+      type(error_t), allocatable, intent(out) :: error !! the file is at fault
+
+      call new_timings(result%timings)
+      call read_reduced_file(result%system, config%reduced%file, error)
+      if (allocated(error)) then
+         error%message = config%reduced%origin//error%message
+         return
+      end if
+      if (config%reduced%has_friction) result%system%friction = config%reduced%friction
+      call result%timings%lap(phase_read)
+   end subroutine prepare_reduced
+
+   !> Reads and solves the problem of a case.
+   subroutine solve_reduced(config, result, error)
+      type(config_t), intent(in) :: config !! the case
+      type(reduced_result_t), intent(out) :: result !! the result
+      type(error_t), allocatable, intent(out) :: error !! the file or the numbers are at fault
+      class(contact_method_t), allocatable :: method
+      type(contact_problem_t) :: problem
+
+      call prepare_reduced(config, result, error)
+      if (allocated(error)) return
+      call new_contact_method(method, config%method, error)
+      if (allocated(error)) return
+      call new_contact_solution(result%solution, result%system%n_contacts)
+      if (result%system%n_contacts == 0) then
+         result%solution%residual = 0.0_dp
+         result%solution%is_converged = .true.
+      else
+         call result%system%contact_problem(problem)
+         call iterate(method, result%system, problem, result%solution, error)
+         if (allocated(error)) return
+      end if
+      call result%timings%lap(phase_solve)
+      associate (system => result%system)
+         call system%set_solution(result%solution%force, system%length_unit()/system%compliance_unit())
+         call new_reduced_check(result%check, system)
+      end associate
+      call result%timings%lap(phase_recover)
+   end subroutine solve_reduced
+
+   !> Solves the symmetric problem until its forces solve the problem as it was read: what the skew part of W adds at
+   !> the forces found is put on the other side and the problem solved again. Where W is symmetric, once is enough.
+   subroutine iterate(method, system, problem, solution, error)
+      class(contact_method_t), intent(inout) :: method !! the method
+      type(reduced_system_t), intent(in) :: system !! the reduced problem
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem
+      type(contact_solution_t), intent(inout) :: solution !! the solution
+      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      real(dp), allocatable :: history(:)
+      real(dp) :: residual
+      integer :: n_left
+      logical :: is_symmetric_solved
+
+      n_left = method%max_iterations
+      allocate (history(0))
+      do
+         method%max_iterations = n_left
+         residual = solution%residual
+         call method%solve(problem, solution, error)
+         if (allocated(error)) return
+         if (.not. (solution%residual < huge(solution%residual) .and. all(ieee_is_finite(solution%force)))) then
+            call new_error(error, numerical_failure, 'the contact method left the range of finite numbers')
+            return
+         end if
+         n_left = n_left - solution%n_iterations
+         history = [history, solution%history(:solution%n_iterations)]
+         is_symmetric_solved = solution%is_converged
+         call system%set_free_displacement(problem, solution%force)
+         solution%displacement = problem%displacement(problem%dual_load(solution%displacement), solution%force)
+         solution%residual = problem%residual(solution%displacement, solution%force)
+         solution%status = problem%status(solution%displacement, solution%force)
+         solution%is_converged = solution%residual <= method%tolerance
+         if (solution%is_converged .or. .not. is_symmetric_solved .or. n_left < 1) exit
+         if (.not. solution%residual < 0.5_dp*residual) exit
+      end do
+      solution%history = history
+      solution%n_iterations = size(history)
+   end subroutine iterate
+
+end module amontons_solve_reduced
