@@ -30,8 +30,9 @@ contains
       character(:), allocatable, intent(out) :: form !! what kind of file this is
       integer :: origin
 
-      call take_choice(source, origin, 'the origin of W: 1 (triplets) or 2 (columns)', [origin_triplets, origin_columns])
-      call take_line_of(source, 'CSparse Version')
+      call take_choice(source, origin, 'the origin of W: 1 (triplets) or 2 (columns)', &
+         [origin_triplets, origin_columns])
+      call take_version(source)
       if (origin == origin_triplets) then
          form = 'Siconos text, CSparse triplets'
          call read_triplets(entries, source, n)
@@ -41,10 +42,9 @@ contains
       end if
    end subroutine read_csparse
 
-   !> Takes a line that begins with given words.
-   pure subroutine take_line_of(source, words)
+   !> Takes the line that tells the version of CSparse or CXSparse.
+   pure subroutine take_version(source)
       type(mesh_source_t), intent(inout) :: source !! the file
-      character(*), intent(in) :: words !! the words
       character(:), allocatable :: line
       integer :: place
 
@@ -52,9 +52,9 @@ contains
       call source%skip_white()
       place = source%position
       call source%take_line(line)
-      if (index(line, words) == 0 .or. index(line, words) > 3) call source%refuse('expected a line that begins with '// &
-         words//", found '"//line(:min(40, len(line)))//"'", place)
-   end subroutine take_line_of
+      if (index(line, 'CSparse Version') /= 1 .and. index(line, 'CXSparse Version') /= 1) call source%refuse( &
+         "expected a line that begins with CSparse Version, found '"//line(:min(40, len(line)))//"'", place)
+   end subroutine take_version
 
    !> Takes a count as CSparse prints it: a number of six digits, followed by text that may touch it.
    pure subroutine take_printed(source, value, what)
@@ -140,9 +140,10 @@ contains
       type(mesh_source_t), intent(inout) :: source !! the file
       integer, intent(in) :: n !! number of rows
       character(:), allocatable :: norm
-      integer :: n_entries, n_read, first, next, row, column
+      integer :: n_entries, n_read, first, next, row, column, place
 
       call take_head(source, n, n_entries)
+      place = source%position
       call take_word(source, ', 1-norm:')
       if (allocated(source%error)) return
       call source%take_line(norm)
@@ -170,7 +171,7 @@ contains
          if (allocated(source%error)) return
       end do
       if (.not. is_printed(n_entries, n_read)) call source%refuse('expected '//to_text(n_entries)// &
-         ' entries as nnz says, found '//to_text(n_read))
+         ' entries as nnz says, found '//to_text(n_read), place)
    end subroutine read_compressed
 
    !> Takes the last location of a column, which is -1 for an empty first one.
@@ -245,8 +246,9 @@ contains
       integer :: j, k
 
       norm = maxval([(sum(abs(system%entry(system%first(j):system%first(j + 1) - 1))), j=1, size(system%q))])
-      write (unit, '(i0/a/i0, 3(a, i0), a)', iostat=status) origin_columns, 'CSparse Version 3', size(system%q), '-by-', &
-         size(system%q), ', nzmax: ', size(system%entry), ' nnz: ', size(system%entry), ', 1-norm: '//to_text_17(norm)
+      write (unit, '(i0/a/i0, 3(a, i0), a)', iostat=status) origin_columns, 'CSparse Version 3', size(system%q), &
+         '-by-', size(system%q), ', nzmax: ', size(system%entry), ' nnz: ', size(system%entry), &
+         ', 1-norm: '//to_text_17(norm)
       do j = 1, size(system%q)
          if (status == 0) write (unit, '(3(a, i0))', iostat=status) '    col ', j - 1, ' : locations ', &
             system%first(j) - 1, ' to ', system%first(j + 1) - 2

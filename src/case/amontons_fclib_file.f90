@@ -42,8 +42,8 @@ contains
       call read_matrix(entries, file, n)
       call read_vector(q, file, '/fclib_local/vectors/q', n)
       call read_vector(friction, file, '/fclib_local/vectors/mu', n/2)
-      if (any(friction < 0.0_dp)) call file%refuse('/fclib_local/vectors/mu: expected numbers that are not negative, '// &
-         'found '//to_text(minval(friction))//' of contact '//to_text(minloc(friction, dim=1)))
+      if (any(friction < 0.0_dp)) call file%refuse('/fclib_local/vectors/mu: expected numbers that are not '// &
+         'negative, found '//to_text(minval(friction))//' of contact '//to_text(minloc(friction, dim=1)))
       if (.not. allocated(file%error)) then
          call new_reduced_system(system, entries, q, friction, sentence, place)
          if (allocated(sentence)) call file%refuse('/fclib_local/W: '//sentence)
@@ -122,8 +122,8 @@ contains
       logical :: is_by_column
 
       call take_count(file, '/fclib_local/W/m', m)
-      if (m /= n) call file%refuse('/fclib_local/W is '//to_text(m)//' x '//to_text(n)//': expected as many rows as '// &
-         'columns')
+      if (m /= n) call file%refuse('/fclib_local/W is '//to_text(m)//' x '//to_text(n)//': expected as many rows '// &
+         'as columns')
       call take_number(file, '/fclib_local/W/nz', nz)
       if (nz < compressed_rows) call file%refuse('/fclib_local/W/nz is '//to_text(nz)//': expected the number of '// &
          'triplets, -1 (compressed columns) or -2 (compressed rows)')

@@ -147,9 +147,9 @@ contains
                difference = abs(column(fault(1)) - mirrored(fault(1)))
                system%asymmetry = max(system%asymmetry, difference)
                if (abs(column(fault(1))) > (1.0_dp + rounding)*scale + noise*system%largest) then
-                  sentence = entry_name(fault)//' = '//to_text(column(fault(1)))//' is larger than the root of the '// &
-                     'diagonal entries '//to_text(diagonal(fault(1)))//' and '//to_text(diagonal(j))// &
-                     ' allows: expected a positive semidefinite W'
+                  sentence = entry_name(fault)//' = '//to_text(column(fault(1)))//' beside the diagonal entries '// &
+                     to_text(diagonal(fault(1)))//' and '//to_text(diagonal(j))//': expected a positive '// &
+                     'semidefinite W, no entry of which exceeds the root of their product'
                   return
                else if (difference > rounding*scale + noise*system%largest) then
                   sentence = entry_name(fault)//' = '//to_text(column(fault(1)))//' and '//entry_name(fault(2:1:-1))// &
@@ -185,8 +185,8 @@ contains
          call new_error(error, input_refused, 'this case has no reduced problem u = W r + q to write: only contact '// &
             'holds the body against a rigid motion, so that W would be infinite; add a support')
       else if (any(problem%slip_bound > 0.0_dp)) then
-         call new_error(error, input_refused, 'this case has no reduced problem u = W r + q to write: it knows only '// &
-            'the bound mu r of the friction, no given slip_bound')
+         call new_error(error, input_refused, 'this case has no reduced problem u = W r + q to write: it '// &
+            'knows only the bound mu r of the friction, no given slip_bound')
       else
          call problem%prepare_compliance(error)
       end if
@@ -289,7 +289,8 @@ contains
          column(self%first(j):self%first(j + 1) - 1) = contact_number(j, self%n_contacts)
       end do
       row = contact_number(self%row, self%n_contacts)
-      half = 0.5_dp*(self%entry/self%compliance_unit())*merge(1.0_dp, -1.0_dp, row > self%n_contacts .eqv. column > self%n_contacts)
+      half = 0.5_dp*(self%entry/self%compliance_unit())*merge(1.0_dp, -1.0_dp, &
+         row > self%n_contacts .eqv. column > self%n_contacts)
       if (self%is_dense()) then
          allocate (values(n, n), source=0.0_dp)
          do k = 1, size(half)

@@ -37,7 +37,8 @@ contains
 
       call take_choice(source, dimension, 'the dimension 2', [2])
       call take_number(source, n_contacts, 'the number of contacts')
-      if (n_contacts < 0) call refuse_word(source, 'the number of contacts is negative')
+      if (n_contacts < 0) call refuse_word(source, 'expected a number of contacts that is not negative, found '// &
+         to_text(n_contacts))
       call source%check_count(n_contacts, 2, 'contacts')
       call take_choice(source, storage, 'the storage of W: 0 (dense), 1 (sparse block) or 2 (CSparse)', &
          [storage_dense, storage_blocks, storage_csparse])
@@ -82,8 +83,8 @@ contains
       integer, intent(in) :: n !! number of rows
       integer :: again
 
-      call take_choice(source, again, 'the number of rows of W again', [n])
-      call take_choice(source, again, 'the number of columns of W again', [n])
+      call take_choice(source, again, 'the number of rows of W again, '//to_text(n), [n])
+      call take_choice(source, again, 'the number of columns of W again, '//to_text(n), [n])
       if (int(n, int64)**2 > (len(source%text) - source%position)/2 + 1) call source%refuse(to_text(n)//' x '// &
          to_text(n)//' numbers of W are announced, but the file ends after '// &
          to_text(len(source%text) - source%position + 1)//' more bytes')
@@ -120,11 +121,9 @@ contains
       integer, allocatable :: row_end(:), column_end(:), first(:), block_column(:)
       integer :: n_blocks, n_block_rows, n_block_columns, number, i, k
 
-      call take_number(source, n_blocks, 'the number of blocks')
-      call take_number(source, n_block_rows, 'the number of block rows')
-      call take_number(source, n_block_columns, 'the number of block columns')
-      if (min(n_blocks, n_block_rows, n_block_columns) < 0) call refuse_word(source, &
-         'the numbers of blocks, block rows and block columns must not be negative')
+      call take_count(source, n_blocks, 'blocks', least=0)
+      call take_count(source, n_block_rows, 'block rows', least=min(1, n))
+      call take_count(source, n_block_columns, 'block columns', least=min(1, n))
       call take_ends(row_end, source, n_block_rows, n, 'row')
       call take_ends(column_end, source, n_block_columns, n, 'column')
       call take_choice(source, number, 'the number of block row pointers, '//to_text(n_block_rows + 1), &
@@ -151,6 +150,18 @@ contains
       end do
    end subroutine read_blocks
 
+   !> Takes a number of things.
+   pure subroutine take_count(source, n_things, things, least)
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(out) :: n_things !! the number, at least 0 where there is no fault
+      character(*), intent(in) :: things !! what the things are
+      integer, intent(in) :: least !! the least number that is right
+
+      call take_number(source, n_things, 'the number of '//things)
+      if (n_things < least) call refuse_word(source, 'expected a number of '//things//' of at least '// &
+         to_text(least)//', found '//to_text(n_things))
+   end subroutine take_count
+
    !> Takes where the block rows or columns end.
    pure subroutine take_ends(ends, source, n_blocks, n, what)
       integer, allocatable, intent(out) :: ends(:) !! number of rows up to the end of each block row (0:n_blocks)
@@ -169,7 +180,6 @@ contains
             'expected the ends of the block '//what//'s to ascend to '//to_text(n)//', found '//to_text(ends(i)))
          if (allocated(source%error)) return
       end do
-      if (n_blocks == 0 .and. n > 0) call refuse_word(source, 'expected at least one block '//what)
    end subroutine take_ends
 
    !> Takes where the blocks of each block row begin, and their end.
@@ -185,8 +195,8 @@ contains
          call take_number(source, first(i), 'a block row pointer')
          most = merge(0, n_blocks, i == 0)
          if (i == ubound(first, 1)) least = n_blocks
-         if (first(i) < least .or. first(i) > most) call refuse_word(source, 'expected block row pointers that ascend '// &
-            'from 0 to '//to_text(n_blocks)//', found '//to_text(first(i)))
+         if (first(i) < least .or. first(i) > most) call refuse_word(source, 'expected block row pointers that '// &
+            'ascend from 0 to '//to_text(n_blocks)//', found '//to_text(first(i)))
          if (allocated(source%error)) return
          least = first(i)
       end do
@@ -225,8 +235,8 @@ contains
       call source%skip_white()
       call scan_integer(source%text, source%position, flag, ok)
       call source%skip_white()
-      if (source%position <= len(source%text)) call source%refuse('expected the end of the file behind the last mu, '// &
-         'found '//source%word())
+      if (source%position <= len(source%text)) call source%refuse('expected the end of the file behind the last '// &
+         'mu, found '//source%word())
    end subroutine check_end
 
    !> Writes a reduced problem under its temporary name: dense, or as CSparse's columns where W is sparse.

@@ -1,0 +1,243 @@
+#!/usr/bin/env python3
+"""Reduced problems u = W r + q as the program's input and output.
+
+tests/reduced holds one problem in every form of Siconos' text files. Each file in tests/reduced/bad is refused with its
+line of tests/reduced/expected.txt.
+"""
+import csv
+import json
+import shutil
+import unittest
+from pathlib import Path
+
+from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block
+
+try:
+    import h5py
+except ImportError:
+    h5py = None
+
+SAMPLES = Path(__file__).resolve().parents[1] / "reduced"
+FORMS = {"dense": "Siconos text, dense", "blocks": "Siconos text, sparse block",
+         "columns": "Siconos text, CSparse columns", "triplets": "Siconos text, CSparse triplets"}
+SUFFIXES = ("contact.csv", "deck.nml", "lst", "summary.json")
+# A block that its left side holds: part of its floor opens, part slides, part sticks.
+HELD = block("support set = 'left'  ux = 0.0  uy = 0.0", PRESSURE, CONTACT,
+             "load set = 'right'  traction = 0.5, 0.4")
+PSOR = "&solver method = 'psor'  max_iterations = 100000 /\n"
+W = ((2, 0.5, 0.5, 0), (0.5, 3, 0, 0.25), (0.5, 0, 2, -0.5), (0, 0.25, -0.5, 3))
+Q = (-1, 0.5, -2, -4)
+MU = (0.25, 0.5)
+
+
+def deck_of(file, *more):
+    """A deck of a reduced problem."""
+    return f"&problem kind = 'reduced'  file = '{file}'  {' '.join(more)} /\n" + PSOR
+
+
+class ReducedTest(ProgramTest):
+    """Reads what a reduced problem leaves."""
+
+    def table(self, name, directory="."):
+        """The rows of the contact table, numbers as numbers."""
+        with open(self.directory / directory / f"{name}.contact.csv", newline="", encoding="utf-8") as table:
+            rows = list(csv.reader(table))
+        self.assertEqual(rows[0], ["point", "gap", "slip", "normal_force", "tangential_force", "status"])
+        return [(int(row[0]), *map(float, row[1:5]), row[5]) for row in rows[1:]]
+
+    def summary(self, name, directory="."):
+        """The summary."""
+        return json.loads((self.directory / directory / f"{name}.summary.json").read_text(encoding="utf-8"))
+
+
+class Input(ReducedTest):
+    """Files of others."""
+
+    def setUp(self):
+        super().setUp()
+        for file in SAMPLES.glob("*.dat"):
+            shutil.copy(file, self.directory)
+
+    def test_every_storage_gives_the_same_solution(self):
+        tables = []
+        for name, form in FORMS.items():
+            self.run_program(self.write(f"{name}.nml", deck_of(f"{name}.dat")), status=0)
+            self.assertEqual(self.summary(name)["problem"]["form"], form)
+            tables.append(self.table(name))
+        self.assertTrue(all(table == tables[0] for table in tables))
+
+    def test_solution_obeys_the_law(self):
+        self.solve_deck(deck_of("dense.dat"))
+        rows = self.table("case")
+        r = [force for row in rows for force in row[3:5]]
+        u = [sum(a*b for a, b in zip(line, r)) + q for line, q in zip(W, Q)]
+        for i, (_, gap, slip, normal, tangential, status) in enumerate(rows):
+            # The method's tolerance is 1e-10; numbers are of order one.
+            self.assertAlmostEqual(gap, u[2*i], delta=1e-14)
+            self.assertAlmostEqual(slip, u[2*i + 1], delta=1e-14)
+            self.assertGreaterEqual(normal, 0)
+            self.assertGreaterEqual(gap, -1e-9)
+            self.assertLessEqual(min(gap, normal), 1e-9)
+            self.assertLessEqual(abs(tangential), MU[i]*normal + 1e-9)
+            if status.startswith("slip"):
+                self.assertAlmostEqual(abs(tangential), MU[i]*normal, delta=1e-9)
+                self.assertLess(tangential*slip, 0)
+                self.assertEqual(status, "slip+" if slip > 0 else "slip-")
+
+    def solve_deck(self, text):
+        """Solves the text of a deck as the case `case`."""
+        self.run_program(self.write("case.nml", text))
+
+    def test_file_alone_is_a_case(self):
+        run = self.run_program("--output", "results", "--reduced", "dense.dat", "blocks.dat")
+        self.assertRegex(run.stdout, r"^dense: solved, \d+ iterations, residual .*; 2 contacts\nblocks: solved")
+        self.assertEqual(sorted(self.contents("results")),
+                         sorted(f"{name}.{suffix}" for name in ("dense", "blocks") for suffix in SUFFIXES))
+        listing = (self.directory / "results/dense.lst").read_text(encoding="utf-8")
+        self.assertIn("Siconos text, dense", listing)
+        self.assertNotIn("transpose", listing)
+        self.assertTrue(listing.endswith("End of listing\n"))
+
+    def test_effective_deck_repeats_the_run(self):
+        self.run_program(self.write("case.nml", deck_of("dense.dat", "friction = 0.1")))
+        deck = (self.directory / "case.deck.nml").read_text(encoding="utf-8")
+        table = self.table("case")
+        (self.directory / "elsewhere").mkdir()
+        self.run_program("--output", "again", self.write("elsewhere/other.nml", deck))
+        self.assertEqual(self.table("case", "again"), table)
+        self.assertEqual((self.directory / "again/case.deck.nml").read_text(encoding="utf-8"), deck)
+
+    def test_asymmetry_of_rounding_is_told_and_solved(self):
+        text = (self.directory / "dense.dat").read_text(encoding="utf-8")
+        self.write("off.dat", text.replace("0.5 3 0 0.25", "0.50001 3 0 0.25"))
+        self.solve_deck(deck_of("off.dat"))
+        self.assertIn("W differs from its transpose by up to 1.00E-005",
+                      (self.directory / "case.lst").read_text(encoding="utf-8"))
+        summary = self.summary("case")
+        self.assertAlmostEqual(summary["problem"]["asymmetry"], 1e-5, delta=1e-15)
+        self.assertTrue(summary["certificate"]["passed"])
+
+    def test_no_contact(self):
+        self.write("none.dat", "2\n0\n0\n0\n0\n0 0\n")
+        self.solve_deck(deck_of("none.dat"))
+        self.assertEqual(self.table("case"), [])
+        self.assertTrue(self.summary("case")["converged"])
+
+    def test_iterations_that_are_too_few_end_with_status_4(self):
+        text = deck_of("dense.dat").replace("100000", "1")
+        self.run_program(self.write("case.nml", text), status=4)
+        self.assertFalse(self.summary("case")["converged"])
+        self.assertIn("Converged           NO", (self.directory / "case.lst").read_text(encoding="utf-8"))
+
+    def test_check_writes_nothing(self):
+        before = self.files()
+        run = self.run_program("--check", "--write-reduced", "--reduced", "columns.dat")
+        self.assertEqual(run.stdout, "columns: in order; Siconos text, CSparse columns, 2 contacts, 12 entries of W\n")
+        self.assertEqual(self.files(), before)
+
+    def test_reduced_expects_a_file(self):
+        run = self.run_program("--reduced", status=1)
+        self.assertEqual(run.stderr, "amontons: expected the file of a reduced problem; try amontons --help\n")
+
+
+class Output(ReducedTest):
+    """The reduced problems of decks."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("held.nml", HELD)
+        self.run = self.run_program("--write-reduced", "held.nml")
+        self.has_hdf5 = (self.directory / "held.reduced.hdf5").exists()
+
+    def test_reduced_problem_has_the_solution_of_its_deck(self):
+        deck = self.result("held")
+        self.assertEqual(set(deck["status"]), {"open", "stick", "slip+"})
+        for suffix in ("dat", "hdf5")[:1 + self.has_hdf5]:
+            self.run_program(self.write("back.nml", deck_of(f"held.reduced.{suffix}")))
+            _, gap, slip, normal, tangential, status = zip(*self.table("back"))
+            self.assertEqual(list(status), deck["status"])
+            # Both are solved to 1e-10 of the largest force or displacement, on a condition number of about 100.
+            largest = max(map(abs, deck.forces))
+            self.assert_close(normal, deck["normal_force"], 1e-8*largest)
+            self.assert_close(tangential, [-force for force in deck["tangential_force"]], 1e-8*largest)
+            length = max(map(abs, deck["gap"] + deck["slip"]))
+            self.assert_close(gap, deck["gap"], 1e-8*length)
+            self.assert_close(slip, deck["slip"], 1e-8*length)
+
+    def test_written_problem_is_written_the_same_again(self):
+        content = self.contents()["held.reduced.dat"]
+        self.run_program("--write-reduced", self.write("again.nml", deck_of("held.reduced.dat")))
+        self.assertEqual(self.contents()["again.reduced.dat"], content)
+        if self.has_hdf5:
+            self.run_program("--write-reduced", self.write("third.nml", deck_of("held.reduced.hdf5")))
+            self.assertEqual(self.contents()["third.reduced.dat"], content)
+
+    def test_build_without_hdf5_says_so(self):
+        self.assertEqual("built without the HDF5 library" in self.run.stdout, not self.has_hdf5)
+
+    @unittest.skipIf(h5py is None, "needs h5py")
+    def test_hdf5_file_has_the_layout_of_fclib(self):
+        if not self.has_hdf5:
+            self.skipTest("this build has no HDF5")
+        with h5py.File(self.directory / "held.reduced.hdf5") as file:
+            self.assertEqual(file["/fclib_local/spacedim"][0], 2)
+            w = {key: file[f"/fclib_local/W/{key}"][:] for key in ("m", "n", "nz", "nzmax", "p", "i", "x")}
+            q = file["/fclib_local/vectors/q"][:]
+            mu = file["/fclib_local/vectors/mu"][:]
+            u, r = file["/solution/u"][:], file["/solution/r"][:]
+            self.assertEqual(file["/fclib_local/info/title"][()], b"held")
+        self.assertEqual((w["m"][0], w["n"][0], w["nz"][0]), (len(q), len(q), -1))
+        self.assertEqual((2*len(mu), w["p"][-1], len(w["i"])), (len(q), w["nzmax"][0], w["nzmax"][0]))
+        product = list(q)
+        for column in range(len(q)):
+            for k in range(w["p"][column], w["p"][column + 1]):
+                product[w["i"][k]] += w["x"][k]*r[column]
+        self.assert_close(product, u, 1e-14)
+
+    def test_body_held_by_contact_alone_has_none(self):
+        self.write("free.nml", block(SUPPORT, PRESSURE, CONTACT))
+        run = self.run_program("--write-reduced", "free.nml", status=1)
+        self.assertEqual(run.stderr, "free.nml: this case has no reduced problem u = W r + q to write: only contact "
+                                     "holds the body against a rigid motion, so that W would be infinite; add a "
+                                     "support\n")
+        self.assertFalse([name for name in self.files() if name.startswith("free.") and name != "free.nml"])
+
+
+class Refusals(ReducedTest):
+    """Files and decks that are refused, with the line."""
+
+    def test_every_bad_file_is_refused_with_its_message(self):
+        expected = (SAMPLES / "expected.txt").read_text(encoding="utf-8").splitlines(keepends=True)
+        files = sorted((SAMPLES / "bad").iterdir())
+        self.assertGreater(len(files), 60)
+        for file in files:
+            with self.subTest(file=file.name):
+                shutil.copy(file, self.directory)
+                run = self.run_program("--output", "results", "--reduced", file.name, status=1)
+                self.assertEqual(run.stderr, "".join(line for line in expected if line.startswith(file.name + ":")))
+                self.assertEqual(run.stdout, "")
+        self.assertEqual(self.files(), [file.name for file in files])
+
+    def test_message_of_a_deck_names_deck_and_file(self):
+        shutil.copy(SAMPLES / "bad/mu_negative.dat", self.directory)
+        run = self.run_program(self.write("case.nml", "\n" + deck_of("mu_negative.dat")), status=1)
+        path = (self.directory / "mu_negative.dat").resolve()
+        self.assertEqual(run.stderr, f"case.nml:2: {path}:12: mu of contact 2 is -0.5: expected a number that is not "
+                                     "negative\n")
+
+    def test_file_cut_anywhere_is_refused(self):
+        for name in FORMS:
+            text = (SAMPLES / f"{name}.dat").read_text(encoding="utf-8")
+            # The last coefficient may lose digits and still be one.
+            for length in range(1, text.rindex("0.5") - 1, 7):
+                with self.subTest(name=name, length=length):
+                    run = self.run_program("--check", "--reduced", self.write("cut.dat", text[:length]), status=1)
+                    self.assertTrue(run.stderr.startswith("cut.dat:"), run.stderr)
+
+    def test_missing_file(self):
+        run = self.run_program("--reduced", "none.dat", status=1)
+        self.assertEqual(run.stderr, "none.dat: cannot read this file: No such file or directory\n")
+
+
+if __name__ == "__main__":
+    unittest.main()
