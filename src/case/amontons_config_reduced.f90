@@ -14,7 +14,7 @@ module amontons_config_reduced
    !> Kinds of problems, as a deck writes them.
    character(7), parameter :: kind_names(2) = [character(7) :: 'body', 'reduced']
    !> Groups that describe a body.
-   character(8), parameter :: body_groups(5) = [character(8) :: 'mesh', 'material', 'support', 'load', 'contact']
+   character(8), parameter :: body_groups(*) = [character(8) :: 'mesh', 'material', 'support', 'load', 'contact']
 
    !> Where a reduced problem comes from.
    type :: reduced_source_t
@@ -33,9 +33,7 @@ contains
       type(reduced_source_t), intent(out) :: reduced !! the reduced problem, if there is one
       type(deck_t), intent(inout) :: deck !! the deck
       character(:), allocatable :: kind
-      integer, allocatable :: groups(:)
-      integer :: group, i, j
-      integer :: n_faults
+      integer :: group, n_faults
       logical :: has_file
 
       n_faults = deck%n_faults()
@@ -53,8 +51,22 @@ contains
       if (.not. reduced%is_given) then
          call require(deck, group, 'file', .not. has_file, "go with kind 'reduced'")
          call require(deck, group, 'friction', .not. reduced%has_friction, "go with kind 'reduced'")
-         return
+      else
+         call check_reduced(reduced, deck, group, has_file)
+         if (len_trim(reduced%file) > 0) reduced%file = absolute_path(beside(deck%file, reduced%file))
+         reduced%path = reduced%file
       end if
+   end subroutine read_problem
+
+   !> Checks what a deck says of a reduced problem, and that it describes no body beside it.
+   subroutine check_reduced(reduced, deck, group, has_file)
+      type(reduced_source_t), intent(in) :: reduced !! the reduced problem
+      type(deck_t), intent(inout) :: deck !! the deck
+      integer, intent(in) :: group !! the group
+      logical, intent(in) :: has_file !! whether the file is given
+      integer, allocatable :: groups(:)
+      integer :: i, j
+
       if (.not. has_file) call deck%fault(group, 'kind', "&problem of kind 'reduced' needs a file")
       call require(deck, group, 'file', len_trim(reduced%file) > 0 .or. .not. has_file, 'name a reduced problem')
       call require(deck, group, 'friction', reduced%friction >= 0.0_dp, 'be at least 0, found '// &
@@ -65,8 +77,6 @@ contains
             call deck%fault(groups(j), '', '&'//trim(body_groups(i))//" does not go with &problem kind 'reduced'")
          end do
       end do
-      if (len_trim(reduced%file) > 0) reduced%file = absolute_path(beside(deck%file, reduced%file))
-      reduced%path = reduced%file
-   end subroutine read_problem
+   end subroutine check_reduced
 
 end module amontons_config_reduced

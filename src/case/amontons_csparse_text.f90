@@ -117,21 +117,19 @@ contains
       type(entries_t), intent(out) :: entries !! the matrix
       type(mesh_source_t), intent(inout) :: source !! the file
       integer, intent(in) :: n !! number of rows
-      integer :: n_entries, n_read, row, column
+      integer :: n_entries, row, column
 
       call take_word(source, 'triplet:')
       call take_head(source, n, n_entries)
-      n_read = 0
       do while (.not. allocated(source%error))
          call source%skip_white()
-         if (n_entries < first_rounded .and. n_read >= n_entries .or. .not. is_entry(source, 2)) exit
+         if (n_entries < first_rounded .and. entries%n >= n_entries .or. .not. is_entry(source, 2)) exit
          call take_index(source, row, n, 'row')
          call take_index(source, column, n, 'column')
          call take_entry(entries, source, row, column)
-         n_read = n_read + 1
       end do
-      if (.not. is_printed(n_entries, n_read)) call source%refuse('expected '//to_text(n_entries)// &
-         ' lines "row col : value" as nnz says, found '//to_text(n_read)//' and then '//source%word())
+      if (.not. is_printed(n_entries, entries%n)) call source%refuse('expected '//to_text(n_entries)// &
+         ' lines "row col : value" as nnz says, found '//to_text(entries%n)//' and then '//source%word())
    end subroutine read_triplets
 
    !> Reads compressed columns: for each a line `col j : locations p to q`, then lines `row : value`, counted from 0.
@@ -140,39 +138,59 @@ contains
       type(mesh_source_t), intent(inout) :: source !! the file
       integer, intent(in) :: n !! number of rows
       character(:), allocatable :: norm
-      integer :: n_entries, n_read, first, next, row, column, place
+      integer :: n_entries, column, place
 
       call take_head(source, n, n_entries)
       place = source%position
       call take_word(source, ', 1-norm:')
       if (allocated(source%error)) return
       call source%take_line(norm)
-      n_read = 0
       do column = 1, n
-         call take_word(source, 'col')
-         call take_printed(source, first, 'the number of a column')
-         if (.not. is_printed(first, column - 1)) call refuse_word(source, 'expected column '//to_text(column - 1)// &
-            ', found column '//to_text(first))
-         call take_word(source, ': locations')
-         call take_printed(source, first, 'the first location of a column')
-         if (.not. is_printed(first, n_read)) call refuse_word(source, 'expected the column to begin at location '// &
-            to_text(n_read)//', found '//to_text(first))
-         call take_word(source, 'to')
-         call take_last(source, next)
-         do while (.not. allocated(source%error))
-            call source%skip_white()
-            if (next < first_rounded .and. n_read >= next .or. .not. is_entry(source, 1)) exit
-            call take_index(source, row, n, 'row')
-            call take_entry(entries, source, row, column)
-            n_read = n_read + 1
-         end do
-         if (.not. is_printed(next, n_read)) call source%refuse('expected lines "row : value" of column '// &
-            to_text(column - 1)//' up to location '//to_text(next - 1)//', found '//source%word())
+         call read_column(entries, source, n, column)
          if (allocated(source%error)) return
       end do
-      if (.not. is_printed(n_entries, n_read)) call source%refuse('expected '//to_text(n_entries)// &
-         ' entries as nnz says, found '//to_text(n_read), place)
+      if (.not. is_printed(n_entries, entries%n)) call source%refuse('expected '//to_text(n_entries)// &
+         ' entries as nnz says, found '//to_text(entries%n), place)
    end subroutine read_compressed
+
+   !> Reads one compressed column.
+   pure subroutine read_column(entries, source, n, column)
+      type(entries_t), intent(inout) :: entries !! the matrix up to here
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(in) :: n !! number of rows
+      integer, intent(in) :: column !! number of the column, from 1
+      integer :: next, row
+
+      call take_column_head(source, column, entries%n, next)
+      do while (.not. allocated(source%error))
+         call source%skip_white()
+         if (next < first_rounded .and. entries%n >= next .or. .not. is_entry(source, 1)) exit
+         call take_index(source, row, n, 'row')
+         call take_entry(entries, source, row, column)
+      end do
+      if (.not. is_printed(next, entries%n)) call source%refuse('expected lines "row : value" of column '// &
+         to_text(column - 1)//' up to location '//to_text(next - 1)//', found '//source%word())
+   end subroutine read_column
+
+   !> Takes the line `col j : locations p to q` of a column.
+   pure subroutine take_column_head(source, column, n_read, next)
+      type(mesh_source_t), intent(inout) :: source !! the file
+      integer, intent(in) :: column !! number of the column, from 1
+      integer, intent(in) :: n_read !! number of entries in the columns before
+      integer, intent(out) :: next !! number of entries up to the end of this one
+      integer :: found
+
+      call take_word(source, 'col')
+      call take_printed(source, found, 'the number of a column')
+      if (.not. is_printed(found, column - 1)) call refuse_word(source, 'expected column '//to_text(column - 1)// &
+         ', found column '//to_text(found))
+      call take_word(source, ': locations')
+      call take_printed(source, found, 'the first location of a column')
+      if (.not. is_printed(found, n_read)) call refuse_word(source, 'expected the column to begin at location '// &
+         to_text(n_read)//', found '//to_text(found))
+      call take_word(source, 'to')
+      call take_last(source, next)
+   end subroutine take_column_head
 
    !> Takes the last location of a column, which is -1 for an empty first one.
    pure subroutine take_last(source, next)
@@ -249,13 +267,15 @@ contains
       write (unit, '(i0/a/i0, 3(a, i0), a)', iostat=status) origin_columns, 'CSparse Version 3', size(system%q), &
          '-by-', size(system%q), ', nzmax: ', size(system%entry), ' nnz: ', size(system%entry), &
          ', 1-norm: '//to_text_17(norm)
+      if (status /= 0) return
       do j = 1, size(system%q)
-         if (status == 0) write (unit, '(3(a, i0))', iostat=status) '    col ', j - 1, ' : locations ', &
-            system%first(j) - 1, ' to ', system%first(j + 1) - 2
-         do k = system%first(j), system%first(j + 1) - 1
-            if (status == 0) write (unit, '(6x, i0, a)', iostat=status) system%row(k) - 1, ' : '// &
-               to_text_17(system%entry(k))
-         end do
+         associate (first => system%first(j), last => system%first(j + 1) - 1)
+            write (unit, '(3(a, i0))', iostat=status) '    col ', j - 1, ' : locations ', first - 1, ' to ', last - 1
+            if (status /= 0) return
+            write (unit, '(6x, i0, a)', iostat=status) (system%row(k) - 1, ' : '//to_text_17(system%entry(k)), &
+               k=first, last)
+            if (status /= 0) return
+         end associate
       end do
    end subroutine write_csparse
 

@@ -66,7 +66,7 @@ contains
       else
          text = text//line('Friction', short(system%friction(1)))
       end if
-      if (config%reduced%has_friction) text = text//line('', 'the deck''s, in the place of the file''s')
+      if (config%reduced%has_friction) text = text//line('', "the deck's, in the place of the file's")
       if (system%asymmetry > 0.0_dp) text = text//line('Note', 'W differs from its transpose by up to '// &
          scientific(system%asymmetry)//'; the forces below solve the problem with W as it stands in the file')
    end function problem_text
@@ -135,10 +135,12 @@ contains
       write (unit, '(a, a7, 4a13, 2x, a)', iostat=status) &
          heading('Contacts (u and r as in the file: a tangential force opposes its slip)'), 'point', 'gap', 'slip', &
          'normal force', 'tang. force', 'status'
+      if (status /= 0) return
       associate (u => result%system%u, r => result%system%r)
          do p = 1, result%system%n_contacts
-            if (status == 0) write (unit, '(i7, 4es13.5, 2x, a)', iostat=status) p, u(2*p - 1), u(2*p), r(2*p - 1), &
+            write (unit, '(i7, 4es13.5, 2x, a)', iostat=status) p, u(2*p - 1), u(2*p), r(2*p - 1), &
                r(2*p), trim(status_names(result%solution%status(p)))
+            if (status /= 0) return
          end do
       end associate
    end subroutine write_points

@@ -53,7 +53,7 @@ module amontons_reduced_system
       procedure :: diagonal => reduced_system_diagonal
       procedure :: fill => reduced_system_fill
       procedure :: is_dense => reduced_system_is_dense
-            procedure :: length_unit => reduced_system_length_unit
+      procedure :: length_unit => reduced_system_length_unit
       procedure :: multiply => reduced_system_multiply
       procedure :: set_solution => reduced_system_set_solution
       procedure :: set_free_displacement => reduced_system_set_free_displacement
@@ -151,7 +151,8 @@ contains
                      to_text(diagonal(fault(1)))//' and '//to_text(diagonal(j))//': expected a positive '// &
                      'semidefinite W, no entry of which exceeds the root of their product'
                   return
-               else if (difference > rounding*scale + noise*system%largest) then
+               end if
+               if (difference > rounding*scale + noise*system%largest) then
                   sentence = entry_name(fault)//' = '//to_text(column(fault(1)))//' and '//entry_name(fault(2:1:-1))// &
                      ' = '//to_text(mirrored(fault(1)))//' differ by more than rounding: expected a symmetric W'
                   return

@@ -267,12 +267,14 @@ contains
       integer :: i, j
 
       write (unit, '(i0, 1x, i0)', iostat=status) size(column), size(column)
+      if (status /= 0) return
       do j = 1, size(column)
          column = 0.0_dp
          associate (first => system%first(j), last => system%first(j + 1) - 1)
             column(system%row(first:last)) = system%entry(first:last)
          end associate
-         if (status == 0) write (unit, '(*(a, :, 1x))', iostat=status) (to_text_17(column(i)), i=1, size(column))
+         write (unit, '(*(a, :, 1x))', iostat=status) (to_text_17(column(i)), i=1, size(column))
+         if (status /= 0) return
       end do
    end subroutine write_dense
 
