@@ -2,11 +2,13 @@
 !>
 !> From a deck: `read_config`, `solve_case`, `write_report`. In code: `new_rectangle_mesh` or `read_mesh_file`,
 !> `new_material`, `new_body`, `condense_body`, and the contact methods on the body's contact problem. A contact problem
-!> alone: `new_contact_problem` or `new_reduced_problem`, `new_contact_method`, `new_contact_solution`.
+!> alone: `new_contact_problem` or `new_reduced_problem`, `new_contact_method`, `new_contact_solution`. A reduced problem
+!> from a file: `new_reduced_config`, `solve_reduced`, `write_reduced_report`; to a file: `new_condensed_system`,
+!> `write_reduced_files`.
 module amontons
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_certificate, only: certificate_t, new_certificate
-   use amontons_config, only: config_t, read_config
+   use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_constraints, only: support_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem, new_reduced_problem
@@ -21,9 +23,13 @@ module amontons
    use amontons_mesh_file, only: read_mesh_file
    use amontons_methods, only: method_names, method_options_t, new_contact_method
    use amontons_rectangle, only: new_rectangle_mesh, rectangle_t
+   use amontons_reduced_file, only: read_reduced_file, write_reduced_files
+   use amontons_reduced_report, only: write_reduced_report
+   use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_report, only: write_report
    use amontons_result, only: result_t
    use amontons_solve_case, only: prepare_case, solve_case, workshop_t
+   use amontons_solve_reduced, only: reduced_result_t, solve_reduced
    use amontons_symmetric_matrix, only: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
    use amontons_threads, only: set_threads
    use amontons_version, only: version
@@ -34,6 +40,9 @@ module amontons
    public :: dp, error_t, input_refused, numerical_failure, system_failure, version
    ! Cases
    public :: config_t, prepare_case, read_config, result_t, solve_case, workshop_t, write_report
+   ! Reduced problems of others
+   public :: new_condensed_system, new_reduced_config, read_reduced_file, reduced_result_t, reduced_system_t, &
+      solve_reduced, write_reduced_files, write_reduced_report
    ! Bodies
    public :: body_t, condense_body, contact_t, load_t, material_t, mesh_t, new_body, new_material, new_rectangle_mesh, &
       read_mesh_file, rectangle_t, support_t

@@ -6,7 +6,7 @@ module amontons_reduced_summary
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_result, only: certificate_limit
    use amontons_solve_reduced, only: reduced_result_t
-   use amontons_summary, only: number, string, truth
+   use amontons_summary, only: number, numbers, string, truth
    use amontons_system, only: peak_memory_mb
    use amontons_text, only: to_text
    use amontons_timings, only: phase_names
@@ -51,6 +51,7 @@ contains
             '  "converged": '//truth(solution%is_converged)//','//newline// &
             '  "iterations": '//to_text(solution%n_iterations)//','//newline// &
             '  "residual": '//number(solution%residual)//','//newline// &
+            '  "history": ['//numbers(solution%history(:solution%n_iterations))//'],'//newline// &
             '  "problem": {"file": '//string(config%reduced%file)//', "form": '//string(system%form)// &
             ', "entries": '//to_text(size(system%entry))//', "largest_compliance": '//number(system%largest)// &
             ', "asymmetry": '//number(system%asymmetry)//'},'//newline// &

@@ -15,7 +15,7 @@ module amontons_summary
    implicit none (type, external)
    private
 
-   public :: number, string, truth, write_summary
+   public :: number, numbers, string, truth, write_summary
 
    character(*), parameter :: newline = new_line('a')
 
@@ -115,13 +115,19 @@ contains
    pure function numbers(values) result(text)
       real(dp), intent(in) :: values(:) !! the numbers
       character(:), allocatable :: text
-      integer :: i
+      ! A separator, and the longest number: '-1.2345678901234567e-308'.
+      integer, parameter :: longest = 26
+      integer :: i, length
 
-      text = ''
+      allocate (character(longest*size(values)) :: text)
+      length = 0
       do i = 1, size(values)
-         if (i > 1) text = text//', '
-         text = text//number(values(i))
+         associate (element => ', '//number(values(i)))
+            text(length + 1:length + len(element)) = element
+            length = length + len(element)
+         end associate
       end do
+      text = text(3:length)
    end function numbers
 
    !> A logical as JSON.
