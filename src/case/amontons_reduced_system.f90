@@ -110,7 +110,7 @@ contains
       diagonal = system%diagonal()
       system%largest = max(0.0_dp, maxval(diagonal))
       place = 0
-      if (any(diagonal < 0.0_dp)) then
+      if (any(diagonal < -noise*system%largest)) then
          fault = minloc(diagonal, dim=1)
          sentence = entry_name(fault)//' = '//to_text(diagonal(fault(1)))//': expected no negative number on the '// &
             'diagonal of W'
@@ -143,7 +143,7 @@ contains
             mirrored(transposed%row(other)) = transposed%entry(other)
             do k = 1, size(own)
                fault = [system%row(own(k)), j]
-               scale = sqrt(diagonal(fault(1)))*sqrt(diagonal(j))
+               scale = sqrt(max(0.0_dp, diagonal(fault(1))))*sqrt(max(0.0_dp, diagonal(j)))
                difference = abs(column(fault(1)) - mirrored(fault(1)))
                system%asymmetry = max(system%asymmetry, difference)
                if (abs(column(fault(1))) > (1.0_dp + rounding)*scale + noise*system%largest) then
