@@ -2,9 +2,9 @@
 !>
 !> From a deck: `read_config`, `solve_case`, `write_report`. In code: `new_rectangle_mesh` or `read_mesh_file`,
 !> `new_material`, `new_body`, `condense_body`, and the contact methods on the body's contact problem. A contact problem
-!> alone: `new_contact_problem` or `new_reduced_problem`, `new_contact_method`, `new_contact_solution`. A reduced problem
-!> from a file: `new_reduced_config`, `solve_reduced`, `write_reduced_report`; to a file: `new_condensed_system`,
-!> `write_reduced_files`.
+!> alone: `new_contact_problem` or `new_reduced_problem`, `new_contact_method`, `new_contact_solution`.
+!> A reduced problem from a file: `new_reduced_config`, `solve_reduced`, `write_reduced_report`; to one:
+!> `new_condensed_system`, `write_reduced_files`.
 module amontons
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_certificate, only: certificate_t, new_certificate

@@ -85,6 +85,8 @@ contains
             text = text//line('Converged', 'NO: stopped after '//to_text(solution%n_iterations)// &
                ' iterations; the results below are not the solution')
          end if
+         if (solution%is_at_rest .and. .not. solution%is_converged) text = text// &
+            line('Note', 'the forces came to rest at a wrong answer: they do not fulfil the contact law')
          text = text//line('Residual', scientific(solution%residual)//', tolerance ' &
             //scientific(config%method%tolerance))//history_text(solution)// &
             line('Contacts', to_text(count(status == open_point))//' open, '// &
