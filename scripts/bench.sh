@@ -1,38 +1,34 @@
 #!/usr/bin/env bash
-# Times the long bar on 256 x 256 cells, all five rows of Table 1 in one command. Usage: bench.sh [PROGRAM-OPTION...]
+# Measures the program on the long bar, alone and beside GetFEM, CalculiX and Siconos where their Debian packages are
+# installed (scripts/setup.sh peers installs them), and prints Markdown tables. Usage: bench.sh [--full] [--update]
+#   --full      up to 1024 x 1024 cells: about 20 minutes with all peers, and 4 GB of memory
+#   --update    writes what it prints into doc/performance.md, between the markers; takes --full with it
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
 
-scripts/setup.sh build
-scripts/build.sh release
-program=build/release/bin/amontons
-bench=build/bench
-mkdir -p "$bench"
-for row in 1 2 3 4 5; do
-   sed -E 's/cells *= *[0-9]+ *, *[0-9]+/cells = 256, 256/' "input/long_bar_$row.nml" >"$bench/long_bar_$row.nml"
+is_full=false
+is_update=false
+for argument in "$@"; do
+   case $argument in
+      --full) is_full=true ;;
+      --update) is_full=true is_update=true ;;
+      *)
+         echo "bench.sh: '$argument' is no option; there are --full and --update." >&2
+         exit 1
+         ;;
+   esac
 done
 
-version_of() { dpkg-query --show --showformat '${Version}' "$1" 2>/dev/null || echo unknown; }
-library_of() { ldd "$program" | awk -v name="$1" '$1 ~ name { print $3; exit }' | xargs --no-run-if-empty realpath; }
+scripts/setup.sh build
+scripts/build.sh release
+cmake --build build/release --target amontons_rates >/dev/null
+work=build/bench
+mkdir -p "$work"
+arguments=(build/release "$work")
+! $is_full || arguments+=(--full)
+python3 -B bench/bench.py "${arguments[@]}" | tee "$work/tables.md"
 
-echo "processor    $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores"
-echo "compiler     $(gfortran --version | head -n 1)"
-echo "BLAS         $(library_of '^lib(open)?blas')"
-echo "SuiteSparse  $(version_of libsuitesparse-dev)"
-
-python3 - "$program" --quiet --output "$bench" "$@" "$bench"/long_bar_?.nml <<'E2'
-import resource
-import subprocess
-import sys
-import time
-
-start = time.perf_counter()
-status = subprocess.run(sys.argv[1:]).returncode
-wall = time.perf_counter() - start
-used = resource.getrusage(resource.RUSAGE_CHILDREN)
-print(f"wall time    {wall:.2f} s")
-print(f"user time    {used.ru_utime:.2f} s")
-print(f"system time  {used.ru_stime:.2f} s")
-print(f"peak memory  {used.ru_maxrss / 1024:.0f} MiB")
-sys.exit(status)
-E2
+if $is_update; then
+   # Everything after the first marker and before the second is replaced.
+   sed -i -e "/<!-- bench.sh -->/r $work/tables.md" -e '/<!-- bench.sh -->/,/<!-- end -->/{/<!--/!d}' doc/performance.md
+fi

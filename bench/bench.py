@@ -1,0 +1,170 @@
+"""Measures Amontons and prints Markdown tables. Usage: bench.py BUILD-FOLDER WORK-FOLDER [--full].
+
+Everything that doc/performance.md states is printed here. scripts/bench.sh builds first and calls this.
+"""
+
+import json
+import math
+import os
+import pathlib
+import re
+import resource
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+BENCH = ROOT / "bench"
+# The peers are Debian packages of Debian's own Python.
+PYTHON = "/usr/bin/python3"
+
+
+def run(command, threads=None, check=True):
+    """Runs a command; returns its output and the wall time, processor time [s] and peak memory [MB] it took."""
+    environment = dict(os.environ)
+    if threads:
+        environment["OMP_NUM_THREADS"] = str(threads)
+    start = time.perf_counter()
+    process = subprocess.Popen([str(word) for word in command], env=environment, stdout=subprocess.PIPE,
+                               stderr=subprocess.STDOUT, text=True)
+    output = process.stdout.read()
+    _, status, used = os.wait4(process.pid, 0)
+    wall = time.perf_counter() - start
+    if check and os.waitstatus_to_exitcode(status) != 0:
+        sys.exit(f"bench: {' '.join(map(str, command))} failed:\n{output}")
+    return output, {"wall": wall, "cpu": used.ru_utime + used.ru_stime, "mb": used.ru_maxrss / 1000.0}
+
+
+def best_of(n_trials, command, threads=None):
+    """The run with the least wall time."""
+    return min((run(command, threads)[1] for _ in range(n_trials)), key=lambda used: used["wall"])
+
+
+def table(title, header, rows):
+    print(f"\n### {title}\n\n| {' | '.join(header)} |\n|{'---:|' * len(header)}")
+    for row in rows:
+        print(f"| {' | '.join(row)} |")
+    sys.stdout.flush()
+
+
+def seconds(value):
+    return f"{value:.2f}" if value >= 0.1 else f"{value:.2g}"
+
+
+def long_bar_decks(folder, cells):
+    """The five decks of Table 1 on other cells."""
+    folder.mkdir(parents=True, exist_ok=True)
+    decks = []
+    for row in range(1, 6):
+        text = (ROOT / "input" / f"long_bar_{row}.nml").read_text()
+        deck = folder / f"long_bar_{row}.nml"
+        deck.write_text(re.sub(r"cells = \d+, \d+", f"cells = {cells[0]}, {cells[1]}", text))
+        decks.append(deck)
+    return decks
+
+
+def version_of(package):
+    query = ["dpkg-query", "--show", "--showformat", "${Version}", package]
+    return subprocess.run(query, capture_output=True, text=True, check=False).stdout or None
+
+
+def print_machine(build):
+    processor = re.search(r"model name\s*: (.*)", pathlib.Path("/proc/cpuinfo").read_text())
+    rates = dict(line.split() for line in run([build / "bin/amontons_rates"])[0].splitlines())
+    print("### Machine\n")
+    print(f"* {processor.group(1) if processor else 'processor unknown'}, {len(os.sched_getaffinity(0))} cores")
+    print(f"* {run(['gfortran', '--version'])[0].splitlines()[0]}")
+    for package in ("libopenblas0-pthread", "libsuitesparse-dev", "python3-getfem", "calculix-ccx", "python3-siconos"):
+        print(f"* {package} {version_of(package) or 'not installed'}")
+    print(f"* matrix product on one core: {rates['dgemm_gflops']} Gflop/s")
+    print(f"* memory traffic: {rates['bandwidth_one_gbytes']} GB/s from one core, "
+          f"{rates['bandwidth_all_gbytes']} GB/s from all")
+    return {name: float(rate) for name, rate in rates.items()}
+
+
+def print_long_bar(program, work, sizes, rates):
+    """Times of the five rows in one command, and of the phases of its first."""
+    phases, totals = [], []
+    times = {}
+    for n in sizes:
+        decks = long_bar_decks(work / f"bar_{n}", (n, n))
+        output = work / f"bar_{n}"
+        n_trials = 3 if n <= 256 else 1
+        one = best_of(n_trials, [program, "--quiet", "--threads", "1", "--output", output, *decks])
+        all_cores = best_of(n_trials, [program, "--quiet", "--output", output, *decks])
+        cases = [json.loads((output / f"{deck.stem}.summary.json").read_text()) for deck in decks]
+        first = cases[0]["seconds"]
+        times[n] = {"factorize": first["factorize"], "total": all_cores["wall"]}
+        rest = [sum(case["seconds"][phase] for case in cases[1:]) / 4 for phase in ("condense", "solve", "recover", "write")]
+        totals.append([str(n), str(cases[0]["counts"]["dofs"]), seconds(one["wall"]), seconds(all_cores["wall"]),
+                       seconds(all_cores["cpu"]), f"{all_cores['mb']:.0f}", seconds(sum(rest))])
+        counts = cases[0]["counts"]
+        flops = counts.get("factor_flops")
+        rate = f"{flops / first['factorize'] * 1e-9:.0f}" if flops else "-"
+        share = f"{100 * flops / first['factorize'] * 1e-9 / rates['dgemm_gflops']:.0f} %" if flops else "-"
+        phases.append([str(n)] + [seconds(first[name]) for name in
+                      ("read", "assemble", "factorize", "condense", "solve", "recover", "write")] + [rate, share])
+    table("The five rows of Table 1 on n x n cells, one command", ["n", "unknowns", "one thread s", "all cores s",
+          "processor s", "memory MB", "each further row s"], totals)
+    table("Phases of the first row, all cores", ["n", "read s", "assemble s", "factorise s", "condense s", "solve s",
+          "recover s", "write s", "Gflop/s", "of one core's dgemm"], phases)
+    sizes = sorted(times)
+    rows = [[f"{a} to {b}"] + [f"{math.log(times[b][what] / times[a][what], b / a):.2f}" for what in ("factorize", "total")]
+            for a, b in zip(sizes, sizes[1:])]
+    table("Growth: exponent of n (2 is linear in the number of unknowns, 3 the least for a factorisation)",
+          ["n", "factorise", "whole command"], rows)
+
+
+def print_peers(program, work, sizes):
+    """One case, whole commands, each with one thread."""
+    peers = {"GetFEM": ("python3-getfem", "getfem_bar.py"), "CalculiX": ("calculix-ccx", "calculix_bar.py")}
+    present = {name: script for name, (package, script) in peers.items() if version_of(package)}
+    rows = []
+    for n in sizes:
+        deck = long_bar_decks(work / f"bar_{n}", (n, n))[0]
+        ours = best_of(3, [program, "--quiet", "--threads", "1", "--output", work / f"bar_{n}", deck])["cpu"]
+        row = [str(n), seconds(ours)]
+        for name in peers:
+            if name in present:
+                theirs = run([PYTHON, BENCH / present[name], n], threads=1)[1]["cpu"]
+                row += [seconds(theirs), f"{theirs / ours:.0f}"]
+            else:
+                row += ["not installed", "-"]
+        rows.append(row)
+    header = ["n", "Amontons s"] + [word for name in peers for word in (f"{name} s", "times")]
+    table("Row 1 on n x n cells, processor time of the whole command on one thread", header, rows)
+
+
+def print_reduced(program, work, sizes, rates):
+    """Reduced problems of the bar: `auto`, one sweep of `psor`, and Siconos."""
+    rows = []
+    for n in sizes:
+        folder = work / f"reduced_{n}"
+        deck = long_bar_decks(folder, (n, n))[0]
+        # Pinned, as code_aster's test is: a reduced problem needs a held body.
+        deck.write_text(deck.read_text() + "\n&support point = 40.0, 0.0  uy = 0.0 /\n")
+        run([program, "--quiet", "--write-reduced", "--output", folder, deck])
+        problem = folder / "long_bar_1.reduced.dat"
+        solved = folder / "solved"
+        run([program, "--quiet", "--threads", "1", "--output", solved, "--reduced", problem])
+        summary = json.loads(next(solved.glob("*.summary.json")).read_text())
+        ours = summary["seconds"]["solve"]
+        peers = {}
+        if version_of("python3-siconos"):
+            output = run([PYTHON, BENCH / "siconos_reduced.py", problem, 120], threads=1, check=False)[0]
+            peers = dict(line.split(": ", 1) for line in output.splitlines() if ": " in line)
+        rows.append([str(n + 1), seconds(ours), f"{summary['residual']:.0e}"]
+                    + [peers.get(name, "not installed") for name in ("Newton", "Lemke", "Gauss-Seidel")])
+    table("Reduced problems of m contact points (row 1, corner pinned), one thread: time of the method and residual",
+          ["m", "auto s", "residual", "Siconos Newton", "Siconos Lemke", "Siconos Gauss-Seidel"], rows)
+
+
+def main(build, work, is_full):
+    program = build / "bin/amontons"
+    rates = print_machine(build)
+    print_long_bar(program, work, (32, 64, 128, 256, 512, 1024) if is_full else (32, 64, 128, 256), rates)
+    print_peers(program, work, (64, 128, 256) if is_full else (32, 64))
+    print_reduced(program, work, (128, 256, 512, 1024) if is_full else (128, 256), rates)
+
+
+main(pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), "--full" in sys.argv[3:])
