@@ -5,6 +5,7 @@ module amontons_methods
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_fixed_point, only: fixed_point_t
    use amontons_kinds, only: dp
+   use amontons_lemke, only: lemke_t
    use amontons_newton, only: newton_t
    use amontons_psor, only: psor_t, space_names
    use amontons_splitting, only: splitting_t, variant_names
@@ -14,7 +15,8 @@ module amontons_methods
    public :: method_names, method_options_t, new_contact_method
 
    !> Names of the methods, as a deck writes them.
-   character(11), parameter :: method_names(*) = [character(11) :: 'auto', 'newton', 'splitting', 'fixed_point', 'psor']
+   character(11), parameter :: method_names(*) = [character(11) :: 'auto', 'newton', 'splitting', 'fixed_point', 'psor', &
+      'lemke']
 
    !> The choice of a method and its options; those that a method does not use are without effect on it.
    type :: method_options_t
@@ -50,6 +52,8 @@ contains
          allocate (fixed_point_t :: method)
       case ('psor')
          method = psor_t(omega=chosen%omega, space=chosen%space)
+      case ('lemke')
+         allocate (lemke_t :: method)
       case default
          call new_error(error, input_refused, "no method is called '"//chosen%method//"'")
          return

@@ -1,0 +1,217 @@
+!> A contact problem as one linear relation `y = h - H x` between forces and distances, in numbers about 1, for the
+!> methods that decide point by point which condition of the law is in force.
+!>
+!> w = (u_N - d; u_T) are the distances. In the dual form x is the force, y = w, H = A and h = B; in the primal form
+!> x = w, y is the force, H = S and h = q - S (d; 0). Either way H is positive semidefinite; it is scaled to the diagonal
+!> 1, which turns every force and every distance into one unit, and with it the friction.
+module amontons_contact_relation
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_dense, only: lu_solve, symmetric_multiply
+   use amontons_kinds, only: dp
+   implicit none (type, external)
+   private
+
+   public :: contact_relation_t, new_contact_relation, new_dual_relation, new_primal_relation, point_states_t
+
+   !> Which conditions are in force at every point. Closed: u_N = d; open: lambda_N = 0. Sense 0: u_T = 0; sense +1 or
+   !> -1: lambda_T = +-(g + phi lambda_N).
+   type :: point_states_t
+      logical, allocatable :: is_closed(:) !! whether each point is closed (m)
+      integer, allocatable :: sense(:) !! sign of its slip, 0 without (m)
+   end type point_states_t
+
+   !> The relation between forces and distances, with the friction of every point; all without units.
+   type :: contact_relation_t
+      integer :: n_points = 0 !! number m of contact points
+      logical :: is_dual = .true. !! whether x is the force
+      real(dp), allocatable :: matrix(:, :) !! H, with the diagonal 1 or 0 (2m, 2m)
+      real(dp), allocatable :: vector(:) !! h (2m)
+      real(dp), allocatable :: friction(:) !! phi in the units of the relation (m)
+      real(dp), allocatable :: slip_bound(:) !! g in the units of the relation (m)
+      real(dp), allocatable :: force_unit(:) !! unit of each force (2m) [F]
+      real(dp), allocatable :: distance_unit(:) !! unit of each distance (2m) [L]
+   contains
+      procedure :: solve_states => contact_relation_solve_states
+      procedure :: violation => contact_relation_violation
+   end type contact_relation_t
+
+contains
+
+   !> The relation of a contact problem: primal where it has a stiffness, dual where it is a reduced problem.
+   pure subroutine new_contact_relation(relation, problem)
+      type(contact_relation_t), intent(out) :: relation !! the relation
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp) :: bound(2*problem%n_points), force(2*problem%n_points)
+      integer :: all_rows(2*problem%n_points), i
+
+      if (problem%is_reduced()) then
+         all_rows = [(i, i=1, 2*problem%n_points)]
+         call new_dual_relation(relation, problem%compliance%block(all_rows, all_rows), &
+            problem%dual_load(problem%free_displacement), problem%friction, problem%slip_bound)
+      else
+         bound = 0.0_dp
+         bound(:problem%n_points) = problem%gap
+         call symmetric_multiply(problem%stiffness, bound, force)
+         call new_primal_relation(relation, problem%stiffness, problem%load - force, problem%friction, &
+            problem%slip_bound)
+      end if
+   end subroutine new_contact_relation
+
+   !> The relation `w = B - A lambda`.
+   pure subroutine new_dual_relation(relation, a, b, friction, slip_bound)
+      type(contact_relation_t), intent(out) :: relation !! the relation
+      real(dp), intent(in) :: a(:, :) !! A, positive semidefinite (2m, 2m) [L/F]
+      real(dp), intent(in) :: b(:) !! B (2m) [L]
+      real(dp), intent(in) :: friction(:) !! Coulomb coefficient phi (m) [-]
+      real(dp), intent(in) :: slip_bound(:) !! given slip bound g (m) [F]
+      real(dp) :: unit(size(b)), amount
+
+      unit = sqrt(diagonal_units(a))
+      amount = magnitude(b/unit)
+      relation%is_dual = .true.
+      relation%distance_unit = amount*unit
+      relation%force_unit = amount/unit
+      call fill(relation, a, b/relation%distance_unit, unit, friction, slip_bound)
+   end subroutine new_dual_relation
+
+   !> The relation `lambda = r - S w` with the forces r that hold every point at the obstacle without slip.
+   pure subroutine new_primal_relation(relation, s, r, friction, slip_bound)
+      type(contact_relation_t), intent(out) :: relation !! the relation
+      real(dp), intent(in) :: s(:, :) !! S, positive semidefinite (2m, 2m) [F/L]
+      real(dp), intent(in) :: r(:) !! q - S (d; 0) (2m) [F]
+      real(dp), intent(in) :: friction(:) !! Coulomb coefficient phi (m) [-]
+      real(dp), intent(in) :: slip_bound(:) !! given slip bound g (m) [F]
+      real(dp) :: unit(size(r)), amount
+
+      unit = sqrt(diagonal_units(s))
+      amount = magnitude(r/unit)
+      relation%is_dual = .false.
+      relation%force_unit = amount*unit
+      relation%distance_unit = amount/unit
+      call fill(relation, s, r/relation%force_unit, unit, friction, slip_bound)
+   end subroutine new_primal_relation
+
+   !> The diagonal as it scales; where it is not positive, its largest entry, or 1 if there is none.
+   pure function diagonal_units(matrix) result(unit)
+      real(dp), intent(in) :: matrix(:, :) !! the matrix (n, n)
+      real(dp) :: unit(size(matrix, 1))
+      integer :: i
+
+      unit = [(matrix(i, i), i=1, size(unit))]
+      if (.not. any(unit > 0.0_dp)) unit = 1.0_dp
+      unit = merge(unit, maxval(unit), unit > 0.0_dp)
+   end function diagonal_units
+
+   !> The largest absolute value, 1 for the zero vector.
+   pure real(dp) function magnitude(vector)
+      real(dp), intent(in) :: vector(:) !! the vector
+
+      magnitude = maxval(abs(vector))
+      if (.not. magnitude > 0.0_dp) magnitude = 1.0_dp
+   end function magnitude
+
+   !> Fills in the numbers that have lost their units.
+   pure subroutine fill(relation, matrix, vector, unit, friction, slip_bound)
+      type(contact_relation_t), intent(inout) :: relation !! the relation, its units set
+      real(dp), intent(in) :: matrix(:, :) !! H with units (2m, 2m)
+      real(dp), intent(in) :: vector(:) !! h without units (2m)
+      real(dp), intent(in) :: unit(:) !! square roots of the diagonal of H (2m)
+      real(dp), intent(in) :: friction(:) !! Coulomb coefficient phi (m) [-]
+      real(dp), intent(in) :: slip_bound(:) !! given slip bound g (m) [F]
+      integer :: j, m
+
+      m = size(friction)
+      relation%n_points = m
+      allocate (relation%matrix(2*m, 2*m))
+      do j = 1, 2*m
+         relation%matrix(:, j) = matrix(:, j)/(unit*unit(j))
+      end do
+      relation%vector = vector
+      relation%friction = friction*relation%force_unit(:m)/relation%force_unit(m + 1:)
+      relation%slip_bound = slip_bound/relation%force_unit(m + 1:)
+   end subroutine fill
+
+   !> The forces and distances that given states lead to, without units: 2m linear equations for the 2m of them that the
+   !> states leave open.
+   pure subroutine contact_relation_solve_states(self, states, force, distance, info)
+      class(contact_relation_t), intent(in) :: self !! the relation
+      type(point_states_t), intent(in) :: states !! state of every point
+      real(dp), intent(out) :: force(:) !! lambda (2m) [-]
+      real(dp), intent(out) :: distance(:) !! w (2m) [-]
+      integer, intent(out) :: info !! 0, or nonzero where the states leave the system singular
+      real(dp) :: matrix(2*self%n_points, 2*self%n_points), factors(2*self%n_points, 2*self%n_points)
+      real(dp) :: unknown(2*self%n_points), right(2*self%n_points)
+      logical :: has_force(2*self%n_points)
+      integer :: m, p, t
+
+      m = self%n_points
+      has_force = [states%is_closed, states%sense == 0]
+      do p = 1, 2*m
+         call take_column(p, has_force(p), matrix(:, p))
+      end do
+      right = self%vector
+      do p = 1, m
+         if (states%sense(p) == 0) cycle
+         t = m + p
+         call take_column(t, .true., unknown)
+         right = right - states%sense(p)*self%slip_bound(p)*unknown
+         if (states%is_closed(p)) matrix(:, p) = matrix(:, p) + states%sense(p)*self%friction(p)*unknown
+      end do
+      unknown = right
+      factors = matrix
+      call lu_solve(factors, unknown, info)
+      force = 0.0_dp
+      distance = 0.0_dp
+      if (info /= 0) return
+      ! One step of refinement.
+      right = right - matmul(matrix, unknown)
+      call lu_solve(matrix, right, info)
+      unknown = unknown + right
+      force = merge(unknown, 0.0_dp, has_force)
+      distance = merge(0.0_dp, unknown, has_force)
+      where (states%sense /= 0) force(m + 1:) = states%sense*(self%slip_bound + self%friction*force(:m))
+
+   contains
+
+      !> The column that a force or a distance has in the relation `y + H x = h`.
+      pure subroutine take_column(i, is_force, column)
+         integer, intent(in) :: i !! which component
+         logical, intent(in) :: is_force !! whether its force is meant, else its distance
+         real(dp), intent(out) :: column(:) !! the column (2m)
+
+         if (is_force .eqv. self%is_dual) then
+            column = self%matrix(:, i)
+         else
+            column = 0.0_dp
+            column(i) = 1.0_dp
+         end if
+      end subroutine take_column
+
+   end subroutine contact_relation_solve_states
+
+   !> How far forces and distances are from the inequalities of their states: the largest tension, penetration, excess
+   !> of friction or slip against the sense, over the largest force or distance, 1 at least [-].
+   pure real(dp) function contact_relation_violation(self, states, force, distance) result(violation)
+      class(contact_relation_t), intent(in) :: self !! the relation
+      type(point_states_t), intent(in) :: states !! state of every point (m)
+      real(dp), intent(in) :: force(:) !! lambda (2m) [-]
+      real(dp), intent(in) :: distance(:) !! w (2m) [-]
+      real(dp) :: excess
+      integer :: m, p, t
+
+      m = self%n_points
+      violation = 0.0_dp
+      do p = 1, m
+         t = m + p
+         excess = merge(-force(p), distance(p), states%is_closed(p))
+         if (states%sense(p) == 0) then
+            excess = max(excess, abs(force(t)) - self%slip_bound(p) - self%friction(p)*max(0.0_dp, force(p)))
+         else
+            excess = max(excess, -states%sense(p)*distance(t))
+         end if
+         violation = max(violation, excess)
+      end do
+      violation = violation/max(1.0_dp, maxval(abs(force)), maxval(abs(distance)))
+   end function contact_relation_violation
+
+end module amontons_contact_relation

@@ -1,0 +1,183 @@
+!> Lemke's pivoting on the plane problem, which Coulomb's law makes a linear complementarity problem: a finite method,
+!> exact but for rounding, for problems of up to some hundreds of points.
+!>
+!> The tangential law is split at its two bounds: s_1 = g + phi lambda_N - lambda_T >= 0 and s_2 = g + phi lambda_N +
+!> lambda_T >= 0 face the two directions of slip, u_T = w_1 - w_2, w_1 >= 0 against s_1 and w_2 >= 0 against s_2. With
+!> p = d - u_N against lambda_N these are 3m pairs. In the dual form (A) the variables are z = (lambda_N, s_1, w_2), in
+!> the primal form (S) z = (p, w_1, w_2); no proximal iteration is needed there. Section 6 of doc/theory.md proves that
+!> with the covering vectors below the pivots end in a solution for friction of any size, unless a rigid motion exists
+!> (dual: forces without effect) that the loads can drive.
+module amontons_lemke
+   use amontons_complementarity, only: lemke_pivoting, pivoting_solved
+   use amontons_contact_method, only: contact_method_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_relation, only: contact_relation_t, new_contact_relation, point_states_t
+   use amontons_contact_solution, only: contact_solution_t
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: lemke_t, solve_relation
+
+   !> Most points: the tableau of 3m x 3m numbers is gone through once for each pivot.
+   integer, parameter :: max_points = 1000
+
+   !> Lemke's pivoting; an iteration is a run of all pivots from one covering vector.
+   type, extends(contact_method_t) :: lemke_t
+   contains
+      procedure :: solve => lemke_solve
+   end type lemke_t
+
+contains
+
+   !> Solves a contact problem; where it starts has no effect.
+   subroutine lemke_solve(self, problem, solution, error)
+      class(lemke_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_solution_t), intent(inout) :: solution !! the result
+      type(error_t), allocatable, intent(out) :: error !! the problem has too many points
+      ! A path that rounding has led astray hardly goes astray from other covering vectors too.
+      integer, parameter :: n_covers = 5
+      type(contact_relation_t) :: relation
+      type(contact_solution_t) :: best
+      real(dp) :: force(2*problem%n_points), distance(2*problem%n_points)
+      integer :: trial
+      logical :: is_solved, may_continue
+
+      if (problem%n_points > max_points) then
+         call new_error(error, input_refused, 'the method lemke takes at most '//to_text(max_points)// &
+            ' contact points, this problem has '//to_text(problem%n_points)//'; expected another method')
+         return
+      end if
+      call solution%begin()
+      best = solution
+      call new_contact_relation(relation, problem)
+      do trial = 1, min(n_covers, self%max_iterations)
+         call solve_relation(relation, trial, force, distance, is_solved)
+         force = force*relation%force_unit
+         distance = distance*relation%distance_unit
+         distance(:problem%n_points) = distance(:problem%n_points) + problem%gap
+         call solution%record(problem, distance, force, self%tolerance, may_continue)
+         if (solution%is_converged) return
+         if (solution%residual < best%residual) best = solution
+      end do
+      solution%force = best%force
+      solution%displacement = best%displacement
+      solution%status = best%status
+      solution%residual = best%residual
+   end subroutine lemke_solve
+
+   !> Finds a solution of a relation between forces and distances.
+   pure subroutine solve_relation(relation, trial, force, distance, is_solved)
+      type(contact_relation_t), intent(in) :: relation !! the relation
+      integer, intent(in) :: trial !! which covering vector to start from, 1 or more
+      real(dp), intent(out) :: force(:) !! lambda, without units (2m) [-]
+      real(dp), intent(out) :: distance(:) !! w, without units (2m) [-]
+      logical, intent(out) :: is_solved !! whether the pivots ended in a solution, rounding aside
+      type(point_states_t) :: states
+      real(dp) :: matrix(3*relation%n_points, 3*relation%n_points), right(3*relation%n_points)
+      logical :: is_z_basic(3*relation%n_points)
+      integer :: outcome, n_pivots, info
+
+      if (relation%is_dual) then
+         call dual_pairs(relation, matrix, right)
+      else
+         call primal_pairs(relation, matrix, right)
+      end if
+      call lemke_pivoting(matrix, right, covering_vector(relation, trial), is_z_basic, outcome, n_pivots)
+      states = states_of(relation%is_dual, is_z_basic)
+      ! The states, not the numbers of the tableau, are the result: one fresh system has one rounding error.
+      call relation%solve_states(states, force, distance, info)
+      is_solved = outcome == pivoting_solved .and. info == 0
+   end subroutine solve_relation
+
+   !> The complementarity problem of the dual form: p, w_1 and s_2 in terms of lambda_N, s_1 and w_2.
+   pure subroutine dual_pairs(relation, matrix, right)
+      type(contact_relation_t), intent(in) :: relation !! the relation w = B - A lambda
+      real(dp), intent(out) :: matrix(:, :) !! M (3m, 3m)
+      real(dp), intent(out) :: right(:) !! q (3m)
+      integer :: m, k
+
+      m = relation%n_points
+      matrix = 0.0_dp
+      associate (a => relation%matrix, friction => relation%friction, bound => relation%slip_bound)
+         ! lambda_T = g + phi lambda_N - s_1
+         do k = 1, m
+            matrix(:m, k) = a(:m, k) + friction(k)*a(:m, m + k)
+            matrix(m + 1:2*m, k) = -a(m + 1:, k) - friction(k)*a(m + 1:, m + k)
+            matrix(:m, m + k) = -a(:m, m + k)
+            matrix(m + 1:2*m, m + k) = a(m + 1:, m + k)
+            matrix(m + k, 2*m + k) = 1.0_dp
+            matrix(2*m + k, k) = 2.0_dp*friction(k)
+            matrix(2*m + k, m + k) = -1.0_dp
+         end do
+         right(:m) = matmul(a(:m, m + 1:), bound) - relation%vector(:m)
+         right(m + 1:2*m) = relation%vector(m + 1:) - matmul(a(m + 1:, m + 1:), bound)
+         right(2*m + 1:) = 2.0_dp*bound
+      end associate
+   end subroutine dual_pairs
+
+   !> The complementarity problem of the primal form: lambda_N, s_1 and s_2 in terms of p, w_1 and w_2.
+   pure subroutine primal_pairs(relation, matrix, right)
+      type(contact_relation_t), intent(in) :: relation !! the relation lambda = r - S w
+      real(dp), intent(out) :: matrix(:, :) !! M (3m, 3m)
+      real(dp), intent(out) :: right(:) !! q (3m)
+      real(dp) :: normal(3*relation%n_points), tangential(3*relation%n_points)
+      integer :: m, k
+
+      m = relation%n_points
+      associate (s => relation%matrix, r => relation%vector, friction => relation%friction)
+         do k = 1, m
+            normal = [s(k, :m), -s(k, m + 1:), s(k, m + 1:)]
+            tangential = [s(m + k, :m), -s(m + k, m + 1:), s(m + k, m + 1:)]
+            matrix(k, :) = normal
+            matrix(m + k, :) = friction(k)*normal - tangential
+            matrix(2*m + k, :) = friction(k)*normal + tangential
+         end do
+         right(:m) = r(:m)
+         right(m + 1:2*m) = relation%slip_bound + friction*r(:m) - r(m + 1:)
+         right(2*m + 1:) = relation%slip_bound + friction*r(:m) + r(m + 1:)
+      end associate
+   end subroutine primal_pairs
+
+   !> A covering vector: it pulls the points off and along +t (dual), or presses them on and raises the slip bound
+   !> (primal). Its numbers follow no order, so that the path does not pass through corners of symmetric problems.
+   pure function covering_vector(relation, trial) result(cover)
+      type(contact_relation_t), intent(in) :: relation !! the relation
+      integer, intent(in) :: trial !! which one, 1 or more
+      real(dp) :: cover(3*relation%n_points)
+      ! Steps by the golden section fill an interval evenly.
+      real(dp), parameter :: golden = 0.61803398874989485_dp
+      integer :: i, m
+
+      m = relation%n_points
+      cover = 1.0_dp + modulo([(golden*i*trial, i=1, 3*m)], 1.0_dp)
+      if (relation%is_dual) then
+         ! Forces in their cones must not work on it: phi c_T < c_N.
+         cover(m + 1:2*m) = 0.25_dp*cover(m + 1:2*m)/(1.0_dp + relation%friction)
+      else
+         cover(m + 1:) = cover(m + 1:) + [relation%friction*cover(:m), relation%friction*cover(:m)]
+      end if
+   end function covering_vector
+
+   !> The states that a final basis stands for.
+   pure function states_of(is_dual, is_z_basic) result(states)
+      logical, intent(in) :: is_dual !! whether the pairs are those of the dual form
+      logical, intent(in) :: is_z_basic(:) !! which z are basic (3m)
+      type(point_states_t) :: states
+      logical :: at_upper(size(is_z_basic)/3), at_lower(size(is_z_basic)/3)
+      integer :: m
+
+      m = size(is_z_basic)/3
+      associate (normal => is_z_basic(:m), first => is_z_basic(m + 1:2*m), second => is_z_basic(2*m + 1:))
+         states%is_closed = normal .eqv. is_dual
+         ! Without any bound both may be zero; either sense then says the same.
+         at_upper = first .neqv. is_dual
+         at_lower = second
+      end associate
+      states%sense = merge(1, merge(-1, 0, at_lower), at_upper)
+   end function states_of
+
+end module amontons_lemke
