@@ -33,18 +33,18 @@ contains
    !> Finds a solution; a basis tells which of each pair of variables may differ from zero.
    !>
    !> Numbers of the matrix and of the right-hand side should be about 1: what is far below counts as zero.
-   pure subroutine lemke_pivoting(matrix, right, cover, is_z_basic, outcome, n_pivots)
+   pure subroutine lemke_pivoting(matrix, right, cover, is_z_basic, z, outcome)
       real(dp), intent(in) :: matrix(:, :) !! M (n, n)
       real(dp), intent(in) :: right(:) !! q (n)
       real(dp), intent(in) :: cover(:) !! c, positive (n)
       logical, intent(out) :: is_z_basic(:) !! whether z_i is basic at the end, w_i nonbasic then (n)
+      real(dp), intent(out) :: z(:) !! z at the end, with the rounding errors of all pivots (n)
       integer, intent(out) :: outcome !! `pivoting_solved`, `pivoting_ray` or `pivoting_stopped`
-      integer, intent(out) :: n_pivots !! number of pivots done
       integer, parameter :: pivots_per_row = 50
       type(tableau_t) :: tableau
-      integer :: row, column, entering, leaving
+      integer :: i, n_pivots, row, column, entering, leaving
 
-      n_pivots = 0
+      z = 0.0_dp
       is_z_basic = .false.
       outcome = pivoting_solved
       if (all(right >= 0.0_dp)) return
@@ -71,7 +71,11 @@ contains
             exit
          end if
       end do
-      is_z_basic = tableau%place(tableau%n + 1:2*tableau%n) > 0
+      do i = 1, tableau%n
+         row = tableau%place(tableau%n + i)
+         is_z_basic(i) = row > 0
+         if (row > 0) z(i) = tableau%entry(row, 0)
+      end do
    end subroutine lemke_pivoting
 
    !> Pivots after which the tableau is made anew from the data: rounding errors of one basis pass to the next, and a

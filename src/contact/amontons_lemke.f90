@@ -77,16 +77,16 @@ contains
       real(dp), intent(out) :: distance(:) !! w, without units (2m) [-]
       logical, intent(out) :: is_solved !! whether the pivots ended in a solution, rounding aside
       type(point_states_t) :: states
-      real(dp) :: matrix(3*relation%n_points, 3*relation%n_points), right(3*relation%n_points)
+      real(dp) :: matrix(3*relation%n_points, 3*relation%n_points), right(3*relation%n_points), z(3*relation%n_points)
       logical :: is_z_basic(3*relation%n_points)
-      integer :: outcome, n_pivots, info
+      integer :: outcome, info
 
       if (relation%is_dual) then
          call dual_pairs(relation, matrix, right)
       else
          call primal_pairs(relation, matrix, right)
       end if
-      call lemke_pivoting(matrix, right, covering_vector(relation, trial), is_z_basic, outcome, n_pivots)
+      call lemke_pivoting(matrix, right, covering_vector(relation, trial), is_z_basic, z, outcome)
       states = states_of(relation%is_dual, is_z_basic)
       ! The states, not the numbers of the tableau, are the result: one fresh system has one rounding error.
       call relation%solve_states(states, force, distance, info)

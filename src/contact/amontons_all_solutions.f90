@@ -1,0 +1,407 @@
+!> Every solution of a small contact problem.
+!>
+!> A point is in one of a few states, each of which is two linear equations and some inequalities. The points take
+!> their states one after the other; the equations are eliminated on the way, so that the inequalities of the points
+!> so far are known in terms of the points to come, and a branch ends as soon as one of them cannot hold.
+module amontons_all_solutions
+   use amontons_complementarity, only: lemke_pivoting, pivoting_solved
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_relation, only: contact_relation_t, new_contact_relation, point_states_t
+   use amontons_dense, only: cholesky_factor, cholesky_inverse
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: all_solutions_t, find_all_solutions, most_points
+
+   !> Most points that all combinations of states are tried for: with Coulomb friction, a point has four states.
+   integer, parameter :: most_points = 12
+   !> Most points with a given slip bound: a point has six states then, since open ones may slip or stick.
+   integer, parameter :: most_points_with_bound = 9
+
+   !> What counts as zero among numbers about 1: pivots, and violations while searching and at the end.
+   real(dp), parameter :: small_pivot = 1.0e-7_dp, no_pivot = 1.0e-11_dp, loose = 1.0e-7_dp, strict = 1.0e-9_dp
+
+   !> All solutions of a contact problem.
+   type :: all_solutions_t
+      integer :: n = 0 !! number of solutions found
+      real(dp), allocatable :: force(:, :) !! lambda of each solution (2m, n) [F]
+      real(dp), allocatable :: displacement(:, :) !! v of each solution (2m, n) [L]
+      logical, allocatable :: is_isolated(:) !! whether no other solution is near; not known of the others (n)
+      logical :: has_family = .false.
+         !! whether some states hold for a whole family of solutions, of which only corners are among those found
+   end type all_solutions_t
+
+   !> A search under way.
+   type :: search_t
+      type(contact_relation_t) :: relation !! the problem without units
+      type(all_solutions_t) :: found !! the solutions so far, without units; distances in the place of displacements
+      real(dp), allocatable :: lower(:) !! least value that each x can have in a solution, point by point (2m)
+      real(dp), allocatable :: upper(:) !! its largest value (2m)
+      type(point_states_t) :: states !! states of the points so far (m)
+   end type search_t
+
+contains
+
+   !> Finds all solutions of a contact problem of at most `most_points` points.
+   !>
+   !> Where matrices of states are singular, solutions may form families (polyhedra): it is said that there are any.
+   subroutine find_all_solutions(solutions, problem, error)
+      type(all_solutions_t), intent(out) :: solutions !! the solutions
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(error_t), allocatable, intent(out) :: error !! the problem has too many points
+      type(search_t) :: search
+      real(dp), allocatable :: rows(:, :)
+      integer :: i, m, most
+
+      m = problem%n_points
+      most = merge(most_points_with_bound, most_points, any(problem%slip_bound > 0.0_dp))
+      if (m > most) then
+         call new_error(error, input_refused, 'all solutions are searched for among at most '//to_text(most_points)// &
+            ' contact points, '//to_text(most_points_with_bound)//' with a given slip bound; this problem has '// &
+            to_text(m))
+         return
+      end if
+      call new_contact_relation(search%relation, problem)
+      call bound_unknowns(search)
+      allocate (search%states%is_closed(m), source=.false.)
+      allocate (search%states%sense(m), source=0)
+      allocate (search%found%force(2*m, 0), search%found%displacement(2*m, 0), search%found%is_isolated(0))
+      associate (order => [(i, m + i, i=1, m)], relation => search%relation)
+         allocate (rows(2*m, 0:2*m))
+         rows(:, 0) = relation%vector(order)
+         rows(:, 1:) = -relation%matrix(order, order)
+      end associate
+      call descend(search, m, rows, 0)
+      solutions = search%found
+      do i = 1, solutions%n
+         solutions%force(:, i) = solutions%force(:, i)*search%relation%force_unit
+         solutions%displacement(:, i) = solutions%displacement(:, i)*search%relation%distance_unit
+         solutions%displacement(:m, i) = solutions%displacement(:m, i) + problem%gap
+      end do
+   end subroutine find_all_solutions
+
+   !> Bounds on x in any solution. Distances and forces do no negative work on each other, x^T y >= 0, hence
+   !> x^T H x <= x^T h: an ellipsoid if H is definite.
+   pure subroutine bound_unknowns(search)
+      type(search_t), intent(inout) :: search !! gains the bounds
+      ! A factor with a smaller diagonal may be that of a singular matrix, and rounding.
+      real(dp), parameter :: unbounded = huge(1.0_dp)/1.0e10_dp, definite = 1.0e-5_dp
+      real(dp), allocatable :: inverse(:, :), center(:), reach(:)
+      integer :: i, m, info
+
+      m = search%relation%n_points
+      allocate (search%lower(2*m), source=-unbounded)
+      allocate (search%upper(2*m), source=unbounded)
+      inverse = search%relation%matrix
+      call cholesky_factor(inverse, info)
+      if (info == 0) then
+         if (minval([(inverse(i, i), i=1, 2*m)]) < definite) info = 1
+      end if
+      if (info == 0) then
+         call cholesky_inverse(inverse)
+         center = matmul(inverse, search%relation%vector)
+         associate (energy => dot_product(center, search%relation%vector))
+            reach = [(sqrt(max(0.0_dp, inverse(i, i)*energy)), i=1, 2*m)]
+         end associate
+         associate (order => [(i, m + i, i=1, m)])
+            search%lower = 0.5_dp*(center(order) - reach(order)) - loose
+            search%upper = 0.5_dp*(center(order) + reach(order)) + loose
+         end associate
+      end if
+      ! Normal forces are not negative, normal distances not positive.
+      if (search%relation%is_dual) then
+         search%lower(1::2) = max(0.0_dp, search%lower(1::2))
+      else
+         search%upper(1::2) = min(0.0_dp, search%upper(1::2))
+      end if
+   end subroutine bound_unknowns
+
+   !> Tries every state of a point, with all states of the points after it settled and of those before it open.
+   recursive subroutine descend(search, point, rows, n_pending)
+      type(search_t), intent(inout) :: search !! the search
+      integer, intent(in) :: point !! the point, from m down to 1
+      real(dp), intent(in) :: rows(:, 0:)
+         !! affine functions of the x of the points up to this one and of the pending unknowns: their y, inequalities
+         !! (at least 0), and in the last rows the pending equations
+      integer, intent(in) :: n_pending !! number of pending unknowns and equations, which no pivot was found for
+      real(dp) :: next(size(rows, 1) + 3, 0:ubound(rows, 2))
+      integer :: normal, sense, n_inequalities, n_left, n_equations
+      logical :: is_frictional, is_possible, is_singular
+
+      associate (states => search%states, relation => search%relation)
+         do normal = 0, 1
+            states%is_closed(point) = normal == 1
+            is_frictional = relation%slip_bound(point) > 0.0_dp &
+               .or. (normal == 1 .and. relation%friction(point) > 0.0_dp)
+            do sense = -1, 1
+               ! Without any slip bound one state covers all slips.
+               if (.not. is_frictional .and. sense /= 1) cycle
+               states%sense(point) = sense
+               n_equations = n_pending + 2
+               call add_point(search, point, rows, n_pending, is_frictional, next, n_inequalities)
+               call eliminate(next(:2*point - 2 + n_inequalities + n_equations, :), 2*point - 2, n_equations, n_left, &
+                  merge(no_pivot, small_pivot, point == 1), is_possible, is_singular)
+               if (.not. is_possible .or. (is_singular .and. search%found%has_family)) cycle
+               associate (n_columns => 2*point - 2 + n_left, n_rows => 2*point - 2 + n_inequalities)
+                  if (cannot_hold(search, next(2*point - 1:n_rows, :n_columns), 2*point - 2)) cycle
+                  if (point > 1) then
+                     call descend(search, point - 1, next(:n_rows + n_left, :n_columns), n_left)
+                  else if (n_left == 0) then
+                     call keep_solution(search)
+                  else
+                     search%found%has_family = has_extent(next(:n_rows, :n_columns))
+                  end if
+               end associate
+            end do
+         end do
+         states%is_closed(point) = .false.
+      end associate
+   end subroutine descend
+
+   !> Adds the inequalities and the two equations of a point in its present state to the rows.
+   subroutine add_point(search, point, rows, n_pending, is_frictional, next, n_inequalities)
+      type(search_t), intent(in) :: search !! the search
+      integer, intent(in) :: point !! the point
+      real(dp), intent(in) :: rows(:, 0:) !! the rows before
+      integer, intent(in) :: n_pending !! number of pending equations, in the last rows
+      logical, intent(in) :: is_frictional !! whether the point has a slip bound
+      real(dp), intent(out) :: next(:, 0:)
+         !! the rows after: y of the points before this one, inequalities, equations
+      integer, intent(out) :: n_inequalities !! number of inequalities in them
+      real(dp), dimension(0:ubound(rows, 2)) :: force_n, force_t, distance_n, distance_t, bound
+      integer :: n_y, last, sense
+
+      n_y = 2*point - 2
+      force_n = 0.0_dp
+      force_n(2*point - 1) = 1.0_dp
+      force_t = 0.0_dp
+      force_t(2*point) = 1.0_dp
+      distance_n = rows(2*point - 1, :)
+      distance_t = rows(2*point, :)
+      if (.not. search%relation%is_dual) then
+         call swap(force_n, distance_n)
+         call swap(force_t, distance_t)
+      end if
+      bound = 0.0_dp
+      bound(0) = search%relation%slip_bound(point)
+      if (search%states%is_closed(point)) bound = bound + search%relation%friction(point)*force_n
+      sense = search%states%sense(point)
+
+      next(:n_y, :) = rows(:n_y, :)
+      last = size(rows, 1) - n_pending - 2
+      next(n_y + 1:last, :) = rows(2*point + 1:2*point + last - n_y, :)
+      if (search%states%is_closed(point)) then
+         call append(force_n)
+      else
+         call append(-distance_n)
+      end if
+      if (is_frictional .and. sense == 0) then
+         call append(bound - force_t)
+         call append(bound + force_t)
+      else if (is_frictional) then
+         call append(sense*distance_t)
+      end if
+      n_inequalities = last - n_y
+      next(last + 1:last + n_pending, :) = rows(size(rows, 1) - n_pending + 1:, :)
+      last = last + n_pending
+      if (search%states%is_closed(point)) then
+         call append(distance_n)
+      else
+         call append(force_n)
+      end if
+      if (sense == 0) then
+         call append(distance_t)
+      else
+         call append(force_t - sense*bound)
+      end if
+
+   contains
+
+      !> Appends a row.
+      subroutine append(row)
+         real(dp), intent(in) :: row(0:) !! the row
+
+         last = last + 1
+         next(last, :) = row
+      end subroutine append
+
+      !> Exchanges two rows.
+      pure subroutine swap(one, other)
+         real(dp), intent(inout) :: one(0:) !! a row
+         real(dp), intent(inout) :: other(0:) !! another one
+         real(dp) :: kept(0:ubound(one, 1))
+
+         kept = one
+         one = other
+         other = kept
+      end subroutine swap
+
+   end subroutine add_point
+
+   !> Eliminates unknowns by the equations in the last rows, the largest pivot first; those without a pivot are left to
+   !> points to come.
+   pure subroutine eliminate(rows, n_kept, n_equations, n_left, least_pivot, is_possible, &
+      is_singular)
+      real(dp), intent(inout) :: rows(:, 0:)
+         !! the rows; on return equations and unknowns that are left follow those before them without gaps
+      integer, intent(in) :: n_kept !! number of the first unknowns, which are not to be eliminated
+      integer, intent(in) :: n_equations !! number of equations, and of the unknowns to be eliminated
+      integer, intent(out) :: n_left !! number of equations and unknowns that are left
+      real(dp), intent(in) :: least_pivot !! least pivot
+      logical, intent(out) :: is_possible !! false if an equation that is left contradicts itself
+      logical, intent(out) :: is_singular !! whether an equation that is left says nothing, whatever the points to come
+      integer :: at(2), first, row, column, j, i
+
+      first = size(rows, 1) - n_equations
+      do n_left = n_equations, 1, -1
+         associate (equations => rows(first + 1:first + n_left, n_kept + 1:n_kept + n_left))
+            at = maxloc(abs(equations))
+            if (.not. abs(equations(at(1), at(2))) > least_pivot) exit
+         end associate
+         row = first + at(1)
+         column = n_kept + at(2)
+         rows([row, first + n_left], :) = rows([first + n_left, row], :)
+         rows(:, [column, n_kept + n_left]) = rows(:, [n_kept + n_left, column])
+         row = first + n_left
+         column = n_kept + n_left
+         rows(row, :column) = rows(row, :column)/rows(row, column)
+         do j = 0, column - 1
+            rows(:row - 1, j) = rows(:row - 1, j) - rows(:row - 1, column)*rows(row, j)
+         end do
+      end do
+      is_possible = .true.
+      is_singular = .false.
+      do i = first + 1, first + n_left
+         if (any(abs(rows(i, 1:n_kept + n_left)) > no_pivot)) cycle
+         is_singular = .true.
+         is_possible = is_possible .and. abs(rows(i, 0)) <= loose
+      end do
+   end subroutine eliminate
+
+   !> Whether an inequality fails whatever the unknowns within their bounds.
+   pure logical function cannot_hold(search, inequalities, n_unknowns)
+      type(search_t), intent(in) :: search !! the search
+      real(dp), intent(in) :: inequalities(:, 0:) !! the inequalities
+      integer, intent(in) :: n_unknowns !! number of unknowns with bounds; pending ones follow
+      real(dp) :: most(size(inequalities, 1))
+      integer :: j
+
+      most = inequalities(:, 0)
+      do j = 1, ubound(inequalities, 2)
+         associate (factor => inequalities(:, j))
+            if (j <= n_unknowns) then
+               where (abs(factor) > no_pivot) most = most + max(factor*search%lower(j), factor*search%upper(j))
+            else
+               where (abs(factor) > no_pivot) most = huge(most)/2.0_dp
+            end if
+         end associate
+      end do
+      cannot_hold = any(most < -loose)
+   end function cannot_hold
+
+   !> Whether inequalities hold for more than one point: whether a linear function of the unknowns without any symmetry
+   !> has different values among them. Its extremes are linear programs, their optimality conditions are
+   !> complementarity problems.
+   pure logical function has_extent(inequalities)
+      real(dp), intent(in) :: inequalities(:, 0:) !! constants and factors of the inequalities (k, 0:n)
+      real(dp), parameter :: far = 1.0e3_dp, golden = 0.61803398874989485_dp
+      real(dp), dimension(size(inequalities, 1) + 2*ubound(inequalities, 2)) :: right, z
+      real(dp) :: matrix(size(right), size(right)), slope(ubound(inequalities, 2)), extreme(2)
+      logical :: is_basic(size(right))
+      integer :: i, n, direction, outcome
+
+      n = size(slope)
+      has_extent = .false.
+      slope = 0.5_dp + modulo([(golden*i, i=1, n)], 1.0_dp)
+      associate (upper => size(right) - n)
+         ! z holds the unknowns, moved by `far` so as to be positive, and the multipliers of inequalities and of upper
+         ! bounds.
+         matrix = 0.0_dp
+         matrix(n + 1:upper, :n) = inequalities(:, 1:)
+         right(n + 1:upper) = inequalities(:, 0) + strict - far*sum(inequalities(:, 1:), dim=2)
+         do i = 1, n
+            matrix(upper + i, i) = -1.0_dp
+         end do
+         right(upper + 1:) = 2.0_dp*far
+      end associate
+      matrix(:n, n + 1:) = -transpose(matrix(n + 1:, :n))
+      do direction = 1, 2
+         right(:n) = merge(slope, -slope, direction == 1)
+         call lemke_pivoting(matrix, right, [(1.0_dp + modulo(golden*i, 1.0_dp), i=1, size(right))], is_basic, z, outcome)
+         if (outcome /= pivoting_solved) return
+         extreme(direction) = dot_product(slope, z(:n))
+      end do
+      has_extent = extreme(2) - extreme(1) > sqrt(strict)
+   end function has_extent
+
+   !> Solves the present states afresh and keeps the solution, unless it violates an inequality after all or is known.
+   pure subroutine keep_solution(search)
+      type(search_t), intent(inout) :: search !! the search
+      type(point_states_t) :: states
+      real(dp) :: force(2*search%relation%n_points), distance(2*search%relation%n_points), smallest
+      integer :: info, m
+
+      m = search%relation%n_points
+      states = search%states
+      associate (relation => search%relation)
+         call relation%solve_states(states, force, distance, info)
+         if (info /= 0) return
+         ! Without any slip bound the sense is that of the slip.
+         where (.not. relation%slip_bound + relation%friction*merge(1.0_dp, 0.0_dp, states%is_closed) > 0.0_dp)
+            states%sense = nint(sign(1.0_dp, distance(m + 1:)))
+         end where
+         if (relation%violation(states, force, distance) > strict) return
+         smallest = least_margin(relation, states, force, distance)
+         call keep(search, force, distance, smallest > loose)
+      end associate
+   end subroutine keep_solution
+
+   !> The least of the numbers that the states ask to be positive; above zero, no other states hold nearby. Slips that
+   !> no friction resists may have either sign.
+   pure real(dp) function least_margin(relation, states, force, distance) result(margin)
+      type(contact_relation_t), intent(in) :: relation !! the relation
+      type(point_states_t), intent(in) :: states !! states of all points
+      real(dp), intent(in) :: force(:) !! lambda (2m) [-]
+      real(dp), intent(in) :: distance(:) !! w (2m) [-]
+      real(dp) :: bound
+      integer :: m, p
+
+      m = relation%n_points
+      margin = huge(margin)
+      do p = 1, m
+         margin = min(margin, merge(force(p), -distance(p), states%is_closed(p)))
+         bound = relation%slip_bound(p) + relation%friction(p)*max(0.0_dp, force(p))
+         if (states%sense(p) == 0) then
+            margin = min(margin, bound - abs(force(m + p)))
+         else if (bound > 0.0_dp) then
+            margin = min(margin, states%sense(p)*distance(m + p))
+         end if
+      end do
+   end function least_margin
+
+   !> Keeps a pair unless it is known: a point between two states counts as either.
+   pure subroutine keep(search, force, distance, is_isolated)
+      type(search_t), intent(inout) :: search !! the search
+      real(dp), intent(in) :: force(:) !! lambda (2m) [-]
+      real(dp), intent(in) :: distance(:) !! w (2m) [-]
+      logical, intent(in) :: is_isolated !! whether no other solution is near
+      integer :: i, n
+
+      associate (found => search%found)
+         n = found%n
+         do i = 1, n
+            if (maxval(abs(found%force(:, i) - force)) > loose*max(1.0_dp, maxval(abs(force)))) cycle
+            if (maxval(abs(found%displacement(:, i) - distance)) > loose*max(1.0_dp, maxval(abs(distance)))) cycle
+            return
+         end do
+         found%force = reshape([found%force, force], [size(force), n + 1])
+         found%displacement = reshape([found%displacement, distance], [size(distance), n + 1])
+         found%is_isolated = [found%is_isolated, is_isolated]
+         found%n = n + 1
+      end associate
+   end subroutine keep
+
+end module amontons_all_solutions

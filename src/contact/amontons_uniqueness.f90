@@ -1,0 +1,320 @@
+!> A friction below which a contact problem has one solution, whatever its loads and gaps; section 5 of doc/theory.md
+!> has the proofs.
+!>
+!> Of few points the exact bound is found: the signs of the determinants that all combinations of states lead to. Of
+!> more points a sufficient one: an estimate of what friction can gain from the coupling of normal and tangential
+!> directions.
+module amontons_uniqueness
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_relation, only: contact_relation_t, new_contact_relation
+   use amontons_dense, only: cholesky_factor, cholesky_inverse, cholesky_solve, symmetric_multiply
+   use amontons_kinds, only: dp
+   implicit none (type, external)
+   private
+
+   public :: new_uniqueness, uniqueness_t
+
+   !> What is known of the friction below which the solution is unique.
+   type :: uniqueness_t
+      logical :: has_bound = .false. !! whether a bound was found
+      logical :: is_exact = .false. !! whether there are loads with several solutions just above the bound
+      logical :: is_for_any = .false. !! whether the solution is unique whatever the friction
+      real(dp) :: friction = 0.0_dp
+         !! the largest coefficient for which the solution is unique, those of all points being in the ratios of the
+         !! problem, equal if it has none [-]
+      logical :: is_unique = .false. !! whether the problem itself is below the bound
+   end type uniqueness_t
+
+   !> The blocks of a stiffness that the estimate needs, in the relation's units.
+   type :: coupling_t
+      real(dp), allocatable :: normal(:, :) !! S_11 (m, m)
+      real(dp), allocatable :: tangential(:, :) !! S_22 (m, m)
+      real(dp), allocatable :: factor(:, :) !! Cholesky factor of G = S_22 - S_21 S_11^+ S_12 (m, m)
+   end type coupling_t
+
+   !> More than this times the coupling is no coupling but rounding.
+   real(dp), parameter :: any_friction = 1.0e6_dp
+
+contains
+
+   !> Computes the bound of a contact problem.
+   pure subroutine new_uniqueness(uniqueness, problem)
+      type(uniqueness_t), intent(out) :: uniqueness !! the bound
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      ! What takes about a second: four states for each point and fifty halvings; factors of so many rows.
+      integer, parameter :: most_points_exact = 7, most_points = 500
+      type(contact_relation_t) :: relation
+      real(dp), allocatable :: friction(:), inverse(:, :)
+      real(dp) :: multiple
+      logical :: is_definite
+
+      if (problem%n_points < 1 .or. problem%n_points > most_points) return
+      call new_contact_relation(relation, problem)
+      friction = problem%friction
+      if (.not. any(friction > 0.0_dp)) friction = 1.0_dp
+      associate (m => problem%n_points, largest => maxval(friction))
+         friction = friction/largest*relation%force_unit(:m)/relation%force_unit(m + 1:)
+         call invert(relation%matrix, inverse, is_definite)
+         uniqueness%is_exact = is_definite .and. m <= most_points_exact
+         multiple = 0.0_dp
+         if (uniqueness%is_exact) then
+            if (relation%is_dual) inverse = relation%matrix
+            multiple = exact_bound(inverse, friction, relation%slip_bound > 0.0_dp)
+         else if (.not. relation%is_dual) then
+            multiple = estimated_bound(relation%matrix, friction)
+         else if (is_definite) then
+            multiple = estimated_bound(inverse, friction)
+         end if
+      end associate
+      uniqueness%has_bound = multiple > 0.0_dp
+      uniqueness%is_exact = uniqueness%is_exact .and. uniqueness%has_bound
+      uniqueness%is_for_any = multiple >= any_friction
+      uniqueness%friction = multiple
+      uniqueness%is_unique = uniqueness%is_for_any .or. maxval(problem%friction) < multiple
+   end subroutine new_uniqueness
+
+   !> The inverse of a symmetric matrix with the diagonal 1, if it is positive definite beyond rounding.
+   pure subroutine invert(matrix, inverse, is_definite)
+      real(dp), intent(in) :: matrix(:, :) !! the matrix (n, n)
+      real(dp), allocatable, intent(out) :: inverse(:, :) !! its inverse (n, n)
+      logical, intent(out) :: is_definite !! whether there is one
+      ! The square of a smaller pivot's root may be rounding alone.
+      real(dp), parameter :: least_root = 1.0e-5_dp
+      integer :: i, info
+
+      inverse = matrix
+      call cholesky_factor(inverse, info)
+      is_definite = info == 0
+      if (is_definite) is_definite = minval([(inverse(i, i), i=1, size(inverse, 1))]) > least_root
+      if (is_definite) call cholesky_inverse(inverse)
+   end subroutine invert
+
+   !> The least multiple of given coefficients at which the determinant of some states is no longer positive.
+   pure real(dp) function exact_bound(a, friction, has_slip_bound) result(bound)
+      real(dp), intent(in) :: a(:, :) !! A, positive definite (2m, 2m) [-]
+      real(dp), intent(in) :: friction(:) !! phi, the largest of them about 1 (m) [-]
+      logical, intent(in) :: has_slip_bound(:) !! whether a given slip bound lets open points stick (m)
+      integer, parameter :: n_halvings = 50
+      real(dp) :: above, middle
+      integer :: i, j, m
+
+      m = size(friction)
+      associate (order => [((i + j*m, j=0, 1), i=1, m)])
+         associate (by_point => a(order, order))
+            bound = 0.0_dp
+            above = 1.0_dp
+            do while (are_positive(by_point, above*friction, has_slip_bound))
+               bound = above
+               above = 2.0_dp*above
+               if (above > any_friction) return
+            end do
+            do i = 1, n_halvings
+               middle = 0.5_dp*(bound + above)
+               if (are_positive(by_point, middle*friction, has_slip_bound)) then
+                  bound = middle
+               else
+                  above = middle
+               end if
+            end do
+         end associate
+      end associate
+   end function exact_bound
+
+   !> Whether the determinants of all combinations of states are positive. The points settle their states from the last
+   !> to the first; since the others may all be open, each elimination has to have a positive pivot of its own.
+   pure recursive logical function are_positive(a, friction, has_slip_bound) result(is_positive)
+      real(dp), intent(in) :: a(:, :)
+         !! A of the points without a state, after the elimination of the others; normal and tangential row of each
+         !! point follow each other (2r, 2r)
+      real(dp), intent(in) :: friction(:) !! phi, at least (r)
+      logical, intent(in) :: has_slip_bound(:) !! whether a given slip bound lets open points stick, at least (r)
+      integer :: n, t, rest, sense
+
+      is_positive = .true.
+      t = size(a, 1)
+      if (t == 0) return
+      n = t - 1
+      rest = t - 2
+      associate (others => a(:rest, :rest), phi => friction(t/2))
+         is_positive = are_positive(others, friction, has_slip_bound)
+         do sense = -1, 1, 2
+            if (is_positive) call eliminate(a(:, n) + sense*phi*a(:, t), a(n, :rest), a(n, n) + sense*phi*a(n, t), others)
+         end do
+         if (is_positive .and. has_slip_bound(t/2)) call eliminate(a(:, t), a(t, :rest), a(t, t), others)
+         if (.not. is_positive) return
+         ! Stick: the normal row, and then the tangential one.
+         is_positive = a(n, n) > 0.0_dp
+         if (.not. is_positive) return
+         associate (ratio => a(:, n)/a(n, n))
+            call eliminate(a(:, t) - ratio*a(n, t), a(t, :rest) - a(t, n)*a(n, :rest)/a(n, n), &
+               a(t, t) - a(t, n)*a(n, t)/a(n, n), others - spread(ratio(:rest), 2, rest)*spread(a(n, :rest), 1, rest))
+         end associate
+      end associate
+
+   contains
+
+      !> Eliminates one unknown by one row and asks for the rest.
+      pure recursive subroutine eliminate(column, row, pivot, matrix)
+         real(dp), intent(in) :: column(:) !! column of the unknown, at least (rest)
+         real(dp), intent(in) :: row(:) !! the row (rest)
+         real(dp), intent(in) :: pivot !! where row and column meet
+         real(dp), intent(in) :: matrix(:, :) !! rows and columns of the others (rest, rest)
+
+         is_positive = pivot > 0.0_dp
+         if (.not. is_positive) return
+         is_positive = are_positive(matrix - spread(column(:rest), 2, rest)*spread(row/pivot, 1, rest), friction, &
+            has_slip_bound)
+      end subroutine eliminate
+
+   end function are_positive
+
+   !> A multiple of given coefficients below which the solution is unique, from norms; 0 if rigid motions with slip are
+   !> free. With kappa and gamma of section 5 of doc/theory.md, kappa < gamma + 1/gamma (2 if gamma > 1).
+   pure real(dp) function estimated_bound(s, friction) result(bound)
+      real(dp), intent(in) :: s(:, :) !! S, positive semidefinite (2m, 2m) [-]
+      real(dp), intent(in) :: friction(:) !! phi (m) [-]
+      ! What rounding may have added to the estimate.
+      real(dp), parameter :: caution = 1.0_dp - 1.0e-6_dp
+      type(coupling_t) :: coupling
+      real(dp) :: coupling_squared, gamma
+      logical :: is_definite
+
+      bound = 0.0_dp
+      call new_coupling(coupling, s, is_definite)
+      if (.not. is_definite) return
+      coupling_squared = largest_eigenvalue(transformed(coupling%factor, coupling%tangential)) - 1.0_dp
+      gamma = sqrt(max(coupling_squared, 1.0_dp/any_friction**2))
+      bound = caution*merge(gamma + 1.0_dp/gamma, 2.0_dp, gamma < 1.0_dp)/friction_gain(coupling, friction)
+   end function estimated_bound
+
+   !> Takes the blocks of a stiffness and eliminates the normal displacements.
+   pure subroutine new_coupling(coupling, s, is_definite)
+      type(coupling_t), intent(out) :: coupling !! the blocks
+      real(dp), intent(in) :: s(:, :) !! S (2m, 2m) [-]
+      logical, intent(out) :: is_definite !! whether G is positive definite beyond rounding
+      ! Free rigid motions along the normals are in the kernel of S_11 and of S_21: any small number holds them.
+      real(dp), parameter :: hold = 1.0e-11_dp, least_root = 1.0e-4_dp
+      real(dp), allocatable :: factor(:, :), mixed(:, :)
+      integer :: i, info, m
+
+      m = size(s, 1)/2
+      coupling%normal = s(:m, :m)
+      coupling%tangential = s(m + 1:, m + 1:)
+      factor = coupling%normal
+      do i = 1, m
+         factor(i, i) = (1.0_dp + hold)*factor(i, i)
+      end do
+      call cholesky_factor(factor, info)
+      is_definite = info == 0
+      if (.not. is_definite) return
+      mixed = s(:m, m + 1:)
+      call cholesky_solve(factor, mixed)
+      coupling%factor = coupling%tangential - matmul(s(m + 1:, :m), mixed)
+      call cholesky_factor(coupling%factor, info)
+      is_definite = info == 0
+      if (.not. is_definite) return
+      is_definite = all([(coupling%factor(i, i) > least_root*sqrt(coupling%tangential(i, i)), i=1, m)])
+   end subroutine new_coupling
+
+   !> The number kappa: the square root of the product of the largest eigenvalues of D A_22 D and of
+   !> D^-1 Phi S_11 Phi D^-1, A_22 = G^-1, on the points with friction. The diagonal D balances the two.
+   pure real(dp) function friction_gain(coupling, friction) result(gain)
+      type(coupling_t), intent(in) :: coupling !! the blocks
+      real(dp), intent(in) :: friction(:) !! phi (m) [-]
+      real(dp), allocatable :: compliance(:, :), stiffness(:, :), weight(:)
+      integer :: i
+
+      compliance = coupling%factor
+      call cholesky_inverse(compliance)
+      associate (rough => pack([(i, i=1, size(friction))], friction > 0.0_dp))
+         compliance = compliance(rough, rough)
+         stiffness = coupling%normal(rough, rough)
+         weight = [(friction(rough(i))*sqrt(stiffness(i, i)/compliance(i, i)), i=1, size(rough))]
+         do i = 1, size(rough)
+            compliance(:, i) = compliance(:, i)*sqrt(weight)*sqrt(weight(i))
+            stiffness(:, i) = stiffness(:, i)*friction(rough)/sqrt(weight)*friction(rough(i))/sqrt(weight(i))
+         end do
+      end associate
+      gain = sqrt(largest_eigenvalue(compliance)*largest_eigenvalue(stiffness))
+   end function friction_gain
+
+   !> The matrix L^-1 X L^-T of a symmetric X.
+   pure function transformed(l, x) result(y)
+      real(dp), intent(in) :: l(:, :) !! L in the lower triangle (n, n)
+      real(dp), intent(in) :: x(:, :) !! X (n, n)
+      real(dp), allocatable :: y(:, :)
+
+      y = forward(l, transpose(forward(l, x)))
+   end function transformed
+
+   !> The product L^-1 X.
+   pure function forward(l, x) result(y)
+      real(dp), intent(in) :: l(:, :) !! L in the lower triangle (n, n)
+      real(dp), intent(in) :: x(:, :) !! X (n, n)
+      real(dp), allocatable :: y(:, :)
+      integer :: i, j, n
+
+      y = x
+      n = size(l, 1)
+      do j = 1, size(x, 2)
+         do i = 1, n
+            y(i, j) = y(i, j)/l(i, i)
+            y(i + 1:, j) = y(i + 1:, j) - y(i, j)*l(i + 1:, i)
+         end do
+      end do
+   end function forward
+
+   !> The largest eigenvalue of a positive semidefinite matrix, from above: a Cholesky factor proves that no eigenvalue is
+   !> larger. Power iterations tell where to look.
+   pure real(dp) function largest_eigenvalue(matrix) result(above)
+      real(dp), intent(in) :: matrix(:, :) !! the matrix (n, n)
+      real(dp), parameter :: resolution = 1.0e-4_dp
+      integer, parameter :: n_powers = 60
+      real(dp) :: vector(size(matrix, 1)), image(size(matrix, 1)), below, middle, step
+      integer :: i
+
+      vector = [(1.0_dp + modulo(i, 7), i=1, size(vector))]
+      below = 0.0_dp
+      do i = 1, n_powers
+         vector = vector/norm2(vector)
+         call symmetric_multiply(matrix, vector, image)
+         below = dot_product(vector, image)
+         if (.not. below > 0.0_dp) exit
+         vector = image
+      end do
+      if (.not. below > 0.0_dp) below = maxval([(matrix(i, i), i=1, size(vector))])*1.0e-16_dp
+      step = resolution
+      above = (1.0_dp + step)*below
+      do while (.not. is_above(above))
+         below = above
+         step = 4.0_dp*step
+         above = (1.0_dp + step)*below
+      end do
+      do while (above - below > 2.0_dp*resolution*above)
+         middle = 0.5_dp*(below + above)
+         if (is_above(middle)) then
+            above = middle
+         else
+            below = middle
+         end if
+      end do
+
+   contains
+
+      !> Whether a number is larger than every eigenvalue.
+      pure logical function is_above(number)
+         real(dp), intent(in) :: number !! the number
+         real(dp) :: difference(size(matrix, 1), size(matrix, 1))
+         integer :: k, info
+
+         difference = -matrix
+         do k = 1, size(matrix, 1)
+            difference(k, k) = difference(k, k) + number
+         end do
+         call cholesky_factor(difference, info)
+         is_above = info == 0
+      end function is_above
+
+   end function largest_eigenvalue
+
+end module amontons_uniqueness
