@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Table 1 of Pop and Zelina (2005) beside what the program computes. Installs and builds what is missing.
 # Usage: table1.sh [--method NAME] [--variant NAME] [--element NAME]
-#   --method    auto (default), newton, splitting, fixed_point, psor
+#   --method    auto (default), newton, splitting, fixed_point, psor, lemke
 #   --variant   of splitting: exact (default), clip, printed
 #   --element   quad4 (default), tri3
 # Exit status: 0 if every transition lies within one segment (1.25 mm) of the paper's and every certificate passes.

@@ -59,9 +59,9 @@ contains
       m = problem%n_points
       most = merge(most_points_with_bound, most_points, any(problem%slip_bound > 0.0_dp))
       if (m > most) then
-         call new_error(error, input_refused, 'all solutions are searched for among at most '//to_text(most_points)// &
-            ' contact points, '//to_text(most_points_with_bound)//' with a given slip bound; this problem has '// &
-            to_text(m))
+         call new_error(error, input_refused, 'all solutions can be found with at most '//to_text(most)// &
+            ' contact points'//trim(merge(' where a slip bound is given', repeat(' ', 28), most < most_points))// &
+            ', this problem has '//to_text(m))
          return
       end if
       call new_contact_relation(search%relation, problem)

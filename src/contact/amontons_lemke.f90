@@ -48,7 +48,7 @@ contains
 
       if (problem%n_points > max_points) then
          call new_error(error, input_refused, 'the method lemke takes at most '//to_text(max_points)// &
-            ' contact points, this problem has '//to_text(problem%n_points)//'; expected another method')
+            ' contact points, this problem has '//to_text(problem%n_points))
          return
       end if
       call solution%begin()

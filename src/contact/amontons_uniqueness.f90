@@ -28,11 +28,11 @@ module amontons_uniqueness
    !> The blocks of a stiffness that the estimate needs, in the relation's units.
    type :: coupling_t
       real(dp), allocatable :: normal(:, :) !! S_11 (m, m)
-      real(dp), allocatable :: tangential(:, :) !! S_22 (m, m)
+      real(dp), allocatable :: difference(:, :) !! S_21 S_11^+ S_12 (m, m)
       real(dp), allocatable :: factor(:, :) !! Cholesky factor of G = S_22 - S_21 S_11^+ S_12 (m, m)
    end type coupling_t
 
-   !> More than this times the coupling is no coupling but rounding.
+   !> A bound above this coefficient is none.
    real(dp), parameter :: any_friction = 1.0e6_dp
 
 contains
@@ -105,8 +105,8 @@ contains
             above = 1.0_dp
             do while (are_positive(by_point, above*friction, has_slip_bound))
                bound = above
+               if (bound > any_friction) return
                above = 2.0_dp*above
-               if (above > any_friction) return
             end do
             do i = 1, n_halvings
                middle = 0.5_dp*(bound + above)
@@ -173,17 +173,17 @@ contains
    pure real(dp) function estimated_bound(s, friction) result(bound)
       real(dp), intent(in) :: s(:, :) !! S, positive semidefinite (2m, 2m) [-]
       real(dp), intent(in) :: friction(:) !! phi (m) [-]
-      ! What rounding may have added to the estimate.
-      real(dp), parameter :: caution = 1.0_dp - 1.0e-6_dp
+      ! What rounding may have added to the estimate, and what it makes of no coupling.
+      real(dp), parameter :: caution = 1.0_dp - 1.0e-6_dp, rounding = 1.0e-12_dp
       type(coupling_t) :: coupling
-      real(dp) :: coupling_squared, gamma
+      real(dp) :: gamma
       logical :: is_definite
 
       bound = 0.0_dp
       call new_coupling(coupling, s, is_definite)
       if (.not. is_definite) return
-      coupling_squared = largest_eigenvalue(transformed(coupling%factor, coupling%tangential)) - 1.0_dp
-      gamma = sqrt(max(coupling_squared, 1.0_dp/any_friction**2))
+      gamma = sqrt(largest_eigenvalue(transformed(coupling%factor, coupling%difference)))
+      gamma = max(gamma, rounding)
       bound = caution*merge(gamma + 1.0_dp/gamma, 2.0_dp, gamma < 1.0_dp)/friction_gain(coupling, friction)
    end function estimated_bound
 
@@ -199,7 +199,6 @@ contains
 
       m = size(s, 1)/2
       coupling%normal = s(:m, :m)
-      coupling%tangential = s(m + 1:, m + 1:)
       factor = coupling%normal
       do i = 1, m
          factor(i, i) = (1.0_dp + hold)*factor(i, i)
@@ -209,11 +208,12 @@ contains
       if (.not. is_definite) return
       mixed = s(:m, m + 1:)
       call cholesky_solve(factor, mixed)
-      coupling%factor = coupling%tangential - matmul(s(m + 1:, :m), mixed)
+      coupling%difference = matmul(s(m + 1:, :m), mixed)
+      coupling%factor = s(m + 1:, m + 1:) - coupling%difference
       call cholesky_factor(coupling%factor, info)
       is_definite = info == 0
       if (.not. is_definite) return
-      is_definite = all([(coupling%factor(i, i) > least_root*sqrt(coupling%tangential(i, i)), i=1, m)])
+      is_definite = all([(coupling%factor(i, i) > least_root*sqrt(s(m + i, m + i)), i=1, m)])
    end subroutine new_coupling
 
    !> The number kappa: the square root of the product of the largest eigenvalues of D A_22 D and of
@@ -282,7 +282,9 @@ contains
          if (.not. below > 0.0_dp) exit
          vector = image
       end do
-      if (.not. below > 0.0_dp) below = maxval([(matrix(i, i), i=1, size(vector))])*1.0e-16_dp
+      below = max(below, epsilon(below)*maxval(abs(matrix)))
+      above = below
+      if (.not. below > 0.0_dp) return
       step = resolution
       above = (1.0_dp + step)*below
       do while (.not. is_above(above))

@@ -13,6 +13,7 @@ METHODS = (
     "method = 'fixed_point'",
     "method = 'psor'",
     "method = 'psor'  space = 'primal'  omega = 1.6",
+    "method = 'lemke'",
 )
 
 
