@@ -6,6 +6,7 @@
 !> A reduced problem from a file: `new_reduced_config`, `solve_reduced`, `write_reduced_report`; to one:
 !> `new_condensed_system`, `write_reduced_files`.
 module amontons
+   use amontons_all_solutions, only: all_solutions_t, find_all_solutions
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_certificate, only: certificate_t, new_certificate
    use amontons_config, only: config_t, new_reduced_config, read_config
@@ -32,6 +33,7 @@ module amontons
    use amontons_solve_reduced, only: reduced_result_t, solve_reduced
    use amontons_symmetric_matrix, only: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
    use amontons_threads, only: set_threads
+   use amontons_uniqueness, only: new_uniqueness, uniqueness_t
    use amontons_version, only: version
    implicit none (type, external)
    private
@@ -50,6 +52,7 @@ module amontons
    public :: contact_method_t, contact_problem_t, contact_solution_t, method_names, method_options_t, &
       new_contact_method, new_contact_problem, new_contact_solution, new_dense_matrix, new_reduced_problem, &
       new_sparse_matrix, symmetric_matrix_t
+   public :: all_solutions_t, find_all_solutions, new_uniqueness, uniqueness_t
    public :: open_point, slip_minus, slip_plus, status_names, stick_point
    ! Certificates
    public :: certificate_t, new_certificate

@@ -9,7 +9,7 @@ module amontons_command_line
 
    !> Options, as they are written.
    character(15), parameter :: option_names(*) = [character(15) :: '--output', '--check', '--quiet', '--threads', &
-      '--reduced', '--write-reduced', '--help', '--version']
+      '--reduced', '--write-reduced', '--all-solutions', '--help', '--version']
 
    !> A word of the command line.
    type :: argument_t
@@ -25,6 +25,7 @@ module amontons_command_line
       logical :: is_quiet = .false. !! whether nothing is told of solved decks
       logical :: is_reduced = .false. !! whether the names are files of reduced problems rather than decks
       logical :: writes_reduced = .false. !! whether the reduced problem of each case is written
+      logical :: wants_all_solutions = .false. !! whether every solution of a small problem is listed
       logical :: is_help = .false. !! whether help is asked for
       logical :: is_version = .false. !! whether the version is asked for
    end type command_line_t
@@ -100,6 +101,8 @@ contains
          command_line%is_reduced = .true.
       case ('--write-reduced')
          command_line%writes_reduced = .true.
+      case ('--all-solutions')
+         command_line%wants_all_solutions = .true.
       case ('--help', '-h')
          command_line%is_help = .true.
       case ('--version')
@@ -163,6 +166,8 @@ contains
          '  --reduced      the files are reduced problems u = W r + q (Siconos text or FCLIB), not decks'//newline// &
          '  --write-reduced  write the reduced problem of each case too: NAME.reduced.dat (Siconos text)'//newline// &
          '                 and NAME.reduced.hdf5 (FCLIB)'//newline// &
+         '  --all-solutions  find every solution of problems of at most 12 contact points: NAME.solutions.csv'// &
+         newline// &
          '  --help         print this text'//newline// &
          '  --version      print the version'//newline//newline// &
          'Exit status: 0 solved; 1 input refused; 2 numerical failure; 3 cannot write, or an internal'//newline// &

@@ -1,6 +1,7 @@
 !> One run of the program: every deck of the command line, one after the other.
 module amontons_run
    use, intrinsic :: iso_fortran_env, only: error_unit
+   use amontons_all_solutions, only: find_all_solutions
    use amontons_command_line, only: append_argument, argument_t, command_line_t
    use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_error, only: error_t, input_refused, new_error
@@ -117,6 +118,11 @@ contains
       if (allocated(error)) return
       if (command_line%writes_reduced) then
          call export_case(command_line, config, workshop%body%problem, result%solution%force, error)
+         if (allocated(error)) return
+      end if
+      if (command_line%wants_all_solutions) then
+         allocate (result%all_solutions)
+         call find_all_solutions(result%all_solutions, workshop%body%problem, error)
          if (allocated(error)) return
       end if
       call write_report(command_line%output, config, workshop%body, result, error)

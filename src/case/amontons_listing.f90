@@ -12,6 +12,7 @@ module amontons_listing
    use amontons_listing_text, only: heading, line, newline, pair, right, scientific, short
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_result, only: certificate_limit, result_t
+   use amontons_solutions_report, only: solutions_text, uniqueness_text
    use amontons_text, only: to_text
    use amontons_timings, only: phase_names
    use amontons_version, only: version
@@ -73,7 +74,10 @@ contains
          if (result%method_error >= 0.0_dp) text = text//line('Error of method', scientific(result%method_error)// &
             ' of the largest contact force, against the exact solution')
          text = text//line('Residual', scientific(solution%residual)//', tolerance ' &
-            //scientific(config%method%tolerance))//history_text(solution)
+            //scientific(config%method%tolerance))//history_text(solution)// &
+            uniqueness_text(result%uniqueness, body%problem)
+         if (allocated(result%all_solutions)) text = text// &
+            solutions_text(result%all_solutions, body%problem, solution%force)
       end associate
    end function solution_text
 

@@ -9,6 +9,7 @@ module amontons_report
    use amontons_listing, only: write_listing
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_result, only: result_t
+   use amontons_solutions_report, only: write_solutions
    use amontons_summary, only: write_summary
    use amontons_system, only: make_directory
    use amontons_timings, only: phase_write
@@ -18,20 +19,20 @@ module amontons_report
 
    public :: write_deck, write_report
 
-   !> Number of files that a case leaves.
+   !> Number of files that every case leaves.
    integer, parameter :: n_files = 6
 
 contains
 
-   !> Writes NAME.lst, NAME.contact.csv, NAME.vtu, NAME.contact.vtu, NAME.deck.nml and NAME.summary.json. Names change
-   !> hands only after every file is complete.
+   !> Writes NAME.lst, NAME.contact.csv, NAME.vtu, NAME.contact.vtu, NAME.deck.nml and NAME.summary.json, and
+   !> NAME.solutions.csv if all solutions are known. Names change hands only after every file is complete.
    subroutine write_report(directory, config, body, result, error)
       character(*), intent(in) :: directory !! output directory, made if it is not there
       type(config_t), intent(in) :: config !! the case
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
-      type(output_file_t) :: files(n_files)
+      type(output_file_t) :: files(n_files + merge(1, 0, allocated(result%all_solutions)))
       integer :: i
 
       call make_directory(directory, error)
@@ -45,7 +46,7 @@ contains
 
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
    subroutine write_files(files, stem, config, body, result, error)
-      type(output_file_t), intent(inout) :: files(n_files) !! the finished files
+      type(output_file_t), intent(inout) :: files(:) !! the finished files
       character(*), intent(in) :: stem !! directory and name of the case
       type(config_t), intent(in) :: config !! the case
       type(body_t), intent(in) :: body !! the body
@@ -62,6 +63,10 @@ contains
       if (allocated(error)) return
       call write_deck(files(5), stem//'.deck.nml', config, error)
       if (allocated(error)) return
+      if (allocated(result%all_solutions)) then
+         call write_solutions(files(n_files + 1), stem//'.solutions.csv', result%all_solutions, body%problem, error)
+         if (allocated(error)) return
+      end if
       call result%timings%lap(phase_write)
       call write_summary(files(6), stem//'.summary.json', config, body, result, error)
    end subroutine write_files

@@ -1,10 +1,12 @@
 !> The result of a case: everything that the reports tell.
 module amontons_result
+   use amontons_all_solutions, only: all_solutions_t
    use amontons_certificate, only: certificate_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_kinds, only: dp
    use amontons_lengths, only: lengths_t
    use amontons_timings, only: timings_t
+   use amontons_uniqueness, only: uniqueness_t
    implicit none (type, external)
    private
 
@@ -16,6 +18,8 @@ module amontons_result
       real(dp), allocatable :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       real(dp), allocatable :: displacement(:, :) !! displacement of all nodes (2, n_nodes) [L]
       type(certificate_t) :: certificate !! violations on the full model
+      type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
+      type(all_solutions_t), allocatable :: all_solutions !! all solutions, where they were asked for
       type(lengths_t) :: lengths !! lengths of the open, sliding and sticking parts
       real(dp) :: method_error = -1.0_dp
          !! largest difference of a contact force from the exact solution, over the largest force; -1 if not asked [-]

@@ -21,6 +21,7 @@ module amontons_solve_case
    use amontons_rectangle, only: new_rectangle_mesh
    use amontons_result, only: result_t
    use amontons_timings, only: new_timings, phase_condense, phase_read, phase_recover, phase_solve
+   use amontons_uniqueness, only: new_uniqueness
    implicit none (type, external)
    private
 
@@ -132,6 +133,7 @@ contains
 
          call recover(body, result)
          call new_certificate(result%certificate, body, result%loads, result%displacement, solution%force)
+         call new_uniqueness(result%uniqueness, body%problem)
          call new_lengths(result%lengths, body%mesh, body%zone, solution%status)
          call result%timings%lap(phase_recover)
       end associate

@@ -11,6 +11,7 @@ module amontons_summary
    use amontons_system, only: peak_memory_mb
    use amontons_text, only: to_text
    use amontons_timings, only: phase_names
+   use amontons_uniqueness, only: uniqueness_t
    use amontons_version, only: version
    implicit none (type, external)
    private
@@ -58,6 +59,7 @@ contains
          if (result%method_error >= 0.0_dp) text = text//'  "method_error": '//number(result%method_error)//','//newline
          text = text// &
             '  "certificate": {'//certificate_text(result%certificate, config%method%tolerance)//'},'//newline// &
+            '  "uniqueness": {'//uniqueness_members(result%uniqueness)//'},'//newline// &
             '  "counts": {"nodes": '//to_text(body%mesh%n_nodes)//', "elements": '//to_text(body%mesh%n_elements)// &
             ', "dofs": '//to_text(body%dof_map%n_dofs)//', "contact_points": '//to_text(body%zone%n_points)// &
             ', "open": '//to_text(count(solution%status == open_point))// &
@@ -98,6 +100,20 @@ contains
          ', "strain_energy": '//number(certificate%strain_energy)// &
          ', "dissipation": '//number(certificate%dissipation)
    end function certificate_text
+
+   !> The members on uniqueness.
+   pure function uniqueness_members(uniqueness) result(text)
+      type(uniqueness_t), intent(in) :: uniqueness !! the bound
+      character(:), allocatable :: text
+
+      text = '"guaranteed": '//truth(uniqueness%is_unique)//', "friction_below": '
+      if (uniqueness%has_bound .and. .not. uniqueness%is_for_any) then
+         text = text//number(uniqueness%friction)
+      else
+         text = text//'null'
+      end if
+      text = text//', "exact": '//truth(uniqueness%is_exact)
+   end function uniqueness_members
 
    !> A finite real as a JSON number; null otherwise.
    pure function number(value) result(text)

@@ -4,7 +4,7 @@
 !> their states one after the other; the equations are eliminated on the way, so that the inequalities of the points
 !> so far are known in terms of the points to come, and a branch ends as soon as one of them cannot hold.
 module amontons_all_solutions
-   use amontons_complementarity, only: lemke_pivoting, pivoting_solved
+   use amontons_affine_rows, only: eliminate, has_extent, loose, no_pivot
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_relation, only: contact_relation_t, new_contact_relation, point_states_t
    use amontons_dense, only: cholesky_factor, cholesky_inverse
@@ -21,8 +21,10 @@ module amontons_all_solutions
    !> Most points with a given slip bound: a point has six states then, since open ones may slip or stick.
    integer, parameter :: most_points_with_bound = 9
 
-   !> What counts as zero among numbers about 1: pivots, and violations while searching and at the end.
-   real(dp), parameter :: small_pivot = 1.0e-7_dp, no_pivot = 1.0e-11_dp, loose = 1.0e-7_dp, strict = 1.0e-9_dp
+   !> Smaller pivots are left to points to come; the last point takes any that is not rounding.
+   real(dp), parameter :: small_pivot = 1.0e-7_dp
+   !> The largest violation of a solution, all numbers being about 1.
+   real(dp), parameter :: strict = 1.0e-9_dp
 
    !> All solutions of a contact problem.
    type :: all_solutions_t
@@ -127,159 +129,105 @@ contains
          !! affine functions of the x of the points up to this one and of the pending unknowns: their y, inequalities
          !! (at least 0), and in the last rows the pending equations
       integer, intent(in) :: n_pending !! number of pending unknowns and equations, which no pivot was found for
-      real(dp) :: next(size(rows, 1) + 3, 0:ubound(rows, 2))
-      integer :: normal, sense, n_inequalities, n_left, n_equations
-      logical :: is_frictional, is_possible, is_singular
+      integer :: normal, sense
 
-      associate (states => search%states, relation => search%relation)
-         do normal = 0, 1
-            states%is_closed(point) = normal == 1
-            is_frictional = relation%slip_bound(point) > 0.0_dp &
-               .or. (normal == 1 .and. relation%friction(point) > 0.0_dp)
-            do sense = -1, 1
-               ! Without any slip bound one state covers all slips.
-               if (.not. is_frictional .and. sense /= 1) cycle
-               states%sense(point) = sense
-               n_equations = n_pending + 2
-               call add_point(search, point, rows, n_pending, is_frictional, next, n_inequalities)
-               call eliminate(next(:2*point - 2 + n_inequalities + n_equations, :), 2*point - 2, n_equations, n_left, &
-                  merge(no_pivot, small_pivot, point == 1), is_possible, is_singular)
-               if (.not. is_possible .or. (is_singular .and. search%found%has_family)) cycle
-               associate (n_columns => 2*point - 2 + n_left, n_rows => 2*point - 2 + n_inequalities)
-                  if (cannot_hold(search, next(2*point - 1:n_rows, :n_columns), 2*point - 2)) cycle
-                  if (point > 1) then
-                     call descend(search, point - 1, next(:n_rows + n_left, :n_columns), n_left)
-                  else if (n_left == 0) then
-                     call keep_solution(search)
-                  else
-                     search%found%has_family = has_extent(next(:n_rows, :n_columns))
-                  end if
-               end associate
-            end do
+      do normal = 0, 1
+         search%states%is_closed(point) = normal == 1
+         do sense = -1, 1
+            ! Without any slip bound one state covers all slips.
+            if (sense /= 1 .and. .not. has_slip_bound(search, point)) cycle
+            search%states%sense(point) = sense
+            call settle_point(search, point, rows, n_pending)
          end do
-         states%is_closed(point) = .false.
-      end associate
+      end do
    end subroutine descend
 
-   !> Adds the inequalities and the two equations of a point in its present state to the rows.
-   subroutine add_point(search, point, rows, n_pending, is_frictional, next, n_inequalities)
+   !> Whether friction can hold a point in its present state.
+   pure logical function has_slip_bound(search, point)
       type(search_t), intent(in) :: search !! the search
       integer, intent(in) :: point !! the point
-      real(dp), intent(in) :: rows(:, 0:) !! the rows before
-      integer, intent(in) :: n_pending !! number of pending equations, in the last rows
-      logical, intent(in) :: is_frictional !! whether the point has a slip bound
-      real(dp), intent(out) :: next(:, 0:)
-         !! the rows after: y of the points before this one, inequalities, equations
-      integer, intent(out) :: n_inequalities !! number of inequalities in them
-      real(dp), dimension(0:ubound(rows, 2)) :: force_n, force_t, distance_n, distance_t, bound
-      integer :: n_y, last, sense
 
-      n_y = 2*point - 2
-      force_n = 0.0_dp
-      force_n(2*point - 1) = 1.0_dp
-      force_t = 0.0_dp
-      force_t(2*point) = 1.0_dp
-      distance_n = rows(2*point - 1, :)
-      distance_t = rows(2*point, :)
+      has_slip_bound = search%relation%slip_bound(point) > 0.0_dp &
+         .or. (search%states%is_closed(point) .and. search%relation%friction(point) > 0.0_dp)
+   end function has_slip_bound
+
+   !> Eliminates the unknowns of a point in its present state, and goes on to the next one unless that is vain.
+   recursive subroutine settle_point(search, point, rows, n_pending)
+      type(search_t), intent(inout) :: search !! the search
+      integer, intent(in) :: point !! the point
+      real(dp), intent(in) :: rows(:, 0:) !! as in `descend`
+      integer, intent(in) :: n_pending !! number of pending unknowns and equations
+      real(dp) :: inequalities(3, 0:ubound(rows, 2)), equations(2, 0:ubound(rows, 2))
+      real(dp) :: next(size(rows, 1) + 3, 0:ubound(rows, 2))
+      integer :: n_new, n_left, n_old, n_rows, n_unknowns
+      logical :: is_possible, is_singular
+
+      call point_conditions(search, point, rows, inequalities, n_new, equations)
+      n_unknowns = 2*point - 2
+      n_old = size(rows, 1) - n_pending - 2
+      n_rows = n_old + n_new
+      next(:n_unknowns, :) = rows(:n_unknowns, :)
+      next(n_unknowns + 1:n_old, :) = rows(n_unknowns + 3:n_old + 2, :)
+      next(n_old + 1:n_rows, :) = inequalities(:n_new, :)
+      next(n_rows + 1:n_rows + n_pending, :) = rows(n_old + 3:, :)
+      next(n_rows + n_pending + 1:n_rows + n_pending + 2, :) = equations
+      call eliminate(next(:n_rows + n_pending + 2, :), n_unknowns, n_pending + 2, n_left, &
+         merge(no_pivot, small_pivot, point == 1), is_possible, is_singular)
+      if (.not. is_possible .or. (is_singular .and. search%found%has_family)) return
+      associate (n_columns => n_unknowns + n_left)
+         if (cannot_hold(search, next(n_unknowns + 1:n_rows, :n_columns), n_unknowns)) return
+         if (point > 1) then
+            call descend(search, point - 1, next(:n_rows + n_left, :n_columns), n_left)
+         else if (n_left == 0) then
+            call keep_solution(search)
+         else
+            search%found%has_family = has_extent(next(:n_rows, :n_columns))
+         end if
+      end associate
+   end subroutine settle_point
+
+   !> The inequalities and the two equations of a point in its present state.
+   pure subroutine point_conditions(search, point, rows, inequalities, n_inequalities, equations)
+      type(search_t), intent(in) :: search !! the search
+      integer, intent(in) :: point !! the point
+      real(dp), intent(in) :: rows(:, 0:) !! as in `descend`
+      real(dp), intent(out) :: inequalities(:, 0:) !! affine functions that must not be negative (3, 0:n)
+      integer, intent(out) :: n_inequalities !! how many of them there are
+      real(dp), intent(out) :: equations(:, 0:) !! affine functions that must be zero (2, 0:n)
+      real(dp), dimension(2, 0:ubound(rows, 2)) :: force, distance
+      real(dp) :: bound(0:ubound(rows, 2))
+      integer :: sense
+
+      force = 0.0_dp
+      force(1, 2*point - 1) = 1.0_dp
+      force(2, 2*point) = 1.0_dp
+      distance = rows(2*point - 1:2*point, :)
       if (.not. search%relation%is_dual) then
-         call swap(force_n, distance_n)
-         call swap(force_t, distance_t)
+         distance = force
+         force = rows(2*point - 1:2*point, :)
       end if
+      sense = search%states%sense(point)
       bound = 0.0_dp
       bound(0) = search%relation%slip_bound(point)
-      if (search%states%is_closed(point)) bound = bound + search%relation%friction(point)*force_n
-      sense = search%states%sense(point)
-
-      next(:n_y, :) = rows(:n_y, :)
-      last = size(rows, 1) - n_pending - 2
-      next(n_y + 1:last, :) = rows(2*point + 1:2*point + last - n_y, :)
       if (search%states%is_closed(point)) then
-         call append(force_n)
+         bound = bound + search%relation%friction(point)*force(1, :)
+         inequalities(1, :) = force(1, :)
+         equations(1, :) = distance(1, :)
       else
-         call append(-distance_n)
-      end if
-      if (is_frictional .and. sense == 0) then
-         call append(bound - force_t)
-         call append(bound + force_t)
-      else if (is_frictional) then
-         call append(sense*distance_t)
-      end if
-      n_inequalities = last - n_y
-      next(last + 1:last + n_pending, :) = rows(size(rows, 1) - n_pending + 1:, :)
-      last = last + n_pending
-      if (search%states%is_closed(point)) then
-         call append(distance_n)
-      else
-         call append(force_n)
+         inequalities(1, :) = -distance(1, :)
+         equations(1, :) = force(1, :)
       end if
       if (sense == 0) then
-         call append(distance_t)
+         inequalities(2, :) = bound - force(2, :)
+         inequalities(3, :) = bound + force(2, :)
+         equations(2, :) = distance(2, :)
+         n_inequalities = 3
       else
-         call append(force_t - sense*bound)
+         inequalities(2, :) = sense*distance(2, :)
+         equations(2, :) = force(2, :) - sense*bound
+         n_inequalities = merge(2, 1, has_slip_bound(search, point))
       end if
-
-   contains
-
-      !> Appends a row.
-      subroutine append(row)
-         real(dp), intent(in) :: row(0:) !! the row
-
-         last = last + 1
-         next(last, :) = row
-      end subroutine append
-
-      !> Exchanges two rows.
-      pure subroutine swap(one, other)
-         real(dp), intent(inout) :: one(0:) !! a row
-         real(dp), intent(inout) :: other(0:) !! another one
-         real(dp) :: kept(0:ubound(one, 1))
-
-         kept = one
-         one = other
-         other = kept
-      end subroutine swap
-
-   end subroutine add_point
-
-   !> Eliminates unknowns by the equations in the last rows, the largest pivot first; those without a pivot are left to
-   !> points to come.
-   pure subroutine eliminate(rows, n_kept, n_equations, n_left, least_pivot, is_possible, &
-      is_singular)
-      real(dp), intent(inout) :: rows(:, 0:)
-         !! the rows; on return equations and unknowns that are left follow those before them without gaps
-      integer, intent(in) :: n_kept !! number of the first unknowns, which are not to be eliminated
-      integer, intent(in) :: n_equations !! number of equations, and of the unknowns to be eliminated
-      integer, intent(out) :: n_left !! number of equations and unknowns that are left
-      real(dp), intent(in) :: least_pivot !! least pivot
-      logical, intent(out) :: is_possible !! false if an equation that is left contradicts itself
-      logical, intent(out) :: is_singular !! whether an equation that is left says nothing, whatever the points to come
-      integer :: at(2), first, row, column, j, i
-
-      first = size(rows, 1) - n_equations
-      do n_left = n_equations, 1, -1
-         associate (equations => rows(first + 1:first + n_left, n_kept + 1:n_kept + n_left))
-            at = maxloc(abs(equations))
-            if (.not. abs(equations(at(1), at(2))) > least_pivot) exit
-         end associate
-         row = first + at(1)
-         column = n_kept + at(2)
-         rows([row, first + n_left], :) = rows([first + n_left, row], :)
-         rows(:, [column, n_kept + n_left]) = rows(:, [n_kept + n_left, column])
-         row = first + n_left
-         column = n_kept + n_left
-         rows(row, :column) = rows(row, :column)/rows(row, column)
-         do j = 0, column - 1
-            rows(:row - 1, j) = rows(:row - 1, j) - rows(:row - 1, column)*rows(row, j)
-         end do
-      end do
-      is_possible = .true.
-      is_singular = .false.
-      do i = first + 1, first + n_left
-         if (any(abs(rows(i, 1:n_kept + n_left)) > no_pivot)) cycle
-         is_singular = .true.
-         is_possible = is_possible .and. abs(rows(i, 0)) <= loose
-      end do
-   end subroutine eliminate
+   end subroutine point_conditions
 
    !> Whether an inequality fails whatever the unknowns within their bounds.
    pure logical function cannot_hold(search, inequalities, n_unknowns)
@@ -301,41 +249,6 @@ contains
       end do
       cannot_hold = any(most < -loose)
    end function cannot_hold
-
-   !> Whether inequalities hold for more than one point: whether a linear function of the unknowns without any symmetry
-   !> has different values among them. Its extremes are linear programs, their optimality conditions are
-   !> complementarity problems.
-   pure logical function has_extent(inequalities)
-      real(dp), intent(in) :: inequalities(:, 0:) !! constants and factors of the inequalities (k, 0:n)
-      real(dp), parameter :: far = 1.0e3_dp, golden = 0.61803398874989485_dp
-      real(dp), dimension(size(inequalities, 1) + 2*ubound(inequalities, 2)) :: right, z
-      real(dp) :: matrix(size(right), size(right)), slope(ubound(inequalities, 2)), extreme(2)
-      logical :: is_basic(size(right))
-      integer :: i, n, direction, outcome
-
-      n = size(slope)
-      has_extent = .false.
-      slope = 0.5_dp + modulo([(golden*i, i=1, n)], 1.0_dp)
-      associate (upper => size(right) - n)
-         ! z holds the unknowns, moved by `far` so as to be positive, and the multipliers of inequalities and of upper
-         ! bounds.
-         matrix = 0.0_dp
-         matrix(n + 1:upper, :n) = inequalities(:, 1:)
-         right(n + 1:upper) = inequalities(:, 0) + strict - far*sum(inequalities(:, 1:), dim=2)
-         do i = 1, n
-            matrix(upper + i, i) = -1.0_dp
-         end do
-         right(upper + 1:) = 2.0_dp*far
-      end associate
-      matrix(:n, n + 1:) = -transpose(matrix(n + 1:, :n))
-      do direction = 1, 2
-         right(:n) = merge(slope, -slope, direction == 1)
-         call lemke_pivoting(matrix, right, [(1.0_dp + modulo(golden*i, 1.0_dp), i=1, size(right))], is_basic, z, outcome)
-         if (outcome /= pivoting_solved) return
-         extreme(direction) = dot_product(slope, z(:n))
-      end do
-      has_extent = extreme(2) - extreme(1) > sqrt(strict)
-   end function has_extent
 
    !> Solves the present states afresh and keeps the solution, unless it violates an inequality after all or is known.
    pure subroutine keep_solution(search)

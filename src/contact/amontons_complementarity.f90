@@ -1,5 +1,6 @@
 !> Lemke's complementary pivoting for the linear complementarity problem
-!> `w = q + M z, w >= 0, z >= 0, w^T z = 0` (Cottle, Pang, Stone: The Linear Complementarity Problem, 1992, section 4.4).
+!> `w = q + M z, w >= 0, z >= 0, w^T z = 0` (Cottle, Pang, Stone: The Linear Complementarity Problem, 1992,
+!> section 4.4).
 !>
 !> A covering vector c > 0 turns the problem into one that a large number z_0 solves, `w = q + M z + c z_0`, z = 0. The
 !> pivots follow the solutions from there, one pair of variables after the other, until z_0 is zero or the path leaves

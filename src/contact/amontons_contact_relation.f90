@@ -2,8 +2,8 @@
 !> methods that decide point by point which condition of the law is in force.
 !>
 !> w = (u_N - d; u_T) are the distances. In the dual form x is the force, y = w, H = A and h = B; in the primal form
-!> x = w, y is the force, H = S and h = q - S (d; 0). Either way H is positive semidefinite; it is scaled to the diagonal
-!> 1, which turns every force and every distance into one unit, and with it the friction.
+!> x = w, y is the force, H = S and h = q - S (d; 0). Either way H is positive semidefinite; it is scaled to the
+!> diagonal 1, which turns every force and every distance into one unit, and with it the friction.
 module amontons_contact_relation
    use amontons_contact_problem, only: contact_problem_t
    use amontons_dense, only: lu_solve, symmetric_multiply

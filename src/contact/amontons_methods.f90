@@ -15,8 +15,8 @@ module amontons_methods
    public :: method_names, method_options_t, new_contact_method
 
    !> Names of the methods, as a deck writes them.
-   character(11), parameter :: method_names(*) = [character(11) :: 'auto', 'newton', 'splitting', 'fixed_point', 'psor', &
-      'lemke']
+   character(11), parameter :: method_names(*) = [character(11) :: 'auto', 'newton', 'splitting', 'fixed_point', &
+      'psor', 'lemke']
 
    !> The choice of a method and its options; those that a method does not use are without effect on it.
    type :: method_options_t

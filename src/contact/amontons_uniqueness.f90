@@ -41,37 +41,48 @@ contains
    pure subroutine new_uniqueness(uniqueness, problem)
       type(uniqueness_t), intent(out) :: uniqueness !! the bound
       type(contact_problem_t), intent(in) :: problem !! the problem
-      ! What takes about a second: four states for each point and fifty halvings; factors of so many rows.
-      integer, parameter :: most_points_exact = 7, most_points = 500
+      ! Cholesky factors of so many rows take about a second together.
+      integer, parameter :: most_points = 500
       type(contact_relation_t) :: relation
-      real(dp), allocatable :: friction(:), inverse(:, :)
-      real(dp) :: multiple
-      logical :: is_definite
+      real(dp) :: friction(problem%n_points)
 
+      ! Without Coulomb friction the problem is a convex program, and S determines the forces.
+      uniqueness%is_unique = .not. (problem%is_reduced() .or. any(problem%friction > 0.0_dp))
       if (problem%n_points < 1 .or. problem%n_points > most_points) return
       call new_contact_relation(relation, problem)
       friction = problem%friction
       if (.not. any(friction > 0.0_dp)) friction = 1.0_dp
       associate (m => problem%n_points, largest => maxval(friction))
-         friction = friction/largest*relation%force_unit(:m)/relation%force_unit(m + 1:)
-         call invert(relation%matrix, inverse, is_definite)
-         uniqueness%is_exact = is_definite .and. m <= most_points_exact
-         multiple = 0.0_dp
-         if (uniqueness%is_exact) then
-            if (relation%is_dual) inverse = relation%matrix
-            multiple = exact_bound(inverse, friction, relation%slip_bound > 0.0_dp)
-         else if (.not. relation%is_dual) then
-            multiple = estimated_bound(relation%matrix, friction)
-         else if (is_definite) then
-            multiple = estimated_bound(inverse, friction)
-         end if
+         call bound_friction(uniqueness, relation, &
+            friction/largest*relation%force_unit(:m)/relation%force_unit(m + 1:))
       end associate
-      uniqueness%has_bound = multiple > 0.0_dp
-      uniqueness%is_exact = uniqueness%is_exact .and. uniqueness%has_bound
-      uniqueness%is_for_any = multiple >= any_friction
-      uniqueness%friction = multiple
-      uniqueness%is_unique = uniqueness%is_for_any .or. maxval(problem%friction) < multiple
+      if (.not. uniqueness%has_bound) return
+      uniqueness%is_for_any = uniqueness%friction >= any_friction
+      if (uniqueness%is_for_any .or. maxval(problem%friction) < uniqueness%friction) uniqueness%is_unique = .true.
    end subroutine new_uniqueness
+
+   !> Finds the exact bound where there are few points, else the estimate.
+   pure subroutine bound_friction(uniqueness, relation, friction)
+      type(uniqueness_t), intent(inout) :: uniqueness !! gains the bound
+      type(contact_relation_t), intent(in) :: relation !! the problem
+      real(dp), intent(in) :: friction(:) !! coefficients whose largest multiple is asked for (m) [-]
+      ! Four states for each point and fifty halvings: a tenth of a second.
+      integer, parameter :: most_points_exact = 7
+      real(dp), allocatable :: inverse(:, :)
+      logical :: is_definite
+
+      call invert(relation%matrix, inverse, is_definite)
+      uniqueness%is_exact = is_definite .and. relation%n_points <= most_points_exact
+      if (uniqueness%is_exact) then
+         if (relation%is_dual) inverse = relation%matrix
+         uniqueness%friction = exact_bound(inverse, friction, relation%slip_bound > 0.0_dp)
+      else if (.not. relation%is_dual) then
+         uniqueness%friction = estimated_bound(relation%matrix, friction)
+      else if (is_definite) then
+         uniqueness%friction = estimated_bound(inverse, friction)
+      end if
+      uniqueness%has_bound = uniqueness%friction > 0.0_dp
+   end subroutine bound_friction
 
    !> The inverse of a symmetric matrix with the diagonal 1, if it is positive definite beyond rounding.
    pure subroutine invert(matrix, inverse, is_definite)
@@ -138,7 +149,8 @@ contains
       associate (others => a(:rest, :rest), phi => friction(t/2))
          is_positive = are_positive(others, friction, has_slip_bound)
          do sense = -1, 1, 2
-            if (is_positive) call eliminate(a(:, n) + sense*phi*a(:, t), a(n, :rest), a(n, n) + sense*phi*a(n, t), others)
+            if (is_positive) call eliminate(a(:, n) + sense*phi*a(:, t), a(n, :rest), a(n, n) + sense*phi*a(n, t), &
+               others)
          end do
          if (is_positive .and. has_slip_bound(t/2)) call eliminate(a(:, t), a(t, :rest), a(t, t), others)
          if (.not. is_positive) return
@@ -264,8 +276,8 @@ contains
       end do
    end function forward
 
-   !> The largest eigenvalue of a positive semidefinite matrix, from above: a Cholesky factor proves that no eigenvalue is
-   !> larger. Power iterations tell where to look.
+   !> The largest eigenvalue of a positive semidefinite matrix, from above: a Cholesky factor proves that no eigenvalue
+   !> is larger. Power iterations tell where to look.
    pure real(dp) function largest_eigenvalue(matrix) result(above)
       real(dp), intent(in) :: matrix(:, :) !! the matrix (n, n)
       real(dp), parameter :: resolution = 1.0e-4_dp

@@ -26,6 +26,7 @@ MEMBERS = {
                     "friction_excess": float, "complementarity": float, "wrong_dissipation": float,
                     "resultant": float, "moment": float, "energy": float, "strain_energy": float,
                     "dissipation": float},
+    "uniqueness": {"guaranteed": bool, "friction_below": float, "exact": bool},
     "counts": dict.fromkeys(("nodes", "elements", "dofs", "contact_points", "open", "stick", "slip"), int),
     "lengths": dict.fromkeys(("separated", "sliding", "sticking"), float),
     "resultants": dict.fromkeys(("normal", "tangential"), float),

@@ -1,0 +1,107 @@
+!> What is told of the uniqueness of a solution and of other solutions: lines of the listing, and NAME.solutions.csv.
+module amontons_solutions_report
+   use amontons_all_solutions, only: all_solutions_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_error, only: error_t
+   use amontons_friction_law, only: status_names
+   use amontons_kinds, only: dp
+   use amontons_listing_text, only: heading, line, short
+   use amontons_output_file, only: new_output_file, output_file_t
+   use amontons_text, only: to_text, to_text_17
+   use amontons_uniqueness, only: uniqueness_t
+   implicit none (type, external)
+   private
+
+   public :: solutions_text, uniqueness_text, write_solutions
+
+contains
+
+   !> The lines on uniqueness.
+   pure function uniqueness_text(uniqueness, problem) result(text)
+      type(uniqueness_t), intent(in) :: uniqueness !! the bound
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      character(:), allocatable :: text
+      character(:), allocatable :: known
+
+      text = ''
+      if (problem%n_points == 0) return
+      if (uniqueness%is_unique .and. .not. uniqueness%has_bound) then
+         known = 'unique, since there is no Coulomb friction'
+      else if (.not. uniqueness%has_bound) then
+         known = 'no bound on the friction is known for this problem'
+      else if (uniqueness%is_for_any) then
+         known = 'unique for any friction'
+      else
+         known = 'unique for friction below '//short(uniqueness%friction)
+         if (uniqueness%is_exact) known = known//', the exact bound'
+      end if
+      text = line('Uniqueness', known)
+      if (.not. uniqueness%is_unique) text = text//line('Note', 'uniqueness is not guaranteed: with friction of '// &
+         short(maxval(problem%friction))//' there may be other solutions')
+   end function uniqueness_text
+
+   !> The section on all solutions.
+   pure function solutions_text(solutions, problem, force) result(text)
+      type(all_solutions_t), intent(in) :: solutions !! all solutions
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: force(:) !! lambda of the solution that the listing reports (2m) [F]
+      character(:), allocatable :: text
+      integer, allocatable :: status(:)
+      integer :: i, p
+
+      text = heading('All solutions')//line('Found', to_text(solutions%n))
+      if (solutions%has_family) text = text//line('Note', 'some states hold for whole families of solutions, of '// &
+         'which only corners are found')
+      do i = 1, solutions%n
+         status = problem%status(solutions%displacement(:, i), solutions%force(:, i))
+         text = text//line('Solution '//to_text(i), kind_of(i))
+         do p = 1, problem%n_points
+            text = text//line('', 'point '//to_text(p)//': '//trim(status_names(status(p)))//', forces '// &
+               short(solutions%force(p, i))//', '//short(solutions%force(problem%n_points + p, i)))
+         end do
+      end do
+
+   contains
+
+      !> Whether a solution is alone, and whether it is the one reported.
+      pure function kind_of(solution) result(words)
+         integer, intent(in) :: solution !! number of the solution
+         character(:), allocatable :: words
+         ! Rounding, and the tolerance of the method that found the reported one.
+         real(dp), parameter :: same = 1.0e-6_dp
+
+         words = trim(merge('isolated            ', 'between two statuses', solutions%is_isolated(solution)))
+         if (maxval(abs(solutions%force(:, solution) - force)) <= same*maxval(abs(force))) words = words// &
+            '; the one reported'
+      end function kind_of
+
+   end function solutions_text
+
+   !> Writes NAME.solutions.csv: one row for each point of each solution, 17 significant digits.
+   subroutine write_solutions(file, path, solutions, problem, error)
+      type(output_file_t), intent(out) :: file !! the finished file
+      character(*), intent(in) :: path !! name of the file
+      type(all_solutions_t), intent(in) :: solutions !! all solutions
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
+      integer, allocatable :: point_status(:)
+      integer :: i, p, status
+
+      call new_output_file(file, path, .false., error)
+      if (allocated(error)) return
+      write (file%unit, '(a)', iostat=status) 'solution,isolated,point,gap,slip,normal_force,tangential_force,status'
+      do i = 1, solutions%n
+         associate (v => solutions%displacement(:, i), force => solutions%force(:, i), m => problem%n_points)
+            point_status = problem%status(v, force)
+            do p = 1, m
+               if (status == 0) write (file%unit, '(a)', iostat=status) to_text(i)//','// &
+                  trim(merge('yes', 'no ', solutions%is_isolated(i)))//','//to_text(p)//','// &
+                  to_text_17(problem%gap(p) - v(p))//','//to_text_17(v(m + p))//','//to_text_17(force(p))//','// &
+                  to_text_17(force(m + p))//','//trim(status_names(point_status(p)))
+            end do
+         end associate
+      end do
+      call file%finish(status, error)
+   end subroutine write_solutions
+
+end module amontons_solutions_report
