@@ -75,7 +75,7 @@ contains
             ' of the largest contact force, against the exact solution')
          text = text//line('Residual', scientific(solution%residual)//', tolerance ' &
             //scientific(config%method%tolerance))//history_text(solution)// &
-            uniqueness_text(result%uniqueness, body%problem)
+            uniqueness_text(result%uniqueness, body%problem%friction)
          if (allocated(result%all_solutions)) text = text// &
             solutions_text(result%all_solutions, body%problem, solution%force)
       end associate

@@ -10,6 +10,7 @@ module amontons_reduced_listing
    use amontons_reduced_check, only: reduced_check_t
    use amontons_reduced_system, only: reduced_system_t
    use amontons_result, only: certificate_limit
+   use amontons_solutions_report, only: uniqueness_text
    use amontons_solve_reduced, only: reduced_result_t
    use amontons_text, only: to_text
    use amontons_timings, only: phase_read, phase_recover, phase_solve
@@ -89,6 +90,7 @@ contains
             line('Note', 'the forces came to rest at a wrong answer: they do not fulfil the contact law')
          text = text//line('Residual', scientific(solution%residual)//', tolerance ' &
             //scientific(config%method%tolerance))//history_text(solution)// &
+            uniqueness_text(result%uniqueness, result%system%friction)// &
             line('Contacts', to_text(count(status == open_point))//' open, '// &
             to_text(count(status == slip_plus))//' slip+, '//to_text(count(status == slip_minus))//' slip-, '// &
             to_text(count(status == stick_point))//' stick')// &

@@ -17,14 +17,14 @@ module amontons_solutions_report
 contains
 
    !> The lines on uniqueness.
-   pure function uniqueness_text(uniqueness, problem) result(text)
+   pure function uniqueness_text(uniqueness, friction) result(text)
       type(uniqueness_t), intent(in) :: uniqueness !! the bound
-      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: friction(:) !! Coulomb coefficients of the problem (m) [-]
       character(:), allocatable :: text
       character(:), allocatable :: known
 
       text = ''
-      if (problem%n_points == 0) return
+      if (size(friction) == 0) return
       if (uniqueness%is_unique .and. .not. uniqueness%has_bound) then
          known = 'unique, since there is no Coulomb friction'
       else if (.not. uniqueness%has_bound) then
@@ -37,7 +37,7 @@ contains
       end if
       text = line('Uniqueness', known)
       if (.not. uniqueness%is_unique) text = text//line('Note', 'uniqueness is not guaranteed: with friction of '// &
-         short(maxval(problem%friction))//' there may be other solutions')
+         short(maxval(friction))//' there may be other solutions')
    end function uniqueness_text
 
    !> The section on all solutions.

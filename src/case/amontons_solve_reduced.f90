@@ -12,6 +12,7 @@ module amontons_solve_reduced
    use amontons_reduced_file, only: read_reduced_file
    use amontons_reduced_system, only: reduced_system_t
    use amontons_timings, only: new_timings, phase_read, phase_recover, phase_solve, timings_t
+   use amontons_uniqueness, only: new_uniqueness, uniqueness_t
    implicit none (type, external)
    private
 
@@ -22,6 +23,7 @@ module amontons_solve_reduced
       type(reduced_system_t) :: system !! the reduced problem, and its solution
       type(contact_solution_t) :: solution !! statuses and record of the method, in the method's own units
       type(reduced_check_t) :: check !! violations of the contact law
+      type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
       type(timings_t) :: timings !! where the time went
    end type reduced_result_t
 
@@ -63,6 +65,7 @@ contains
          call result%system%contact_problem(problem)
          call iterate(method, result%system, problem, result%solution, error)
          if (allocated(error)) return
+         call new_uniqueness(result%uniqueness, problem)
       end if
       call result%timings%lap(phase_solve)
       associate (system => result%system)
