@@ -4,7 +4,7 @@ module amontons_run_reduced
    use amontons_command_line, only: command_line_t
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_error, only: error_t
    use amontons_fclib_file, only: has_fclib
    use amontons_kinds, only: dp
    use amontons_reduced_file, only: write_reduced_files
@@ -30,10 +30,6 @@ contains
       type(reduced_result_t) :: result
 
       is_solved = .true.
-      if (command_line%wants_all_solutions) then
-         call new_error(error, input_refused, config%file//': --all-solutions takes decks of bodies, not reduced problems')
-         return
-      end if
       if (command_line%is_check) then
          call prepare_reduced(config, result, error)
          if (.not. allocated(error)) call tell(command_line, config%name//': in order; '//result%system%form//', '// &
