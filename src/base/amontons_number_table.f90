@@ -21,7 +21,8 @@ contains
       if (index(file, '/') /= 1) path = reference(:index(reference, '/', back=.true.))//file
    end function beside
 
-   !> Reads a table. Empty lines, and lines that begin with `#`, are passed over; so is a first line of headings.
+   !> Reads a table. Empty lines, and lines that begin with `#`, are passed over; so is one line of
+   !> headings above the numbers, which begins with a letter or a quote.
    subroutine read_number_table(table, file, error)
       real(dp), allocatable, intent(out) :: table(:, :) !! the table (2, rows), two rows at the least
       character(*), intent(in) :: file !! name of the file
@@ -29,8 +30,8 @@ contains
       character(:), allocatable :: text
       real(dp), allocatable :: rows(:, :)
       real(dp) :: pair(2)
-      integer :: first, last, line, n_rows
-      logical :: is_pair, is_empty
+      integer :: first, last, line, n_rows, start
+      logical :: is_empty, is_pair, may_be_headings
 
       call read_text_file(file, text, error)
       if (allocated(error)) return
@@ -38,22 +39,32 @@ contains
       n_rows = 0
       first = 1
       line = 0
+      may_be_headings = .true.
       do while (first <= len(text))
          line = line + 1
          last = first + index(text(first:)//new_line('a'), new_line('a')) - 2
+         start = first
          call read_pair(text(first:min(last, len(text))), pair, is_pair, is_empty)
          first = last + 2
          if (is_pair) then
             n_rows = n_rows + 1
             rows(:, n_rows) = pair
-         else if (.not. is_empty .and. line > 1) then
+         else if (.not. (is_empty .or. may_be_headings .and. is_word(text(start:)))) then
             call new_error(error, input_refused, file//':'//to_text(line)//': expected two numbers')
             return
          end if
+         may_be_headings = may_be_headings .and. is_empty
       end do
       table = rows(:, :n_rows)
       if (n_rows < 2) call new_error(error, input_refused, file//': expected two rows of two numbers at the least')
    end subroutine read_number_table
+
+   !> Whether a text begins as no number does.
+   pure logical function is_word(text)
+      character(*), intent(in) :: text !! the text
+
+      is_word = scan(text(:1), '+-.0123456789') == 0
+   end function is_word
 
    !> Number of lines of a text.
    pure integer function count_lines(text)
