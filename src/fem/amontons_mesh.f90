@@ -47,6 +47,7 @@ module amontons_mesh
       procedure :: find_set => mesh_find_set
       procedure :: nearest_node => mesh_nearest_node
       procedure :: region_elements => mesh_region_elements
+      procedure :: is_turned_over => mesh_is_turned_over
       procedure :: set_nodes => mesh_set_nodes
       procedure :: set_sides => mesh_set_sides
       procedure :: region_names => mesh_region_names
@@ -70,7 +71,7 @@ contains
          return
       end if
       do element = 1, self%n_elements
-         if (is_turned_over(self, element)) then
+         if (self%is_turned_over(element)) then
             call new_error(error, input_refused, 'mesh: element '//to_text(element)// &
                ' is degenerate or turned over; its Jacobian must be positive everywhere')
             return
@@ -79,25 +80,25 @@ contains
    end subroutine mesh_check
 
    !> Whether the Jacobian of an element fails to be positive at a corner or a quadrature point, of either rule.
-   pure logical function is_turned_over(mesh, element)
-      type(mesh_t), intent(in) :: mesh !! the mesh
+   pure logical function mesh_is_turned_over(self, element) result(is_turned_over)
+      class(mesh_t), intent(in) :: self !! the mesh
       integer, intent(in) :: element !! number of the element
       integer :: kind, corner
 
-      kind = mesh%element_kind(element)
-      is_turned_over = .not. is_positive(mesh, element, n_element_points(kind, .false.))
+      kind = self%element_kind(element)
+      is_turned_over = .not. is_positive(self, element, n_element_points(kind, .false.))
       ! The Jacobian of the other kind with two rules, the linear triangle, is constant.
       if (kind == tri6) is_turned_over = is_turned_over &
-         .or. .not. is_positive(mesh, element, n_element_points(kind, .true.))
+         .or. .not. is_positive(self, element, n_element_points(kind, .true.))
       do corner = 1, n_corners(kind)
          is_turned_over = is_turned_over &
-            .or. .not. determinant(mesh, element, node_coordinates(kind, corner)) > 0.0_dp
+            .or. .not. determinant(self, element, node_coordinates(kind, corner)) > 0.0_dp
       end do
-   end function is_turned_over
+   end function mesh_is_turned_over
 
    !> Whether the Jacobian of an element is positive at all points of a quadrature rule.
    pure logical function is_positive(mesh, element, n_points)
-      type(mesh_t), intent(in) :: mesh !! the mesh
+      class(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! number of the element
       integer, intent(in) :: n_points !! number of points of the rule
       real(dp) :: xi(2), weight
@@ -112,7 +113,7 @@ contains
 
    !> Determinant of the Jacobian of an element at a reference point [L^2].
    pure real(dp) function determinant(mesh, element, xi)
-      type(mesh_t), intent(in) :: mesh !! the mesh
+      class(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! number of the element
       real(dp), intent(in) :: xi(2) !! reference coordinates [-]
       real(dp) :: values(max_nodes), derivatives(2, max_nodes), jacobian(2, 2)

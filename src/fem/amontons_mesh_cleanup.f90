@@ -1,6 +1,7 @@
 !> Makes a mesh of a draft: what can be put right is, with a note; the rest is refused.
 module amontons_mesh_cleanup
    use amontons_element, only: n_corners, n_element_nodes
+   use amontons_hanging_nodes, only: find_hanging_node
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
    use amontons_mesh_draft, only: counted, mesh_draft_t, n_cell_nodes
@@ -183,7 +184,7 @@ contains
          draft%node_place%item(kept(node)))
    end subroutine check_plane
 
-   !> Turns the clockwise elements round; refuses linear ones whose corners do not go round a convex area.
+   !> Turns the clockwise elements round; refuses those whose map from the reference element is not one to one.
    pure subroutine turn_elements(mesh, draft, source, cell_of, is_turned)
       type(mesh_t), intent(inout) :: mesh !! the mesh
       type(mesh_draft_t), intent(inout) :: draft !! the draft
@@ -207,6 +208,12 @@ contains
             .and. .not. is_convex(x(:, :n)))) then
             call refuse_cell(source, draft, cell_of(element), &
                'is degenerate: its corners must go round a convex area')
+            return
+         end if
+         if (n == n_element_nodes(mesh%element_kind(element))) cycle
+         if (mesh%is_turned_over(element)) then
+            call refuse_cell(source, draft, cell_of(element), 'is folded: its corners must go round a convex area, '// &
+               'and the nodes in the middle of its sides lie near the middle')
             return
          end if
       end do
@@ -254,19 +261,27 @@ contains
       if (size(nodes) >= 2*n) nodes(n + 1:2*n) = nodes(2*n:n + 1:-1)
    end subroutine turn
 
-   !> Refuses elements that lie one over the other, and neighbours that differ about the middle of their side.
+   !> Refuses elements that lie one over the other, hanging nodes, and neighbours that differ about the middle of their
+   !> side.
    pure subroutine check_neighbours(mesh, draft, source, cell_of, table)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(mesh_draft_t), intent(in) :: draft !! the draft
       type(mesh_source_t), intent(inout) :: source !! the file
       integer, intent(in) :: cell_of(:) !! cell of each element (n_elements)
       type(side_table_t), intent(out) :: table !! the sides of the elements
-      integer :: elements(2), numbers(2), one(3), other(3), overlapping(2), side
+      integer :: element, elements(2), node, numbers(2), one(3), other(3), overlapping(2), side
 
       call new_side_table(table, mesh, overlapping)
       if (overlapping(1) > 0) then
          call refuse_cell(source, draft, cell_of(overlapping(2)), 'lies over element '// &
             to_text(draft%cell_tag%item(cell_of(overlapping(1)))))
+         return
+      end if
+      call find_hanging_node(mesh, table, element, node)
+      if (element > 0) then
+         call refuse_cell(source, draft, cell_of(element), 'has a hanging node in one of its sides, at '// &
+            to_text(mesh%coordinates(1, node))//', '//to_text(mesh%coordinates(2, node))// &
+            ': neighbours must share whole sides')
          return
       end if
       if (all(n_element_nodes(mesh%element_kind) == n_corners(mesh%element_kind))) return
