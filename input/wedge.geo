@@ -1,0 +1,24 @@
+// A wedge of half angle 10 degrees, 60 high and 20 wide at its tip. Made with: gmsh -2 -format msh41 wedge.geo
+height = 60;
+tip = 10;
+run = height*Tan(10*Pi/180);
+Point(1) = {-tip, 0, 0, 2};
+Point(2) = {tip, 0, 0, 2};
+Point(3) = {tip + run, height, 0, 2};
+Point(4) = {-tip - run, height, 0, 2};
+Line(1) = {1, 2};
+Line(2) = {2, 3};
+Line(3) = {3, 4};
+Line(4) = {4, 1};
+Curve Loop(1) = {1:4};
+Plane Surface(1) = {1};
+Transfinite Curve {1, 3} = 13;
+Transfinite Curve {2, 4} = 31;
+Transfinite Surface {1};
+Recombine Surface {1};
+Mesh.ElementOrder = 2;
+Mesh.SecondOrderIncomplete = 1;
+Physical Curve("right flank") = {2};
+Physical Curve("top") = {3};
+Physical Curve("left flank") = {4};
+Physical Surface("wedge") = {1};

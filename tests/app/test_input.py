@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+"""The ready decks in input/: each is solved, and gives what its header says."""
+import math
+import unittest
+from pathlib import Path
+
+from harness import ProgramTest
+
+DECKS = sorted((Path(__file__).resolve().parents[2]/"input").glob("*.nml"))
+
+
+class Input(ProgramTest):
+    """The decks as a user runs them, all at once."""
+
+    def setUp(self):
+        super().setUp()
+        self.run_program("--quiet", *DECKS)
+
+    def test_every_deck_is_solved(self):
+        self.assertGreaterEqual(len(DECKS), 10)
+        for deck in DECKS:
+            summary = self.result(deck.stem).summary
+            self.assertIs(summary["converged"], True, deck.name)
+            self.assertIs(summary["certificate"]["passed"], True, deck.name)
+
+    def test_hertz_is_near_the_closed_form(self):
+        contact = self.result("hertz")
+        force = contact["normal_force"]
+        half_width = 2*math.sqrt(sum(f*x**2 for f, x in zip(force, contact["x"]))/sum(force))
+        # The header's 0.1 %, and as much for the mesh.
+        self.assertAlmostEqual(half_width, 1.0505, delta=0.002*1.0505)
+        self.assertAlmostEqual(max(contact["normal_stress"]), 2424.0, delta=0.002*2424)
+
+    def test_flanks_bear_what_equilibrium_asks(self):
+        for name, load, angle, friction in (("wedge", 4000.0, 10, 0.2), ("blade_root", 4637.5, 45, 0.3)):
+            contact = self.result(name)
+            self.assertTrue({"slip+", "slip-"} <= set(contact["status"]) <= {"slip+", "slip-", "open"}, name)
+            slope = math.radians(angle)
+            expected = load/2/(math.sin(slope) + friction*math.cos(slope))
+            for side in (-1, 1):
+                force = sum(f for f, n in zip(contact["normal_force"], contact["normal_x"]) if n*side > 0)
+                # The header's loads have four digits.
+                self.assertAlmostEqual(force, expected, delta=1e-4*expected, msg=name)
+
+    def test_punch_sticks_in_its_middle(self):
+        contact = self.result("flat_punch")
+        inside = [status for x, status in zip(contact["x"], contact["status"]) if x <= 10.0]
+        middle = inside.count("stick")
+        self.assertEqual(inside, ["stick"]*middle + ["slip-"]*(len(inside) - middle))
+        self.assertGreater(len(inside), middle)
+        self.assertEqual(set(contact["status"][len(inside):]), {"open"})
+
+
+if __name__ == "__main__":
+    unittest.main()
