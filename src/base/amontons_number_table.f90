@@ -21,8 +21,8 @@ contains
       if (index(file, '/') /= 1) path = reference(:index(reference, '/', back=.true.))//file
    end function beside
 
-   !> Reads a table. Empty lines, and lines that begin with `#`, are passed over; so is one line of
-   !> headings above the numbers, which begins with a letter or a quote.
+   !> Reads a table. Empty lines, and lines that begin with `#`, are passed over; so is one line of headings above the
+   !> numbers, which does not begin as a number does.
    subroutine read_number_table(table, file, error)
       real(dp), allocatable, intent(out) :: table(:, :) !! the table (2, rows), two rows at the least
       character(*), intent(in) :: file !! name of the file

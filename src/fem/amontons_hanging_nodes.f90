@@ -63,15 +63,16 @@ contains
       end do
    end subroutine collect_incoming
 
-   !> Goes from one corner of a side to the other along shorter sides of the elements opposite, against their direction.
+   !> Goes from one corner of a side to the other along shorter sides of the elements opposite, against their
+   !> direction.
    pure subroutine follow(incoming, coordinates, from, to, node)
       type(incoming_sides_t), intent(in) :: incoming !! the sides of the boundary
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, nodes) [L]
       integer, intent(in) :: from !! the corner to come from
       integer, intent(in) :: to !! the corner to go to
       integer, intent(out) :: node !! the first node on the way, 0 if the way does not lead there
-      ! Nodes of a curved interface lie beside the chord, by far less than this share of it; but on the element's own side
-      ! by no more than what the digits of a file leave: across a thin body there may be a way as well.
+      ! Nodes of a curved interface lie beside the chord, by far less than this share of it; but on the element's own
+      ! side by no more than what the digits of a file leave: across a thin body there may be a way as well.
       real(dp), parameter :: outer_width = 0.02_dp, inner_width = 1.0e-4_dp
       real(dp) :: along(2), reached, way(2)
       integer :: at, side
