@@ -1,12 +1,12 @@
 !> Makes a mesh of a draft: what can be put right is, with a note; the rest is refused.
 module amontons_mesh_cleanup
    use amontons_element, only: n_corners, n_element_nodes
-   use amontons_hanging_nodes, only: find_hanging_node
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
    use amontons_mesh_draft, only: counted, mesh_draft_t, n_cell_nodes
    use amontons_mesh_sets, only: name_sets, translation_t
    use amontons_mesh_source, only: mesh_source_t
+   use amontons_seams, only: find_hanging_node, find_slits
    use amontons_side_table, only: new_side_table, side_element, side_place, side_table_t
    use amontons_tag_map, only: new_tag_map, tag_map_t
    use amontons_text, only: to_text
@@ -47,6 +47,7 @@ contains
       call check_neighbours(mesh, draft, source, cell_of, table)
       if (allocated(source%error)) return
       call note_pieces(mesh, draft)
+      call note_slits(mesh, draft, table)
       allocate (translation%element(draft%cell_tag%n), source=0)
       translation%element(cell_of) = [(element, element=1, mesh%n_elements)]
       call name_sets(mesh, draft, source, table, translation)
@@ -321,6 +322,19 @@ contains
       end do
       if (n_pieces > 1) call draft%add_note('the body falls into '//to_text(n_pieces)//' pieces that share no node')
    end subroutine note_pieces
+
+   !> Notes where elements touch without sharing nodes.
+   pure subroutine note_slits(mesh, draft, table)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(mesh_draft_t), intent(inout) :: draft !! the draft
+      type(side_table_t), intent(in) :: table !! the sides of the elements
+      integer :: n_ends, node
+
+      call find_slits(mesh, table, n_ends, node)
+      if (n_ends > 0) call draft%add_note(counted(n_ends, 'end')//' of slits, the first at '// &
+         to_text(mesh%coordinates(1, node))//', '//to_text(mesh%coordinates(2, node))// &
+         ': from there on, elements touch without sharing their nodes')
+   end subroutine note_slits
 
    !> Follows the parents of a node to the one that points to itself, and shortens the way.
    pure subroutine find_root(parent, node)

@@ -1,15 +1,16 @@
-!> Finds hanging nodes: nodes that lie in the side of an element without belonging to it.
+!> Finds where a mesh comes apart: at hanging nodes, which lie in the side of an element without belonging to it, and
+!> at slits.
 !>
-!> There the mesh comes apart: the elements on both sides have the ends of the long side in common, and nothing holds
-!> the nodes between them to it. Both sides lie on the boundary of the mesh then, so only that is searched.
-module amontons_hanging_nodes
+!> At a hanging node the elements on both sides have the ends of the long side in common, and nothing holds the nodes
+!> between them to it. Both sides lie on the boundary of the mesh then, so only that is searched; so do those of a slit.
+module amontons_seams
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
    use amontons_side_table, only: side_element, side_place, side_table_t
    implicit none (type, external)
    private
 
-   public :: find_hanging_node
+   public :: find_hanging_node, find_slits
 
    !> Sides of the boundary by the corner they lead to.
    type :: incoming_sides_t
@@ -43,6 +44,38 @@ contains
       element = 0
       node = 0
    end subroutine find_hanging_node
+
+   !> Counts the ends of slits: nodes from which on two sides of the boundary run along each other, the body left and
+   !> right of them. A crack is a slit; so is the line between parts that touch without having their nodes in common.
+   pure subroutine find_slits(mesh, table, n_ends, node)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(side_table_t), intent(in) :: table !! the sides of its elements
+      integer, intent(out) :: n_ends !! number of the ends
+      integer, intent(out) :: node !! the first of them, 0 for none
+      ! Directions that differ by no more than this angle are one; less is left of them by the digits of a file [-].
+      real(dp), parameter :: same = 1.0e-4_dp
+      type(incoming_sides_t) :: incoming
+      integer :: corners(3), number, other, side
+      real(dp) :: along(2), way(2)
+
+      call collect_incoming(incoming, mesh, table)
+      n_ends = 0
+      node = 0
+      do side = 1, table%n_sides
+         number = table%boundary(side)
+         if (number == 0) cycle
+         corners = mesh%side(side_element(number), side_place(number))
+         along = mesh%coordinates(:, corners(2)) - mesh%coordinates(:, corners(1))
+         other = incoming%last(corners(1))
+         do while (other > 0)
+            way = mesh%coordinates(:, incoming%start(other)) - mesh%coordinates(:, corners(1))
+            other = incoming%before(other)
+            if (abs(way(1)*along(2) - way(2)*along(1)) > same*dot_product(way, along)) cycle
+            n_ends = n_ends + 1
+            if (node == 0) node = corners(1)
+         end do
+      end do
+   end subroutine find_slits
 
    !> Files the sides of the boundary by the corner they lead to.
    pure subroutine collect_incoming(incoming, mesh, table)
@@ -100,4 +133,4 @@ contains
       node = 0
    end subroutine follow
 
-end module amontons_hanging_nodes
+end module amontons_seams
