@@ -119,7 +119,7 @@ def write_case(folder, kind, number, data):
 
 def complaint(program, kind, folder, files):
     """What is wrong with the way the program takes some files; None if nothing is."""
-    options = ["--quiet", "--threads", "1", "--output", str(folder / "out")] + (["--reduced"] if kind == "reduced" else [])
+    options = ["--quiet", "--threads", "1", "--output", str(folder / "out"), *(["--reduced"] * (kind == "reduced"))]
     process = subprocess.Popen([program, *options, *files], cwd=folder, stdin=subprocess.DEVNULL,
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     try:
