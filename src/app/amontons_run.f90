@@ -156,14 +156,14 @@ contains
       type(config_t), intent(in) :: config !! the deck
       type(workshop_t), intent(inout) :: workshop !! what decks share
       integer, intent(out) :: status !! 0, `status_not_converged` or `status_interrupted`
-      type(error_t), allocatable, intent(out) :: error !! the sweep is refused or cannot be solved, or its files not be written
+      type(error_t), allocatable, intent(out) :: error !! the sweep cannot be solved or written
       type(sweep_result_t) :: result
       type(progress_t) :: progress
 
       status = 0
       if (command_line%writes_reduced) then
-         call new_error(error, input_refused, config%file//': --write-reduced writes single cases, found a deck with '// &
-            '&sweep')
+         call new_error(error, input_refused, config%file// &
+            ': --write-reduced writes single cases, found a deck with &sweep')
          return
       end if
       call new_progress(progress, config%name, .not. command_line%is_quiet)
