@@ -161,9 +161,9 @@ contains
       type(progress_t) :: progress
 
       status = 0
-      if (command_line%writes_reduced) then
+      if (command_line%writes_reduced .or. command_line%wants_all_solutions) then
          call new_error(error, input_refused, config%file// &
-            ': --write-reduced writes single cases, found a deck with &sweep')
+            ': --write-reduced and --all-solutions take single cases, found a deck with &sweep')
          return
       end if
       call new_progress(progress, config%name, .not. command_line%is_quiet)

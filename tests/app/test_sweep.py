@@ -206,10 +206,12 @@ class Refusals(SweepTest):
                                      "friction_factor, which multiplies it\n")
         self.assertEqual(self.files(), ["friction.txt", "sweep.nml"])
 
-    def test_reduced_problems_of_many_cases(self):
+    def test_options_for_single_cases(self):
         self.write("sweep.nml", map_of_states(3))
-        run = self.run_program("--write-reduced", "sweep.nml", status=1)
-        self.assertEqual(run.stderr, "sweep.nml: --write-reduced writes single cases, found a deck with &sweep\n")
+        for option in ("--write-reduced", "--all-solutions"):
+            run = self.run_program(option, "sweep.nml", status=1)
+            self.assertEqual(run.stderr, "sweep.nml: --write-reduced and --all-solutions take single cases, found a deck "
+                                         "with &sweep\n")
         self.assertEqual(self.files(), ["sweep.nml"])
 
 
