@@ -210,8 +210,8 @@ class Refusals(SweepTest):
         self.write("sweep.nml", map_of_states(3))
         for option in ("--write-reduced", "--all-solutions"):
             run = self.run_program(option, "sweep.nml", status=1)
-            self.assertEqual(run.stderr, "sweep.nml: --write-reduced and --all-solutions take single cases, found a deck "
-                                         "with &sweep\n")
+            self.assertEqual(run.stderr, "sweep.nml: --write-reduced and --all-solutions take single cases, found a "
+                                         "deck with &sweep\n")
         self.assertEqual(self.files(), ["sweep.nml"])
 
 
