@@ -1,10 +1,10 @@
 !> The public interface of the Amontons library, on one screen.
 !>
-!> From a deck: `read_config`, `solve_case`, `write_report`. In code: `new_rectangle_mesh` or `read_mesh_file`,
-!> `new_material`, `new_body`, `condense_body`, and the contact methods on the body's contact problem. A contact problem
-!> alone: `new_contact_problem` or `new_reduced_problem`, `new_contact_method`, `new_contact_solution`.
-!> A reduced problem from a file: `new_reduced_config`, `solve_reduced`, `write_reduced_report`; to one:
-!> `new_condensed_system`, `write_reduced_files`.
+!> From a deck: `read_config`, `solve_case`, `write_report`, or `solve_sweep`, `write_sweep_report`. In code:
+!> `new_rectangle_mesh` or `read_mesh_file`, `new_material`, `new_body`, `condense_body`, and the contact methods on the
+!> body's contact problem. A contact problem alone: `new_contact_problem` or `new_reduced_problem`,
+!> `new_contact_method`, `new_contact_solution`. A reduced problem from a file: `new_reduced_config`, `solve_reduced`,
+!> `write_reduced_report`; to one: `new_condensed_system`, `write_reduced_files`.
 module amontons
    use amontons_all_solutions, only: all_solutions_t, find_all_solutions
    use amontons_body, only: body_t, condense_body, new_body
@@ -31,6 +31,9 @@ module amontons
    use amontons_result, only: result_t
    use amontons_solve_case, only: prepare_case, solve_case, workshop_t
    use amontons_solve_reduced, only: reduced_result_t, solve_reduced
+   use amontons_solve_sweep, only: solve_sweep, sweep_result_t
+   use amontons_sweep_monitor, only: sweep_monitor_t
+   use amontons_sweep_report, only: write_sweep_report
    use amontons_symmetric_matrix, only: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
    use amontons_threads, only: set_threads
    use amontons_uniqueness, only: new_uniqueness, uniqueness_t
@@ -42,6 +45,8 @@ module amontons
    public :: dp, error_t, input_refused, numerical_failure, system_failure, version
    ! Cases
    public :: config_t, prepare_case, read_config, result_t, solve_case, workshop_t, write_report
+   ! Sweeps
+   public :: solve_sweep, sweep_monitor_t, sweep_result_t, write_sweep_report
    ! Reduced problems of others
    public :: new_condensed_system, new_reduced_config, read_reduced_file, reduced_result_t, reduced_system_t, &
       solve_reduced, write_reduced_files, write_reduced_report

@@ -156,6 +156,8 @@ contains
          '  NAME.vtu           mesh, displacements and stresses for ParaView'//newline// &
          '  NAME.contact.vtu   the contact line for ParaView'//newline// &
          '  NAME.deck.nml      the deck with all defaults in place'//newline// &
+         'A deck with a sweep leaves a listing, a summary, its deck and'//newline// &
+         '  NAME.sweep.csv     one row for each case'//newline// &
          'Decks whose mesh, material, supports and contact sets agree share one factorisation when they'//newline// &
          'follow each other.'//newline//newline// &
          'Options:'//newline// &
@@ -171,7 +173,8 @@ contains
          '  --help         print this text'//newline// &
          '  --version      print the version'//newline//newline// &
          'Exit status: 0 solved; 1 input refused; 2 numerical failure; 3 cannot write, or an internal'//newline// &
-         'fault; 4 not converged or not certified (files are written and marked). The largest of all decks counts.'
+         'fault; 4 not converged or not certified (files are written and marked); 5 a sweep was'//newline// &
+         'interrupted (the same command goes on with it). The largest of all decks counts.'
    end function help_text
 
 end module amontons_command_line

@@ -5,24 +5,30 @@ module amontons_run
    use amontons_command_line, only: append_argument, argument_t, command_line_t
    use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_progress, only: new_progress, progress_t
    use amontons_report, only: write_report
    use amontons_result, only: certificate_limit, result_t
    use amontons_run_reduced, only: export_case, run_reduced
    use amontons_screen, only: tell
    use amontons_solve_case, only: prepare_case, solve_case, workshop_t
+   use amontons_solve_sweep, only: solve_sweep, sweep_result_t
+   use amontons_sweep_report, only: write_sweep_report
+   use amontons_sweep_tally, only: case_converged
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: run_decks, status_not_converged
+   public :: run_decks, status_interrupted, status_not_converged
 
    !> Exit status of a case that did not converge, or whose certificate failed; the others are the kinds of
    !> `amontons_error`.
    integer, parameter :: status_not_converged = 4
+   !> Exit status of a sweep that a signal interrupted; the same command goes on with it.
+   integer, parameter :: status_interrupted = 5
 
 contains
 
-   !> Tries every deck; the largest exit status counts.
+   !> Tries every deck, unless a signal interrupts a sweep; the largest exit status counts.
    subroutine run_decks(command_line, status)
       type(command_line_t), intent(in) :: command_line !! decks and options
       integer, intent(out) :: status !! exit status of the program
@@ -40,6 +46,7 @@ contains
             deck_status = error%kind
          end if
          status = max(status, deck_status)
+         if (deck_status == status_interrupted) return
       end do
    end subroutine run_decks
 
@@ -49,7 +56,7 @@ contains
       character(*), intent(in) :: deck !! name of the deck
       type(workshop_t), intent(inout) :: workshop !! what decks share
       type(argument_t), allocatable, intent(inout) :: names(:) !! names of the cases so far
-      integer, intent(out) :: status !! 0, or `status_not_converged`
+      integer, intent(out) :: status !! 0, `status_not_converged` or `status_interrupted`
       type(error_t), allocatable, intent(out) :: error !! the deck was refused or could not be solved
       type(config_t) :: config
       logical :: is_solved
@@ -73,6 +80,8 @@ contains
          if (.not. is_solved) status = status_not_converged
       else if (command_line%is_check) then
          call check_case(command_line, config, workshop, error)
+      else if (config%sweep%is_given()) then
+         call report_sweep(command_line, config, workshop, status, error)
       else
          call report_case(command_line, config, workshop, status, error)
       end if
@@ -141,6 +150,43 @@ contains
       end if
    end subroutine report_case
 
+   !> Solves the cases of a sweep, writes its files and tells how it went.
+   subroutine report_sweep(command_line, config, workshop, status, error)
+      type(command_line_t), intent(in) :: command_line !! the options
+      type(config_t), intent(in) :: config !! the deck
+      type(workshop_t), intent(inout) :: workshop !! what decks share
+      integer, intent(out) :: status !! 0, `status_not_converged` or `status_interrupted`
+      type(error_t), allocatable, intent(out) :: error !! the sweep cannot be solved or written
+      type(sweep_result_t) :: result
+      type(progress_t) :: progress
+
+      status = 0
+      if (command_line%writes_reduced .or. command_line%wants_all_solutions) then
+         call new_error(error, input_refused, config%file// &
+            ': --write-reduced and --all-solutions take single cases, found a deck with &sweep')
+         return
+      end if
+      call new_progress(progress, config%name, .not. command_line%is_quiet)
+      call solve_sweep(workshop, config, command_line%output, progress, result, error)
+      call progress%finish()
+      if (allocated(error)) return
+      if (result%is_interrupted) then
+         status = status_interrupted
+         write (error_unit, '(a)') config%file//': interrupted after '//to_text(result%tally%n_cases)//' of '// &
+            to_text(config%sweep%n_cases())//' cases; the same command goes on from there'
+         return
+      end if
+      call write_sweep_report(command_line%output, config, workshop%body, result, error)
+      if (allocated(error)) return
+      call tell(command_line, swept_text(config, result))
+      if (result%tally%n_outcomes(case_converged) < result%tally%n_cases) then
+         status = status_not_converged
+      else if (.not. result%certified%certificate%largest() <= certificate_limit(config%method%tolerance)) then
+         status = status_not_converged
+         write (error_unit, '(a)') config%file//': the certificate FAILED on the full model; see the listing'
+      end if
+   end subroutine report_sweep
+
    !> What is told of a checked deck.
    pure function check_text(config, workshop) result(text)
       type(config_t), intent(in) :: config !! the case
@@ -151,6 +197,7 @@ contains
          text = config%name//': in order; '//to_text(body%mesh%n_nodes)//' nodes, '//to_text(body%mesh%n_elements)// &
             ' elements, '//to_text(body%dof_map%n_dofs)//' unknowns, '//to_text(body%zone%n_points)//' contact points'
       end associate
+      if (config%sweep%is_given()) text = text//', '//to_text(config%sweep%n_cases())//' cases'
    end function check_text
 
    !> What is told of a solved deck.
@@ -166,5 +213,25 @@ contains
          to_text(result%lengths%separated)//', sliding '//to_text(result%lengths%sliding)//', sticking '// &
          to_text(result%lengths%sticking)
    end function solved_text
+
+   !> What is told of a sweep.
+   pure function swept_text(config, result) result(text)
+      type(config_t), intent(in) :: config !! the deck
+      type(sweep_result_t), intent(in) :: result !! the result
+      character(:), allocatable :: text
+      character(9) :: residual
+
+      associate (tally => result%tally)
+         text = config%name//': '//to_text(tally%n_cases)//' cases, '
+         if (tally%n_outcomes(case_converged) == tally%n_cases) then
+            text = text//'all solved'
+         else
+            text = text//to_text(tally%n_cases - tally%n_outcomes(case_converged))//' of them NOT SOLVED'
+         end if
+         if (tally%residual_case == 0) return
+         write (residual, '(es9.2)') tally%residual
+         text = text//', residual at most '//trim(adjustl(residual))
+      end associate
+   end function swept_text
 
 end module amontons_run

@@ -2,7 +2,9 @@
 #define _XOPEN_SOURCE 700
 
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -74,4 +76,65 @@ long amontons_peak_memory(void)
 {
     struct rusage usage;
     return getrusage(RUSAGE_SELF, &usage) == 0 ? usage.ru_maxrss : 0;
+}
+
+/* Cuts a file to a number of bytes. Returns 0 or the system's error number. */
+int amontons_truncate(const char *path, long n_bytes)
+{
+    return truncate(path, (off_t)n_bytes) == 0 ? 0 : errno;
+}
+
+/* Returns when every byte of a file is on the disk. Returns 0 or the system's error number. */
+int amontons_synchronize(const char *path)
+{
+    int file = open(path, O_RDONLY);
+    if (file < 0)
+        return errno;
+    /* Devices and some file systems know no synchronisation. */
+    int code = fsync(file) == 0 || errno == EINVAL || errno == EROFS ? 0 : errno;
+    close(file);
+    return code;
+}
+
+/* Whether somebody watches standard error on a terminal. */
+int amontons_error_is_terminal(void)
+{
+    return isatty(STDERR_FILENO);
+}
+
+static volatile sig_atomic_t interrupt = 0;
+static const int interrupts[] = {SIGINT, SIGTERM};
+enum { n_interrupts = sizeof interrupts / sizeof interrupts[0] };
+static struct sigaction before[n_interrupts];
+
+static void note_interrupt(int signal)
+{
+    interrupt = signal;
+}
+
+/* From now on the first SIGINT or SIGTERM is noted, and the second ends the process. One that is ignored stays so. */
+void amontons_hold_interrupts(void)
+{
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = note_interrupt;
+    action.sa_flags = SA_RESTART | (int)SA_RESETHAND;
+    sigemptyset(&action.sa_mask);
+    interrupt = 0;
+    for (int i = 0; i < n_interrupts; i++)
+        if (sigaction(interrupts[i], NULL, &before[i]) == 0 && before[i].sa_handler != SIG_IGN)
+            sigaction(interrupts[i], &action, NULL);
+}
+
+/* Puts back what amontons_hold_interrupts found. */
+void amontons_release_interrupts(void)
+{
+    for (int i = 0; i < n_interrupts; i++)
+        sigaction(interrupts[i], &before[i], NULL);
+}
+
+/* The signal that was noted, 0 for none. */
+int amontons_interrupt(void)
+{
+    return interrupt;
 }

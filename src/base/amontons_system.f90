@@ -6,7 +6,8 @@ module amontons_system
    implicit none (type, external)
    private
 
-   public :: absolute_path, make_directory, peak_memory_mb, process_id, remove_file, rename_file, wall_seconds
+   public :: absolute_path, cut_file, make_directory, peak_memory_mb, process_id, remove_file, rename_file, &
+      synchronize_file, wall_seconds
 
    ! allow(assumed-size): C takes an address and knows no shape
    interface
@@ -39,6 +40,21 @@ module amontons_system
          character(c_char), intent(in) :: path(*)
          integer(c_int) :: code
       end function c_remove
+
+      function c_truncate(path, n_bytes) bind(c, name='amontons_truncate') result(code)
+         import :: c_char, c_int, c_long
+         implicit none (type, external)
+         character(c_char), intent(in) :: path(*)
+         integer(c_long), value :: n_bytes
+         integer(c_int) :: code
+      end function c_truncate
+
+      function c_synchronize(path) bind(c, name='amontons_synchronize') result(code)
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(c_char), intent(in) :: path(*)
+         integer(c_int) :: code
+      end function c_synchronize
 
       subroutine c_error_text(code, text, size) bind(c, name='amontons_error_text')
          import :: c_char, c_int
@@ -115,6 +131,27 @@ contains
       code = int(c_remove(path//c_null_char))
       if (code /= 0) return
    end subroutine remove_file
+
+   !> Cuts a file behind a number of bytes.
+   subroutine cut_file(path, n_bytes, error)
+      character(*), intent(in) :: path !! name of the file
+      integer(int64), intent(in) :: n_bytes !! how many of its bytes stay
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be cut
+      integer :: code
+
+      code = int(c_truncate(path//c_null_char, int(n_bytes, c_long)))
+      if (code /= 0) call new_error(error, system_failure, path//': cannot cut this file: '//error_text(code))
+   end subroutine cut_file
+
+   !> Returns when every byte of a file is on the disk, so that not even a power failure loses it.
+   subroutine synchronize_file(path, error)
+      character(*), intent(in) :: path !! name of the file, which no unit keeps bytes of
+      type(error_t), allocatable, intent(out) :: error !! the disk failed
+      integer :: code
+
+      code = int(c_synchronize(path//c_null_char))
+      if (code /= 0) call new_error(error, system_failure, path//': cannot write this file: '//error_text(code))
+   end subroutine synchronize_file
 
    !> The number of this process, for names that no other process uses.
    integer function process_id()

@@ -3,6 +3,7 @@ module amontons_config
    use amontons_config_body, only: read_loads, read_materials, read_supports
    use amontons_config_contact, only: read_contacts
    use amontons_config_reduced, only: read_problem, reduced_source_t
+   use amontons_config_sweep, only: read_sweep
    use amontons_constraints, only: support_t
    use amontons_contact_zone, only: contact_t
    use amontons_deck, only: deck_t, read_deck, read_deck_text
@@ -17,6 +18,7 @@ module amontons_config
    use amontons_psor, only: space_names
    use amontons_rectangle, only: diagonal_names, rectangle_t
    use amontons_splitting, only: variant_names
+   use amontons_sweep, only: sweep_t
    use amontons_system, only: absolute_path
    use amontons_text, only: quoted, to_text
    implicit none (type, external)
@@ -28,9 +30,9 @@ module amontons_config
    character(6), parameter :: factorization_names(3) = [character(6) :: 'auto', 'band', 'sparse']
    !> Groups of a deck.
    character(8), parameter :: group_names(*) = [character(8) :: 'case', 'problem', 'mesh', 'material', 'support', &
-      'load', 'contact', 'solver', 'output']
+      'load', 'contact', 'sweep', 'solver', 'output']
    !> Groups that may stand more than once.
-   character(8), parameter :: repeatable_names(*) = [character(8) :: 'material', 'support', 'load', 'contact']
+   character(8), parameter :: repeatable_names(*) = [character(8) :: 'material', 'support', 'load', 'contact', 'sweep']
 
    !> Everything that defines a case.
    type :: config_t
@@ -45,6 +47,7 @@ module amontons_config
       type(support_t), allocatable :: supports(:) !! its supports
       type(load_t), allocatable :: loads(:) !! its loads
       type(contact_t), allocatable :: contacts(:) !! its contact sets
+      type(sweep_t) :: sweep !! what varies from case to case; nothing for a single case
       type(method_options_t) :: method !! the contact method
       character(:), allocatable :: factorization !! one of `factorization_names`
    end type config_t
@@ -98,6 +101,7 @@ contains
          call read_supports(config%supports, deck)
          call read_loads(config%loads, deck)
          call read_contacts(config%contacts, deck)
+         call read_sweep(config%sweep, deck, config%loads, config%contacts)
       end if
       call read_solver(config, deck)
       call deck%refuse_unknown(deck%group('output'))

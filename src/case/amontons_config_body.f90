@@ -117,14 +117,16 @@ contains
       type(deck_t), intent(inout) :: deck !! the deck
       integer, intent(in) :: group !! the group
       real(dp) :: slopes(4)
-      logical :: has_set, has_point, has_region, on_sides(4), on_nodes, on_region
+      logical :: has_name, has_set, has_point, has_region, on_sides(4), on_nodes, on_region
       integer :: n_faults
 
       n_faults = deck%n_faults()
       slopes = 0.0_dp
+      load%name = ''
       load%set = ''
       load%region = ''
       load%origin = origin_of(deck, group, 'set')
+      call deck%get(group, 'name', load%name, has_name)
       call deck%get(group, 'set', load%set, has_set)
       call deck%get(group, 'point', load%point, has_point)
       call deck%get(group, 'region', load%region, has_region)
@@ -137,6 +139,7 @@ contains
       load%traction_slope = reshape(slopes, [2, 2])
       call deck%refuse_unknown(group)
       if (deck%n_faults() > n_faults) return
+      call require(deck, group, 'name', .not. has_name .or. len_trim(load%name) > 0, 'not be empty')
       load%target = load_on_sides
       if (on_nodes) load%target = load_on_nodes
       if (on_region) load%target = load_on_region

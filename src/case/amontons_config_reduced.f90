@@ -14,7 +14,8 @@ module amontons_config_reduced
    !> Kinds of problems, as a deck writes them.
    character(7), parameter :: kind_names(2) = [character(7) :: 'body', 'reduced']
    !> Groups that describe a body.
-   character(8), parameter :: body_groups(*) = [character(8) :: 'mesh', 'material', 'support', 'load', 'contact']
+   character(8), parameter :: body_groups(*) = [character(8) :: 'mesh', 'material', 'support', 'load', 'contact', &
+      'sweep']
 
    !> Where a reduced problem comes from.
    type :: reduced_source_t

@@ -11,7 +11,7 @@ module amontons_deck
    use amontons_deck_parser, only: parse_deck
    use amontons_deck_scanner, only: excerpt
    use amontons_error, only: error_t
-   use amontons_kinds, only: dp
+   use amontons_kinds, only: dp, int64
    use amontons_text, only: lower_case, nearest_word, quoted, read_integer, read_real, to_text
    use amontons_text_file, only: read_text_file
    implicit none (type, external)
@@ -31,6 +31,7 @@ module amontons_deck
       procedure, public :: get_word => deck_get_word
       procedure, public :: line_of => deck_line_of
       procedure, public :: n_faults => deck_n_faults
+      procedure, public :: n_values => deck_n_values
       procedure, public :: fault => deck_fault
       procedure, public :: refuse_unknown => deck_refuse_unknown
       procedure, public :: refuse_unknown_groups => deck_refuse_unknown_groups
@@ -268,6 +269,21 @@ contains
 
       n_faults = self%contents%faults%count()
    end function deck_n_faults
+
+   !> Number of values that stand behind a key, repeat counts included; 0 where the key is absent.
+   pure integer(int64) function deck_n_values(self, group, key) result(n_values)
+      class(deck_t), intent(in) :: self !! the deck
+      integer, intent(in) :: group !! the group, or 0
+      character(*), intent(in) :: key !! name of the key, in lower case
+      integer :: assignment
+
+      n_values = 0
+      assignment = find_key(self%contents, group, key)
+      if (assignment == 0) return
+      associate (given => self%contents%assignments(assignment))
+         n_values = sum(int(self%contents%values(given%first_value:given%last_value)%n_times, int64))
+      end associate
+   end function deck_n_values
 
    !> Records the keys of a group that no getter asked for.
    subroutine deck_refuse_unknown(self, group)

@@ -5,6 +5,7 @@ module amontons_effective_deck
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
    use amontons_loads, only: load_on_nodes, load_on_sides
+   use amontons_sweep, only: quantity_names, swept_load
    use amontons_text, only: quoted, to_text
    implicit none (type, external)
    private
@@ -39,6 +40,11 @@ contains
       do i = 1, size(config%contacts)
          text = text//contact_text(config, i)
       end do
+      if (config%sweep%is_given()) then
+         do i = 1, size(config%sweep%axes)
+            text = text//sweep_text(config, i)
+         end do
+      end if
       text = text//solver_text(config)//'&output /'//newline
    end function effective_deck
 
@@ -131,6 +137,7 @@ contains
 
       associate (load => config%loads(i))
          text = '&load'
+         if (len(load%name) > 0) text = text//' name = '//quoted(load%name)
          if (len(load%set) > 0) text = text//' set = '//quoted(load%set)
          if (len(load%region) > 0) text = text//' region = '//quoted(load%region)
          select case (load%target)
@@ -175,6 +182,48 @@ contains
       text = '  '//key//' = '//to_text(field%value)//'  '//key//'_slope = '//pair(field%slope)
       if (allocated(field%table)) text = text//'  '//key//'_table = '//quoted(field%file)
    end function field_text
+
+   !> One `&sweep`.
+   pure function sweep_text(config, i) result(text)
+      type(config_t), intent(in) :: config !! the case
+      integer, intent(in) :: i !! which quantity
+      character(:), allocatable :: text
+
+      associate (axis => config%sweep%axes(i))
+         text = '&sweep combine = '//quoted(trim(merge('paired ', 'product', axis%is_paired)))
+         if (len(axis%name) > 0) text = text//'  '//trim(merge('load   ', 'contact', axis%target == swept_load))// &
+            ' = '//quoted(axis%name)
+         text = text//'  '//trim(quantity_names(axis%target))//' = '
+         if (axis%is_range) then
+            text = text//pair(axis%values([1, size(axis%values)]))//'  count = '//to_text(size(axis%values))
+         else
+            call append_list(text, axis%values)
+         end if
+      end associate
+      text = text//' /'//newline
+   end function sweep_text
+
+   !> Appends numbers separated by commas, about ten on a line. Halves are joined, since a text that grows value by
+   !> value would be copied as often as there are values; and by a subroutine, since gfortran 12 forgets the length of a
+   !> text that a function returns when the function calls itself.
+   pure recursive subroutine append_list(text, values)
+      character(:), allocatable, intent(inout) :: text !! the text
+      real(dp), intent(in) :: values(:) !! the numbers, one at the least
+      integer, parameter :: values_per_line = 10
+      character(:), allocatable :: rest
+      integer :: half
+
+      half = size(values)/2
+      if (half == 0) then
+         text = text//to_text(values(1))
+         return
+      end if
+      rest = ', '
+      if (size(values) > values_per_line) rest = ','//newline//'   '
+      call append_list(rest, values(half + 1:))
+      call append_list(text, values(:half))
+      text = text//rest
+   end subroutine append_list
 
    !> `&solver`.
    pure function solver_text(config) result(text)

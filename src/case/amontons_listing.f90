@@ -19,7 +19,7 @@ module amontons_listing
    implicit none (type, external)
    private
 
-   public :: history_text, method_text, write_listing
+   public :: certificate_text, factorization_text, head_text, history_text, method_text, times_text, write_listing
 
 contains
 

@@ -177,8 +177,9 @@ contains
 
       associate (load => config%loads(i))
          text = ''
-         if (len(load%set) > 0) text = "set '"//load%set//"', "
-         if (len(load%region) > 0) text = "region '"//load%region//"', "
+         if (len(load%name) > 0) text = load%name//': '
+         if (len(load%set) > 0) text = text//"set '"//load%set//"', "
+         if (len(load%region) > 0) text = text//"region '"//load%region//"', "
          select case (load%target)
          case (load_on_sides)
             text = text//'traction '//pair(load%traction)//', pressure '//short(load%pressure)
@@ -186,7 +187,7 @@ contains
                pair(load%traction_slope(:, 1))//' along x, '//pair(load%traction_slope(:, 2))//' along y'
             if (any(abs(load%pressure_slope) > 0.0_dp)) text = text//', pressure slope '//pair(load%pressure_slope)
          case (load_on_nodes)
-            if (len(load%set) == 0) text = 'point '//pair(load%point)//', '
+            if (len(load%set) == 0) text = text//'point '//pair(load%point)//', '
             text = text//'force '//pair(load%force)
          case default
             text = text//'body force '//pair(load%body_force)

@@ -8,7 +8,7 @@ module amontons_solve_case
    use amontons_config, only: config_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_contact_zone, only: set_obstacles
+   use amontons_contact_zone, only: contact_t, set_obstacles
    use amontons_effective_deck, only: body_text
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t, new_error, numerical_failure
@@ -25,7 +25,7 @@ module amontons_solve_case
    implicit none (type, external)
    private
 
-   public :: prepare_case, solve_case, workshop_t
+   public :: condense_case, load_body, prepare_case, recover, solve_case, workshop_t
 
    !> The body at hand and what was last done with it: what one case of a run hands on to the next.
    type :: workshop_t
@@ -46,6 +46,7 @@ contains
       type(result_t), intent(out) :: result !! gains the loads
       type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are at fault
       type(mesh_t) :: mesh
+      type(contact_t), allocatable :: contacts(:)
       character(:), allocatable :: notes
 
       call new_timings(result%timings)
@@ -65,11 +66,15 @@ contains
          if (allocated(workshop%last_case)) deallocate (workshop%last_case)
       end if
       associate (body => workshop%body)
-         call set_obstacles(body%zone, body%mesh, config%contacts, error)
+         ! No case of a sweep may have a negative friction.
+         contacts = config%contacts
+         call config%sweep%lower_friction(contacts)
+         call set_obstacles(body%zone, body%mesh, contacts, error)
          if (allocated(error)) return
          call load_vector(result%loads, body%mesh, body%materials, config%loads, error)
          if (allocated(error)) return
-         call check_balance(body%motions, body%mesh, body%zone, result%loads, error)
+         ! Loads and friction that a sweep varies need not balance as they stand.
+         if (.not. config%sweep%is_given()) call check_balance(body%motions, body%mesh, body%zone, result%loads, error)
       end associate
       call result%timings%lap(phase_read)
    end subroutine prepare_case
@@ -99,7 +104,7 @@ contains
       if (has_body) has_body = workshop%body_text == body_text(config)
    end function has_body
 
-   !> Solves a case.
+   !> Solves a case. The cases of a sweep are solved by `solve_sweep`.
    subroutine solve_case(workshop, config, result, error)
       type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
@@ -111,14 +116,9 @@ contains
       if (allocated(error)) return
       call new_contact_method(method, config%method, error)
       if (allocated(error)) return
+      call condense_case(workshop, config, result, error)
+      if (allocated(error)) return
       associate (body => workshop%body, solution => result%solution)
-         if (workshop%is_condensed) then
-            result%shared_with = workshop%first_case
-         else
-            call condense_body(body, config%factorization, result%timings, error)
-            if (allocated(error)) return
-            workshop%is_condensed = .true.
-         end if
          call load_body(body, result%loads)
          call result%timings%lap(phase_condense)
 
@@ -141,6 +141,21 @@ contains
       workshop%last_case = config%name
       workshop%last_solution = result%solution
    end subroutine solve_case
+
+   !> Factorises and condenses the body, unless an earlier case has done so.
+   subroutine condense_case(workshop, config, result, error)
+      type(workshop_t), intent(inout) :: workshop !! the body at hand
+      type(config_t), intent(in) :: config !! the case
+      type(result_t), intent(inout) :: result !! gains the times, and the case whose factorisation it shares
+      type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
+
+      if (workshop%is_condensed) then
+         result%shared_with = workshop%first_case
+      else
+         call condense_body(workshop%body, config%factorization, result%timings, error)
+         workshop%is_condensed = .not. allocated(error)
+      end if
+   end subroutine condense_case
 
    !> Condenses the loads, prescribed displacements included, and hands gap and friction to the contact problem.
    subroutine load_body(body, loads)

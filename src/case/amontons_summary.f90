@@ -10,13 +10,13 @@ module amontons_summary
    use amontons_result, only: certificate_limit, result_t
    use amontons_system, only: peak_memory_mb
    use amontons_text, only: to_text
-   use amontons_timings, only: phase_names
+   use amontons_timings, only: phase_names, timings_t
    use amontons_uniqueness, only: uniqueness_t
    use amontons_version, only: version
    implicit none (type, external)
    private
 
-   public :: number, numbers, string, truth, write_summary
+   public :: certificate_text, number, numbers, seconds_text, string, truth, write_summary
 
    character(*), parameter :: newline = new_line('a')
 
@@ -44,7 +44,6 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
-      integer :: i
 
       associate (solution => result%solution)
          text = '{'//newline// &
@@ -71,11 +70,7 @@ contains
             ', "sticking": '//number(result%lengths%sticking)//'},'//newline// &
             '  "resultants": {"normal": '//number(sum(solution%force(:body%zone%n_points)))// &
             ', "tangential": '//number(sum(solution%force(body%zone%n_points + 1:)))//'},'//newline// &
-            '  "seconds": {'
-         do i = 1, size(phase_names)
-            text = text//'"'//trim(phase_names(i))//'": '//number(result%timings%seconds(i))//', '
-         end do
-         text = text//'"total": '//number(sum(result%timings%seconds))//'},'//newline// &
+            '  "seconds": {'//seconds_text(result%timings)//'},'//newline// &
             '  "peak_memory_mb": '//number(peak_memory_mb())//newline//'}'
       end associate
    end function summary_text
@@ -114,6 +109,19 @@ contains
       end if
       text = text//', "exact": '//truth(uniqueness%is_exact)
    end function uniqueness_members
+
+   !> The times of all phases.
+   pure function seconds_text(timings) result(text)
+      type(timings_t), intent(in) :: timings !! the times
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(phase_names)
+         text = text//'"'//trim(phase_names(i))//'": '//number(timings%seconds(i))//', '
+      end do
+      text = text//'"total": '//number(sum(timings%seconds))
+   end function seconds_text
 
    !> A finite real as a JSON number; null otherwise.
    pure function number(value) result(text)

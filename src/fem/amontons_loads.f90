@@ -21,6 +21,7 @@ module amontons_loads
 
    !> A load. Which components count depends on what it acts on.
    type :: load_t
+      character(:), allocatable :: name !! its name, by which a sweep knows it; empty without one
       integer :: target = load_on_sides !! sides, nodes or region
       character(:), allocatable :: set !! name of the boundary set or node set; empty where a point or region counts
       character(:), allocatable :: region !! name of the region of a body force; empty for the whole body

@@ -1,0 +1,123 @@
+!> The progress of a sweep on a terminal, and the signals that interrupt it.
+module amontons_progress
+   use, intrinsic :: iso_fortran_env, only: error_unit
+   use amontons_kinds, only: dp
+   use amontons_sweep_monitor, only: sweep_monitor_t
+   use amontons_system, only: wall_seconds
+   use amontons_terminal, only: has_terminal, hold_interrupts, is_interrupted, release_interrupts
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: new_progress, progress_t, progress_text
+
+   !> Watches a sweep. From the first report until `finish`, SIGINT and SIGTERM stop it after the cases under way; a
+   !> line on standard error, if that is a terminal, is written anew with each report.
+   type, extends(sweep_monitor_t) :: progress_t
+      private
+      character(:), allocatable :: name !! name of the case
+      logical :: is_shown = .false. !! whether anybody is shown anything
+      real(dp) :: start = 0.0_dp !! when the first report came [s]
+      integer :: n_before = -1 !! cases done at the first report; -1 before it
+      integer :: width = 0 !! length of the line shown
+   contains
+      procedure, public :: finish => progress_finish
+      procedure, public :: is_stopped => progress_is_stopped
+      procedure, public :: report => progress_report
+   end type progress_t
+
+contains
+
+   !> Begins to watch.
+   subroutine new_progress(progress, name, may_show)
+      type(progress_t), intent(out) :: progress !! the watch
+      character(*), intent(in) :: name !! name of the case
+      logical, intent(in) :: may_show !! whether anything may be shown
+
+      progress%name = name
+      if (may_show) progress%is_shown = has_terminal()
+   end subroutine new_progress
+
+   !> Whether a signal has asked the program to stop.
+   logical function progress_is_stopped(self) result(is_stopped)
+      class(progress_t), intent(in) :: self !! the watch
+
+      is_stopped = is_interrupted()
+      associate (unused => self)
+      end associate
+   end function progress_is_stopped
+
+   !> Shows how far the sweep is.
+   subroutine progress_report(self, n_done, n_cases)
+      class(progress_t), intent(inout) :: self !! the watch
+      integer, intent(in) :: n_done !! cases done
+      integer, intent(in) :: n_cases !! all cases
+
+      if (self%n_before < 0) then
+         self%n_before = n_done
+         self%start = wall_seconds()
+         call hold_interrupts()
+      end if
+      call show(self, self%name//': '//progress_text(n_done, n_cases, n_done - self%n_before, &
+         wall_seconds() - self%start))
+   end subroutine progress_report
+
+   !> Ends the watch and removes its line from the terminal.
+   subroutine progress_finish(self)
+      class(progress_t), intent(inout) :: self !! the watch
+
+      if (self%n_before >= 0) call release_interrupts()
+      if (self%width == 0) return
+      ! Blanks over the line, then back to where it began.
+      call show(self, '')
+      call show(self, '')
+   end subroutine progress_finish
+
+   !> Writes a line over the one before it.
+   subroutine show(self, line)
+      class(progress_t), intent(inout) :: self !! the watch
+      character(*), intent(in) :: line !! the line
+      character, parameter :: carriage_return = achar(13)
+      integer :: status
+
+      if (.not. self%is_shown) return
+      ! A terminal that goes away must not end the sweep.
+      write (error_unit, '(a)', advance='no', iostat=status) carriage_return//line// &
+         repeat(' ', max(0, self%width - len(line)))
+      if (status == 0) flush (error_unit, iostat=status)
+      self%is_shown = status == 0
+      self%width = len(line)
+   end subroutine show
+
+   !> How far a sweep is, how fast, and how long it will take: '128 of 861 cases, 10500 a second, 0:00:12 left'.
+   pure function progress_text(n_done, n_cases, n_timed, seconds) result(text)
+      integer, intent(in) :: n_done !! cases done
+      integer, intent(in) :: n_cases !! all cases
+      integer, intent(in) :: n_timed !! those of the cases done that the time counts for
+      real(dp), intent(in) :: seconds !! the time [s]
+      character(:), allocatable :: text
+      real(dp), parameter :: longest = 3.6e8_dp
+      character(8) :: minutes
+      integer :: left
+
+      text = to_text(n_done)//' of '//to_text(n_cases)//' cases'
+      if (n_timed < 1 .or. .not. seconds > 0.0_dp) return
+      left = nint(min(longest, seconds*real(n_cases - n_done, dp)/n_timed))
+      write (minutes, '(i2.2, ":", i2.2)') mod(left/60, 60), mod(left, 60)
+      text = text//', '//rate_text(n_timed/seconds)//' a second, '//to_text(left/3600)//':'//trim(minutes)//' left'
+   end function progress_text
+
+   !> A rate with three digits at the least.
+   pure function rate_text(rate) result(text)
+      real(dp), intent(in) :: rate !! the rate
+      character(:), allocatable :: text
+      real(dp), parameter :: hundred = 100.0_dp
+
+      if (rate >= hundred) then
+         text = to_text(nint(rate))
+      else
+         text = to_text(real(nint(rate*hundred), dp)/hundred)
+      end if
+   end function rate_text
+
+end module amontons_progress

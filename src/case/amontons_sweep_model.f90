@@ -1,0 +1,202 @@
+!> The contact problem of every case of a sweep: load and friction are sums over the quantities, value times effect.
+!>
+!> The condensed load is linear in the loads, q = q_0 + sum f_k q_k, so that one forward substitution for each quantity
+!> serves all cases; friction is linear in what a sweep varies of it as well.
+module amontons_sweep_model
+   use amontons_assembly, only: to_unknowns
+   use amontons_body, only: body_t
+   use amontons_config, only: config_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp, int64
+   use amontons_loads, only: load_t, load_vector
+   use amontons_solve_case, only: load_body
+   use amontons_sweep, only: sweep_axis_t, swept_friction, swept_load
+   implicit none (type, external)
+   private
+
+   public :: new_sweep_model, sweep_model_t
+
+   !> What all cases share, and the effect of each quantity.
+   type :: sweep_model_t
+      type(contact_problem_t) :: problem !! with load and friction of what does not vary, its compliance prepared
+      real(dp), allocatable :: load(:, :) !! condensed load of each quantity at 1 (2m, quantities) [F]
+      real(dp), allocatable :: friction(:, :) !! friction of each quantity at 1 (m, quantities) [-]
+      real(dp), allocatable :: fixed_forces(:, :) !! nodal forces of the loads that do not vary (2, n_nodes) [F]
+      real(dp), allocatable :: forces(:, :, :) !! nodal forces of each quantity at 1 (2, n_nodes, quantities) [F]
+   contains
+      procedure :: case_forces => sweep_model_case_forces
+      procedure :: case_friction => sweep_model_case_friction
+      procedure :: fingerprint => sweep_model_fingerprint
+      procedure :: set_case => sweep_model_set_case
+   end type sweep_model_t
+
+contains
+
+   !> Separates what varies from what does not.
+   subroutine new_sweep_model(model, body, config, error)
+      type(sweep_model_t), intent(out) :: model !! the model
+      type(body_t), intent(inout) :: body !! the body, condensed, its obstacles set; its problem gets what does not vary
+      type(config_t), intent(in) :: config !! the deck
+      type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh, or S is not positive definite
+      real(dp), allocatable :: condensed(:)
+      integer :: k, m, n
+
+      m = body%zone%n_points
+      n = size(config%sweep%axes)
+      allocate (model%load(2*m, n), model%friction(m, n), model%forces(2, body%mesh%n_nodes, n), source=0.0_dp)
+      call sum_loads(model%fixed_forces, body, config, 0, error)
+      if (allocated(error)) return
+      call load_body(body, model%fixed_forces)
+      model%problem = body%problem
+      do k = 1, n
+         associate (axis => config%sweep%axes(k))
+            if (axis%target == swept_load) then
+               call add_load(k)
+            else
+               call separate_friction(model, body, config, k)
+            end if
+         end associate
+         if (allocated(error)) return
+      end do
+      call model%problem%prepare_compliance(error)
+
+   contains
+
+      !> Condenses the loads that a quantity multiplies.
+      subroutine add_load(axis)
+         integer, intent(in) :: axis !! number of the quantity
+         real(dp), allocatable :: forces(:, :)
+
+         call sum_loads(forces, body, config, axis, error)
+         if (allocated(error)) return
+         model%forces(:, :, axis) = forces
+         call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), condensed)
+         model%load(:, axis) = condensed
+      end subroutine add_load
+
+   end subroutine new_sweep_model
+
+   !> Sums the nodal forces of all loads that a quantity multiplies, or of those that none does.
+   subroutine sum_loads(forces, body, config, axis, error)
+      real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
+      type(body_t), intent(in) :: body !! the body
+      type(config_t), intent(in) :: config !! the deck
+      integer, intent(in) :: axis !! number of the quantity, or 0
+      type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh
+      real(dp), allocatable :: part(:, :)
+      integer :: i
+
+      allocate (forces(2, body%mesh%n_nodes), source=0.0_dp)
+      do i = 1, size(config%loads)
+         if (axis_of(config%loads(i), config%sweep%axes) /= axis) cycle
+         call load_vector(part, body%mesh, body%materials, config%loads(i:i), error)
+         if (allocated(error)) return
+         forces = forces + part
+      end do
+   end subroutine sum_loads
+
+   !> The quantity that multiplies a load, 0 for none.
+   pure integer function axis_of(load, axes) result(axis)
+      type(load_t), intent(in) :: load !! the load
+      type(sweep_axis_t), intent(in) :: axes(:) !! the quantities
+
+      do axis = 1, size(axes)
+         if (axes(axis)%target == swept_load .and. axes(axis)%name == load%name) return
+      end do
+      axis = 0
+   end function axis_of
+
+   !> Moves the friction that a quantity stands for from what does not vary to the quantity.
+   pure subroutine separate_friction(model, body, config, axis)
+      type(sweep_model_t), intent(inout) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      type(config_t), intent(in) :: config !! the deck
+      integer, intent(in) :: axis !! number of the quantity
+      integer :: p
+
+      do p = 1, body%zone%n_points
+         associate (contact => config%contacts(body%zone%set(p)), quantity => config%sweep%axes(axis), &
+            fixed => model%problem%friction(p))
+            ! A support bears the shear of a guided point, whatever its friction.
+            if (body%zone%is_guided(p) .or. .not. quantity%acts_on(contact%set)) cycle
+            if (quantity%target == swept_friction) then
+               model%friction(p, axis) = 1.0_dp
+               fixed = dot_product(contact%friction%slope, body%mesh%coordinates(:, body%zone%node(p)))
+            else
+               model%friction(p, axis) = fixed
+               fixed = 0.0_dp
+            end if
+         end associate
+      end do
+   end subroutine separate_friction
+
+   !> Sets load and friction of a contact problem to those of a case.
+   pure subroutine sweep_model_set_case(self, problem, values)
+      class(sweep_model_t), intent(in) :: self !! the model
+      type(contact_problem_t), intent(inout) :: problem !! a copy of the model's problem
+      real(dp), intent(in) :: values(:) !! value of each quantity [-]
+
+      problem%load = self%problem%load + matmul(self%load, values)
+      problem%friction = self%case_friction(values)
+   end subroutine sweep_model_set_case
+
+   !> The friction of every point in a case (m) [-].
+   pure function sweep_model_case_friction(self, values) result(friction)
+      class(sweep_model_t), intent(in) :: self !! the model
+      real(dp), intent(in) :: values(:) !! value of each quantity [-]
+      real(dp) :: friction(self%problem%n_points)
+
+      friction = self%problem%friction + matmul(self%friction, values)
+   end function sweep_model_case_friction
+
+   !> The nodal forces of a case (2, n_nodes) [F].
+   pure function sweep_model_case_forces(self, values) result(forces)
+      class(sweep_model_t), intent(in) :: self !! the model
+      real(dp), intent(in) :: values(:) !! value of each quantity [-]
+      real(dp), allocatable :: forces(:, :)
+      integer :: k
+
+      forces = self%fixed_forces
+      do k = 1, size(values)
+         forces = forces + values(k)*self%forces(:, :, k)
+      end do
+   end function sweep_model_case_forces
+
+   !> A number that tells whether two models are the same to the last bit: files that a deck names may have changed
+   !> although the deck has not.
+   pure integer(int64) function sweep_model_fingerprint(self) result(print)
+      class(sweep_model_t), intent(in) :: self !! the model
+      integer :: j
+
+      print = 0
+      associate (problem => self%problem)
+         do j = 1, size(problem%stiffness, 2)
+            call mix(problem%stiffness(:, j))
+         end do
+         call mix(problem%load)
+         call mix(problem%gap)
+         call mix(problem%friction)
+         call mix(problem%slip_bound)
+      end associate
+      do j = 1, size(self%load, 2)
+         call mix(self%load(:, j))
+         call mix(self%friction(:, j))
+      end do
+
+   contains
+
+      !> Mixes the bits of some numbers into the fingerprint.
+      pure subroutine mix(numbers)
+         real(dp), intent(in) :: numbers(:) !! the numbers
+         integer :: i
+
+         do i = 1, size(numbers)
+            print = ieor(ishftc(print, 13), transfer(numbers(i), print))
+            print = ieor(print, shiftr(print, 7))
+         end do
+      end subroutine mix
+
+   end function sweep_model_fingerprint
+
+end module amontons_sweep_model

@@ -1,0 +1,61 @@
+!> The files of a sweep: all of them, each whole, or none.
+module amontons_sweep_report
+   use amontons_body, only: body_t
+   use amontons_config, only: config_t
+   use amontons_error, only: error_t
+   use amontons_output_file, only: output_file_t
+   use amontons_report, only: write_deck
+   use amontons_solve_sweep, only: sweep_result_t
+   use amontons_sweep_listing, only: write_sweep_listing
+   use amontons_sweep_summary, only: write_sweep_summary
+   use amontons_timings, only: phase_write
+   implicit none (type, external)
+   private
+
+   public :: write_sweep_report
+
+   !> Number of files that a sweep leaves, the table not counted.
+   integer, parameter :: n_files = 3
+
+contains
+
+   !> Writes NAME.lst, NAME.deck.nml and NAME.summary.json and gives NAME.sweep.csv its name. Names change hands only
+   !> after every file is complete; the checkpoint goes last.
+   subroutine write_sweep_report(directory, config, body, result, error)
+      character(*), intent(in) :: directory !! output directory
+      type(config_t), intent(in) :: config !! the deck
+      type(body_t), intent(in) :: body !! the body
+      type(sweep_result_t), intent(inout) :: result !! the result of all cases; gains the time of writing
+      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(output_file_t) :: files(n_files)
+      character(:), allocatable :: stem
+      integer :: i
+
+      stem = directory//'/'//config%name
+      call write_files(files, stem, config, body, result, error)
+      if (.not. allocated(error)) call result%checkpoint%commit(stem//'.sweep.csv', error)
+      do i = 1, size(files)
+         if (.not. allocated(error)) call files(i)%commit(error)
+         if (allocated(error)) call files(i)%discard()
+      end do
+      if (.not. allocated(error)) call result%checkpoint%remove()
+   end subroutine write_sweep_report
+
+   !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
+   subroutine write_files(files, stem, config, body, result, error)
+      type(output_file_t), intent(inout) :: files(n_files) !! the finished files
+      character(*), intent(in) :: stem !! directory and name of the case
+      type(config_t), intent(in) :: config !! the deck
+      type(body_t), intent(in) :: body !! the body
+      type(sweep_result_t), intent(inout) :: result !! the result; gains the time of writing
+      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+
+      call write_sweep_listing(files(1), stem//'.lst', config, body, result, error)
+      if (allocated(error)) return
+      call write_deck(files(2), stem//'.deck.nml', config, error)
+      if (allocated(error)) return
+      call result%certified%timings%lap(phase_write)
+      call write_sweep_summary(files(3), stem//'.summary.json', config, body, result, error)
+   end subroutine write_files
+
+end module amontons_sweep_report

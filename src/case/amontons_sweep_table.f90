@@ -1,0 +1,116 @@
+!> NAME.sweep.csv: one row per case of a sweep, 17 significant digits.
+!>
+!> Threads make rows side by side, without any function that returns a text: gfortran 12 keeps the length of such a text
+!> in a place that all threads share.
+module amontons_sweep_table
+   use amontons_sweep, only: sweep_t
+   use amontons_sweep_tally, only: case_result_t, outcome_names, quantity_labels
+   implicit none (type, external)
+   private
+
+   public :: append_row, status_runs, sweep_header
+
+   character(*), parameter :: newline = new_line('a')
+
+contains
+
+   !> The header.
+   pure function sweep_header(sweep) result(text)
+      type(sweep_t), intent(in) :: sweep !! the sweep
+      character(:), allocatable :: text
+      integer :: i
+
+      text = 'case'
+      do i = 1, size(sweep%axes)
+         text = text//','//field(sweep%axes(i)%label())
+      end do
+      do i = 1, size(quantity_labels)
+         text = text//','//trim(quantity_labels(i))
+      end do
+      text = text//',residual,iterations,outcome,statuses'//newline
+   end function sweep_header
+
+   !> Appends the row of a case; what a case without a solution has no number for is left empty.
+   pure subroutine append_row(rows, sweep, number, result, runs)
+      character(:), allocatable, intent(inout) :: rows !! the rows so far
+      type(sweep_t), intent(in) :: sweep !! the sweep
+      integer, intent(in) :: number !! number of the case
+      type(case_result_t), intent(in) :: result !! its result
+      character(*), intent(in) :: runs !! its `status_runs`
+      integer, parameter :: field_length = 25
+      character(*), parameter :: form = '(i0, *(:, ",", es24.16e3))'
+      character(field_length*(size(sweep%axes) + size(result%quantity) + 2)) :: numbers
+      character(field_length) :: iterations
+
+      write (iterations, '(i0)') result%n_iterations
+      if (result%has_solution) then
+         write (numbers, form) number, sweep%values(number), result%quantity, result%residual
+         call append_squeezed(rows, numbers)
+         rows = rows//','//trim(iterations)//','//trim(outcome_names(result%outcome))//','//runs//newline
+      else
+         write (numbers, form) number, sweep%values(number)
+         call append_squeezed(rows, numbers)
+         rows = rows//repeat(',', size(result%quantity) + 2)//trim(iterations)//','// &
+            trim(outcome_names(result%outcome))//','//newline
+      end if
+   end subroutine append_row
+
+   !> Appends a text without its blanks.
+   pure subroutine append_squeezed(rows, text)
+      character(:), allocatable, intent(inout) :: rows !! the rows so far
+      character(*), intent(in) :: text !! the text
+      character(len(text)) :: squeezed
+      integer :: i, length
+
+      length = 0
+      do i = 1, len(text)
+         if (text(i:i) == ' ') cycle
+         length = length + 1
+         squeezed(length:length) = text(i:i)
+      end do
+      rows = rows//squeezed(:length)
+   end subroutine append_squeezed
+
+   !> The statuses along the contact lines as run lengths, `4o 12+ 17s`: o open, s stick, + and - slip; a bar stands
+   !> between two contact sets.
+   pure subroutine status_runs(runs, status, set)
+      character(:), allocatable, intent(out) :: runs !! the run lengths
+      integer, intent(in) :: status(:) !! status of each point (m)
+      integer, intent(in) :: set(:) !! contact set of each point (m)
+      ! In the order of the numbers in amontons_friction_law.
+      character(*), parameter :: letters = 'os+-'
+      character(16) :: run
+      integer :: first, p
+
+      runs = ''
+      first = 1
+      do p = 1, size(status)
+         if (p < size(status)) then
+            if (status(p + 1) == status(p) .and. set(p + 1) == set(p)) cycle
+         end if
+         write (run, '(i0, a)') p - first + 1, letters(status(p):status(p))
+         runs = runs//trim(run)
+         first = p + 1
+         if (p == size(status)) exit
+         if (set(p + 1) /= set(p)) runs = runs//' |'
+         runs = runs//' '
+      end do
+   end subroutine status_runs
+
+   !> A text as a field of the table, in quotes where it needs them.
+   pure function field(value) result(text)
+      character(*), intent(in) :: value !! the text
+      character(:), allocatable :: text
+      integer :: i
+
+      text = value
+      if (scan(value, ',"') == 0) return
+      text = '"'
+      do i = 1, len(value)
+         if (value(i:i) == '"') text = text//'"'
+         text = text//value(i:i)
+      end do
+      text = text//'"'
+   end function field
+
+end module amontons_sweep_table
