@@ -1,10 +1,12 @@
 """Draws cases from their files: the deformed body with its stress and contact points, pressure and shear with what
-friction can bear, gap and slip, and the residuals of the iterations.
+friction can bear, gap and slip, and the residuals of the iterations; of a sweep, the parts of the contact line over the
+swept quantities.
 
 Usage: plot.py CASE... A CASE is any file of a case, the path of its files without their endings, or a folder of cases.
 Writes CASE.png and CASE.svg beside the files.
 """
 
+import csv
 import json
 import pathlib
 import sys
@@ -20,6 +22,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 # Okabe and Ito's colours, told apart by colour-blind readers too; a marker says the same once more.
 STATUSES = (("open", "#D55E00", "o"), ("sticking", "#009E73", "s"), ("sliding along t", "#0072B2", ">"),
             ("sliding against t", "#56B4E9", "<"))
+PARTS = {"separated": "#D55E00", "sliding": "#0072B2", "sticking": "#009E73"}
 PRESSURE, SHEAR, BOUND = "black", "#CC79A7", "#E69F00"
 SUMMARY = ".summary.json"
 
@@ -32,7 +35,7 @@ def cases_of(arguments):
             found = sorted(str(path)[: -len(SUMMARY)] for path in argument.glob("*" + SUMMARY))
         else:
             names = [str(argument)[: -len(ending)] for ending in
-                     (SUMMARY, ".contact.csv", ".contact.vtu", ".deck.nml", ".vtu", ".lst")
+                     (SUMMARY, ".contact.csv", ".contact.vtu", ".sweep.csv", ".deck.nml", ".vtu", ".lst")
                      if str(argument).endswith(ending)] + [str(argument)]
             found = [name for name in names if pathlib.Path(name + SUMMARY).exists()][:1]
         if not found:
@@ -141,10 +144,75 @@ def draw_history(axes, summary):
              + ("passed" if summary["certificate"]["passed"] else "FAILED"))
 
 
-def save_case(case, *files):
-    """Draws one case into files: names that tell their format by their ending, or an open one for SVG."""
+def draw_parts(axes, values, rows):
+    """The parts of the contact line over one quantity."""
+    for (part, color), style in zip(PARTS.items(), ("-", "--", ":")):
+        axes.plot(values, [float(row[part]) for row in rows], color=color, linestyle=style, label=part)
+    axes.legend(frameon=False)
+    axes.set(ylabel="length")
+
+
+def draw_maps(figure, axes, columns, rows, marks):
+    """A map of each part over two quantities; what was not solved stays white."""
+    places = [np.unique([float(row[column]) for row in rows]) for column in columns]
+    whole = max(sum(float(row[part]) for part in PARTS) for row in rows)
+    for axis, part in zip(axes, PARTS):
+        values = np.full([len(place) for place in places], np.nan)
+        for row in rows:
+            at = tuple(np.searchsorted(place, float(row[column])) for place, column in zip(places, columns))
+            if row["outcome"] == "converged":
+                values[at] = float(row[part])
+        drawn = axis.pcolormesh(places[1], places[0], values, cmap="cividis", vmin=0.0, vmax=whole, shading="nearest")
+        axis.set(title=f"{part} length", xlabel=columns[1].removeprefix("factor_"))
+        for x, y, label in marks:
+            axis.plot(x, y, marker="o", markersize=12, markerfacecolor="white", markeredgecolor="black")
+            axis.annotate(label, (x, y), ha="center", va="center", fontsize="small")
+    axes[0].set(ylabel=columns[0].removeprefix("factor_"))
+    figure.colorbar(drawn, ax=axes)
+
+
+def draw_sweep(summary, rows, marks=()):
+    """Draws a sweep over one or two quantities; of more, the first two that vary, the others at their first values.
+    Marks are triples: place along the second quantity, along the first, and a label."""
+    columns = [quantity["name"] for quantity in summary["quantities"] if quantity["values"] > 1]
+    fixed = columns[2:]
+    rows = [row for row in rows if all(row[name] == rows[0][name] for name in fixed)]
+    title = (summary["title"] or summary["case"]) + "".join(f", {name} = {float(rows[0][name]):g}" for name in fixed)
+    if len(columns) > 1 and not any(quantity["paired"] for quantity in summary["quantities"]):
+        figure, axes = plt.subplots(1, 3, figsize=(14, 4.6), layout="constrained", sharey=True)
+        draw_maps(figure, axes, columns[:2], rows, marks)
+    else:
+        figure, axes = plt.subplots(figsize=(8, 5), layout="constrained")
+        name = columns[0] if len(columns) == 1 else "case"
+        draw_parts(axes, [float(row[name]) for row in rows], rows)
+        axes.set(xlabel=name)
+    figure.suptitle(title)
+    return figure
+
+
+def draw_reduced(summary, rows):
+    """Draws a reduced problem: the forces of its contacts, and the residuals."""
+    figure, (above, below) = plt.subplots(2, 1, figsize=(9, 7), layout="constrained")
+    numbers = [int(row["point"]) for row in rows]
+    for name, color, marker in (("normal_force", PRESSURE, "o"), ("tangential_force", SHEAR, "x")):
+        above.plot(numbers, [float(row[name]) for row in rows], color=color, marker=marker, markersize=4,
+                   linestyle="none", label=name.replace("_", " "))
+    above.set(xlabel="contact", ylabel="force")
+    above.legend(frameon=False)
+    draw_history(below, summary)
+    figure.suptitle(summary["title"] or summary["case"])
+    return figure
+
+
+def rows_of(case, table):
+    """The rows of a table of a case."""
+    with open(f"{case}.{table}.csv", newline="", encoding="utf-8") as text:
+        return list(csv.DictReader(text))
+
+
+def draw_case(case, summary):
+    """Draws one case."""
     mesh, line = meshio.read(f"{case}.vtu"), meshio.read(f"{case}.contact.vtu")
-    summary = json.loads(pathlib.Path(case + SUMMARY).read_text(encoding="utf-8"))
     figure, axes = plt.subplot_mosaic([["body", "stresses"], ["body", "motion"], ["body", "history"]],
                                       figsize=(12, 8), width_ratios=(1.15, 1), layout="constrained")
     figure.suptitle(summary["title"] or summary["case"])
@@ -154,6 +222,18 @@ def save_case(case, *files):
         draw_stresses(axes["stresses"], line, sets)
         draw_motion(axes["motion"], line, sets)
     draw_history(axes["history"], summary)
+    return figure
+
+
+def save_case(case, *files):
+    """Draws one case into files: names that tell their format by their ending, or an open one for SVG."""
+    summary = json.loads(pathlib.Path(case + SUMMARY).read_text(encoding="utf-8"))
+    if "sweep" in summary:
+        figure = draw_sweep(summary, rows_of(case, "sweep"))
+    elif "problem" in summary:
+        figure = draw_reduced(summary, rows_of(case, "contact"))
+    else:
+        figure = draw_case(case, summary)
     for file in files:
         figure.savefig(file, dpi=110, format=None if isinstance(file, str) else "svg")
     plt.close(figure)

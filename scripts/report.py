@@ -21,6 +21,7 @@ VIOLATIONS = {
     "friction_excess": "friction bears more than it can",
     "complementarity": "the obstacle presses where there is a gap",
     "wrong_dissipation": "friction drives the slip somewhere",
+    "slip_below_bound": "something slides though friction could hold it",
     "resultant": "the forces on the body do not add up to zero",
     "moment": "their moments do not add up to zero",
     "energy": "strain energy and work of the forces differ",
@@ -43,24 +44,33 @@ a { color: #00558c }
 """
 
 
-def largest_violation(summary):
-    """The largest violation of the certificate; infinite where one is not a number."""
-    values = [summary["certificate"][name] for name in VIOLATIONS]
-    return float("inf") if None in values else max(values)
+def violations(summary):
+    """The violations in the certificate of a case, infinite where one is not a number."""
+    certificate = summary["certificate"]
+    return {name: float("inf") if certificate[name] is None else certificate[name]
+            for name in VIOLATIONS if name in certificate}
 
 
 def verdict_of(summary):
     """The colour of a case, and the sentence that goes with it."""
-    certificate = summary["certificate"]
-    if summary["converged"] and certificate["passed"]:
-        return "green", (f"Solved and certified: on the full model every violation is at most "
-                         f"{largest_violation(summary):.1e}, {certificate['limit']:.0e} being allowed.")
-    faults = [text for name, text in VIOLATIONS.items() if not (certificate[name] or 0.0) <= certificate["limit"]]
-    found = f"On the full model {', '.join(faults)}. " if faults else ""
-    if not summary["converged"]:
+    found_violations, limit = violations(summary), summary["certificate"]["limit"]
+    largest = max(found_violations.values())
+    what = "the file's own matrix" if "problem" in summary else "the full model"
+    if summary["converged"] and summary["certificate"]["passed"]:
+        which = f"; certified is case {summary['certificate']['case']}, the one with the largest residual" \
+            if "sweep" in summary else ""
+        return "green", f"Solved and certified: on {what} every violation is at most {largest:.1e}, {limit:.0e} " \
+            f"being allowed{which}."
+    faults = [VIOLATIONS[name] for name, value in found_violations.items() if value > limit]
+    found = f"On {what} {', '.join(faults)}. " if faults else ""
+    if "sweep" in summary:
+        counts = summary["sweep"]
+        found = f"Of {counts['cases']} cases {counts['not_converged']} did not converge, and in " \
+            f"{counts['flies_off']} the body flies off: the column outcome tells which. " + found
+    elif not summary["converged"]:
         found = f"The method stopped after {summary['iterations']} iterations at a residual of " \
                 f"{summary['residual']:.1e}. " + found
-    if summary["residual"] is not None and max(summary["residual"], largest_violation(summary)) <= USABLE:
+    if summary["residual"] is not None and max(summary["residual"], largest) <= USABLE:
         return "amber", found + f"Nothing is off by more than {USABLE:.0e} of its scale: fit for a look, not for a " \
             "proof. Raise max_iterations, or take method = 'auto'."
     if summary["converged"]:
@@ -83,7 +93,7 @@ def row(cells, tag="td"):
 
 
 def number(value):
-    return "not a number" if value is None else f"{value:.5g}"
+    return "–" if value is None else f"{value:.5g}"
 
 
 def overview(summaries):
@@ -93,12 +103,13 @@ def overview(summaries):
     body = ""
     for summary in summaries:
         name, color = html.escape(summary["case"]), verdict_of(summary)[0]
-        counts, lengths, resultants = summary["counts"], summary["lengths"], summary["resultants"]
-        body += row([f'<a href="#{name}">{name}</a>', f'<span class="mark {color}">{color}</span>', counts["open"],
-                     counts["slip"], counts["stick"]]
-                    + [number(lengths[part]) for part in ("separated", "sliding", "sticking")]
-                    + [number(resultants[part]) for part in ("normal", "tangential")]
-                    + [summary["iterations"], f"{summary['residual'] or float('nan'):.1e}",
+        counts, lengths, resultants = (summary.get(part, {}) for part in ("counts", "lengths", "resultants"))
+        body += row([f'<a href="#{name}">{name}</a>', f'<span class="mark {color}">{color}</span>']
+                    + [counts.get(status, "–") for status in ("open", "slip", "stick")]
+                    + [number(lengths.get(part)) for part in ("separated", "sliding", "sticking")]
+                    + [number(resultants.get(part)) for part in ("normal", "tangential")]
+                    + [summary["iterations"],
+                       f"{summary['residual']:.1e}" if summary["residual"] is not None else "–",
                        number(summary["seconds"]["total"])])
     return f'<div class="wide"><table>{head}{body}</table></div>\n'
 
@@ -107,18 +118,17 @@ def section(case, summary):
     """What the page says of one case."""
     name, title = html.escape(summary["case"]), html.escape(summary["title"])
     color, sentence = verdict_of(summary)
-    counts = summary["counts"]
-    certificate = "".join(row([name.replace("_", " "), number(summary["certificate"][name])]) for name in VIOLATIONS)
+    certificate = "".join(row([name.replace("_", " "), number(value)]) for name, value in violations(summary).items())
     deck = html.escape(pathlib.Path(f"{case}.deck.nml").read_text(encoding="utf-8"))
     stem = html.escape(pathlib.Path(case).name)
     link = urllib.parse.quote(pathlib.Path(case).name)
     files = ", ".join(f'<a href="{link}{ending}">{stem}{ending}</a>' for ending in
-                      (".lst", ".contact.csv", ".summary.json", ".vtu", ".contact.vtu", ".deck.nml"))
+                      (".lst", ".contact.csv", ".sweep.csv", ".summary.json", ".vtu", ".contact.vtu", ".deck.nml")
+                      if pathlib.Path(case + ending).exists())
     return f"""<h2 id="{name}">{name}{": " + title if title else ""}</h2>
 <p class="verdict {color}"><b>{color}</b>{html.escape(sentence)}</p>
-<p>{counts["nodes"]} nodes, {counts["elements"]} elements, {counts["dofs"]} unknowns, {counts["contact_points"]} contact
-points: {counts["open"]} open, {counts["slip"]} sliding, {counts["stick"]} sticking. Method {summary["method"]},
-{summary["iterations"]} iterations.</p>
+<p>{", ".join(f"{value} {name.replace('_', ' ')}" for name, value in summary["counts"].items())}. Method
+{summary["method"]}, {summary["iterations"]} iterations.</p>
 <img src="{picture_of(case)}" alt="{name}: deformed body and contact line">
 <p>Files: {files}</p>
 <details><summary>Certificate: violations on the full model, each over its natural scale</summary>

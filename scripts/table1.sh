@@ -1,20 +1,25 @@
 #!/usr/bin/env bash
 # Table 1 of Pop and Zelina (2005) beside what the program computes. Installs and builds what is missing.
-# Usage: table1.sh [--method NAME] [--variant NAME] [--element NAME]
+# Usage: table1.sh [--method NAME] [--variant NAME] [--element NAME] [--figure]
 #   --method    auto (default), newton, splitting, fixed_point, psor, lemke
 #   --variant   of splitting: exact (default), clip, printed
 #   --element   quad4 (default), tri3
+#   --figure    draws bar, loads, zones and the map of states: build/table1/figure.png and .svg
 # Exit status: 0 if every transition lies within one segment (1.25 mm) of the paper's and every certificate passes.
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
 
-method=auto variant=exact element=quad4
+method=auto variant=exact element=quad4 is_figure=false
 while (($# > 0)); do
    case $1 in
       --method | --variant | --element)
          (($# > 1)) || { echo "table1.sh: $1 expects a name" >&2; exit 1; }
          declare "${1#--}=$2"
          shift 2
+         ;;
+      --figure)
+         is_figure=true
+         shift
          ;;
       *)
          sed -n '2,/^set/{s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}" >&2
@@ -42,4 +47,11 @@ run_rows() { # mesh name, cells
 }
 run_rows coarse '32, 10'
 run_rows fine '256, 80'
-python3 scripts/table1.py "$output/coarse" "$output/fine"
+status=0
+python3 scripts/table1.py "$output/coarse" "$output/fine" || status=$?
+if $is_figure; then
+   scripts/setup.sh pictures
+   build/release/bin/amontons --quiet --output "$output" input/long_bar_map.nml
+   /usr/bin/python3 -B scripts/figure.py "$output/coarse" "$output/long_bar_map" "$output"/figure.{png,svg}
+fi
+exit "$status"

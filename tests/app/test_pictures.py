@@ -45,6 +45,21 @@ class Pictures(ProgramTest):
         self.script("plot", "some results")
         self.assertEqual(len(list((self.directory / "some results").glob("*.png"))), 2)
 
+    def test_sweeps_and_reduced_problems_are_drawn_and_told(self):
+        loads = "load name = 'push'  set = 'right'  traction = -1.0, 0.2"
+        for name, groups in (("line", ["sweep load = 'push'  factor = 0.5, 1.0, 1.5"]),
+                             ("map", ["sweep load = 'push'  factor = 0.5, 1.0, 1.5", "sweep friction_factor = 0.5, 1.0"])):
+            self.write(f"{name}.nml", block(SUPPORT, PRESSURE, CONTACT, loads, *groups))
+        self.run_program("--quiet", "--output", "more", "line.nml", "map.nml")
+        self.write("point.dat", "2 1 0 2 2 2 2 1 0 0 1 -1 0.1 0.5")
+        self.write("point.nml", "&problem kind = 'reduced'  file = 'point.dat' /\n&solver method = 'psor' /\n")
+        self.run_program("--quiet", "--output", "more", "point.nml")
+        self.script("plot", "more/line.sweep.csv", "more/map.lst", "more/point.contact.csv")
+        self.script("report", "more")
+        page = (self.directory / "more" / "report.html").read_text(encoding="utf-8")
+        self.assertIn("3 cases: 3 green, 0 amber, 0 red.", page)
+        self.assertEqual(len(list((self.directory / "more").glob("*.svg"))), 3)
+
     def test_what_is_no_case_is_refused(self):
         for script in ("plot", "report"):
             self.assertIn(f"{script}: ", self.script(script, "nowhere", status=1).stderr)
