@@ -20,6 +20,7 @@ module amontons_symmetric_matrix
       procedure :: block => symmetric_matrix_block
       procedure :: column_product => symmetric_matrix_column_product
       procedure :: diagonal => symmetric_matrix_diagonal
+      procedure :: element => symmetric_matrix_element
       procedure :: is_sparse => symmetric_matrix_is_sparse
       procedure :: multiply => symmetric_matrix_multiply
       procedure :: part_multiply => symmetric_matrix_part_multiply
@@ -188,6 +189,23 @@ contains
          end do
       end if
    end function symmetric_matrix_column_product
+
+   !> One element of the matrix.
+   pure real(dp) function symmetric_matrix_element(self, row, column) result(element)
+      class(symmetric_matrix_t), intent(in) :: self !! the matrix
+      integer, intent(in) :: row !! its row
+      integer, intent(in) :: column !! its column
+      integer :: k
+
+      if (allocated(self%values)) then
+         element = self%values(row, column)
+         return
+      end if
+      element = 0.0_dp
+      do k = self%first(column), self%first(column + 1) - 1
+         if (self%row(k) == row) element = self%entry(k)
+      end do
+   end function symmetric_matrix_element
 
    !> The diagonal (n).
    pure function symmetric_matrix_diagonal(self) result(diagonal)
