@@ -13,8 +13,8 @@ module amontons_config
    use amontons_kinds, only: dp
    use amontons_loads, only: load_t
    use amontons_material, only: material_t
-   use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, space_names, &
-      variant_names
+   use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
+      space_names, variant_names
    use amontons_number_table, only: beside
    use amontons_rectangle, only: diagonal_names, rectangle_t
    use amontons_sweep, only: sweep_t

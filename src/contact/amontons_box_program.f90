@@ -94,7 +94,8 @@ contains
       may_move = (x > lower .or. gradient < 0.0_dp) .and. (x < upper .or. gradient > 0.0_dp)
    end function may_move
 
-   !> The Newton step of the free components: A_ff step_f = -gradient_f; the others stay. A singular A_ff is held softly.
+   !> The Newton step of the free components: A_ff step_f = -gradient_f; the others stay. A singular A_ff is held
+   !> softly.
    pure subroutine newton_step(a, rows, rho, gradient, is_free, step, is_newton)
       type(symmetric_matrix_t), intent(in) :: a !! the matrix
       integer, intent(in) :: rows(2) !! the first and the last of its rows in the program

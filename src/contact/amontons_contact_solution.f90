@@ -67,8 +67,8 @@ contains
       may_continue = .not. self%is_converged .and. self%residual < huge(self%residual)
    end subroutine contact_solution_record
 
-   !> Counts an iteration whose pair is not looked at, with the residual that the method itself knows of. Such a residual
-   !> never means solved.
+   !> Counts an iteration whose pair is not looked at, with the residual that the method itself knows of. Such a
+   !> residual never means solved.
    pure subroutine contact_solution_note(self, residual)
       class(contact_solution_t), intent(inout) :: self !! the solution
       real(dp), intent(in) :: residual !! residual after the iteration [-]

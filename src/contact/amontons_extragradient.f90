@@ -1,11 +1,11 @@
-!> Extragradient method (Korpelevich, Matecon 12, 1976) with Khobotov's adaptive step (USSR Comput. Math. Math. Phys. 27,
-!> 1987) on the dual problem in De Saxce's form (De Saxce and Feng, Math. Comput. Modelling 28, 1998): no factorisation,
-!> two products with A an iteration.
+!> Extragradient method (Korpelevich, Matecon 12, 1976) with Khobotov's adaptive step (USSR Comput. Math. Math. Phys.
+!> 27, 1987) on the dual problem in De Saxce's form (De Saxce and Feng, Math. Comput. Modelling 28, 1998): no
+!> factorisation, two products with A an iteration.
 !>
-!> With distance and slip w = B - A lambda and the set C of forces with lambda_N >= 0, |lambda_T| <= g + phi lambda_N, the
-!> contact law says that w - (phi |w_T|; 0) is normal to C at lambda. An iteration goes from lambda along that vector to
-!> a trial point of C, and then from lambda along the vector found there. Components are scaled to a unit diagonal of A,
-!> so that no unit matters.
+!> With distance and slip w = B - A lambda and the set C of forces with lambda_N >= 0, |lambda_T| <= g + phi lambda_N,
+!> the contact law says that w - (phi |w_T|; 0) is normal to C at lambda. An iteration goes from lambda along that
+!> vector to a trial point of C, and then from lambda along the vector found there. Components are scaled to a unit
+!> diagonal of A, so that no unit matters.
 module amontons_extragradient
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t

@@ -16,12 +16,12 @@ module amontons_methods
    implicit none (type, external)
    private
 
-   public :: acceleration_names, box_names, local_names, method_names, method_options_t, new_contact_method, space_names, &
-      variant_names
+   public :: acceleration_names, box_names, local_names, method_names, method_options_t, new_contact_method, &
+      space_names, variant_names
 
    !> Names of the methods, as a deck writes them.
    character(13), parameter :: method_names(*) = [character(13) :: 'auto', 'newton', 'splitting', 'fixed_point', &
-      'psor', 'extragradient', 'lemke']
+      'psor', 'extragradient']
 
    !> The choice of a method and its options; those that a method does not use are without effect on it.
    type :: method_options_t
@@ -31,7 +31,8 @@ module amontons_methods
       character(:), allocatable :: box
          !! of splitting and fixed_point: the solver of quadratic programs, see `amontons_box_program`; not allocated
          !! means 'auto'
-      character(:), allocatable :: local !! of psor: how a point is treated, see `amontons_sweep`; not allocated means 'point'
+      character(:), allocatable :: local
+         !! of psor: how a point is treated, see `amontons_sweep`; not allocated means 'point'
       character(:), allocatable :: acceleration !! of psor: see `amontons_acceleration`; not allocated means 'none'
       real(dp) :: omega = 1.0_dp !! of psor: relaxation, above 0 and below 2 [-]
       real(dp) :: tolerance = 1.0e-10_dp !! residual that counts as solved [-]

@@ -57,13 +57,13 @@ contains
 
    contains
 
-      !> The force of a closed point that slides along a sense; without any if such a slip would not be resisted.
+      !> The force of a closed point that slides along a sense; without any if no force is determined.
       pure function sliding(sense) result(pair)
          real(dp), intent(in) :: sense !! 1 or -1
          real(dp) :: pair(2)
 
          pair(1) = w_nn + sense*friction*w_nt
-         if (pair(1) > singular*w_nn) then
+         if (abs(pair(1)) > singular*w_nn) then
             pair(1) = max(0.0_dp, (free(1) - sense*w_nt*slip_bound)/pair(1))
          else
             pair(1) = 0.0_dp

@@ -1,5 +1,5 @@
-!> Projected successive over-relaxation: point by point, each component (or the point as a whole) cut to its bound on the
-!> spot, with the slip bound phi lambda_N of the moment. omega = 1 is projected Gauss-Seidel.
+!> Projected successive over-relaxation: point by point, each component (or the point as a whole) cut to its bound on
+!> the spot, with the slip bound phi lambda_N of the moment. omega = 1 is projected Gauss-Seidel.
 !>
 !> Sweeps can be accelerated: where a proposal of Anderson's or Aitken's has a smaller residual than the sweep, the way
 !> goes on from there.
@@ -19,8 +19,8 @@ module amontons_psor
    !> The spaces that sweeps can be done in, as a deck writes them.
    character(6), parameter :: space_names(2) = [character(6) :: 'dual', 'primal']
 
-   !> Projected SOR in the forces (`dual`, on A) or in the displacements (`primal`, on S). A reduced problem has the dual
-   !> space only.
+   !> Projected SOR in the forces (`dual`, on A) or in the displacements (`primal`, on S). A reduced problem has the
+   !> dual space only.
    type, extends(contact_method_t) :: psor_t
       real(dp) :: omega = 1.0_dp !! relaxation, above 0 and below 2 [-]
       character(6) :: space = 'dual' !! 'dual' or 'primal'

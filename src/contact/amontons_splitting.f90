@@ -123,7 +123,8 @@ contains
       m = problem%n_points
       call problem%compliance%part_multiply([m + 1, 2*m], [1, m], normal, coupled)
       associate (bound => problem%bound(normal))
-         call solve_box_program(box, problem%compliance, [m + 1, 2*m], b2 - coupled, -bound, bound, accuracy, tangential)
+         call solve_box_program(box, problem%compliance, [m + 1, 2*m], b2 - coupled, -bound, bound, accuracy, &
+            tangential)
       end associate
    end subroutine tangential_step
 

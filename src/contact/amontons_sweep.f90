@@ -1,4 +1,5 @@
-!> Sweeps over the contact points, one after the other: in the forces (dual, on A) or in the displacements (primal, on S).
+!> Sweeps over the contact points, one after the other: in the forces (dual, on A) or in the displacements (primal, on
+!> S).
 !>
 !> A sweep carries what its equations still lack, distance and slip in the dual space, forces in the primal one, and
 !> updates that by a column of the matrix for each component that changes: the matrix is read once, less what stays, and
@@ -229,8 +230,8 @@ contains
       end if
    end subroutine sweep_pair
 
-   !> The residual of the pair at hand, as far as the rest is free of rounding: what lacks for equilibrium is the move of
-   !> the proximal centre in the dual space, and what the contact law cut off in the primal one [-].
+   !> The residual of the pair at hand, as far as the rest is free of rounding: what lacks for equilibrium is the move
+   !> of the proximal centre in the dual space, and what the contact law cut off in the primal one [-].
    pure real(dp) function sweep_residual(self, problem) result(residual)
       class(sweep_t), intent(in) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem

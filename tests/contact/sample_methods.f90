@@ -10,7 +10,7 @@ module sample_methods
    implicit none (type, external)
    private
 
-   public :: label, list_methods, solve_from, solve_from_rest
+   public :: append, label, list_methods, solve_from, solve_from_rest
 
    !> Relaxations of psor: under, none, over; `test_psor` says why not more.
    real(dp), parameter :: omegas(3) = [0.7_dp, 1.0_dp, 1.2_dp]
