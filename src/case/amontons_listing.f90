@@ -179,6 +179,7 @@ contains
       call check('Resultant', certificate%resultant)
       call check('Moment', certificate%moment)
       call check('Energy balance', certificate%energy)
+      if (certificate%has_duality_gap) call check('Duality gap', certificate%duality_gap)
       text = text//line('Verdict', trim(merge('passed', 'FAILED', certificate%largest() <= limit))// &
          ': every violation must be at most '//scientific(limit))
 
