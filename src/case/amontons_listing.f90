@@ -123,6 +123,8 @@ contains
          case ('psor')
             text = text//', omega '//short(method%omega)//', '//method%space//' space, local '//method%local// &
                ', acceleration '//method%acceleration
+         case default
+            continue
          end select
       end associate
    end function method_text

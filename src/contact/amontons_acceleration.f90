@@ -98,8 +98,9 @@ contains
       real(dp), intent(in) :: image(:) !! its image (n)
       integer :: i
 
-      if (.not. allocated(self%image)) &
+      if (.not. allocated(self%image)) then
          allocate (self%image(size(image), self%depth + 1), self%step(size(step), self%depth + 1))
+      end if
       if (self%n_kept == self%depth + 1) then
          do i = 1, self%depth
             self%image(:, i) = self%image(:, i + 1)

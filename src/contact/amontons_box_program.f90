@@ -68,13 +68,15 @@ contains
          call a%part_multiply(rows, rows, x, gradient)
          gradient = gradient - b
          is_free = may_move(x, gradient, lower, upper)
-         if (is_exact .and. all(is_free .eqv. was_free)) return
-         if (.not. is_exact .and. box_violation(x, rho*gradient, lower, upper, spread(1.0_dp, 1, size(b))) &
-            <= accuracy) return
+         if (is_exact) then
+            if (all(is_free .eqv. was_free)) return
+         else
+            if (box_violation(x, rho*gradient, lower, upper, spread(1.0_dp, 1, size(b))) <= accuracy) return
+         end if
          call newton_step(a, rows, rho, gradient, is_free, step, is_newton)
          full = min(max(x + step, lower), upper)
          ! A Newton step that met no bound is exact on its face: if the face stays, this is the minimiser.
-         is_exact = is_newton .and. all(.not. is_free .or. (full > lower .and. full < upper))
+         is_exact = is_newton .and. all(is_inside(full, lower, upper) .or. .not. is_free)
          was_free = is_free
          if (is_exact) then
             x = full
@@ -83,6 +85,15 @@ contains
          end if
       end do
    end subroutine projected_newton
+
+   !> Whether a component is off its bounds.
+   elemental logical function is_inside(x, lower, upper)
+      real(dp), intent(in) :: x !! the component
+      real(dp), intent(in) :: lower !! lower bound
+      real(dp), intent(in) :: upper !! upper bound
+
+      is_inside = x > lower .and. x < upper
+   end function is_inside
 
    !> Whether a component is off its bounds, or leaves its bound on the way down.
    elemental logical function may_move(x, gradient, lower, upper)

@@ -21,7 +21,7 @@ module amontons_methods
 
    !> Names of the methods, as a deck writes them.
    character(13), parameter :: method_names(*) = [character(13) :: 'auto', 'newton', 'splitting', 'fixed_point', &
-      'psor', 'extragradient']
+      'psor', 'extragradient', 'lemke']
 
    !> The choice of a method and its options; those that a method does not use are without effect on it.
    type :: method_options_t
@@ -49,12 +49,12 @@ contains
       type(method_options_t) :: chosen
 
       chosen = options
-      if (.not. allocated(chosen%method)) chosen%method = trim(method_names(1))
-      if (.not. allocated(chosen%variant)) chosen%variant = trim(variant_names(1))
-      if (.not. allocated(chosen%space)) chosen%space = trim(space_names(1))
-      if (.not. allocated(chosen%box)) chosen%box = trim(box_names(1))
-      if (.not. allocated(chosen%local)) chosen%local = trim(local_names(1))
-      if (.not. allocated(chosen%acceleration)) chosen%acceleration = trim(acceleration_names(1))
+      call set_default(chosen%method, method_names(1))
+      call set_default(chosen%variant, variant_names(1))
+      call set_default(chosen%space, space_names(1))
+      call set_default(chosen%box, box_names(1))
+      call set_default(chosen%local, local_names(1))
+      call set_default(chosen%acceleration, acceleration_names(1))
       select case (chosen%method)
       case ('auto')
          allocate (auto_t :: method)
@@ -77,5 +77,13 @@ contains
       method%tolerance = chosen%tolerance
       method%max_iterations = chosen%max_iterations
    end subroutine new_contact_method
+
+   !> Gives an option that is not set its default.
+   pure subroutine set_default(option, default)
+      character(:), allocatable, intent(inout) :: option !! the option
+      character(*), intent(in) :: default !! its default
+
+      if (.not. allocated(option)) option = trim(default)
+   end subroutine set_default
 
 end module amontons_methods

@@ -90,8 +90,9 @@ contains
       way%norm = max(way%norm, norm2(way%image)/max(norm2(way%direction), tiny(1.0_dp)))
       length = huge(length)
       ! A curvature that rounding may have left is none.
-      if (way%curvature > 10.0_dp*epsilon(1.0_dp)*way%norm*dot_product(way%direction, way%direction)) &
+      if (way%curvature > 10.0_dp*epsilon(1.0_dp)*way%norm*dot_product(way%direction, way%direction)) then
          length = dot_product(way%gradient, way%direction)/way%curvature
+      end if
       room = least_room(way%y, way%direction, way%low, way%high)
       is_bounded = min(length, room) < huge(length)
       if (.not. is_bounded) return

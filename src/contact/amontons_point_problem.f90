@@ -24,7 +24,8 @@ contains
       real(dp) :: best(2)
       ! What two evaluations of one solution differ by.
       real(dp), parameter :: rounding = 1.0e-12_dp, singular = 1.0e-14_dp
-      real(dp) :: trial(2, 5), pair(2), rho(2), cost, least, det
+      integer, parameter :: n_trials = 5
+      real(dp) :: trial(2, n_trials), pair(2), rho(2), cost, least, det
       integer :: i
 
       rho = max(w_nn, w_tt)
@@ -44,7 +45,7 @@ contains
       if (det > singular*w_nn*w_tt) trial(:, 5) = [w_tt*free(1) - w_nt*free(2), w_nn*free(2) - w_nt*free(1)]/det
       least = huge(least)
       best = force
-      do i = 1, size(trial, 2)
+      do i = 1, n_trials
          pair = free - [w_nn*trial(1, i) + w_nt*trial(2, i), w_nt*trial(1, i) + w_tt*trial(2, i)]
          cost = max(law_violation(trial(1, i), pair(1), trial(2, i), pair(2), friction, slip_bound, rho(1), rho(2)), &
             rounding*maxval(abs(trial(:, i) - force)))

@@ -32,15 +32,13 @@ module amontons_psor
 
 contains
 
-   !> Sweeps until the residual is small. Sweeps know their residual without a product; it is computed independently
-   !> where it is small enough, and at the end.
+   !> Sweeps until the residual is small.
    subroutine psor_solve(self, problem, solution, error)
       class(psor_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite (dual sweeps)
       integer, parameter :: n_until_refresh = 100
-      real(dp) :: displacement(2*problem%n_points), force(2*problem%n_points), residual
       type(acceleration_t) :: acceleration
       type(sweep_t) :: sweep, before
       integer :: i
@@ -55,20 +53,36 @@ contains
       do i = 1, self%max_iterations
          before = sweep
          call sweep%advance(problem)
-         residual = sweep%residual(problem)
-         if (residual > self%tolerance .and. residual < huge(residual) .and. i < self%max_iterations) then
-            call solution%note(residual)
-            if (mod(i, n_until_refresh) == 0) call sweep%refresh(problem)
-         else
-            call sweep%pair(problem, displacement, force)
-            call solution%record(problem, displacement, force, self%tolerance, may_continue)
-            if (.not. may_continue) return
-            call sweep%refresh(problem)
-         end if
+         call judge(self, problem, sweep, solution, may_continue)
+         if (.not. may_continue) return
+         if (mod(i, n_until_refresh) == 0) call sweep%refresh(problem)
          if (is_dual .and. .not. problem%is_held) call sweep%move_center(problem)
          call accelerate(acceleration, problem, before, sweep)
       end do
    end subroutine psor_solve
+
+   !> Takes down the residual after a sweep. The sweep knows it without a product; it is computed independently where it
+   !> is small enough, and at the end.
+   pure subroutine judge(self, problem, sweep, solution, may_continue)
+      type(psor_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(sweep_t), intent(inout) :: sweep !! the sweep; free of rounding if its residual was computed
+      type(contact_solution_t), intent(inout) :: solution !! gains the residual, and the pair at the end
+      logical, intent(out) :: may_continue !! whether to sweep on
+      real(dp) :: displacement(2*problem%n_points), force(2*problem%n_points), residual
+      logical :: is_last
+
+      residual = sweep%residual(problem)
+      is_last = solution%n_iterations + 1 >= self%max_iterations .or. residual >= huge(residual)
+      may_continue = .true.
+      if (residual > self%tolerance .and. .not. is_last) then
+         call solution%note(residual)
+         return
+      end if
+      call sweep%pair(problem, displacement, force)
+      call solution%record(problem, displacement, force, self%tolerance, may_continue)
+      call sweep%refresh(problem)
+   end subroutine judge
 
    !> Goes on from what the acceleration proposes if its residual is smaller.
    pure subroutine accelerate(acceleration, problem, before, sweep)

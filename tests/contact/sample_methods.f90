@@ -101,6 +101,8 @@ contains
          label = label//' '//options%space//omega//' '//options%local//' '//options%acceleration
       case ('splitting', 'fixed_point')
          label = label//' '//options%box
+      case default
+         continue
       end select
    end function label
 

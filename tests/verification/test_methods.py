@@ -13,6 +13,13 @@ METHODS = (
     "method = 'fixed_point'",
     "method = 'psor'",
     "method = 'psor'  space = 'primal'  omega = 1.6",
+    "method = 'splitting'  box = 'mprgp'",
+    "method = 'fixed_point'  box = 'mprgp'",
+    "method = 'psor'  local = 'block'",
+    "method = 'psor'  acceleration = 'aitken'",
+    "method = 'psor'  acceleration = 'anderson'",
+    "method = 'psor'  space = 'primal'  local = 'block'  acceleration = 'anderson'",
+    "method = 'extragradient'  max_iterations = 10000",
     "method = 'lemke'",
 )
 
