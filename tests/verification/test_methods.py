@@ -69,6 +69,37 @@ class Methods(LongBarTest):
                 self.assertEqual(result["status"], sparse[row]["status"])
 
 
+class GivenBound(LongBarTest):
+    """Tresca friction: one convex program, whose energies from both sides meet."""
+
+    DECK = """\
+&mesh size = 4.0, 2.0  cells = 16, 8 /
+&material young = 100.0  poisson = 0.25 /
+&support set = 'left'  ux = 0.0  uy = 0.0 /
+&load set = 'top'  pressure = 1.0 /
+&load set = 'right'  traction = -2.0, 0.5 /
+&contact set = 'bottom'  slip_bound = 0.5 /
+&solver {} /
+"""
+
+    def test_methods_agree_and_close_the_duality_gap(self):
+        expected = self.solve(self.DECK.format(""))
+        self.assertEqual(set(expected["status"]), {"open", "stick", "slip-"})
+        for method in METHODS:
+            result = self.solve(self.DECK.format(method))
+            self.assert_forces(result, expected, TOLERANCE, message=method)
+            # Forces and displacements are right to about 1e-9, and the gap is a sum of their products.
+            self.assertLess(result.summary["certificate"]["duality_gap"], 1e-9, method)
+
+    def test_active_sets_and_products_solve_it_in_one_go(self):
+        for box in ("newton", "mprgp"):
+            result = self.solve(self.DECK.format(f"method = 'fixed_point'  box = '{box}'"))
+            self.assertEqual(result.summary["iterations"], 1, box)
+
+    def test_coulomb_friction_has_no_dual_energy(self):
+        self.assertNotIn("duality_gap", self.solve_rows(rows=[1])[1].summary["certificate"])
+
+
 class InexactVariants(LongBarTest):
     """The splitting as printed and with clipped normal forces: wrong answers are measured and marked."""
 
