@@ -11,8 +11,8 @@ module amontons_methods
    use amontons_lemke, only: lemke_t
    use amontons_newton, only: newton_t
    use amontons_psor, only: psor_t, space_names
+   use amontons_relaxation, only: local_names
    use amontons_splitting, only: splitting_t, variant_names
-   use amontons_sweep, only: local_names
    implicit none (type, external)
    private
 
@@ -32,7 +32,7 @@ module amontons_methods
          !! of splitting and fixed_point: the solver of quadratic programs, see `amontons_box_program`; not allocated
          !! means 'auto'
       character(:), allocatable :: local
-         !! of psor: how a point is treated, see `amontons_sweep`; not allocated means 'point'
+         !! of psor: how a point is treated, see `amontons_relaxation`; not allocated means 'point'
       character(:), allocatable :: acceleration !! of psor: see `amontons_acceleration`; not allocated means 'none'
       real(dp) :: omega = 1.0_dp !! of psor: relaxation, above 0 and below 2 [-]
       real(dp) :: tolerance = 1.0e-10_dp !! residual that counts as solved [-]

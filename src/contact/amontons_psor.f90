@@ -10,7 +10,7 @@ module amontons_psor
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_sweep, only: new_sweep, sweep_t
+   use amontons_relaxation, only: new_relaxation, relaxation_t
    implicit none (type, external)
    private
 
@@ -40,7 +40,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite (dual sweeps)
       integer, parameter :: n_until_refresh = 100
       type(acceleration_t) :: acceleration
-      type(sweep_t) :: sweep, before
+      type(relaxation_t) :: sweep, before
       integer :: i
       logical :: is_dual, may_continue
 
@@ -48,7 +48,7 @@ contains
       is_dual = self%space == 'dual' .or. problem%is_reduced()
       if (is_dual) call problem%prepare_compliance(error)
       if (allocated(error)) return
-      call new_sweep(sweep, problem, is_dual, self%local == 'block', self%omega, solution)
+      call new_relaxation(sweep, problem, is_dual, self%local == 'block', self%omega, solution)
       call new_acceleration(acceleration, self%acceleration)
       do i = 1, self%max_iterations
          before = sweep
@@ -66,7 +66,7 @@ contains
    pure subroutine judge(self, problem, sweep, solution, may_continue)
       type(psor_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(sweep_t), intent(inout) :: sweep !! the sweep; free of rounding if its residual was computed
+      type(relaxation_t), intent(inout) :: sweep !! the sweep; free of rounding if its residual was computed
       type(contact_solution_t), intent(inout) :: solution !! gains the residual, and the pair at the end
       logical, intent(out) :: may_continue !! whether to sweep on
       real(dp) :: displacement(2*problem%n_points), force(2*problem%n_points), residual
@@ -88,9 +88,9 @@ contains
    pure subroutine accelerate(acceleration, problem, before, sweep)
       type(acceleration_t), intent(inout) :: acceleration !! the acceleration
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(sweep_t), intent(in) :: before !! where the sweep began
-      type(sweep_t), intent(inout) :: sweep !! where it ended
-      type(sweep_t) :: proposed
+      type(relaxation_t), intent(in) :: before !! where the sweep began
+      type(relaxation_t), intent(inout) :: sweep !! where it ended
+      type(relaxation_t) :: proposed
       real(dp) :: proposal(3*size(sweep%unknown))
       integer :: n
       logical :: is_given

@@ -5,7 +5,7 @@
 !> updates that by a column of the matrix for each component that changes: the matrix is read once, less what stays, and
 !> the residual after the sweep is known without another product. A point is relaxed component by component, or solved
 !> as a whole.
-module amontons_sweep
+module amontons_relaxation
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
@@ -16,13 +16,13 @@ module amontons_sweep
    implicit none (type, external)
    private
 
-   public :: local_names, new_sweep, sweep_t
+   public :: local_names, new_relaxation, relaxation_t
 
    !> How a point is treated, as a deck writes it: component by component, or as a whole.
    character(5), parameter :: local_names(2) = [character(5) :: 'point', 'block']
 
    !> Where sweeps have come to, and how they go on.
-   type :: sweep_t
+   type :: relaxation_t
       logical :: is_dual = .true. !! whether they are done in the forces
       logical :: is_block = .false. !! whether a point is solved as a whole
       real(dp) :: omega = 1.0_dp !! relaxation [-]
@@ -34,19 +34,19 @@ module amontons_sweep
       real(dp), allocatable, private :: coupling(:) !! its element between the components of each point (m)
       real(dp), allocatable, private :: rho(:) !! reciprocals of the diagonal (2m)
    contains
-      procedure :: advance => sweep_advance
-      procedure :: admit => sweep_admit
-      procedure :: move_center => sweep_move_center
-      procedure :: pair => sweep_pair
-      procedure :: refresh => sweep_refresh
-      procedure :: residual => sweep_residual
-   end type sweep_t
+      procedure :: advance => relaxation_advance
+      procedure :: admit => relaxation_admit
+      procedure :: move_center => relaxation_move_center
+      procedure :: pair => relaxation_pair
+      procedure :: refresh => relaxation_refresh
+      procedure :: residual => relaxation_residual
+   end type relaxation_t
 
 contains
 
    !> Begins sweeps at a solution.
-   pure subroutine new_sweep(sweep, problem, is_dual, is_block, omega, solution)
-      type(sweep_t), intent(out) :: sweep !! the sweeps
+   pure subroutine new_relaxation(sweep, problem, is_dual, is_block, omega, solution)
+      type(relaxation_t), intent(out) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared for dual sweeps
       logical, intent(in) :: is_dual !! whether to sweep in the forces
       logical, intent(in) :: is_block !! whether to solve each point as a whole
@@ -73,11 +73,11 @@ contains
          sweep%coupling = [(problem%stiffness(m + i, i), i=1, m)]
       end if
       call sweep%refresh(problem)
-   end subroutine new_sweep
+   end subroutine new_relaxation
 
    !> Computes the rest anew, free of the rounding of many updates.
-   pure subroutine sweep_refresh(self, problem)
-      class(sweep_t), intent(inout) :: self !! the sweeps
+   pure subroutine relaxation_refresh(self, problem)
+      class(relaxation_t), intent(inout) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
       integer :: m
 
@@ -88,11 +88,11 @@ contains
       else
          self%rest = problem%load - matmul(problem%stiffness, self%unknown)
       end if
-   end subroutine sweep_refresh
+   end subroutine relaxation_refresh
 
    !> Sweeps once over all points.
-   pure subroutine sweep_advance(self, problem)
-      class(sweep_t), intent(inout) :: self !! the sweeps
+   pure subroutine relaxation_advance(self, problem)
+      class(relaxation_t), intent(inout) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
       integer :: point
 
@@ -103,11 +103,11 @@ contains
             call relax_displacement(self, problem, point)
          end if
       end do
-   end subroutine sweep_advance
+   end subroutine relaxation_advance
 
    !> Gives one component a value, and the rest what this changes.
    pure subroutine set_unknown(sweep, problem, i, value)
-      type(sweep_t), intent(inout) :: sweep !! the sweeps
+      type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
       integer, intent(in) :: i !! which component
       real(dp), intent(in) :: value !! its value
@@ -125,7 +125,7 @@ contains
 
    !> Relaxes the force of one point, and cuts it to the contact law.
    pure subroutine relax_force(sweep, problem, n)
-      type(sweep_t), intent(inout) :: sweep !! the sweeps
+      type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       integer, intent(in) :: n !! the point
       real(dp) :: change(2), solved(2)
@@ -150,7 +150,7 @@ contains
    !> Relaxes the displacement of one point: the normal one is cut at the gap, the tangential one is shrunk by what
    !> friction holds.
    pure subroutine relax_displacement(sweep, problem, n)
-      type(sweep_t), intent(inout) :: sweep !! the sweeps
+      type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
       integer, intent(in) :: n !! the point
       real(dp), parameter :: singular = 1.0e-12_dp
@@ -173,7 +173,7 @@ contains
 
    !> Solves one point as a whole for its displacement. A closed one is put on the gap exactly.
    pure subroutine solve_displacement(sweep, problem, n, det)
-      type(sweep_t), intent(inout) :: sweep !! the sweeps
+      type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
       integer, intent(in) :: n !! the point
       real(dp), intent(in) :: det !! determinant of its stiffness
@@ -210,8 +210,8 @@ contains
 
    !> Displacements and forces that a sweep ended with; in the primal space the forces are what the displacements
    !> leave, cut to the contact law.
-   pure subroutine sweep_pair(self, problem, displacement, force)
-      class(sweep_t), intent(in) :: self !! the sweeps
+   pure subroutine relaxation_pair(self, problem, displacement, force)
+      class(relaxation_t), intent(in) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(out) :: displacement(:) !! v (2m) [L]
       real(dp), intent(out) :: force(:) !! lambda (2m) [F]
@@ -228,12 +228,12 @@ contains
          force(:m) = merge(0.0_dp, max(0.0_dp, force(:m)), displacement(:m) < problem%gap)
          force(m + 1:) = bounded(force(m + 1:), problem%bound(force(:m)))
       end if
-   end subroutine sweep_pair
+   end subroutine relaxation_pair
 
    !> The residual of the pair at hand, as far as the rest is free of rounding: what lacks for equilibrium is the move
    !> of the proximal centre in the dual space, and what the contact law cut off in the primal one [-].
-   pure real(dp) function sweep_residual(self, problem) result(residual)
-      class(sweep_t), intent(in) :: self !! the sweeps
+   pure real(dp) function relaxation_residual(self, problem) result(residual)
+      class(relaxation_t), intent(in) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), dimension(size(self%unknown)) :: displacement, force, imbalance
 
@@ -246,11 +246,11 @@ contains
       residual = huge(residual)
       if (.not. all(ieee_is_finite(self%rest))) return
       residual = max(0.0_dp, maxval(abs(imbalance)), problem%violation(displacement, force))/self%scale
-   end function sweep_residual
+   end function relaxation_residual
 
    !> Moves the proximal centre of a body that only contact holds to the displacement at hand.
-   pure subroutine sweep_move_center(self, problem)
-      class(sweep_t), intent(inout) :: self !! the sweeps
+   pure subroutine relaxation_move_center(self, problem)
+      class(relaxation_t), intent(inout) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), dimension(size(self%unknown)) :: displacement, force, change
 
@@ -258,12 +258,12 @@ contains
       call problem%compliance%multiply(problem%shift*(displacement - self%center), change)
       self%rest = self%rest + change
       self%center = displacement
-   end subroutine sweep_move_center
+   end subroutine relaxation_move_center
 
    !> Makes a point put together from others admissible: forces are cut to the contact law; a displacement stays off the
    !> obstacle, and on it where it was on it before.
-   pure subroutine sweep_admit(self, problem, before)
-      class(sweep_t), intent(inout) :: self !! the sweeps
+   pure subroutine relaxation_admit(self, problem, before)
+      class(relaxation_t), intent(inout) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: before(:) !! the unknowns before (2m)
       integer :: n, t
@@ -280,6 +280,6 @@ contains
             call set_unknown(self, problem, n, problem%gap(n))
          end if
       end do
-   end subroutine sweep_admit
+   end subroutine relaxation_admit
 
-end module amontons_sweep
+end module amontons_relaxation
