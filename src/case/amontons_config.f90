@@ -13,11 +13,10 @@ module amontons_config
    use amontons_kinds, only: dp
    use amontons_loads, only: load_t
    use amontons_material, only: material_t
-   use amontons_methods, only: method_names, method_options_t
+   use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
+      space_names, variant_names
    use amontons_number_table, only: beside
-   use amontons_psor, only: space_names
    use amontons_rectangle, only: diagonal_names, rectangle_t
-   use amontons_splitting, only: variant_names
    use amontons_sweep, only: sweep_t
    use amontons_system, only: absolute_path
    use amontons_text, only: quoted, to_text
@@ -202,9 +201,15 @@ contains
          method%method = trim(method_names(1))
          method%variant = trim(variant_names(1))
          method%space = trim(space_names(1))
+         method%box = trim(box_names(1))
+         method%local = trim(local_names(1))
+         method%acceleration = trim(acceleration_names(1))
          call deck%get_word(group, 'method', method%method, method_names)
          call deck%get_word(group, 'variant', method%variant, variant_names)
          call deck%get_word(group, 'space', method%space, space_names)
+         call deck%get_word(group, 'box', method%box, box_names)
+         call deck%get_word(group, 'local', method%local, local_names)
+         call deck%get_word(group, 'acceleration', method%acceleration, acceleration_names)
          call deck%get(group, 'omega', method%omega)
          call deck%get(group, 'tolerance', method%tolerance)
          call deck%get(group, 'max_iterations', method%max_iterations)

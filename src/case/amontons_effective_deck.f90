@@ -232,7 +232,8 @@ contains
 
       associate (m => config%method)
          text = '&solver method = '//quoted(m%method)//'  variant = '//quoted(m%variant)//'  space = ' &
-            //quoted(m%space)//'  omega = '//to_text(m%omega)//newline &
+            //quoted(m%space)//'  omega = '//to_text(m%omega)//newline//'   box = '//quoted(m%box)//'  local = ' &
+            //quoted(m%local)//'  acceleration = '//quoted(m%acceleration)//newline &
             //'   tolerance = '//to_text(m%tolerance)//'  max_iterations = '//to_text(m%max_iterations) &
             //'  factorization = '//quoted(config%factorization)//' /'//newline
       end associate

@@ -113,9 +113,20 @@ contains
       type(config_t), intent(in) :: config !! the case
       character(:), allocatable :: text
 
-      text = config%method%method
-      if (text == 'splitting') text = text//', variant '//config%method%variant
-      if (text == 'psor') text = text//', omega '//short(config%method%omega)//', '//config%method%space//' space'
+      associate (method => config%method)
+         text = method%method
+         select case (text)
+         case ('splitting')
+            text = text//', variant '//method%variant//', quadratic programs by '//method%box
+         case ('fixed_point')
+            text = text//', quadratic programs by '//method%box
+         case ('psor')
+            text = text//', omega '//short(method%omega)//', '//method%space//' space, local '//method%local// &
+               ', acceleration '//method%acceleration
+         case default
+            continue
+         end select
+      end associate
    end function method_text
 
    !> Counts and lengths of the open, sliding and sticking parts.
@@ -170,6 +181,7 @@ contains
       call check('Resultant', certificate%resultant)
       call check('Moment', certificate%moment)
       call check('Energy balance', certificate%energy)
+      if (certificate%has_duality_gap) call check('Duality gap', certificate%duality_gap)
       text = text//line('Verdict', trim(merge('passed', 'FAILED', certificate%largest() <= limit))// &
          ': every violation must be at most '//scientific(limit))
 

@@ -91,7 +91,9 @@ contains
          ', "wrong_dissipation": '//number(certificate%wrong_dissipation)// &
          ', "resultant": '//number(certificate%resultant)// &
          ', "moment": '//number(certificate%moment)// &
-         ', "energy": '//number(certificate%energy)// &
+         ', "energy": '//number(certificate%energy)
+      if (certificate%has_duality_gap) text = text//', "duality_gap": '//number(certificate%duality_gap)
+      text = text// &
          ', "strain_energy": '//number(certificate%strain_energy)// &
          ', "dissipation": '//number(certificate%dissipation)
    end function certificate_text

@@ -24,6 +24,9 @@ module amontons_certificate
       real(dp) :: resultant = 0.0_dp !! |loads + reactions + contact forces| / sum of their magnitudes [-]
       real(dp) :: moment = 0.0_dp !! |moment of these| / (sum of their magnitudes times half the body's size) [-]
       real(dp) :: energy = 0.0_dp !! |u . K u - work of all forces| / u . K u [-]
+      logical :: has_duality_gap = .false. !! whether no point rubs by Coulomb's law, so that both energies exist
+      real(dp) :: duality_gap = 0.0_dp
+         !! |primal energy of u - dual energy of lambda| / u . K u, of a given slip bound or none [-]
       real(dp) :: strain_energy = 0.0_dp !! u . K u / 2 [F L]
       real(dp) :: dissipation = 0.0_dp !! work of friction: sum of lambda_T u_T [F L]
       real(dp) :: load(2) = 0.0_dp !! resultant of the loads, x and y [F]
@@ -55,6 +58,7 @@ contains
       certificate%strain_energy = 0.5_dp*sum(internal*displacement)
       certificate%energy = relative(abs(sum(internal*displacement) - sum((loads + contact)*displacement) &
          - sum(reaction*body%constraints%prescribed)), sum(abs(internal*displacement)))
+      certificate%duality_gap = relative(certificate%duality_gap, sum(abs(internal*displacement)))
    end subroutine new_certificate
 
    !> The forces of the obstacle on the nodes: -lambda_N n - lambda_T t (2, n_nodes) [F].
@@ -118,6 +122,10 @@ contains
          certificate%wrong_dissipation = max(0.0_dp, maxval(-min(relative(abs(tangential), largest_force), &
             relative(abs(slip), largest_displacement))*sign(1.0_dp, tangential*slip)))
          certificate%dissipation = sum(tangential*slip)
+         ! Of displacements and forces in equilibrium with each other the energies differ by what each point adds here.
+         certificate%has_duality_gap = all(zone%is_guided .or. .not. zone%friction > 0.0_dp)
+         if (certificate%has_duality_gap) certificate%duality_gap = abs(sum(normal*distance) &
+            + sum(bound*abs(slip) - tangential*slip, mask=.not. zone%is_guided))
       end associate
    end subroutine check_points
 
@@ -174,7 +182,7 @@ contains
       class(certificate_t), intent(in) :: self !! the certificate
 
       largest = max(self%equilibrium, self%penetration, self%tension, self%friction_excess, self%complementarity, &
-         self%wrong_dissipation, self%resultant, self%moment, self%energy)
+         self%wrong_dissipation, self%resultant, self%moment, self%energy, self%duality_gap)
    end function certificate_largest
 
 end module amontons_certificate

@@ -43,6 +43,7 @@ module amontons_contact_problem
       procedure :: prepare_compliance => contact_problem_prepare_compliance
       procedure :: residual => contact_problem_residual
       procedure :: status => contact_problem_status
+      procedure :: violation => contact_problem_violation
    end type contact_problem_t
 
 contains
@@ -195,14 +196,11 @@ contains
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
       real(dp), intent(in) :: force(:) !! lambda (2m) [F]
-      real(dp) :: imbalance(2*self%n_points), rho(2*self%n_points), violation
-      integer :: p, m
+      real(dp) :: imbalance(2*self%n_points)
 
-      m = self%n_points
-      rho = self%augmentation()
       if (self%is_reduced()) then
          call self%compliance%multiply(force, imbalance)
-         imbalance = rho*(imbalance - self%free_displacement + displacement)
+         imbalance = self%augmentation()*(imbalance - self%free_displacement + displacement)
       else
          call symmetric_multiply(self%stiffness, displacement, imbalance)
          imbalance = imbalance - self%load + force
@@ -210,13 +208,22 @@ contains
       ! maxval passes over what is not a number.
       residual = huge(residual)
       if (.not. all(ieee_is_finite(imbalance))) return
-      violation = 0.0_dp
-      do p = 1, m
-         violation = max(violation, law_violation(force(p), displacement(p) - self%gap(p), force(m + p), &
-            displacement(m + p), self%friction(p), self%slip_bound(p), rho(p), rho(m + p)))
-      end do
-      residual = max(maxval(abs(imbalance)), violation)/self%force_scale()
+      residual = max(maxval(abs(imbalance)), self%violation(displacement, force))/self%force_scale()
    end function contact_problem_residual
+
+   !> The largest violation of the contact law by a pair (v, lambda) [F].
+   pure real(dp) function contact_problem_violation(self, displacement, force) result(violation)
+      class(contact_problem_t), intent(in) :: self !! the problem
+      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
+      real(dp), intent(in) :: force(:) !! lambda (2m) [F]
+      real(dp) :: rho(2*self%n_points)
+      integer :: m
+
+      m = self%n_points
+      rho = self%augmentation()
+      violation = max(0.0_dp, maxval(law_violation(force(:m), displacement(:m) - self%gap, force(m + 1:), &
+         displacement(m + 1:), self%friction, self%slip_bound, rho(:m), rho(m + 1:))))
+   end function contact_problem_violation
 
    !> Status of every point of a pair (v, lambda): which bound of the law is active (m).
    pure function contact_problem_status(self, displacement, force) result(status)

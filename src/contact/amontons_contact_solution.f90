@@ -21,6 +21,7 @@ module amontons_contact_solution
       real(dp), allocatable :: history(:) !! residual after each iteration (at least n_iterations) [-]
    contains
       procedure :: begin => contact_solution_begin
+      procedure :: note => contact_solution_note
       procedure :: record => contact_solution_record
    end type contact_solution_t
 
@@ -61,13 +62,22 @@ contains
       self%force = force
       self%residual = problem%residual(displacement, force)
       self%status = problem%status(displacement, force)
+      call self%note(self%residual)
       self%is_converged = self%residual <= tolerance
+      may_continue = .not. self%is_converged .and. self%residual < huge(self%residual)
+   end subroutine contact_solution_record
+
+   !> Counts an iteration whose pair is not looked at, with the residual that the method itself knows of. Such a
+   !> residual never means solved.
+   pure subroutine contact_solution_note(self, residual)
+      class(contact_solution_t), intent(inout) :: self !! the solution
+      real(dp), intent(in) :: residual !! residual after the iteration [-]
+
       self%n_iterations = self%n_iterations + 1
       if (self%n_iterations > size(self%history)) then
          self%history = [self%history, spread(0.0_dp, 1, self%n_iterations)]
       end if
-      self%history(self%n_iterations) = self%residual
-      may_continue = .not. self%is_converged .and. self%residual < huge(self%residual)
-   end subroutine contact_solution_record
+      self%history(self%n_iterations) = residual
+   end subroutine contact_solution_note
 
 end module amontons_contact_solution

@@ -16,6 +16,7 @@ module amontons_fixed_point
 
    !> The fixed-point method.
    type, extends(contact_method_t) :: fixed_point_t
+      character(6) :: box = 'auto' !! the solver of the Tresca problems: 'auto', 'newton' or 'mprgp'
    contains
       procedure :: solve => fixed_point_solve
    end type fixed_point_t
@@ -29,6 +30,9 @@ contains
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
       real(dp), allocatable :: force(:), bound(:), b(:), lower(:), upper(:)
+      ! Tresca problems a hundredth as wrong as the forces may be.
+      real(dp), parameter :: share = 1.0e-2_dp
+      real(dp) :: accuracy
       integer :: m, iteration
       logical :: may_continue
 
@@ -37,12 +41,13 @@ contains
       if (allocated(error)) return
       m = problem%n_points
       force = solution%force
+      accuracy = share*self%tolerance*problem%force_scale()
       b = problem%dual_load(solution%displacement)
       do iteration = 1, self%max_iterations
          bound = problem%bound(force(:m))
          lower = [spread(0.0_dp, 1, m), -bound]
          upper = [spread(huge(1.0_dp), 1, m), bound]
-         call solve_box_program(problem%compliance%values, b, lower, upper, force)
+         call solve_box_program(self%box, problem%compliance, [1, 2*m], b, lower, upper, accuracy, force)
          call solution%record(problem, problem%displacement(b, force), force, self%tolerance, may_continue)
          if (.not. may_continue) return
          if (.not. problem%is_held) b = problem%dual_load(solution%displacement)

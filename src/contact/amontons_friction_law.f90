@@ -65,11 +65,12 @@ contains
       real(dp), intent(in) :: slip_bound !! given slip bound g [F]
       real(dp), intent(in) :: rho_normal !! stiffness that turns the distance into a force, positive [F/L]
       real(dp), intent(in) :: rho_tangential !! stiffness that turns the slip into a force, positive [F/L]
-      real(dp) :: tangential
+      real(dp) :: bound
 
-      tangential = bounded(tangential_force + rho_tangential*slip, slip_bound + friction*max(0.0_dp, normal_force))
-      violation = max(abs(normal_force - max(0.0_dp, normal_force + rho_normal*distance)), &
-         abs(tangential_force - tangential))
+      bound = slip_bound + friction*max(0.0_dp, normal_force)
+      ! The differences above, written so that a large force does not swallow a small distance or slip by rounding.
+      violation = max(abs(min(normal_force, -rho_normal*distance)), &
+         abs(max(min(-rho_tangential*slip, tangential_force + bound), tangential_force - bound)))
    end function law_violation
 
 end module amontons_friction_law

@@ -1,28 +1,39 @@
-!> The table of contact methods, and the choice of one by its name.
+!> The table of contact methods and of the words of their options, and the choice of one by its name.
 module amontons_methods
+   use amontons_acceleration, only: acceleration_names
    use amontons_auto, only: auto_t
+   use amontons_box_program, only: box_names
    use amontons_contact_method, only: contact_method_t
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_extragradient, only: extragradient_t
    use amontons_fixed_point, only: fixed_point_t
    use amontons_kinds, only: dp
    use amontons_lemke, only: lemke_t
    use amontons_newton, only: newton_t
    use amontons_psor, only: psor_t, space_names
+   use amontons_relaxation, only: local_names
    use amontons_splitting, only: splitting_t, variant_names
    implicit none (type, external)
    private
 
-   public :: method_names, method_options_t, new_contact_method
+   public :: acceleration_names, box_names, local_names, method_names, method_options_t, new_contact_method, &
+      space_names, variant_names
 
    !> Names of the methods, as a deck writes them.
-   character(11), parameter :: method_names(*) = [character(11) :: 'auto', 'newton', 'splitting', 'fixed_point', &
-      'psor', 'lemke']
+   character(13), parameter :: method_names(*) = [character(13) :: 'auto', 'newton', 'splitting', 'fixed_point', &
+      'psor', 'extragradient', 'lemke']
 
    !> The choice of a method and its options; those that a method does not use are without effect on it.
    type :: method_options_t
       character(:), allocatable :: method !! one of `method_names`; not allocated means 'auto'
       character(:), allocatable :: variant !! of splitting: see `amontons_splitting`; not allocated means 'exact'
       character(:), allocatable :: space !! of psor: see `amontons_psor`; not allocated means 'dual'
+      character(:), allocatable :: box
+         !! of splitting and fixed_point: the solver of quadratic programs, see `amontons_box_program`; not allocated
+         !! means 'auto'
+      character(:), allocatable :: local
+         !! of psor: how a point is treated, see `amontons_relaxation`; not allocated means 'point'
+      character(:), allocatable :: acceleration !! of psor: see `amontons_acceleration`; not allocated means 'none'
       real(dp) :: omega = 1.0_dp !! of psor: relaxation, above 0 and below 2 [-]
       real(dp) :: tolerance = 1.0e-10_dp !! residual that counts as solved [-]
       integer :: max_iterations = 1000 !! most iterations
@@ -38,20 +49,25 @@ contains
       type(method_options_t) :: chosen
 
       chosen = options
-      if (.not. allocated(chosen%method)) chosen%method = trim(method_names(1))
-      if (.not. allocated(chosen%variant)) chosen%variant = trim(variant_names(1))
-      if (.not. allocated(chosen%space)) chosen%space = trim(space_names(1))
+      call set_default(chosen%method, method_names(1))
+      call set_default(chosen%variant, variant_names(1))
+      call set_default(chosen%space, space_names(1))
+      call set_default(chosen%box, box_names(1))
+      call set_default(chosen%local, local_names(1))
+      call set_default(chosen%acceleration, acceleration_names(1))
       select case (chosen%method)
       case ('auto')
          allocate (auto_t :: method)
       case ('newton')
          allocate (newton_t :: method)
       case ('splitting')
-         method = splitting_t(variant=chosen%variant)
+         method = splitting_t(variant=chosen%variant, box=chosen%box)
       case ('fixed_point')
-         allocate (fixed_point_t :: method)
+         method = fixed_point_t(box=chosen%box)
       case ('psor')
-         method = psor_t(omega=chosen%omega, space=chosen%space)
+         method = psor_t(omega=chosen%omega, space=chosen%space, local=chosen%local, acceleration=chosen%acceleration)
+      case ('extragradient')
+         allocate (extragradient_t :: method)
       case ('lemke')
          allocate (lemke_t :: method)
       case default
@@ -61,5 +77,13 @@ contains
       method%tolerance = chosen%tolerance
       method%max_iterations = chosen%max_iterations
    end subroutine new_contact_method
+
+   !> Gives an option that is not set its default.
+   pure subroutine set_default(option, default)
+      character(:), allocatable, intent(inout) :: option !! the option
+      character(*), intent(in) :: default !! its default
+
+      if (.not. allocated(option)) option = trim(default)
+   end subroutine set_default
 
 end module amontons_methods

@@ -1,12 +1,16 @@
-!> Projected successive over-relaxation: point by point, the normal component and then the tangential one, each cut to
-!> its bound on the spot, with the slip bound phi lambda_N of the moment. omega = 1 is projected Gauss-Seidel.
+!> Projected successive over-relaxation: point by point, each component (or the point as a whole) cut to its bound on
+!> the spot, with the slip bound phi lambda_N of the moment. omega = 1 is projected Gauss-Seidel.
+!>
+!> Sweeps can be accelerated: where a proposal of Anderson's or Aitken's has a smaller residual than the sweep, the way
+!> goes on from there.
 module amontons_psor
+   use amontons_acceleration, only: acceleration_t, new_acceleration
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t
-   use amontons_friction_law, only: bounded
    use amontons_kinds, only: dp
+   use amontons_relaxation, only: new_relaxation, relaxation_t
    implicit none (type, external)
    private
 
@@ -15,10 +19,13 @@ module amontons_psor
    !> The spaces that sweeps can be done in, as a deck writes them.
    character(6), parameter :: space_names(2) = [character(6) :: 'dual', 'primal']
 
-   !> Projected SOR in the forces (`dual`, on A) or in the displacements (`primal`, on S).
+   !> Projected SOR in the forces (`dual`, on A) or in the displacements (`primal`, on S). A reduced problem has the
+   !> dual space only.
    type, extends(contact_method_t) :: psor_t
       real(dp) :: omega = 1.0_dp !! relaxation, above 0 and below 2 [-]
       character(6) :: space = 'dual' !! 'dual' or 'primal'
+      character(5) :: local = 'point' !! 'point' or 'block': a point by components or as a whole
+      character(8) :: acceleration = 'none' !! 'none', 'aitken' or 'anderson'
    contains
       procedure :: solve => psor_solve
    end type psor_t
@@ -31,118 +38,79 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite (dual sweeps)
+      integer, parameter :: n_until_refresh = 100
+      type(acceleration_t) :: acceleration
+      type(relaxation_t) :: sweep, before
+      integer :: i
+      logical :: is_dual, may_continue
 
       call solution%begin()
-      if (self%space == 'dual') then
-         call problem%prepare_compliance(error)
-         if (allocated(error)) return
-         call iterate_dual(self, problem, solution)
-      else
-         call iterate_primal(self, problem, solution)
-      end if
+      is_dual = self%space == 'dual' .or. problem%is_reduced()
+      if (is_dual) call problem%prepare_compliance(error)
+      if (allocated(error)) return
+      call new_relaxation(sweep, problem, is_dual, self%local == 'block', self%omega, solution)
+      call new_acceleration(acceleration, self%acceleration)
+      do i = 1, self%max_iterations
+         before = sweep
+         call sweep%advance(problem)
+         call judge(self, problem, sweep, solution, may_continue)
+         if (.not. may_continue) return
+         if (mod(i, n_until_refresh) == 0) call sweep%refresh(problem)
+         if (is_dual .and. .not. problem%is_held) call sweep%move_center(problem)
+         call accelerate(acceleration, problem, before, sweep)
+      end do
    end subroutine psor_solve
 
-   !> Sweeps in the forces. For a body that only contact holds, each sweep is followed by a proximal step.
-   pure subroutine iterate_dual(self, problem, solution)
-      type(psor_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      type(contact_solution_t), intent(inout) :: solution !! start and result
-      real(dp) :: force(2*problem%n_points), b(2*problem%n_points), rho(2*problem%n_points)
-      integer :: sweep
-      logical :: may_continue
-
-      force = solution%force
-      rho = problem%compliance%reciprocal_diagonal()
-      b = problem%dual_load(solution%displacement)
-      do sweep = 1, self%max_iterations
-         call sweep_forces(problem, b, self%omega, rho, force)
-         call solution%record(problem, problem%displacement(b, force), force, self%tolerance, may_continue)
-         if (.not. may_continue) return
-         if (.not. problem%is_held) b = problem%dual_load(solution%displacement)
-      end do
-   end subroutine iterate_dual
-
-   !> One sweep over the forces of all points: w = B - A lambda is the distance (normal) or the slip (tangential).
-   pure subroutine sweep_forces(problem, b, omega, rho, force)
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(in) :: b(:) !! dual load B (2m) [L]
-      real(dp), intent(in) :: omega !! relaxation [-]
-      real(dp), intent(in) :: rho(:) !! reciprocal diagonal of A (2m) [F/L]
-      real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
-      integer :: n, t
-
-      associate (a => problem%compliance)
-         do n = 1, problem%n_points
-            t = n + problem%n_points
-            force(n) = max(0.0_dp, force(n) + omega*rho(n)*(b(n) - a%column_product(n, force)))
-            force(t) = bounded(force(t) + omega*rho(t)*(b(t) - a%column_product(t, force)), &
-               problem%slip_bound(n) + problem%friction(n)*force(n))
-         end do
-      end associate
-   end subroutine sweep_forces
-
-   !> Sweeps in the displacements (Raous's form): no inverse is needed, and a body that only contact holds is as good
-   !> as any other.
-   pure subroutine iterate_primal(self, problem, solution)
+   !> Takes down the residual after a sweep. The sweep knows it without a product; it is computed independently where it
+   !> is small enough, and at the end.
+   pure subroutine judge(self, problem, sweep, solution, may_continue)
       type(psor_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(contact_solution_t), intent(inout) :: solution !! start and result
-      real(dp) :: displacement(2*problem%n_points), force(2*problem%n_points)
-      integer :: sweep
-      logical :: may_continue
+      type(relaxation_t), intent(inout) :: sweep !! the sweep; free of rounding if its residual was computed
+      type(contact_solution_t), intent(inout) :: solution !! gains the residual, and the pair at the end
+      logical, intent(out) :: may_continue !! whether to sweep on
+      real(dp) :: displacement(2*problem%n_points), force(2*problem%n_points), residual
+      logical :: is_last
 
-      displacement = solution%displacement
-      displacement(:problem%n_points) = min(displacement(:problem%n_points), problem%gap)
-      do sweep = 1, self%max_iterations
-         call sweep_displacements(problem, self%omega, displacement)
-         force = contact_forces(problem, displacement)
-         call solution%record(problem, displacement, force, self%tolerance, may_continue)
-         if (.not. may_continue) return
-      end do
-   end subroutine iterate_primal
+      residual = sweep%residual(problem)
+      is_last = solution%n_iterations + 1 >= self%max_iterations .or. residual >= huge(residual)
+      may_continue = .true.
+      if (residual > self%tolerance .and. .not. is_last) then
+         call solution%note(residual)
+         return
+      end if
+      call sweep%pair(problem, displacement, force)
+      call solution%record(problem, displacement, force, self%tolerance, may_continue)
+      call sweep%refresh(problem)
+   end subroutine judge
 
-   !> One sweep over the displacements of all points: the normal one is cut at the gap, the tangential one is shrunk by
-   !> what friction holds.
-   pure subroutine sweep_displacements(problem, omega, v)
+   !> Goes on from what the acceleration proposes if its residual is smaller.
+   pure subroutine accelerate(acceleration, problem, before, sweep)
+      type(acceleration_t), intent(inout) :: acceleration !! the acceleration
       type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), intent(in) :: omega !! relaxation [-]
-      real(dp), intent(inout) :: v(:) !! displacements (2m) [L]
-      real(dp) :: force, bound, step
-      integer :: n, t
+      type(relaxation_t), intent(in) :: before !! where the sweep began
+      type(relaxation_t), intent(inout) :: sweep !! where it ended
+      type(relaxation_t) :: proposed
+      real(dp) :: proposal(3*size(sweep%unknown))
+      integer :: n
+      logical :: is_given
 
-      associate (s => problem%stiffness, q => problem%load)
-         do n = 1, problem%n_points
-            t = n + problem%n_points
-            force = q(n) - dot_product(s(:, n), v)
-            step = min(v(n) + omega*force/s(n, n), problem%gap(n)) - v(n)
-            v(n) = v(n) + step
-            bound = problem%slip_bound(n)
-            if (.not. v(n) < problem%gap(n)) bound = bound + problem%friction(n)*max(0.0_dp, force - s(n, n)*step)
-            force = q(t) - dot_product(s(:, t), v)
-            v(t) = shrunk(v(t) + omega*force/s(t, t), omega*bound/s(t, t))
-         end do
-      end associate
-   end subroutine sweep_displacements
-
-   !> A value moved towards zero by a distance, at most to zero itself.
-   pure real(dp) function shrunk(value, distance)
-      real(dp), intent(in) :: value !! the value
-      real(dp), intent(in) :: distance !! how far, at least 0
-
-      shrunk = sign(max(0.0_dp, abs(value) - distance), value)
-   end function shrunk
-
-   !> The forces lambda = q - S v of given displacements, cut to the contact law (2m) [F].
-   pure function contact_forces(problem, displacement) result(force)
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
-      real(dp) :: force(2*problem%n_points)
-      integer :: m
-
-      m = problem%n_points
-      force = problem%load - matmul(problem%stiffness, displacement)
-      force(:m) = merge(0.0_dp, max(0.0_dp, force(:m)), displacement(:m) < problem%gap)
-      force(m + 1:) = bounded(force(m + 1:), problem%bound(force(:m)))
-   end function contact_forces
+      if (acceleration%depth == 0) return
+      n = size(sweep%unknown)
+      ! The shift turns the centre into a force. Where it is 0, or the sweep is one of displacements, the centre stays.
+      call acceleration%extrapolate([before%unknown, problem%shift*before%center], &
+         [sweep%unknown, problem%shift*sweep%center, sweep%rest], proposal, is_given)
+      if (.not. is_given) return
+      proposed = sweep
+      proposed%unknown = proposal(:n)
+      if (problem%shift > 0.0_dp) proposed%center = proposal(n + 1:2*n)/problem%shift
+      proposed%rest = proposal(2*n + 1:)
+      call proposed%admit(problem, sweep%unknown)
+      if (proposed%residual(problem) < sweep%residual(problem)) then
+         sweep = proposed
+      else
+         call acceleration%forget()
+      end if
+   end subroutine accelerate
 
 end module amontons_psor

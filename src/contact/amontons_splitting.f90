@@ -18,7 +18,7 @@ module amontons_splitting
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
-   use amontons_dense, only: cholesky_factor, cholesky_solve
+   use amontons_dense, only: cholesky_factor_softly, cholesky_solve
    use amontons_error, only: error_t
    use amontons_friction_law, only: bounded
    use amontons_kinds, only: dp
@@ -33,6 +33,7 @@ module amontons_splitting
    !> The splitting method.
    type, extends(contact_method_t) :: splitting_t
       character(7) :: variant = 'exact' !! 'exact', 'clip' or 'printed'
+      character(6) :: box = 'auto' !! the solver of the exact half steps: 'auto', 'newton' or 'mprgp'
    contains
       procedure :: solve => splitting_solve
    end type splitting_t
@@ -48,7 +49,9 @@ contains
       real(dp), allocatable :: normal(:), tangential(:), displacement(:), b(:), factor(:, :), schur(:, :)
       ! Forces that rest while the residual is this many tolerances away will not lower it any more.
       real(dp), parameter :: at_rest = 1.0e3_dp
-      real(dp) :: change
+      ! Half steps a hundredth as wrong as the forces may be.
+      real(dp), parameter :: share = 1.0e-2_dp
+      real(dp) :: change, scale, accuracy
       integer :: m, iteration
       logical :: may_continue
 
@@ -59,15 +62,17 @@ contains
       normal = max(0.0_dp, solution%force(:m))
       tangential = solution%force(m + 1:)
       b = problem%dual_load(solution%displacement)
+      scale = problem%force_scale()
+      accuracy = share*self%tolerance*scale
       if (self%variant /= 'exact') factor = factor_of_a11(problem)
       if (self%variant == 'printed') schur = printed_schur(problem, factor)
 
       do iteration = 1, self%max_iterations
-         call half_steps(self%variant, problem, b, factor, schur, normal, tangential)
+         call half_steps(self, problem, b, accuracy, factor, schur, normal, tangential)
          displacement = problem%displacement(b, [normal, tangential])
          ! A proximal step counts as the force that it takes.
          change = maxval(abs([[normal, tangential] - solution%force, &
-            problem%shift*(displacement - solution%displacement)]))/problem%force_scale()
+            problem%shift*(displacement - solution%displacement)]))/scale
          call solution%record(problem, displacement, [normal, tangential], self%tolerance, may_continue)
          if (.not. may_continue) return
          solution%is_at_rest = self%variant /= 'exact' .and. change <= self%tolerance &
@@ -79,10 +84,11 @@ contains
    end subroutine splitting_solve
 
    !> The tangential half step and the normal one, in the reading of a variant.
-   pure subroutine half_steps(variant, problem, b, factor, schur, normal, tangential)
-      character(*), intent(in) :: variant !! 'exact', 'clip' or 'printed'
+   pure subroutine half_steps(self, problem, b, accuracy, factor, schur, normal, tangential)
+      type(splitting_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), intent(in) :: b(:) !! dual load B (2m) [L]
+      real(dp), intent(in) :: accuracy !! of the quadratic programs [F]
       real(dp), allocatable, intent(in) :: factor(:, :) !! Cholesky factor of A11, for `clip` and `printed` (m, m)
       real(dp), allocatable, intent(in) :: schur(:, :) !! the paper's S, for `printed` (m, m) [L/F]
       real(dp), intent(inout) :: normal(:) !! lambda_N (m) [F]
@@ -90,50 +96,56 @@ contains
       integer :: m
 
       m = problem%n_points
-      select case (variant)
+      select case (self%variant)
       case ('clip')
-         call tangential_step(problem, b(m + 1:), normal, tangential)
+         call tangential_step(self%box, problem, b(m + 1:), normal, accuracy, tangential)
          call clipped_normal_step(problem, factor, b(:m), tangential, normal)
       case ('printed')
          call printed_tangential_step(schur, b(m + 1:), problem%bound(normal), tangential)
          call clipped_normal_step(problem, factor, b(:m), tangential, normal)
       case default
-         call tangential_step(problem, b(m + 1:), normal, tangential)
-         call normal_step(problem, b(:m), tangential, normal)
+         call tangential_step(self%box, problem, b(m + 1:), normal, accuracy, tangential)
+         call normal_step(self%box, problem, b(:m), tangential, accuracy, normal)
       end select
    end subroutine half_steps
 
-   !> Tangential half step: min 1/2 l^T A22 l - l^T (B2 - A21 lambda_N), |l| <= phi lambda_N.
-   pure subroutine tangential_step(problem, b2, normal, tangential)
+   !> Tangential half step: min 1/2 l^T A22 l - l^T (B2 - A21 lambda_N), |l| <= g + phi lambda_N.
+   pure subroutine tangential_step(box, problem, b2, normal, accuracy, tangential)
+      character(*), intent(in) :: box !! the solver of box programs
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), intent(in) :: b2(:) !! B2 (m) [L]
       real(dp), intent(in) :: normal(:) !! lambda_N (m) [F]
+      real(dp), intent(in) :: accuracy !! of the quadratic program [F]
       real(dp), intent(inout) :: tangential(:) !! lambda_T (m) [F]
+      real(dp) :: coupled(problem%n_points)
       integer :: m
 
       m = problem%n_points
-      associate (a21 => problem%compliance%values(m + 1:, :m), a22 => problem%compliance%values(m + 1:, m + 1:), &
-         bound => problem%bound(normal))
-         call solve_box_program(a22, b2 - matmul(a21, normal), -bound, bound, tangential)
+      call problem%compliance%part_multiply([m + 1, 2*m], [1, m], normal, coupled)
+      associate (bound => problem%bound(normal))
+         call solve_box_program(box, problem%compliance, [m + 1, 2*m], b2 - coupled, -bound, bound, accuracy, &
+            tangential)
       end associate
    end subroutine tangential_step
 
    !> Normal half step: min 1/2 l^T A11 l - l^T (B1 - A12 lambda_T), l >= 0.
-   pure subroutine normal_step(problem, b1, tangential, normal)
+   pure subroutine normal_step(box, problem, b1, tangential, accuracy, normal)
+      character(*), intent(in) :: box !! the solver of box programs
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), intent(in) :: b1(:) !! B1 (m) [L]
       real(dp), intent(in) :: tangential(:) !! lambda_T (m) [F]
+      real(dp), intent(in) :: accuracy !! of the quadratic program [F]
       real(dp), intent(inout) :: normal(:) !! lambda_N (m) [F]
+      real(dp) :: coupled(problem%n_points)
       integer :: m
 
       m = problem%n_points
-      associate (a11 => problem%compliance%values(:m, :m), a12 => problem%compliance%values(:m, m + 1:))
-         call solve_box_program(a11, b1 - matmul(a12, tangential), spread(0.0_dp, 1, m), &
-            spread(huge(1.0_dp), 1, m), normal)
-      end associate
+      call problem%compliance%part_multiply([1, m], [m + 1, 2*m], tangential, coupled)
+      call solve_box_program(box, problem%compliance, [1, m], b1 - coupled, spread(0.0_dp, 1, m), &
+         spread(huge(1.0_dp), 1, m), accuracy, normal)
    end subroutine normal_step
 
-   !> Normal half step of `clip` and `printed`: lambda_N = max(0, A11^-1 (B1 - A12 lambda_T)).
+   !> Normal half step solved without its constraint, then cut at zero.
    pure subroutine clipped_normal_step(problem, factor, b1, tangential, normal)
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), intent(in) :: factor(:, :) !! Cholesky factor of A11 (m, m)
@@ -143,7 +155,8 @@ contains
       integer :: m
 
       m = problem%n_points
-      normal = b1 - matmul(problem%compliance%values(:m, m + 1:), tangential)
+      call problem%compliance%part_multiply([1, m], [m + 1, 2*m], tangential, normal)
+      normal = b1 - normal
       call cholesky_solve(factor, normal)
       normal = max(0.0_dp, normal)
    end subroutine clipped_normal_step
@@ -166,11 +179,14 @@ contains
    pure function factor_of_a11(problem) result(factor)
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), allocatable :: factor(:, :)
-      integer :: info
+      logical :: is_soft
+      integer :: m
 
-      factor = problem%compliance%values(:problem%n_points, :problem%n_points)
-      ! A block on the diagonal of a positive definite matrix is positive definite.
-      call cholesky_factor(factor, info)
+      m = problem%n_points
+      factor = part(problem, [1, m], [1, m])
+      associate (rho => problem%compliance%reciprocal_diagonal())
+         call cholesky_factor_softly(factor, 1.0_dp/rho(:m), is_soft)
+      end associate
    end function factor_of_a11
 
    !> The paper's S = A21 A11^-1 A12 - A22: minus the Schur complement (m, m) [L/F].
@@ -182,9 +198,20 @@ contains
       integer :: m
 
       m = problem%n_points
-      columns = problem%compliance%values(:m, m + 1:)
+      columns = part(problem, [1, m], [m + 1, 2*m])
       call cholesky_solve(factor, columns)
-      schur = matmul(problem%compliance%values(m + 1:, :m), columns) - problem%compliance%values(m + 1:, m + 1:)
+      schur = matmul(part(problem, [m + 1, 2*m], [1, m]), columns) - part(problem, [m + 1, 2*m], [m + 1, 2*m])
    end function printed_schur
+
+   !> A part of A as a full array.
+   pure function part(problem, rows, columns)
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      integer, intent(in) :: rows(2) !! first and last row of the part
+      integer, intent(in) :: columns(2) !! its first and last column
+      real(dp), allocatable :: part(:, :)
+      integer :: i
+
+      part = problem%compliance%block([(i, i=rows(1), rows(2))], [(i, i=columns(1), columns(2))])
+   end function part
 
 end module amontons_splitting

@@ -3,10 +3,18 @@ module amontons_lapack
    implicit none (type, external)
    private
 
-   public :: dgemv, dgesv, dlauum, dpbtrf, dpotrf, dpotri, dpotrs, dsyev, dsymv, dtbsv, dtrsv
+   public :: daxpy, dgemv, dgesv, dlauum, dpbtrf, dpotrf, dpotri, dpotrs, dsyev, dsymv, dtbsv, dtrsv
 
    ! allow(assumed-size): these routines take the shape apart from the address
    interface
+      pure subroutine daxpy(n, alpha, x, incx, y, incy)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         integer, intent(in) :: n, incx, incy
+         real(dp), intent(in) :: alpha, x(*)
+         real(dp), intent(inout) :: y(*)
+      end subroutine daxpy
+
       pure subroutine dgemv(trans, m, n, alpha, a, lda, x, incx, beta, y, incy)
          use amontons_kinds, only: dp
          implicit none (type, external)

@@ -2,6 +2,7 @@
 module amontons_symmetric_matrix
    use amontons_dense, only: symmetric_multiply
    use amontons_kinds, only: dp
+   use amontons_lapack, only: daxpy, dgemv, dsymv
    implicit none (type, external)
    private
 
@@ -15,11 +16,14 @@ module amontons_symmetric_matrix
       integer, allocatable :: row(:) !! sparse: rows of the entries, ascending within a column
       real(dp), allocatable :: entry(:) !! sparse: the entries
    contains
+      procedure :: add_column => symmetric_matrix_add_column
       procedure :: block => symmetric_matrix_block
       procedure :: column_product => symmetric_matrix_column_product
       procedure :: diagonal => symmetric_matrix_diagonal
+      procedure :: element => symmetric_matrix_element
       procedure :: is_sparse => symmetric_matrix_is_sparse
       procedure :: multiply => symmetric_matrix_multiply
+      procedure :: part_multiply => symmetric_matrix_part_multiply
       procedure :: reciprocal_diagonal => symmetric_matrix_reciprocal_diagonal
       procedure :: scale => symmetric_matrix_scale
    end type symmetric_matrix_t
@@ -123,6 +127,52 @@ contains
       end if
    end subroutine symmetric_matrix_multiply
 
+   !> The product y = A(rows, columns) x of a part of the matrix that runs from row to row and from column to column.
+   pure subroutine symmetric_matrix_part_multiply(self, rows, columns, x, y)
+      class(symmetric_matrix_t), intent(in) :: self !! the matrix A
+      integer, intent(in) :: rows(2) !! first and last row of the part
+      integer, intent(in) :: columns(2) !! its first and last column
+      real(dp), contiguous, intent(in) :: x(:) !! the vector, one number for each column of the part
+      real(dp), contiguous, intent(out) :: y(:) !! the product, one number for each row of the part
+      integer :: i, k
+
+      y = 0.0_dp
+      if (allocated(self%values)) then
+         if (size(x) == 0 .or. size(y) == 0) return
+         if (all(rows == columns)) then
+            call dsymv('L', size(x), 1.0_dp, self%values(rows(1), rows(1)), self%n, x, 1, 0.0_dp, y, 1)
+         else
+            call dgemv('N', size(y), size(x), 1.0_dp, self%values(rows(1), columns(1)), self%n, x, 1, 0.0_dp, y, 1)
+         end if
+         return
+      end if
+      ! A row is read as the column of its number.
+      do i = rows(1), rows(2)
+         do k = self%first(i), self%first(i + 1) - 1
+            if (self%row(k) < columns(1)) cycle
+            if (self%row(k) > columns(2)) exit
+            y(i - rows(1) + 1) = y(i - rows(1) + 1) + self%entry(k)*x(self%row(k) - columns(1) + 1)
+         end do
+      end do
+   end subroutine symmetric_matrix_part_multiply
+
+   !> Adds a multiple of one column to a vector: what a change of one component of x adds to A x.
+   pure subroutine symmetric_matrix_add_column(self, column, factor, y)
+      class(symmetric_matrix_t), intent(in) :: self !! the matrix A
+      integer, intent(in) :: column !! number of the column
+      real(dp), intent(in) :: factor !! what the column is multiplied by
+      real(dp), contiguous, intent(inout) :: y(:) !! the vector (n)
+      integer :: k
+
+      if (allocated(self%values)) then
+         call daxpy(self%n, factor, self%values(:, column), 1, y, 1)
+      else
+         do k = self%first(column), self%first(column + 1) - 1
+            y(self%row(k)) = y(self%row(k)) + factor*self%entry(k)
+         end do
+      end if
+   end subroutine symmetric_matrix_add_column
+
    !> The product of one column with a vector: one component of A x.
    pure real(dp) function symmetric_matrix_column_product(self, column, x) result(product)
       class(symmetric_matrix_t), intent(in) :: self !! the matrix A
@@ -139,6 +189,23 @@ contains
          end do
       end if
    end function symmetric_matrix_column_product
+
+   !> One element of the matrix.
+   pure real(dp) function symmetric_matrix_element(self, row, column) result(element)
+      class(symmetric_matrix_t), intent(in) :: self !! the matrix
+      integer, intent(in) :: row !! its row
+      integer, intent(in) :: column !! its column
+      integer :: k
+
+      if (allocated(self%values)) then
+         element = self%values(row, column)
+         return
+      end if
+      element = 0.0_dp
+      do k = self%first(column), self%first(column + 1) - 1
+         if (self%row(k) == row) element = self%entry(k)
+      end do
+   end function symmetric_matrix_element
 
    !> The diagonal (n).
    pure function symmetric_matrix_diagonal(self) result(diagonal)

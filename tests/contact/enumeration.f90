@@ -31,7 +31,8 @@ contains
       end do
    end subroutine find_solutions
 
-   !> Solves what given statuses turn the problem into: S v + lambda = q and two equations for each point.
+   !> Solves what given statuses turn the problem into: S v + lambda = q, or
+   !> v + A lambda = v_free, and two equations for each point.
    subroutine solve_statuses(pair, problem, status)
       real(dp), intent(out) :: pair(:) !! v, then lambda; huge if the statuses leave them undetermined (4m)
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -42,12 +43,18 @@ contains
       m = problem%n_points
       n = 2*m
       matrix = 0.0_dp
-      matrix(:n, :n) = problem%stiffness
-      do i = 1, n
-         matrix(i, n + i) = 1.0_dp
-      end do
       pair = 0.0_dp
-      pair(:n) = problem%load
+      if (problem%is_reduced()) then
+         matrix(:n, n + 1:) = problem%compliance%block([(i, i=1, n)], [(i, i=1, n)])
+         pair(:n) = problem%free_displacement
+      else
+         matrix(:n, n + 1:) = problem%stiffness
+         pair(:n) = problem%load
+      end if
+      do i = 1, n
+         matrix(i, i) = 1.0_dp
+      end do
+      if (.not. problem%is_reduced()) matrix(:n, :) = cshift(matrix(:n, :), n, dim=2)
       do p = 1, m
          if (status(p) == open_point) then
             matrix(n + p, n + p) = 1.0_dp

@@ -5,46 +5,88 @@ module sample_methods
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_methods, only: method_names, method_options_t, new_contact_method
-   use amontons_psor, only: space_names
-   use amontons_splitting, only: variant_names
+   use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
+      new_contact_method, space_names
    implicit none (type, external)
    private
 
-   public :: label, list_methods, solve_from, solve_from_rest
+   public :: append, label, list_methods, solve_from, solve_from_rest
 
    !> Relaxations of psor: under, none, over; `test_psor` says why not more.
    real(dp), parameter :: omegas(3) = [0.7_dp, 1.0_dp, 1.2_dp]
 
 contains
 
-   !> Every method of the table of methods, psor once for each space and relaxation.
+   !> Every method of the table of methods: those with quadratic programs once for each solver of these, psor once for
+   !> each space and relaxation, treatment of a point and acceleration.
    subroutine list_methods(methods)
       type(method_options_t), allocatable, intent(out) :: methods(:) !! their options
       type(method_options_t) :: options
-      integer :: i, space, relaxation
+      integer :: i, k, space
 
-      options%variant = trim(variant_names(1))
-      options%space = trim(space_names(1))
       ! Two digits beyond what the tests ask of the forces; sweeps may be many.
       options%tolerance = 1.0e-12_dp
       options%max_iterations = 20000
       allocate (methods(0))
       do i = 1, size(method_names)
          options%method = trim(method_names(i))
-         if (options%method /= 'psor') then
-            methods = [methods, options]
-            cycle
-         end if
-         do space = 1, size(space_names)
-            options%space = trim(space_names(space))
-            do relaxation = 1, size(omegas)
-               options%omega = omegas(relaxation)
-               methods = [methods, options]
+         select case (options%method)
+         case ('splitting', 'fixed_point')
+            do k = 2, size(box_names)
+               options%box = trim(box_names(k))
+               call append(methods, options)
             end do
-         end do
+         case ('psor')
+            do space = 1, size(space_names)
+               options%space = trim(space_names(space))
+               call list_sweeps(methods, options)
+            end do
+         case default
+            call append(methods, options)
+         end select
+      end do
+      ! The proximal steps of extragradient are small ones: what is left of them adds up to more.
+      do i = 1, size(methods)
+         if (methods(i)%method == 'extragradient') methods(i)%tolerance = 1.0e-13_dp
       end do
    end subroutine list_methods
+
+   !> Adds psor in one space: each relaxation, and both treatments of a point with each acceleration.
+   subroutine list_sweeps(methods, options)
+      type(method_options_t), allocatable, intent(inout) :: methods(:) !! the list
+      type(method_options_t), intent(in) :: options !! the method and its space
+      type(method_options_t) :: own
+      integer :: i, k
+
+      own = options
+      own%local = trim(local_names(1))
+      own%acceleration = trim(acceleration_names(1))
+      do i = 1, size(omegas)
+         own%omega = omegas(i)
+         call append(methods, own)
+      end do
+      own%omega = 1.0_dp
+      do i = 1, size(local_names)
+         own%local = trim(local_names(i))
+         do k = 1, size(acceleration_names)
+            if (i == 1 .and. k == 1) cycle
+            own%acceleration = trim(acceleration_names(k))
+            call append(methods, own)
+         end do
+      end do
+   end subroutine list_sweeps
+
+   !> Appends a method to a list. An array constructor of such options is more than gfortran 12 can do.
+   subroutine append(methods, options)
+      type(method_options_t), allocatable, intent(inout) :: methods(:) !! the list
+      type(method_options_t), intent(in) :: options !! the method
+      type(method_options_t), allocatable :: longer(:)
+
+      allocate (longer(size(methods) + 1))
+      longer(:size(methods)) = methods
+      longer(size(longer)) = options
+      call move_alloc(longer, methods)
+   end subroutine append
 
    !> The name of a method, for messages.
    function label(options)
@@ -54,8 +96,14 @@ contains
 
       write (omega, '(f4.1)') options%omega
       label = options%method
-      if (label == 'psor') label = label//' '//options%space//omega
-      if (label == 'splitting') label = label//' '//options%variant
+      select case (options%method)
+      case ('psor')
+         label = label//' '//options%space//omega//' '//options%local//' '//options%acceleration
+      case ('splitting', 'fixed_point')
+         label = label//' '//options%box
+      case default
+         continue
+      end select
    end function label
 
    !> Solves a problem from the forces and displacements of a solution.

@@ -2,12 +2,12 @@
 module sample_problems
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem, new_reduced_problem
    use amontons_kinds, only: dp, int64
-   use amontons_symmetric_matrix, only: new_dense_matrix, symmetric_matrix_t
+   use amontons_symmetric_matrix, only: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
    implicit none (type, external)
    private
 
-   public :: arbitrary_matrix, arbitrary_numbers, arbitrary_problem, free_problem, inverse, one_point, reduced, &
-      three_solutions, two_points, written_problem
+   public :: arbitrary_matrix, arbitrary_numbers, arbitrary_problem, free_problem, inverse, one_point, &
+      reduced, semidefinite_problem, sparse_form, three_solutions, two_points, written_problem
 
    !> Stiffness of the point in `one_point`.
    real(dp), parameter :: point_stiffness(2, 2) = reshape([4.0_dp, 1.0_dp, 1.0_dp, 2.0_dp], [2, 2])
@@ -95,6 +95,42 @@ contains
       call new_reduced_problem(problem, compliance, displacement, held%friction)
       problem%slip_bound = held%slip_bound
    end subroutine reduced
+
+   !> The same reduced problem with its compliance in the sparse form.
+   subroutine sparse_form(problem, dense)
+      type(contact_problem_t), intent(out) :: problem !! with a sparse compliance
+      type(contact_problem_t), intent(in) :: dense !! with a dense one
+      type(symmetric_matrix_t) :: compliance
+      integer :: i, j, n
+
+      n = 2*dense%n_points
+      call new_sparse_matrix(compliance, n, [((i, i=1, n), j=1, n)], [((j, i=1, n), j=1, n)], &
+         reshape(dense%compliance%values, [n*n]))
+      call new_reduced_problem(problem, compliance, dense%free_displacement, dense%friction)
+      problem%gap = dense%gap
+      problem%slip_bound = dense%slip_bound
+   end subroutine sparse_form
+
+   !> A reduced problem with a compliance of a lower rank. Its free displacements are such that forces which press all
+   !> points would bring them to rest, so that a solution exists for small friction.
+   subroutine semidefinite_problem(problem, n_points, rank, seed, friction)
+      type(contact_problem_t), intent(out) :: problem !! the problem
+      integer, intent(in) :: n_points !! number of points m
+      integer, intent(in) :: rank !! rank of A, at most 2m
+      integer, intent(in) :: seed !! which problem
+      real(dp), intent(in) :: friction !! phi of all points
+      type(symmetric_matrix_t) :: compliance
+      real(dp), allocatable :: values(:, :)
+      real(dp) :: root(2*n_points, rank), numbers(3*n_points)
+
+      root = reshape(arbitrary_numbers(2*n_points*rank, seed), [2*n_points, rank])
+      numbers = arbitrary_numbers(3*n_points, seed + 500)
+      values = matmul(root, transpose(root))
+      call new_dense_matrix(compliance, values)
+      call new_reduced_problem(problem, compliance, matmul(root, matmul([1.0_dp + numbers(:n_points), &
+         0.5_dp*numbers(n_points + 1:2*n_points)], root)) &
+         - [abs(numbers(2*n_points + 1:)), spread(0.0_dp, 1, n_points)], spread(friction, 1, n_points))
+   end subroutine semidefinite_problem
 
    !> A problem without visible order: some points open, some closed, gaps from -0.2 to 0.4, friction up to 0.3. If it
    !> is not held, a common normal displacement of all points is free, and the load presses the points down.

@@ -13,6 +13,13 @@ METHODS = (
     "method = 'fixed_point'",
     "method = 'psor'",
     "method = 'psor'  space = 'primal'  omega = 1.6",
+    "method = 'splitting'  box = 'mprgp'",
+    "method = 'fixed_point'  box = 'mprgp'",
+    "method = 'psor'  local = 'block'",
+    "method = 'psor'  acceleration = 'aitken'",
+    "method = 'psor'  acceleration = 'anderson'",
+    "method = 'psor'  space = 'primal'  local = 'block'  acceleration = 'anderson'",
+    "method = 'extragradient'  max_iterations = 10000",
     "method = 'lemke'",
 )
 
@@ -60,6 +67,37 @@ class Methods(LongBarTest):
                 # Rounding of two orders of elimination, 1e-16 times a condition number of about 1e4.
                 self.assert_forces(result, sparse[row], 1e-10)
                 self.assertEqual(result["status"], sparse[row]["status"])
+
+
+class GivenBound(LongBarTest):
+    """Tresca friction: one convex program, whose energies from both sides meet."""
+
+    DECK = """\
+&mesh size = 4.0, 2.0  cells = 16, 8 /
+&material young = 100.0  poisson = 0.25 /
+&support set = 'left'  ux = 0.0  uy = 0.0 /
+&load set = 'top'  pressure = 1.0 /
+&load set = 'right'  traction = -2.0, 0.5 /
+&contact set = 'bottom'  slip_bound = 0.5 /
+&solver {} /
+"""
+
+    def test_methods_agree_and_close_the_duality_gap(self):
+        expected = self.solve(self.DECK.format(""))
+        self.assertEqual(set(expected["status"]), {"open", "stick", "slip-"})
+        for method in METHODS:
+            result = self.solve(self.DECK.format(method))
+            self.assert_forces(result, expected, TOLERANCE, message=method)
+            # Forces and displacements are right to about 1e-9, and the gap is a sum of their products.
+            self.assertLess(result.summary["certificate"]["duality_gap"], 1e-9, method)
+
+    def test_active_sets_and_products_solve_it_in_one_go(self):
+        for box in ("newton", "mprgp"):
+            result = self.solve(self.DECK.format(f"method = 'fixed_point'  box = '{box}'"))
+            self.assertEqual(result.summary["iterations"], 1, box)
+
+    def test_coulomb_friction_has_no_dual_energy(self):
+        self.assertNotIn("duality_gap", self.solve_rows(rows=[1])[1].summary["certificate"])
 
 
 class InexactVariants(LongBarTest):

@@ -1,0 +1,132 @@
+!> Extragradient method (Korpelevich, Matecon 12, 1976) with Khobotov's adaptive step (USSR Comput. Math. Math. Phys.
+!> 27, 1987) on the dual problem in De Saxce's form (De Saxce and Feng, Math. Comput. Modelling 28, 1998): no
+!> factorisation, two products with A an iteration.
+!>
+!> With distance and slip w = B - A lambda and the set C of forces with lambda_N >= 0, |lambda_T| <= g + phi lambda_N,
+!> the contact law says that w - (phi |w_T|; 0) is normal to C at lambda. An iteration goes from lambda along that
+!> vector to a trial point of C, and then from lambda along the vector found there. Components are scaled to a unit
+!> diagonal of A, so that no unit matters.
+module amontons_extragradient
+   use amontons_contact_method, only: contact_method_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   implicit none (type, external)
+   private
+
+   public :: extragradient_t
+
+   !> The extragradient method.
+   type, extends(contact_method_t) :: extragradient_t
+   contains
+      procedure :: solve => extragradient_solve
+   end type extragradient_t
+
+contains
+
+   !> Iterates until the residual is small. The residual that the method knows without a product is computed
+   !> independently where it is small enough, and at the end.
+   subroutine extragradient_solve(self, problem, solution, error)
+      class(extragradient_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
+      real(dp), dimension(2*problem%n_points) :: force, displacement, center, b, rho
+      real(dp) :: step, residual, scale
+      integer :: iteration
+      logical :: may_continue
+
+      call solution%begin()
+      call problem%prepare_compliance(error)
+      if (allocated(error)) return
+      rho = problem%compliance%reciprocal_diagonal()
+      scale = problem%force_scale()
+      center = solution%displacement
+      b = problem%dual_load(center)
+      force = projection(problem, rho, solution%force)
+      displacement = problem%displacement(b, force)
+      step = 1.0_dp
+      do iteration = 1, self%max_iterations
+         call double_step(problem, b, rho, step, displacement, force)
+         displacement = problem%displacement(b, force)
+         residual = max(0.0_dp, problem%shift*maxval(abs(displacement - center)), &
+            problem%violation(displacement, force))/scale
+         if (residual > self%tolerance .and. residual < huge(residual) .and. iteration < self%max_iterations) then
+            call solution%note(residual)
+         else
+            call solution%record(problem, displacement, force, self%tolerance, may_continue)
+            if (.not. may_continue) return
+         end if
+         if (problem%is_held) cycle
+         ! A body that only contact holds: a proximal step moves the centre to the displacement just found.
+         center = displacement
+         b = problem%dual_load(center)
+         displacement = problem%displacement(b, force)
+      end do
+   end subroutine extragradient_solve
+
+   !> Goes to a trial point, as far as the vector found there is near that at the start, and then along it.
+   pure subroutine double_step(problem, b, rho, step, displacement, force)
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), intent(in) :: b(:) !! dual load B (2m) [L]
+      real(dp), intent(in) :: rho(:) !! reciprocal diagonal of A (2m) [F/L]
+      real(dp), intent(inout) :: step !! length of a step in scaled components [-]
+      real(dp), intent(in) :: displacement(:) !! v of the forces at the start (2m) [L]
+      real(dp), intent(inout) :: force(:) !! lambda at the start and at the end (2m) [F]
+      ! How fast the vector may change along a step, over the step, and what the step is multiplied by beyond.
+      real(dp), parameter :: too_fast = 0.9_dp, slow = 0.4_dp, shorter = 2.0_dp/3.0_dp
+      real(dp), dimension(size(force)) :: trial, vector, trial_vector
+      real(dp) :: rate
+
+      vector = driving_vector(problem, displacement)
+      do
+         trial = projection(problem, rho, force + step*rho*vector)
+         trial_vector = driving_vector(problem, problem%displacement(b, trial))
+         rate = step*norm2(sqrt(rho)*(trial_vector - vector))/max(norm2((trial - force)/sqrt(rho)), tiny(rate))
+         if (.not. rate > too_fast) exit
+         step = step*shorter*min(1.0_dp, 1.0_dp/rate)
+      end do
+      force = projection(problem, rho, force + step*rho*trial_vector)
+      if (rate < slow) step = step/shorter
+   end subroutine double_step
+
+   !> What drives the forces: w - (phi |w_T|; 0), w = v - (d; 0) (2m) [L].
+   pure function driving_vector(problem, displacement) result(vector)
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
+      real(dp) :: vector(size(displacement))
+      integer :: m
+
+      m = problem%n_points
+      vector = displacement
+      vector(:m) = vector(:m) - problem%gap - problem%friction*abs(vector(m + 1:))
+   end function driving_vector
+
+   !> The admissible forces next to given ones, in the scaled components (2m) [F].
+   pure function projection(problem, rho, force) result(nearest)
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: rho(:) !! reciprocal diagonal of A (2m) [F/L]
+      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
+      real(dp) :: nearest(size(force))
+      real(dp) :: slope, normal
+      integer :: n, t
+
+      nearest = force
+      do n = 1, problem%n_points
+         t = n + problem%n_points
+         associate (friction => problem%friction(n), bound => problem%slip_bound(n))
+            if (abs(force(t)) > bound + friction*force(n)) then
+               ! The foot on the edge of the cone, in components over the square roots of rho.
+               slope = friction*rho(n)/rho(t)
+               normal = (force(n) + slope*(abs(force(t)) - bound))/(1.0_dp + slope*friction)
+               nearest(n) = max(0.0_dp, normal)
+               nearest(t) = sign(min(abs(force(t)), bound + friction*nearest(n)), force(t))
+            else
+               nearest(n) = max(0.0_dp, force(n))
+            end if
+         end associate
+      end do
+   end function projection
+
+end module amontons_extragradient
