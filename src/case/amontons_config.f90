@@ -14,6 +14,7 @@ module amontons_config
    use amontons_loads, only: load_t
    use amontons_material, only: material_t
    use amontons_methods, only: method_names, method_options_t
+   use amontons_new_factorization, only: factorization_names
    use amontons_number_table, only: beside
    use amontons_psor, only: space_names
    use amontons_rectangle, only: diagonal_names, rectangle_t
@@ -24,10 +25,8 @@ module amontons_config
    implicit none (type, external)
    private
 
-   public :: config_t, factorization_names, new_reduced_config, read_config
+   public :: config_t, new_reduced_config, read_config
 
-   !> Factorisations, as a deck writes them.
-   character(6), parameter :: factorization_names(3) = [character(6) :: 'auto', 'band', 'sparse']
    !> Groups of a deck.
    character(8), parameter :: group_names(*) = [character(8) :: 'case', 'problem', 'mesh', 'material', 'support', &
       'load', 'contact', 'sweep', 'solver', 'output']

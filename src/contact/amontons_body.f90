@@ -68,7 +68,7 @@ contains
    !> Assembles and factorises the stiffness and condenses it to the contact points.
    subroutine condense_body(body, factorization, timings, error)
       type(body_t), intent(inout) :: body !! the body
-      character(*), intent(in) :: factorization !! 'auto', 'band' or 'sparse'
+      character(*), intent(in) :: factorization !! one of `factorization_names`
       type(timings_t), intent(inout) :: timings !! gains the time of each step
       type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
       type(sparse_matrix_t) :: stiffness

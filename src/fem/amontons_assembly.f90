@@ -34,6 +34,7 @@ contains
 
       call new_sparse_matrix(stiffness, dof_map%n_dofs, 2*mesh%node_start - 1, element_unknowns(mesh, dof_map), error)
       if (allocated(error)) return
+      call place_unknowns(stiffness, mesh, dof_map)
       do color = 1, coloring%n_colors
          !$omp parallel do default(none) schedule(static) private(geometry, block, n) &
          !$omp shared(stiffness, mesh, materials, coloring, constraints, dof_map, color)
@@ -55,6 +56,21 @@ contains
          call stiffness%add_element(reshape(dof_map%dof(:, springs(i)%node(:n)), [2*n]), block(:2*n, :2*n))
       end do
    end subroutine assemble_stiffness
+
+   !> Tells the matrix where its unknowns sit, for the ordering.
+   pure subroutine place_unknowns(stiffness, mesh, dof_map)
+      type(sparse_matrix_t), intent(inout) :: stiffness !! the matrix
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      integer :: node, axis
+
+      allocate (stiffness%place(2, dof_map%n_dofs))
+      do node = 1, mesh%n_nodes
+         do axis = 1, 2
+            if (dof_map%dof(axis, node) > 0) stiffness%place(:, dof_map%dof(axis, node)) = mesh%coordinates(:, node)
+         end do
+      end do
+   end subroutine place_unknowns
 
    !> The unknowns of all elements, one element after the other; 0 for a held component.
    pure function element_unknowns(mesh, dof_map) result(unknowns)

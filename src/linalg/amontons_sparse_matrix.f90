@@ -14,9 +14,11 @@ module amontons_sparse_matrix
       integer(int64), allocatable :: column_start(:) !! Where column j starts in `row` and `value` (n + 1).
       integer, allocatable :: row(:) !! Row of each stored entry, ascending within a column.
       real(dp), allocatable :: value(:) !! Value of each stored entry.
+      real(dp), allocatable :: place(:, :) !! Where each unknown sits; not allocated where nobody knows (2, n) [L].
    contains
       procedure :: add_element => sparse_matrix_add_element
       procedure :: diagonal => sparse_matrix_diagonal
+      procedure :: extract => sparse_matrix_extract
       procedure :: multiply => sparse_matrix_multiply
       procedure :: shift_diagonal => sparse_matrix_shift_diagonal
    end type sparse_matrix_t
@@ -179,6 +181,64 @@ contains
          order(k + 1) = i
       end do
    end function sorting_order
+
+   !> The matrix of some of the unknowns, in the order given.
+   pure subroutine sparse_matrix_extract(self, unknowns, part, error)
+      class(sparse_matrix_t), intent(in) :: self !! the matrix
+      integer, intent(in) :: unknowns(:) !! the unknowns, distinct
+      type(sparse_matrix_t), intent(out) :: part !! their matrix, with their places
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      integer, allocatable :: number(:)
+      integer(int64) :: at, place, next
+      integer :: i, j, k, status
+
+      allocate (number(self%n), source=0)
+      part%n = size(unknowns)
+      do k = 1, part%n
+         number(unknowns(k)) = k
+      end do
+      allocate (part%column_start(part%n + 1), source=0_int64)
+      do k = 1, part%n
+         do at = self%column_start(unknowns(k)), self%column_start(unknowns(k) + 1) - 1
+            j = min(number(self%row(at)), k)
+            if (j > 0) part%column_start(j) = part%column_start(j) + 1
+         end do
+      end do
+      next = 1
+      do k = 1, part%n
+         place = next
+         next = next + part%column_start(k)
+         part%column_start(k) = place
+      end do
+      part%column_start(part%n + 1) = next
+      allocate (part%row(next - 1), part%value(next - 1), stat=status)
+      if (status /= 0) then
+         call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(part%n)//' unknowns')
+         return
+      end if
+      part%row = 0
+      do k = 1, part%n
+         do at = self%column_start(unknowns(k)), self%column_start(unknowns(k) + 1) - 1
+            i = max(number(self%row(at)), k)
+            j = min(number(self%row(at)), k)
+            if (j == 0) cycle
+            ! Keeps the rows so far of this column, at most a few dozen, in ascending order.
+            place = part%column_start(j)
+            do while (part%row(place) > 0)
+               place = place + 1
+            end do
+            do while (place > part%column_start(j))
+               if (part%row(place - 1) < i) exit
+               part%row(place) = part%row(place - 1)
+               part%value(place) = part%value(place - 1)
+               place = place - 1
+            end do
+            part%row(place) = i
+            part%value(place) = self%value(at)
+         end do
+      end do
+      if (allocated(self%place)) part%place = self%place(:, unknowns)
+   end subroutine sparse_matrix_extract
 
    !> The product y = K x.
    pure subroutine sparse_matrix_multiply(self, x, y)
