@@ -4,6 +4,9 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -176,4 +179,12 @@ long long amontons_available_memory(void)
             available = left;
     }
     return available;
+}
+
+/* Gives memory that was freed back to the system, where the C library keeps it for later. */
+void amontons_return_memory(void)
+{
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
 }

@@ -7,7 +7,7 @@ module amontons_system
    private
 
    public :: absolute_path, available_memory_mb, cut_file, make_directory, peak_memory_mb, process_id, remove_file, &
-      rename_file, resident_memory_mb, synchronize_file, wall_seconds
+      rename_file, resident_memory_mb, return_memory, synchronize_file, wall_seconds
 
    ! allow(assumed-size): C takes an address and knows no shape
    interface
@@ -81,6 +81,10 @@ module amontons_system
          implicit none (type, external)
          integer(c_long_long) :: kibibytes
       end function c_resident_memory
+
+      subroutine c_return_memory() bind(c, name='amontons_return_memory')
+         implicit none (type, external)
+      end subroutine c_return_memory
 
       function c_available_memory() bind(c, name='amontons_available_memory') result(kibibytes)
          import :: c_long_long
@@ -179,6 +183,11 @@ contains
    real(dp) function resident_memory_mb()
       resident_memory_mb = real(c_resident_memory(), dp)*1024.0e-6_dp
    end function resident_memory_mb
+
+   !> Gives memory that was freed back to the system.
+   subroutine return_memory()
+      call c_return_memory()
+   end subroutine return_memory
 
    !> The memory this process can still get, a huge number where the system does not tell [MB].
    real(dp) function available_memory_mb()

@@ -16,7 +16,7 @@ module amontons_body
    use amontons_new_factorization, only: analyze_matrix
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
-   use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb
+   use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
    use amontons_timings, only: phase_assemble, phase_condense, phase_factorize, timings_t
    implicit none (type, external)
    private
@@ -120,6 +120,7 @@ contains
       call analyze_matrix(analysis, factorization, stiffness, body%dof_map%n_trailing, error)
       if (allocated(error)) return
       stiffness = sparse_matrix_t()
+      call return_memory()
       estimate%factorization = analysis%name()
       estimate%n_entries = analysis%n_factor_entries()
       estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + analysis%memory_mb())

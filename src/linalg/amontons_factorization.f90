@@ -10,7 +10,7 @@ module amontons_factorization
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dlauum
    use amontons_sparse_matrix, only: sparse_matrix_t
-   use amontons_system, only: available_memory_mb
+   use amontons_system, only: available_memory_mb, return_memory
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -125,11 +125,13 @@ contains
       factorization_memory_mb = 8.0e-6_dp*real(self%n_factor_entries() + self%n_work_entries, dp)
    end function factorization_memory_mb
 
-   !> Refuses a factor that the memory cannot hold, before anything is allocated for it.
+   !> Refuses a factor that the memory cannot hold, before anything is allocated for it. What the analysis has freed goes
+   !> back to the system first.
    subroutine factorization_check_memory(self, error)
       class(factorization_t), intent(in) :: self !! the factorisation, analysed
       type(error_t), allocatable, intent(out) :: error !! memory does not suffice
 
+      call return_memory()
       if (self%memory_mb() <= available_memory_mb()) return
       call new_error(error, system_failure, 'memory does not suffice: the '//self%name()//' factor of '// &
          to_text(self%n)//' unknowns needs '//to_text(nint(self%memory_mb(), int64))//' MB, and '// &
