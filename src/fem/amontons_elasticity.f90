@@ -20,7 +20,7 @@ module amontons_elasticity
       real(dp) :: values(max_nodes, max_points) !! shape functions (node, point) [-]
       real(dp) :: gradient(2, max_nodes, max_points) !! their gradients (x and y, node, point) [1/L]
       real(dp) :: position(2, max_points) !! coordinates of the points [L]
-      real(dp) :: volume(max_points) !! quadrature weight, Jacobian and depth of each point [L^3]
+      real(dp) :: volume(max_points) !! quadrature weight, Jacobian and depth of each point, 0 past the last [L^3]
    end type element_geometry_t
 
 contains
@@ -38,6 +38,7 @@ contains
       n = n_element_nodes(kind)
       geometry%n_nodes = n
       geometry%n_points = n_element_points(kind, material%is_axisymmetric)
+      geometry%volume = 0.0_dp
       geometry%node(:n) = mesh%node(mesh%node_start(element):mesh%node_start(element) + n - 1)
       associate (coordinates => mesh%coordinates(:, geometry%node(:n)))
          do point = 1, geometry%n_points

@@ -109,6 +109,19 @@ class Options(ProgramTest):
         self.assertEqual(self.contents("with_all_cores")["case.contact.csv"], expected)
 
 
+    def test_threads_change_no_digit_of_a_body_cut_in_two(self):
+        # 65 000 unknowns: the first size that is cut.
+        self.write("large.nml", block(SUPPORT, PRESSURE, CONTACT, "load set = 'right'  traction = 0.3, 0.0",
+                                      mesh="size = 4.0, 2.0  cells = 256, 127"))
+        for n_threads in ("1", "2"):
+            run = self.run_program("--threads", n_threads, "--output", n_threads, "large.nml")
+            self.assertRegex(run.stdout, "^large: solved, ")
+        first, second = self.contents("1"), self.contents("2")
+        self.assertIn(b"substructured, ", first["large.lst"])
+        for name in ("large.contact.csv", "large.vtu"):
+            self.assertTrue(first[name] == second[name], name)
+
+
 class Names(ProgramTest):
     """Names of decks, and of cases, that a careless program stumbles over."""
 
