@@ -76,7 +76,7 @@ static int allocate_values(cholmod_factor *factor, cholmod_common *common)
     return 1;
 }
 
-/* The matrix as CHOLMOD wants it: its lower triangle by columns, counted from 0, already in the order of elimination. */
+/* The matrix as CHOLMOD wants it: its lower triangle by columns, counted from 0, in the order of elimination. */
 static cholmod_sparse view_matrix(int64_t n, int64_t *column_start, int64_t *row, double *value)
 {
     return (cholmod_sparse){.nrow = (size_t)n, .ncol = (size_t)n, .nzmax = (size_t)column_start[n], .p = column_start,

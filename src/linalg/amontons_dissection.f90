@@ -68,7 +68,7 @@ contains
    !> Cuts a set of places at the median of the coordinate that varies most, or of a given one.
    pure subroutine cut_places(place, is_before, axis)
       real(dp), intent(in) :: place(:, :) !! the places (2, n) [L]
-      logical, allocatable, intent(out) :: is_before(:) !! whether each lies before the cut; none if all are one place (n)
+      logical, allocatable, intent(out) :: is_before(:) !! whether each lies before the cut; none at one place (n)
       integer, intent(in), optional :: axis !! which coordinate
       real(dp) :: extent(2), cut
       integer :: k, across

@@ -109,7 +109,7 @@ contains
       class(factorization_t), intent(inout) :: self !! the factorisation
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
       integer, intent(in) :: n_trailing !! how many unknowns, the last ones, are eliminated last
-      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory does not suffice
+      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory is short
 
       call self%analyze(matrix, n_trailing, error)
       if (allocated(error)) return
@@ -125,8 +125,8 @@ contains
       factorization_memory_mb = 8.0e-6_dp*real(self%n_factor_entries() + self%n_work_entries, dp)
    end function factorization_memory_mb
 
-   !> Refuses a factor that the memory cannot hold, before anything is allocated for it. What the analysis has freed goes
-   !> back to the system first.
+   !> Refuses a factor that the memory cannot hold, before anything is allocated for it. What the analysis has freed
+   !> goes back to the system first.
    subroutine factorization_check_memory(self, error)
       class(factorization_t), intent(in) :: self !! the factorisation, analysed
       type(error_t), allocatable, intent(out) :: error !! memory does not suffice
@@ -236,7 +236,7 @@ contains
       x(self%order) = work
    end subroutine factorization_expand
 
-   !> Sets the order of elimination and keeps the diagonal for the check of the pivots; for the makers of factorisations.
+   !> Sets the order of elimination and keeps the diagonal for the check of the pivots; for makers of factorisations.
    pure subroutine factorization_set_order(self, matrix, n_trailing, order)
       class(factorization_t), intent(inout) :: self !! the factorisation
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix

@@ -32,7 +32,7 @@ contains
       character(*), intent(in) :: kind !! one of `factorization_names`
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
       integer, intent(in) :: n_trailing !! how many unknowns, the last ones, are eliminated last
-      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory does not suffice
+      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory is short
 
       call analyze_matrix(factorization, kind, matrix, n_trailing, error)
       if (allocated(error)) return

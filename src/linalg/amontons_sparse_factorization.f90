@@ -23,7 +23,8 @@ module amontons_sparse_factorization
       private
       type(c_ptr) :: handle = c_null_ptr !! CHOLMOD's side of the factorisation.
       integer(int64) :: n_entries = 0 !! Number of stored entries of the factor.
-      integer(int64), allocatable :: matrix_column(:) !! Where each column of P K P^T starts; like the next two, for CHOLMOD.
+      integer(int64), allocatable :: matrix_column(:)
+         !! Where each column of P K P^T starts; like the next two, from `analyze` to `complete`.
       integer(int64), allocatable :: matrix_row(:) !! Row of each entry of its lower triangle, from 0.
       real(dp), allocatable :: matrix_value(:) !! Value of each entry.
       integer(int64), pointer, contiguous :: column(:) => null() !! First column of each supernode, and n.

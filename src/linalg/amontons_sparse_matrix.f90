@@ -189,29 +189,16 @@ contains
       type(sparse_matrix_t), intent(out) :: part !! their matrix, with their places
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       integer, allocatable :: number(:)
-      integer(int64) :: at, place, next
-      integer :: i, j, k, status
+      integer(int64) :: at
+      integer :: j, k, status
 
       allocate (number(self%n), source=0)
       part%n = size(unknowns)
       do k = 1, part%n
          number(unknowns(k)) = k
       end do
-      allocate (part%column_start(part%n + 1), source=0_int64)
-      do k = 1, part%n
-         do at = self%column_start(unknowns(k)), self%column_start(unknowns(k) + 1) - 1
-            j = min(number(self%row(at)), k)
-            if (j > 0) part%column_start(j) = part%column_start(j) + 1
-         end do
-      end do
-      next = 1
-      do k = 1, part%n
-         place = next
-         next = next + part%column_start(k)
-         part%column_start(k) = place
-      end do
-      part%column_start(part%n + 1) = next
-      allocate (part%row(next - 1), part%value(next - 1), stat=status)
+      call start_columns(self, unknowns, number, part%column_start)
+      allocate (part%row(part%column_start(part%n + 1) - 1), part%value(part%column_start(part%n + 1) - 1), stat=status)
       if (status /= 0) then
          call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(part%n)//' unknowns')
          return
@@ -219,26 +206,59 @@ contains
       part%row = 0
       do k = 1, part%n
          do at = self%column_start(unknowns(k)), self%column_start(unknowns(k) + 1) - 1
-            i = max(number(self%row(at)), k)
-            j = min(number(self%row(at)), k)
-            if (j == 0) cycle
-            ! Keeps the rows so far of this column, at most a few dozen, in ascending order.
-            place = part%column_start(j)
-            do while (part%row(place) > 0)
-               place = place + 1
-            end do
-            do while (place > part%column_start(j))
-               if (part%row(place - 1) < i) exit
-               part%row(place) = part%row(place - 1)
-               part%value(place) = part%value(place - 1)
-               place = place - 1
-            end do
-            part%row(place) = i
-            part%value(place) = self%value(at)
+            j = number(self%row(at))
+            if (j > 0) call insert(part, max(j, k), min(j, k), self%value(at))
          end do
       end do
       if (allocated(self%place)) part%place = self%place(:, unknowns)
    end subroutine sparse_matrix_extract
+
+   !> Finds where the columns of a part of the matrix start.
+   pure subroutine start_columns(matrix, unknowns, number, column_start)
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
+      integer, intent(in) :: unknowns(:) !! the unknowns of the part
+      integer, intent(in) :: number(:) !! number of each unknown in the part, 0 for none (n)
+      integer(int64), allocatable, intent(out) :: column_start(:) !! where each column starts, and past the last
+      integer(int64) :: at, n_entries, next
+      integer :: j, k
+
+      allocate (column_start(size(unknowns) + 1), source=0_int64)
+      do k = 1, size(unknowns)
+         do at = matrix%column_start(unknowns(k)), matrix%column_start(unknowns(k) + 1) - 1
+            j = min(number(matrix%row(at)), k)
+            if (j > 0) column_start(j) = column_start(j) + 1
+         end do
+      end do
+      next = 1
+      do k = 1, size(unknowns)
+         n_entries = column_start(k)
+         column_start(k) = next
+         next = next + n_entries
+      end do
+      column_start(size(unknowns) + 1) = next
+   end subroutine start_columns
+
+   !> Puts an entry in its place among the rows so far of its column, at most a few dozen. Row 0 marks what is free.
+   pure subroutine insert(matrix, row, column, value)
+      type(sparse_matrix_t), intent(inout) :: matrix !! the matrix, with room for the entry
+      integer, intent(in) :: row !! its row
+      integer, intent(in) :: column !! its column
+      real(dp), intent(in) :: value !! its value
+      integer(int64) :: place
+
+      place = matrix%column_start(column)
+      do while (matrix%row(place) > 0)
+         place = place + 1
+      end do
+      do while (place > matrix%column_start(column))
+         if (matrix%row(place - 1) < row) exit
+         matrix%row(place) = matrix%row(place - 1)
+         matrix%value(place) = matrix%value(place - 1)
+         place = place - 1
+      end do
+      matrix%row(place) = row
+      matrix%value(place) = value
+   end subroutine insert
 
    !> The product y = K x.
    pure subroutine sparse_matrix_multiply(self, x, y)

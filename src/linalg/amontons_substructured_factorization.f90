@@ -24,7 +24,7 @@ module amontons_substructured_factorization
 
    !> A part of the body. Its own unknowns have consecutive positions.
    type :: part_t
-      type(sparse_factorization_t), allocatable :: factorization !! factor of its unknowns and its boundary, the boundary trailing
+      type(sparse_factorization_t), allocatable :: factorization !! its factor, with the boundary trailing
       integer :: first = 1 !! position of its first unknown
       integer :: n_own = 0 !! number of unknowns of its own
       integer, allocatable :: boundary(:) !! place in the top of each boundary unknown, ascending
@@ -264,16 +264,9 @@ contains
    subroutine check_top(self, error)
       class(substructured_factorization_t), intent(inout) :: self !! the factorisation
       type(error_t), allocatable, intent(out) :: error !! a pivot is not larger than its rounding error
-      real(dp), allocatable :: pivots(:)
-      integer :: j, n_interior
+      integer :: j
 
-      n_interior = self%n - self%n_top
-      allocate (pivots(self%n))
-      pivots(:n_interior) = sqrt(self%diagonal(:n_interior))
-      do j = 1, self%n_top
-         pivots(n_interior + j) = self%top(j, j)
-      end do
-      call self%check_pivots(pivots, error)
+      call self%check_pivots([sqrt(self%diagonal(:self%n - self%n_top)), (self%top(j, j), j=1, self%n_top)], error)
    end subroutine check_top
 
    !> Does the forward steps of the first columns.
