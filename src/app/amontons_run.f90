@@ -2,6 +2,7 @@
 module amontons_run
    use, intrinsic :: iso_fortran_env, only: error_unit
    use amontons_all_solutions, only: find_all_solutions
+   use amontons_body, only: estimate_body, estimate_t
    use amontons_command_line, only: append_argument, argument_t, command_line_t
    use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_error, only: error_t, input_refused, new_error
@@ -113,9 +114,12 @@ contains
       type(workshop_t), intent(inout) :: workshop !! what decks share
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the case
       type(result_t) :: result
+      type(estimate_t) :: estimate
 
       call prepare_case(workshop, config, result, error)
-      if (.not. allocated(error)) call tell(command_line, check_text(config, workshop))
+      if (allocated(error)) return
+      call estimate_body(workshop%body, config%factorization, estimate, error)
+      if (.not. allocated(error)) call tell(command_line, check_text(config, workshop, estimate))
    end subroutine check_case
 
    !> Solves a case, writes its files and tells how it went.
@@ -188,9 +192,10 @@ contains
    end subroutine report_sweep
 
    !> What is told of a checked deck.
-   pure function check_text(config, workshop) result(text)
+   pure function check_text(config, workshop, estimate) result(text)
       type(config_t), intent(in) :: config !! the case
       type(workshop_t), intent(in) :: workshop !! its body
+      type(estimate_t), intent(in) :: estimate !! what solving it would take
       character(:), allocatable :: text
 
       associate (body => workshop%body)
@@ -198,6 +203,10 @@ contains
             ' elements, '//to_text(body%dof_map%n_dofs)//' unknowns, '//to_text(body%zone%n_points)//' contact points'
       end associate
       if (config%sweep%is_given()) text = text//', '//to_text(config%sweep%n_cases())//' cases'
+      text = text//'; '//estimate%factorization//' factor of '//to_text(estimate%n_entries)//' entries, about '// &
+         to_text(ceiling(estimate%memory_mb))//' MB of memory'
+      if (estimate%memory_mb > estimate%available_mb) text = text//', but only '// &
+         to_text(floor(estimate%available_mb))//' MB are available'
    end function check_text
 
    !> What is told of a solved deck.

@@ -4,6 +4,9 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -137,4 +140,51 @@ void amontons_release_interrupts(void)
 int amontons_interrupt(void)
 {
     return interrupt;
+}
+
+/* The number after a word in a file of the system such as /proc/meminfo; -1 where there is none. */
+static long long number_after(const char *file, const char *word)
+{
+    FILE *stream = fopen(file, "r");
+    if (!stream)
+        return -1;
+    char line[256];
+    long long number = -1;
+    while (number < 0 && fgets(line, sizeof line, stream))
+        if (strncmp(line, word, strlen(word)) == 0)
+            number = strtoll(line + strlen(word), NULL, 10);
+    fclose(stream);
+    return number;
+}
+
+/* The memory this process holds now, in kibibytes; 0 where the system does not tell. */
+long long amontons_resident_memory(void)
+{
+    long long resident = number_after("/proc/self/status", "VmRSS:");
+    return resident > 0 ? resident : 0;
+}
+
+/* The memory this process can still get, in kibibytes: what the system has to give and what the limit on the address
+   space leaves; -1 where neither is known. */
+long long amontons_available_memory(void)
+{
+    long long available = number_after("/proc/meminfo", "MemAvailable:");
+    long long used = number_after("/proc/self/status", "VmSize:");
+    struct rlimit limit;
+    if (used >= 0 && getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+        long long left = (long long)(limit.rlim_cur / 1024) - used;
+        if (left < 0)
+            left = 0;
+        if (available < 0 || left < available)
+            available = left;
+    }
+    return available;
+}
+
+/* Gives memory that was freed back to the system, where the C library keeps it for later. */
+void amontons_return_memory(void)
+{
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
 }

@@ -1,13 +1,13 @@
 !> What the program asks of the operating system: directories, renaming, memory, time.
 module amontons_system
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_long_long, c_null_char
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_kinds, only: dp, int64
    implicit none (type, external)
    private
 
-   public :: absolute_path, cut_file, make_directory, peak_memory_mb, process_id, remove_file, rename_file, &
-      synchronize_file, wall_seconds
+   public :: absolute_path, available_memory_mb, cut_file, make_directory, peak_memory_mb, process_id, remove_file, &
+      rename_file, resident_memory_mb, return_memory, synchronize_file, wall_seconds
 
    ! allow(assumed-size): C takes an address and knows no shape
    interface
@@ -75,6 +75,22 @@ module amontons_system
          implicit none (type, external)
          integer(c_long) :: kibibytes
       end function c_peak_memory
+
+      function c_resident_memory() bind(c, name='amontons_resident_memory') result(kibibytes)
+         import :: c_long_long
+         implicit none (type, external)
+         integer(c_long_long) :: kibibytes
+      end function c_resident_memory
+
+      subroutine c_return_memory() bind(c, name='amontons_return_memory')
+         implicit none (type, external)
+      end subroutine c_return_memory
+
+      function c_available_memory() bind(c, name='amontons_available_memory') result(kibibytes)
+         import :: c_long_long
+         implicit none (type, external)
+         integer(c_long_long) :: kibibytes
+      end function c_available_memory
    end interface
 
 contains
@@ -162,6 +178,24 @@ contains
    real(dp) function peak_memory_mb()
       peak_memory_mb = real(c_peak_memory(), dp)*1024.0e-6_dp
    end function peak_memory_mb
+
+   !> The memory this process holds now, 0 where the system does not tell [MB].
+   real(dp) function resident_memory_mb()
+      resident_memory_mb = real(c_resident_memory(), dp)*1024.0e-6_dp
+   end function resident_memory_mb
+
+   !> Gives memory that was freed back to the system.
+   subroutine return_memory()
+      call c_return_memory()
+   end subroutine return_memory
+
+   !> The memory this process can still get, a huge number where the system does not tell [MB].
+   real(dp) function available_memory_mb()
+      integer(c_long_long) :: kibibytes
+
+      kibibytes = c_available_memory()
+      available_memory_mb = merge(huge(1.0_dp), real(kibibytes, dp)*1024.0e-6_dp, kibibytes < 0)
+   end function available_memory_mb
 
    !> Wall-clock time since some fixed moment [s].
    real(dp) function wall_seconds()

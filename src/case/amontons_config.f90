@@ -15,6 +15,7 @@ module amontons_config
    use amontons_material, only: material_t
    use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
       space_names, variant_names
+   use amontons_new_factorization, only: factorization_names
    use amontons_number_table, only: beside
    use amontons_rectangle, only: diagonal_names, rectangle_t
    use amontons_sweep, only: sweep_t
@@ -23,10 +24,8 @@ module amontons_config
    implicit none (type, external)
    private
 
-   public :: config_t, factorization_names, new_reduced_config, read_config
+   public :: config_t, new_reduced_config, read_config
 
-   !> Factorisations, as a deck writes them.
-   character(6), parameter :: factorization_names(3) = [character(6) :: 'auto', 'band', 'sparse']
    !> Groups of a deck.
    character(8), parameter :: group_names(*) = [character(8) :: 'case', 'problem', 'mesh', 'material', 'support', &
       'load', 'contact', 'sweep', 'solver', 'output']

@@ -8,17 +8,20 @@ module amontons_body
    use amontons_contact_zone, only: contact_t, contact_zone_t, new_contact_zone
    use amontons_dof_map, only: dof_map_t, new_dof_map
    use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_factorization, only: factorization_t
    use amontons_foundation, only: new_foundation, spring_side_t
-   use amontons_kinds, only: dp
+   use amontons_kinds, only: dp, int64
    use amontons_material, only: material_t, materials_t, new_materials
    use amontons_mesh, only: mesh_t
+   use amontons_new_factorization, only: analyze_matrix
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
    use amontons_timings, only: phase_assemble, phase_condense, phase_factorize, timings_t
    implicit none (type, external)
    private
 
-   public :: body_t, condense_body, new_body
+   public :: body_t, condense_body, estimate_body, estimate_t, new_body
 
    !> What many load cases share.
    type :: body_t
@@ -35,6 +38,14 @@ module amontons_body
       type(condensation_t) :: condensation !! the factorised stiffness, after `condense_body`
       type(contact_problem_t) :: problem !! the contact problem, after `condense_body`; its load is the case's
    end type body_t
+
+   !> What condensing a body would take.
+   type :: estimate_t
+      character(:), allocatable :: factorization !! the kind of factorisation
+      integer(int64) :: n_entries = 0 !! entries of the factor
+      real(dp) :: memory_mb = 0.0_dp !! the most memory the program would hold [MB]
+      real(dp) :: available_mb = 0.0_dp !! the memory there is for it, what it holds already included [MB]
+   end type estimate_t
 
 contains
 
@@ -68,7 +79,7 @@ contains
    !> Assembles and factorises the stiffness and condenses it to the contact points.
    subroutine condense_body(body, factorization, timings, error)
       type(body_t), intent(inout) :: body !! the body
-      character(*), intent(in) :: factorization !! 'auto', 'band' or 'sparse'
+      character(*), intent(in) :: factorization !! one of `factorization_names`
       type(timings_t), intent(inout) :: timings !! gains the time of each step
       type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
       type(sparse_matrix_t) :: stiffness
@@ -93,5 +104,27 @@ contains
       call new_contact_problem(body%problem, condensed, is_held)
       call timings%lap(phase_condense)
    end subroutine condense_body
+
+   !> Estimates the work without doing it: assembles and orders the stiffness, but makes no factor.
+   subroutine estimate_body(body, factorization, estimate, error)
+      type(body_t), intent(in) :: body !! the body
+      character(*), intent(in) :: factorization !! one of `factorization_names`
+      type(estimate_t), intent(out) :: estimate !! the estimate
+      type(error_t), allocatable, intent(out) :: error !! too large for the memory
+      type(sparse_matrix_t) :: stiffness
+      class(factorization_t), allocatable :: analysis
+
+      call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, body%constraints, &
+         body%dof_map, error)
+      if (allocated(error)) return
+      call analyze_matrix(analysis, factorization, stiffness, body%dof_map%n_trailing, error)
+      if (allocated(error)) return
+      stiffness = sparse_matrix_t()
+      call return_memory()
+      estimate%factorization = analysis%name()
+      estimate%n_entries = analysis%n_factor_entries()
+      estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + analysis%memory_mb())
+      estimate%available_mb = resident_memory_mb() + available_memory_mb()
+   end subroutine estimate_body
 
 end module amontons_body

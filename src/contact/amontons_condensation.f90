@@ -10,7 +10,7 @@ module amontons_condensation
    use amontons_error, only: error_t
    use amontons_factorization, only: factorization_t
    use amontons_kinds, only: dp
-   use amontons_new_factorization, only: new_factorization
+   use amontons_new_factorization, only: analyze_matrix
    use amontons_sparse_matrix, only: sparse_matrix_t
    implicit none (type, external)
    private
@@ -35,8 +35,8 @@ contains
    !> Factorises the stiffness of a body.
    subroutine new_condensation(condensation, stiffness, kind, is_held, zone, constraints, dof_map, error)
       type(condensation_t), intent(out) :: condensation !! the factorised body
-      type(sparse_matrix_t), intent(inout) :: stiffness !! K, or K + alpha E on return [F/L]
-      character(*), intent(in) :: kind !! which factorisation, 'auto', 'band' or 'sparse'
+      type(sparse_matrix_t), intent(inout) :: stiffness !! K; given up before the factor is made, to save memory [F/L]
+      character(*), intent(in) :: kind !! which factorisation, one of `factorization_names`
       logical, intent(in) :: is_held !! whether supports alone hold the body
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
@@ -47,7 +47,12 @@ contains
          condensation%alpha = sum(stiffness%diagonal())/dof_map%n_dofs
          call stiffness%shift_diagonal(dof_map%n_dofs - dof_map%n_trailing + 1, dof_map%n_dofs, condensation%alpha)
       end if
-      call new_factorization(condensation%factorization, kind, stiffness, dof_map%n_trailing, error)
+      call analyze_matrix(condensation%factorization, kind, stiffness, dof_map%n_trailing, error)
+      if (allocated(error)) return
+      stiffness = sparse_matrix_t()
+      call condensation%factorization%check_memory(error)
+      if (allocated(error)) return
+      call condensation%factorization%complete(error)
       if (allocated(error)) return
       call map_points(condensation, zone, constraints, dof_map)
    end subroutine new_condensation

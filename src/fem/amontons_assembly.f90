@@ -30,21 +30,25 @@ contains
       type(error_t), allocatable, intent(out) :: error !! too large for the memory
       type(element_geometry_t) :: geometry
       real(dp) :: block(2*max_nodes, 2*max_nodes)
-      integer :: color, i, n
+      integer :: unknowns(2*max_nodes), color, i, k, n
 
       call new_sparse_matrix(stiffness, dof_map%n_dofs, 2*mesh%node_start - 1, element_unknowns(mesh, dof_map), error)
       if (allocated(error)) return
+      call place_unknowns(stiffness, mesh, dof_map)
       do color = 1, coloring%n_colors
-         !$omp parallel do default(none) schedule(static) private(geometry, block, n) &
+         !$omp parallel do default(none) schedule(static) private(geometry, block, unknowns, k, n) &
          !$omp shared(stiffness, mesh, materials, coloring, constraints, dof_map, color)
          do i = coloring%start(color), coloring%start(color + 1) - 1
             associate (material => materials%list(materials%of_element(coloring%element(i))))
                call new_element_geometry(geometry, mesh, coloring%element(i), material)
-               block = element_stiffness(geometry, material)
+               call element_stiffness(geometry, material, block)
             end associate
             n = geometry%n_nodes
             call turn_to_frames(block, geometry%node(:n), constraints)
-            call stiffness%add_element(reshape(dof_map%dof(:, geometry%node(:n)), [2*n]), block(:2*n, :2*n))
+            do k = 1, n
+               unknowns(2*k - 1:2*k) = dof_map%dof(:, geometry%node(k))
+            end do
+            call stiffness%add_element(unknowns(:2*n), block(:2*n, :2*n))
          end do
          !$omp end parallel do
       end do
@@ -55,6 +59,21 @@ contains
          call stiffness%add_element(reshape(dof_map%dof(:, springs(i)%node(:n)), [2*n]), block(:2*n, :2*n))
       end do
    end subroutine assemble_stiffness
+
+   !> Tells the matrix where its unknowns sit, for the ordering.
+   pure subroutine place_unknowns(stiffness, mesh, dof_map)
+      type(sparse_matrix_t), intent(inout) :: stiffness !! the matrix
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      integer :: node, axis
+
+      allocate (stiffness%place(2, dof_map%n_dofs))
+      do node = 1, mesh%n_nodes
+         do axis = 1, 2
+            if (dof_map%dof(axis, node) > 0) stiffness%place(:, dof_map%dof(axis, node)) = mesh%coordinates(:, node)
+         end do
+      end do
+   end subroutine place_unknowns
 
    !> The unknowns of all elements, one element after the other; 0 for a held component.
    pure function element_unknowns(mesh, dof_map) result(unknowns)

@@ -13,13 +13,14 @@ module amontons_elasticity
 
    !> Shape functions and their gradients at the quadrature points of one element.
    type :: element_geometry_t
-      integer :: n_nodes = 0 !! number of nodes
-      integer :: n_points = 0 !! number of quadrature points
-      integer :: node(max_nodes) = 0 !! numbers of the nodes in the mesh
-      real(dp) :: values(max_nodes, max_points) = 0.0_dp !! shape functions (node, point) [-]
-      real(dp) :: gradient(2, max_nodes, max_points) = 0.0_dp !! their gradients (x and y, node, point) [1/L]
-      real(dp) :: position(2, max_points) = 0.0_dp !! coordinates of the points [L]
-      real(dp) :: volume(max_points) = 0.0_dp !! quadrature weight, Jacobian and depth of each point [L^3]
+      ! No defaults here: setting them would take as long as all the rest, once for each element.
+      integer :: n_nodes !! number of nodes
+      integer :: n_points !! number of quadrature points
+      integer :: node(max_nodes) !! numbers of the nodes in the mesh
+      real(dp) :: values(max_nodes, max_points) !! shape functions (node, point) [-]
+      real(dp) :: gradient(2, max_nodes, max_points) !! their gradients (x and y, node, point) [1/L]
+      real(dp) :: position(2, max_points) !! coordinates of the points [L]
+      real(dp) :: volume(max_points) !! quadrature weight, Jacobian and depth of each point, 0 past the last [L^3]
    end type element_geometry_t
 
 contains
@@ -37,6 +38,7 @@ contains
       n = n_element_nodes(kind)
       geometry%n_nodes = n
       geometry%n_points = n_element_points(kind, material%is_axisymmetric)
+      geometry%volume = 0.0_dp
       geometry%node(:n) = mesh%node(mesh%node_start(element):mesh%node_start(element) + n - 1)
       associate (coordinates => mesh%coordinates(:, geometry%node(:n)))
          do point = 1, geometry%n_points
@@ -55,15 +57,15 @@ contains
 
    !> Stiffness of an element: sum over the points of volume times
    !> lambda g_i g_j^T + mu (g_j g_i^T + (g_i . g_j) I), g the gradients, and in a body of revolution the hoop strain's
-   !> part (2 nodes, 2 nodes) [F/L].
-   pure function element_stiffness(geometry, material) result(stiffness)
+   !> part.
+   pure subroutine element_stiffness(geometry, material, stiffness)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
-      real(dp) :: stiffness(2*max_nodes, 2*max_nodes)
+      real(dp), intent(out) :: stiffness(2*max_nodes, 2*max_nodes) !! in the first 2 nodes rows and columns [F/L]
       real(dp) :: lambda, mu, a(2), b(2), along
       integer :: i, j, point
 
-      stiffness = 0.0_dp
+      stiffness(:2*geometry%n_nodes, :2*geometry%n_nodes) = 0.0_dp
       do point = 1, geometry%n_points
          lambda = material%lambda*geometry%volume(point)
          mu = material%mu*geometry%volume(point)
@@ -80,7 +82,7 @@ contains
          end do
          if (material%is_axisymmetric) call add_hoop_stiffness(geometry, point, lambda, mu, stiffness)
       end do
-   end function element_stiffness
+   end subroutine element_stiffness
 
    !> Adds what the hoop strain u_r / r contributes to the stiffness at one point.
    pure subroutine add_hoop_stiffness(geometry, point, lambda, mu, stiffness)

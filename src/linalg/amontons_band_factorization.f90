@@ -17,8 +17,10 @@ module amontons_band_factorization
       private
       integer :: width = 0 !! Number of subdiagonals.
       real(dp), allocatable :: band(:, :) !! The factor (width + 1, n).
+      type(sparse_matrix_t) :: matrix !! The matrix, from `analyze` to `complete`.
    contains
-      procedure, public :: factorize => band_factorize
+      procedure, public :: analyze => band_analyze
+      procedure, public :: complete => band_complete
       procedure, public :: substitute_forward => band_substitute_forward
       procedure, public :: substitute_backward => band_substitute_backward
       procedure, public :: trailing_factor => band_trailing_factor
@@ -28,34 +30,43 @@ module amontons_band_factorization
 
 contains
 
-   !> Factorises a matrix in reverse Cuthill-McKee order.
-   subroutine band_factorize(self, matrix, n_trailing, error)
+   !> Orders a matrix for a narrow band.
+   subroutine band_analyze(self, matrix, n_trailing, error)
       class(band_factorization_t), intent(inout) :: self !! the factorisation
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
       integer, intent(in) :: n_trailing !! how many unknowns, the last ones, are eliminated last
-      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory ran out
+      type(error_t), allocatable, intent(out) :: error !! never allocated
       integer, allocatable :: order(:)
-      integer :: status
 
       allocate (order(matrix%n))
       call reverse_cuthill_mckee(matrix, n_trailing, order)
-      call self%set_order(n_trailing, order)
+      call self%set_order(matrix, n_trailing, order)
       self%width = half_bandwidth(matrix, order)
+      self%matrix = matrix
       if (allocated(self%band)) deallocate (self%band)
+   end subroutine band_analyze
+
+   !> Computes the factor of the matrix that was analysed.
+   subroutine band_complete(self, error)
+      class(band_factorization_t), intent(inout) :: self !! the factorisation
+      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory ran out
+      integer :: status
+
       allocate (self%band(self%width + 1, self%n), stat=status)
       if (status /= 0) then
          call new_error(error, system_failure, 'memory ran out for a band of '//to_text(self%width + 1)//' by '// &
             to_text(self%n)//' numbers')
          return
       end if
-      call fill_band(matrix, order, self%band)
+      call fill_band(self%matrix, self%order, self%band)
+      self%matrix = sparse_matrix_t()
       call dpbtrf('L', self%n, self%width, self%band, self%width + 1, status)
       if (status > 0) then
          call self%refuse(status, error)
       else
-         call self%check_pivots(matrix, self%band(1, :), error)
+         call self%check_pivots(self%band(1, :), error)
       end if
-   end subroutine band_factorize
+   end subroutine band_complete
 
    !> Writes the matrix in band storage.
    pure subroutine fill_band(matrix, order, band)
@@ -124,7 +135,7 @@ contains
       class(band_factorization_t), intent(in) :: self !! the factorisation
       integer(int64) :: n_entries
 
-      n_entries = size(self%band, kind=int64)
+      n_entries = (self%width + 1_int64)*self%n
    end function band_n_factor_entries
 
    !> The word `band`.

@@ -76,26 +76,43 @@ static int allocate_values(cholmod_factor *factor, cholmod_common *common)
     return 1;
 }
 
-/* Factorises a matrix whose lower triangle is given by columns, counted from 0, already in the order of elimination.
-   On success the handle owns the factor and `supernodes` shows it; if a pivot fails, `failed` is its column. */
-int amontons_cholmod_factorize(int64_t n, int64_t *column_start, int64_t *row, double *value, void **opaque,
-                               supernodes_t *supernodes, int64_t *failed)
+/* The matrix as CHOLMOD wants it: its lower triangle by columns, counted from 0, in the order of elimination. */
+static cholmod_sparse view_matrix(int64_t n, int64_t *column_start, int64_t *row, double *value)
+{
+    return (cholmod_sparse){.nrow = (size_t)n, .ncol = (size_t)n, .nzmax = (size_t)column_start[n], .p = column_start,
+                            .i = row, .x = value, .stype = -1, .itype = CHOLMOD_LONG, .xtype = CHOLMOD_REAL,
+                            .dtype = CHOLMOD_DOUBLE, .sorted = 0, .packed = 1};
+}
+
+/* Finds the shape of the factor: how many numbers it will hold, and how many more the work on it takes. The handle made
+   here is the caller's to free, whatever happens. */
+int amontons_cholmod_analyze(int64_t n, int64_t *column_start, int64_t *row, double *value, void **opaque,
+                             int64_t *n_entries, int64_t *n_work_entries)
 {
     handle_t *handle = calloc(1, sizeof *handle);
     if (!handle)
         return out_of_memory;
     *opaque = handle;
-    cholmod_common *common = &handle->common;
-    choose(common);
-
-    cholmod_sparse matrix = {.nrow = (size_t)n, .ncol = (size_t)n, .nzmax = (size_t)column_start[n], .p = column_start,
-                             .i = row, .x = value, .stype = -1, .itype = CHOLMOD_LONG, .xtype = CHOLMOD_REAL,
-                             .dtype = CHOLMOD_DOUBLE, .sorted = 0, .packed = 1};
-    cholmod_factor *factor = handle->factor = cholmod_l_analyze(&matrix, common);
-    cholmod_l_free_work(common);
-    if (!factor)
+    choose(&handle->common);
+    cholmod_sparse matrix = view_matrix(n, column_start, row, value);
+    handle->factor = cholmod_l_analyze(&matrix, &handle->common);
+    cholmod_l_free_work(&handle->common);
+    if (!handle->factor)
         return out_of_memory;
-    supernodes->n_entries = (int64_t)factor->xsize;
+    *n_entries = (int64_t)handle->factor->xsize;
+    *n_work_entries = (int64_t)handle->factor->maxcsize;
+    return done;
+}
+
+/* Factorises the matrix that was analysed. On success `supernodes` shows the factor, which the handle owns; if a pivot
+   fails, `failed` is its column. */
+int amontons_cholmod_factorize(void *opaque, int64_t n, int64_t *column_start, int64_t *row, double *value,
+                               supernodes_t *supernodes, int64_t *failed)
+{
+    handle_t *handle = opaque;
+    cholmod_common *common = &handle->common;
+    cholmod_factor *factor = handle->factor;
+    cholmod_sparse matrix = view_matrix(n, column_start, row, value);
     if (!allocate_values(factor, common))
         return out_of_memory;
     cholmod_l_factorize(&matrix, factor, common);

@@ -3,12 +3,12 @@
 !> Every matrix argument is square; a symmetric one is read from its lower triangle. `info` = 0 means done.
 module amontons_dense
    use amontons_kinds, only: dp
-   use amontons_lapack, only: dgesv, dpotrf, dpotri, dpotrs, dsyev, dsymv
+   use amontons_lapack, only: dgemm, dgesv, dpotrf, dpotri, dpotrs, dsyev, dsymv, dsyrk, dtrsm
    implicit none (type, external)
    private
 
-   public :: cholesky_factor, cholesky_factor_softly, cholesky_inverse, cholesky_solve, fill_upper, &
-      lu_solve, symmetric_eigenvectors, symmetric_multiply
+   public :: cholesky_factor, cholesky_factor_softly, cholesky_factor_tiled, cholesky_inverse, cholesky_solve, &
+      fill_upper, lu_solve, symmetric_eigenvectors, symmetric_multiply
 
    !> Solves L L^T x = b in place, for one right-hand side or for the columns of a matrix.
    interface cholesky_solve
@@ -51,6 +51,50 @@ contains
          end do
       end do
    end subroutine cholesky_factor_softly
+
+   !> Replaces the lower triangle of a large symmetric matrix by its Cholesky factor, on all threads. The digits are
+   !> those of one thread.
+   subroutine cholesky_factor_tiled(a, info)
+      real(dp), contiguous, intent(inout) :: a(:, :)
+         !! the matrix (n, n); on return L in the lower triangle; the strictly upper part means nothing
+      integer, intent(out) :: info !! 0, or the order of the first leading block that is not positive definite
+
+      call factor_tiles(size(a, 1), a, info)
+   end subroutine cholesky_factor_tiled
+
+   !> Factorises tile by tile: a tile of the diagonal, the tiles below it, what is left of the matrix.
+   subroutine factor_tiles(n, a, info)
+      integer, intent(in) :: n !! order of the matrix
+      real(dp), intent(inout) :: a(n, n) !! the matrix, L in the lower triangle on return
+      integer, intent(out) :: info !! 0, or the order of the first leading block that is not positive definite
+      integer, parameter :: tile = 192
+      integer :: lda, i, j, k, width
+
+      lda = max(1, n)
+      info = 0
+      do k = 1, n, tile
+         width = min(tile, n - k + 1)
+         call dpotrf('L', width, a(k, k), lda, info)
+         if (info /= 0) then
+            info = info + k - 1
+            return
+         end if
+         !$omp parallel default(none) shared(a, n, lda, k, width) private(i, j)
+         !$omp do schedule(dynamic)
+         do i = k + tile, n, tile
+            call dtrsm('R', 'L', 'T', 'N', min(tile, n - i + 1), width, 1.0_dp, a(k, k), lda, a(i, k), lda)
+         end do
+         !$omp end do
+         !$omp do schedule(dynamic)
+         do j = k + tile, n, tile
+            call dsyrk('L', 'N', min(tile, n - j + 1), width, -1.0_dp, a(j, k), lda, 1.0_dp, a(j, j), lda)
+            if (j + tile <= n) call dgemm('N', 'T', n - j - tile + 1, min(tile, n - j + 1), width, -1.0_dp, &
+               a(j + tile, k), lda, a(j, k), lda, 1.0_dp, a(j + tile, j), lda)
+         end do
+         !$omp end do
+         !$omp end parallel
+      end do
+   end subroutine factor_tiles
 
    !> Solves L L^T x = b for one right-hand side.
    pure subroutine cholesky_solve_vector(l, b)

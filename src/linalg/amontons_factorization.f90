@@ -6,10 +6,11 @@
 !> q = b_c - K_ci K_ii^-1 b_i in place of b_c.
 module amontons_factorization
    use amontons_dense, only: fill_upper
-   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_error, only: error_t, new_error, numerical_failure, system_failure
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dlauum
    use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_system, only: available_memory_mb, return_memory
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -23,13 +24,20 @@ module amontons_factorization
       integer, allocatable :: order(:) !! Position k holds unknown order(k) (n).
       integer, allocatable :: trailing_order(:)
          !! Trailing position k holds trailing unknown trailing_order(k) (n_trailing).
+      integer(int64) :: n_work_entries = 0 !! Numbers that `complete` holds for a while, beside the factor's.
+      integer :: refused_unknown = 0 !! The unknown whose pivot was not positive, 0 for none.
+      real(dp), allocatable :: diagonal(:) !! Diagonal of P K P^T, from `analyze` to `complete` (n).
    contains
-      procedure(factorize), deferred :: factorize
+      procedure(analyze), deferred :: analyze
+      procedure(complete), deferred :: complete
       procedure(substitute), deferred :: substitute_forward
       procedure(substitute), deferred :: substitute_backward
       procedure(trailing_factor), deferred :: trailing_factor
       procedure(n_factor_entries), deferred :: n_factor_entries
       procedure(name), deferred, nopass :: name
+      procedure :: factorize => factorization_factorize
+      procedure :: check_memory => factorization_check_memory
+      procedure :: memory_mb => factorization_memory_mb
       procedure :: forward => factorization_forward
       procedure :: backward => factorization_backward
       procedure :: solve => factorization_solve
@@ -42,15 +50,24 @@ module amontons_factorization
    end type factorization_t
 
    abstract interface
-      !> Factorises a symmetric positive definite matrix.
-      subroutine factorize(self, matrix, n_trailing, error)
+      !> Orders a symmetric positive definite matrix and finds the size of its factor. Takes what it needs of the
+      !> matrix, which the caller may give up before `complete`.
+      subroutine analyze(self, matrix, n_trailing, error)
          import :: error_t, factorization_t, sparse_matrix_t
          implicit none (type, external)
          class(factorization_t), intent(inout) :: self !! the factorisation
          type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
          integer, intent(in) :: n_trailing !! how many unknowns, the last ones, are eliminated last
+         type(error_t), allocatable, intent(out) :: error !! memory ran out
+      end subroutine analyze
+
+      !> Computes the factor of the matrix that was analysed.
+      subroutine complete(self, error)
+         import :: error_t, factorization_t
+         implicit none (type, external)
+         class(factorization_t), intent(inout) :: self !! the factorisation
          type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory ran out
-      end subroutine factorize
+      end subroutine complete
 
       !> Does the steps of a substitution that belong to the first columns of L.
       subroutine substitute(self, n_steps, y)
@@ -70,7 +87,7 @@ module amontons_factorization
             !! lower triangular, zeros above, by trailing position (n_trailing, n_trailing)
       end subroutine trailing_factor
 
-      !> The number of entries of L that are stored.
+      !> The number of entries of L that are stored, known after `analyze`.
       pure function n_factor_entries(self) result(n_entries)
          import :: factorization_t, int64
          implicit none (type, external)
@@ -78,7 +95,7 @@ module amontons_factorization
          integer(int64) :: n_entries
       end function n_factor_entries
 
-      !> The word for this kind of factorisation: `band` or `sparse`.
+      !> The word for this kind of factorisation.
       pure function name()
          implicit none (type, external)
          character(:), allocatable :: name
@@ -86,6 +103,40 @@ module amontons_factorization
    end interface
 
 contains
+
+   !> Factorises a symmetric positive definite matrix.
+   subroutine factorization_factorize(self, matrix, n_trailing, error)
+      class(factorization_t), intent(inout) :: self !! the factorisation
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
+      integer, intent(in) :: n_trailing !! how many unknowns, the last ones, are eliminated last
+      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory is short
+
+      call self%analyze(matrix, n_trailing, error)
+      if (allocated(error)) return
+      call self%check_memory(error)
+      if (allocated(error)) return
+      call self%complete(error)
+   end subroutine factorization_factorize
+
+   !> The memory that `complete` takes [MB].
+   pure real(dp) function factorization_memory_mb(self)
+      class(factorization_t), intent(in) :: self !! the factorisation, analysed
+
+      factorization_memory_mb = 8.0e-6_dp*real(self%n_factor_entries() + self%n_work_entries, dp)
+   end function factorization_memory_mb
+
+   !> Refuses a factor that the memory cannot hold, before anything is allocated for it. What the analysis has freed
+   !> goes back to the system first.
+   subroutine factorization_check_memory(self, error)
+      class(factorization_t), intent(in) :: self !! the factorisation, analysed
+      type(error_t), allocatable, intent(out) :: error !! memory does not suffice
+
+      call return_memory()
+      if (self%memory_mb() <= available_memory_mb()) return
+      call new_error(error, system_failure, 'memory does not suffice: the '//self%name()//' factor of '// &
+         to_text(self%n)//' unknowns needs '//to_text(nint(self%memory_mb(), int64))//' MB, and '// &
+         to_text(nint(available_memory_mb(), int64))//' MB are available')
+   end subroutine factorization_check_memory
 
    !> The forward substitution y = L^-1 P b.
    subroutine factorization_forward(self, b, y)
@@ -126,24 +177,30 @@ contains
       class(factorization_t), intent(in) :: self !! the factorisation
       real(dp), contiguous, intent(out) :: s(:, :)
          !! S, both triangles, trailing unknowns in matrix order (n_trailing, n_trailing)
-      real(dp), allocatable :: factor(:, :)
+      real(dp), allocatable :: diagonal(:)
       integer :: i, j, m, info
 
       m = self%n_trailing
-      allocate (factor(m, m))
       call self%trailing_factor(s)
-      ! LAPACK has U U^T in place but not L L^T; with rows and columns reversed L22 is such a U.
+      ! LAPACK has U U^T in place but not L L^T; with rows and columns reversed L22 is such a U. The lower triangle is
+      ! turned into the upper one, and the result, in matrix order, back into the lower one.
+      diagonal = [(s(i, i), i=1, m)]
       do j = 1, m
-         do i = 1, j
-            factor(i, j) = s(m + 1 - i, m + 1 - j)
+         do i = 1, j - 1
+            s(i, j) = s(m + 1 - i, m + 1 - j)
          end do
+         s(j, j) = diagonal(m + 1 - j)
       end do
-      call dlauum('U', m, factor, max(1, m), info)
+      call dlauum('U', m, s, max(1, m), info)
+      diagonal = [(s(i, i), i=1, m)]
       associate (order => self%trailing_order(m:1:-1))
          do j = 1, m
-            do i = 1, j
-               s(max(order(i), order(j)), min(order(i), order(j))) = factor(i, j)
+            do i = 1, j - 1
+               s(max(order(i), order(j)), min(order(i), order(j))) = s(i, j)
             end do
+         end do
+         do j = 1, m
+            s(order(j), order(j)) = diagonal(j)
          end do
       end associate
       call fill_upper(s)
@@ -179,9 +236,10 @@ contains
       x(self%order) = work
    end subroutine factorization_expand
 
-   !> Sets the order of elimination; for the makers of factorisations.
-   pure subroutine factorization_set_order(self, n_trailing, order)
+   !> Sets the order of elimination and keeps the diagonal for the check of the pivots; for makers of factorisations.
+   pure subroutine factorization_set_order(self, matrix, n_trailing, order)
       class(factorization_t), intent(inout) :: self !! the factorisation
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
       integer, intent(in) :: n_trailing !! number of trailing unknowns
       integer, intent(in) :: order(:) !! position k holds unknown order(k) (n)
 
@@ -189,33 +247,35 @@ contains
       self%n_trailing = n_trailing
       self%order = order
       self%trailing_order = order(self%n - n_trailing + 1:) - (self%n - n_trailing)
+      self%diagonal = matrix%value(matrix%column_start(order))
+      self%n_work_entries = 0
+      self%refused_unknown = 0
    end subroutine factorization_set_order
 
    !> Refuses a factor whose pivots have shrunk to rounding errors: its matrix is singular.
-   pure subroutine factorization_check_pivots(self, matrix, pivots, error)
-      class(factorization_t), intent(in) :: self !! the factorisation
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix that was factorised
+   pure subroutine factorization_check_pivots(self, pivots, error)
+      class(factorization_t), intent(inout) :: self !! the factorisation
       real(dp), intent(in) :: pivots(:) !! the diagonal of L by position (n)
       type(error_t), allocatable, intent(out) :: error !! a pivot is not larger than its rounding error
-      real(dp), allocatable :: diagonal(:)
       integer :: position
 
-      allocate (diagonal, source=matrix%diagonal())
       do position = 1, self%n
-         if (pivots(position)**2 > epsilon(1.0_dp)*self%n*diagonal(self%order(position))) cycle
+         if (pivots(position)**2 > epsilon(1.0_dp)*self%n*self%diagonal(position)) cycle
          call self%refuse(position, error)
          return
       end do
+      deallocate (self%diagonal)
    end subroutine factorization_check_pivots
 
    !> Reports that the matrix is not positive definite.
    pure subroutine factorization_refuse(self, position, error)
-      class(factorization_t), intent(in) :: self !! the factorisation
+      class(factorization_t), intent(inout) :: self !! the factorisation
       integer, intent(in) :: position !! position of the first pivot that is not positive
       type(error_t), allocatable, intent(out) :: error !! what is wrong, naming the unknown
 
+      self%refused_unknown = self%order(position)
       call new_error(error, numerical_failure, 'the matrix is not positive definite: the pivot of unknown '// &
-         to_text(self%order(position))//' of '//to_text(self%n)//' is not positive')
+         to_text(self%refused_unknown)//' of '//to_text(self%n)//' is not positive')
    end subroutine factorization_refuse
 
 end module amontons_factorization

@@ -3,7 +3,8 @@ module amontons_lapack
    implicit none (type, external)
    private
 
-   public :: daxpy, dgemv, dgesv, dlauum, dpbtrf, dpotrf, dpotri, dpotrs, dsyev, dsymv, dtbsv, dtrsv
+   public :: daxpy, dgemm, dgemv, dgesv, dlauum, dpbtrf, dpotrf, dpotri, dpotrs, dsyev, dsymv, dsyrk, dtbsv, dtrsm, &
+      dtrsv
 
    ! allow(assumed-size): these routines take the shape apart from the address
    interface
@@ -14,6 +15,15 @@ module amontons_lapack
          real(dp), intent(in) :: alpha, x(*)
          real(dp), intent(inout) :: y(*)
       end subroutine daxpy
+
+      pure subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: transa, transb
+         integer, intent(in) :: m, n, k, lda, ldb, ldc
+         real(dp), intent(in) :: alpha, beta, a(lda, *), b(ldb, *)
+         real(dp), intent(inout) :: c(ldc, *)
+      end subroutine dgemm
 
       pure subroutine dgemv(trans, m, n, alpha, a, lda, x, incx, beta, y, incy)
          use amontons_kinds, only: dp
@@ -97,6 +107,15 @@ module amontons_lapack
          real(dp), intent(inout) :: y(*)
       end subroutine dsymv
 
+      pure subroutine dsyrk(uplo, trans, n, k, alpha, a, lda, beta, c, ldc)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: uplo, trans
+         integer, intent(in) :: n, k, lda, ldc
+         real(dp), intent(in) :: alpha, beta, a(lda, *)
+         real(dp), intent(inout) :: c(ldc, *)
+      end subroutine dsyrk
+
       pure subroutine dtbsv(uplo, trans, diag, n, k, a, lda, x, incx)
          use amontons_kinds, only: dp
          implicit none (type, external)
@@ -105,6 +124,15 @@ module amontons_lapack
          real(dp), intent(in) :: a(lda, *)
          real(dp), intent(inout) :: x(*)
       end subroutine dtbsv
+
+      pure subroutine dtrsm(side, uplo, transa, diag, m, n, alpha, a, lda, b, ldb)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: side, uplo, transa, diag
+         integer, intent(in) :: m, n, lda, ldb
+         real(dp), intent(in) :: alpha, a(lda, *)
+         real(dp), intent(inout) :: b(ldb, *)
+      end subroutine dtrsm
 
       pure subroutine dtrsv(uplo, trans, diag, n, a, lda, x, incx)
          use amontons_kinds, only: dp

@@ -7,43 +7,66 @@ module amontons_new_factorization
    use amontons_ordering, only: half_bandwidth, reverse_cuthill_mckee
    use amontons_sparse_factorization, only: sparse_factorization_t
    use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_substructured_factorization, only: substructured_factorization_t
    implicit none (type, external)
    private
 
-   public :: new_factorization
+   public :: analyze_matrix, factorization_names, new_factorization
+
+   !> Kinds of factorisations, as a deck writes them; the first stands for the quickest of the others.
+   character(13), parameter :: factorization_names(*) = [character(13) :: 'auto', 'band', 'sparse', 'substructured']
 
    !> Number of operations of a band factorisation up to which it is the quicker one; measured on squares, where the two
    !> meet between 8 000 and 18 000 unknowns, depending on how fast the BLAS is.
    real(dp), parameter :: most_band_operations = 2.0e8_dp
    !> Number of unknowns beyond which the width of the band is not even looked at.
    integer, parameter :: most_band_unknowns = 50000
+   !> Number of unknowns from which on the matrix is cut for two threads; measured on squares.
+   integer, parameter :: least_cut_unknowns = 60000
 
 contains
 
    !> Makes a factorisation of a matrix with its last unknowns eliminated last.
    subroutine new_factorization(factorization, kind, matrix, n_trailing, error)
       class(factorization_t), allocatable, intent(out) :: factorization !! the factorisation
-      character(*), intent(in) :: kind !! `band`, `sparse`, or anything else for the quicker of the two
+      character(*), intent(in) :: kind !! one of `factorization_names`
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
       integer, intent(in) :: n_trailing !! how many unknowns, the last ones, are eliminated last
-      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory ran out
-      logical :: is_band
+      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory is short
+
+      call analyze_matrix(factorization, kind, matrix, n_trailing, error)
+      if (allocated(error)) return
+      call factorization%check_memory(error)
+      if (allocated(error)) return
+      call factorization%complete(error)
+   end subroutine new_factorization
+
+   !> Prepares a factorisation: everything that needs the matrix. What is left is `check_memory` and `complete`.
+   subroutine analyze_matrix(factorization, kind, matrix, n_trailing, error)
+      class(factorization_t), allocatable, intent(out) :: factorization !! the factorisation
+      character(*), intent(in) :: kind !! one of `factorization_names`
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
+      integer, intent(in) :: n_trailing !! how many unknowns, the last ones, are eliminated last
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
 
       select case (kind)
       case ('band')
-         is_band = .true.
-      case ('sparse')
-         is_band = .false.
-      case default
-         is_band = suits_band(matrix, n_trailing)
-      end select
-      if (is_band) then
          allocate (band_factorization_t :: factorization)
-      else
+      case ('sparse')
          allocate (sparse_factorization_t :: factorization)
-      end if
-      call factorization%factorize(matrix, n_trailing, error)
-   end subroutine new_factorization
+      case ('substructured')
+         allocate (substructured_factorization_t :: factorization)
+      case default
+         if (suits_band(matrix, n_trailing)) then
+            allocate (band_factorization_t :: factorization)
+         else if (matrix%n < least_cut_unknowns) then
+            allocate (sparse_factorization_t :: factorization)
+         else
+            allocate (substructured_factorization_t :: factorization)
+         end if
+      end select
+      call factorization%analyze(matrix, n_trailing, error)
+   end subroutine analyze_matrix
 
    !> Whether a band factorisation should be quicker than a sparse one.
    pure logical function suits_band(matrix, n_trailing)

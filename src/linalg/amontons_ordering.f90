@@ -1,6 +1,7 @@
 !> Elimination orders of a sparse symmetric matrix that leave its trailing unknowns last.
 module amontons_ordering
    use, intrinsic :: iso_c_binding, only: c_int, c_int64_t
+   use amontons_dissection, only: dissect
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_graph, only: graph_t, new_graph
    use amontons_kinds, only: int64
@@ -9,7 +10,7 @@ module amontons_ordering
    implicit none (type, external)
    private
 
-   public :: half_bandwidth, minimum_degree, positions, reverse_cuthill_mckee
+   public :: half_bandwidth, minimum_degree, nested_dissection, positions, reverse_cuthill_mckee
 
    !> The groups taken so far, in order.
    type :: queue_t
@@ -54,6 +55,20 @@ contains
       end if
       call graph%expand(int(group_order) + 1, order)
    end subroutine minimum_degree
+
+   !> Nested dissection order: little fill, less than by minimum degree, for unknowns whose places are known.
+   pure subroutine nested_dissection(matrix, n_trailing, order)
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix, with places
+      integer, intent(in) :: n_trailing !! number of trailing unknowns
+      integer, intent(out) :: order(:) !! position k holds unknown order(k) (n)
+      type(graph_t) :: graph
+      integer, allocatable :: group_order(:)
+
+      call new_graph(graph, matrix, n_trailing)
+      allocate (group_order(graph%n))
+      call dissect(graph, matrix%place(:, graph%first_unknown(:graph%n)), group_order)
+      call graph%expand(group_order, order)
+   end subroutine nested_dissection
 
    !> Reverse Cuthill-McKee order: a narrow band.
    !>

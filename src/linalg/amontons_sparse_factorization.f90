@@ -5,7 +5,7 @@ module amontons_sparse_factorization
    use amontons_factorization, only: factorization_t
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dgemv, dtrsv
-   use amontons_ordering, only: minimum_degree, positions
+   use amontons_ordering, only: minimum_degree, nested_dissection, positions
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_text, only: to_text
    use amontons_threads, only: hold_threads, release_threads, thread_state_t
@@ -22,13 +22,19 @@ module amontons_sparse_factorization
    type, extends(factorization_t) :: sparse_factorization_t
       private
       type(c_ptr) :: handle = c_null_ptr !! CHOLMOD's side of the factorisation.
+      integer(int64) :: n_entries = 0 !! Number of stored entries of the factor.
+      integer(int64), allocatable :: matrix_column(:)
+         !! Where each column of P K P^T starts; like the next two, from `analyze` to `complete`.
+      integer(int64), allocatable :: matrix_row(:) !! Row of each entry of its lower triangle, from 0.
+      real(dp), allocatable :: matrix_value(:) !! Value of each entry.
       integer(int64), pointer, contiguous :: column(:) => null() !! First column of each supernode, and n.
       integer(int64), pointer, contiguous :: row_start(:) => null() !! Where the rows of each supernode start.
       integer(int64), pointer, contiguous :: value_start(:) => null() !! Where the block of each supernode starts.
       integer(int64), pointer, contiguous :: row(:) => null() !! Rows of the supernodes.
       real(dp), pointer, contiguous :: value(:) => null() !! Blocks of the supernodes.
    contains
-      procedure, public :: factorize => sparse_factorize
+      procedure, public :: analyze => sparse_analyze
+      procedure, public :: complete => sparse_complete
       procedure, public :: substitute_forward => sparse_substitute_forward
       procedure, public :: substitute_backward => sparse_substitute_backward
       procedure, public :: trailing_factor => sparse_trailing_factor
@@ -41,7 +47,7 @@ module amontons_sparse_factorization
    !> What CHOLMOD hands over of a factor.
    type, bind(c) :: supernodes_t
       integer(c_int64_t) :: n_supernodes !! Number of supernodes.
-      integer(c_int64_t) :: n_entries = 0 !! Number of stored entries, as soon as it is known.
+      integer(c_int64_t) :: n_entries !! Number of stored entries.
       type(c_ptr) :: column !! First column of each supernode, and n.
       type(c_ptr) :: row_start !! Where the rows of each supernode start.
       type(c_ptr) :: value_start !! Where the block of each supernode starts.
@@ -53,14 +59,26 @@ module amontons_sparse_factorization
 
    ! allow(assumed-size): C takes an address and knows no shape
    interface
-      function cholmod_factorize(n, column_start, row, value, handle, supernodes, failed) &
-         bind(c, name='amontons_cholmod_factorize') result(code)
-         import :: c_double, c_int, c_int64_t, c_ptr, supernodes_t
+      function cholmod_analyze(n, column_start, row, value, handle, n_entries, n_work_entries) &
+         bind(c, name='amontons_cholmod_analyze') result(code)
+         import :: c_double, c_int, c_int64_t, c_ptr
          implicit none (type, external)
          integer(c_int64_t), value, intent(in) :: n
          integer(c_int64_t), intent(inout) :: column_start(*), row(*)
          real(c_double), intent(inout) :: value(*)
          type(c_ptr), intent(inout) :: handle
+         integer(c_int64_t), intent(inout) :: n_entries, n_work_entries
+         integer(c_int) :: code
+      end function cholmod_analyze
+
+      function cholmod_factorize(handle, n, column_start, row, value, supernodes, failed) &
+         bind(c, name='amontons_cholmod_factorize') result(code)
+         import :: c_double, c_int, c_int64_t, c_ptr, supernodes_t
+         implicit none (type, external)
+         type(c_ptr), value, intent(in) :: handle
+         integer(c_int64_t), value, intent(in) :: n
+         integer(c_int64_t), intent(inout) :: column_start(*), row(*)
+         real(c_double), intent(inout) :: value(*)
          type(supernodes_t), intent(inout) :: supernodes
          integer(c_int64_t), intent(inout) :: failed
          integer(c_int) :: code
@@ -75,51 +93,61 @@ module amontons_sparse_factorization
 
 contains
 
-   !> Factorises a matrix in minimum degree order.
-   subroutine sparse_factorize(self, matrix, n_trailing, error)
+   !> Orders a matrix for little fill and finds the shape of its factor.
+   subroutine sparse_analyze(self, matrix, n_trailing, error)
       class(sparse_factorization_t), intent(inout) :: self !! the factorisation
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
       integer, intent(in) :: n_trailing !! how many unknowns, the last ones, are eliminated last
-      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory ran out
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
       integer, allocatable :: order(:)
-      integer(int64), allocatable :: column_start(:), row(:)
-      real(dp), allocatable :: value(:)
+      type(thread_state_t) :: threads
+      integer(c_int) :: code
+
+      call sparse_free(self)
+      allocate (order(matrix%n))
+      if (allocated(matrix%place)) then
+         call nested_dissection(matrix, n_trailing, order)
+      else
+         call minimum_degree(matrix, n_trailing, order, error)
+         if (allocated(error)) return
+      end if
+      call self%set_order(matrix, n_trailing, order)
+      call permute(matrix, order, self%matrix_column, self%matrix_row, self%matrix_value, error)
+      if (allocated(error)) return
+
+      call hold_threads(threads)
+      code = cholmod_analyze(int(self%n, int64), self%matrix_column, self%matrix_row, self%matrix_value, self%handle, &
+         self%n_entries, self%n_work_entries)
+      call release_threads(threads)
+      if (code /= done) call new_error(error, system_failure, 'memory ran out while analysing '//to_text(self%n)// &
+         ' unknowns')
+   end subroutine sparse_analyze
+
+   !> Computes the factor of the matrix that was analysed.
+   subroutine sparse_complete(self, error)
+      class(sparse_factorization_t), intent(inout) :: self !! the factorisation
+      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory ran out
       type(supernodes_t) :: supernodes
       type(thread_state_t) :: threads
       integer(c_int64_t) :: failed
       integer(c_int) :: code
 
-      call sparse_free(self)
-      allocate (order(matrix%n))
-      call minimum_degree(matrix, n_trailing, order, error)
-      if (allocated(error)) return
-      call self%set_order(n_trailing, order)
-      call permute(matrix, order, column_start, row, value, error)
-      if (allocated(error)) return
-
       call hold_threads(threads)
-      code = cholmod_factorize(int(self%n, int64), column_start, row, value, self%handle, supernodes, failed)
+      code = cholmod_factorize(self%handle, int(self%n, int64), self%matrix_column, self%matrix_row, &
+         self%matrix_value, supernodes, failed)
       call release_threads(threads)
+      deallocate (self%matrix_column, self%matrix_row, self%matrix_value)
       select case (code)
       case (done)
          call view(self, supernodes)
-         call self%check_pivots(matrix, pivots(self), error)
+         call self%check_pivots(pivots(self), error)
       case (not_positive_definite)
          call self%refuse(int(failed) + 1, error)
       case default
-         call new_error(error, system_failure, 'memory ran out while factorising '//to_text(self%n)//' unknowns'// &
-            factor_size(supernodes%n_entries))
+         call new_error(error, system_failure, 'memory ran out while factorising '//to_text(self%n)// &
+            ' unknowns, whose factor alone takes '//to_text(8*self%n_entries/1000000)//' MB')
       end select
-   end subroutine sparse_factorize
-
-   !> The size of a factor as the end of a sentence, empty if it is not known.
-   pure function factor_size(n_entries) result(text)
-      integer(int64), intent(in) :: n_entries !! number of stored entries, 0 if not known
-      character(:), allocatable :: text
-
-      text = ''
-      if (n_entries > 0) text = ', whose factor alone takes '//to_text(8*n_entries/1000000)//' MB'
-   end function factor_size
+   end subroutine sparse_complete
 
    !> Writes the lower triangle of P K P^T by columns, rows in any order, counted from 0.
    pure subroutine permute(matrix, order, column_start, row, value, error)
@@ -285,7 +313,7 @@ contains
       class(sparse_factorization_t), intent(in) :: self !! the factorisation
       integer(int64) :: n_entries
 
-      n_entries = size(self%value, kind=int64)
+      n_entries = self%n_entries
    end function sparse_n_factor_entries
 
    !> The word `sparse`.

@@ -14,9 +14,11 @@ module amontons_sparse_matrix
       integer(int64), allocatable :: column_start(:) !! Where column j starts in `row` and `value` (n + 1).
       integer, allocatable :: row(:) !! Row of each stored entry, ascending within a column.
       real(dp), allocatable :: value(:) !! Value of each stored entry.
+      real(dp), allocatable :: place(:, :) !! Where each unknown sits; not allocated where nobody knows (2, n) [L].
    contains
       procedure :: add_element => sparse_matrix_add_element
       procedure :: diagonal => sparse_matrix_diagonal
+      procedure :: extract => sparse_matrix_extract
       procedure :: multiply => sparse_matrix_multiply
       procedure :: shift_diagonal => sparse_matrix_shift_diagonal
    end type sparse_matrix_t
@@ -179,6 +181,84 @@ contains
          order(k + 1) = i
       end do
    end function sorting_order
+
+   !> The matrix of some of the unknowns, in the order given.
+   pure subroutine sparse_matrix_extract(self, unknowns, part, error)
+      class(sparse_matrix_t), intent(in) :: self !! the matrix
+      integer, intent(in) :: unknowns(:) !! the unknowns, distinct
+      type(sparse_matrix_t), intent(out) :: part !! their matrix, with their places
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      integer, allocatable :: number(:)
+      integer(int64) :: at
+      integer :: j, k, status
+
+      allocate (number(self%n), source=0)
+      part%n = size(unknowns)
+      do k = 1, part%n
+         number(unknowns(k)) = k
+      end do
+      call start_columns(self, unknowns, number, part%column_start)
+      allocate (part%row(part%column_start(part%n + 1) - 1), part%value(part%column_start(part%n + 1) - 1), stat=status)
+      if (status /= 0) then
+         call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(part%n)//' unknowns')
+         return
+      end if
+      part%row = 0
+      do k = 1, part%n
+         do at = self%column_start(unknowns(k)), self%column_start(unknowns(k) + 1) - 1
+            j = number(self%row(at))
+            if (j > 0) call insert(part, max(j, k), min(j, k), self%value(at))
+         end do
+      end do
+      if (allocated(self%place)) part%place = self%place(:, unknowns)
+   end subroutine sparse_matrix_extract
+
+   !> Finds where the columns of a part of the matrix start.
+   pure subroutine start_columns(matrix, unknowns, number, column_start)
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
+      integer, intent(in) :: unknowns(:) !! the unknowns of the part
+      integer, intent(in) :: number(:) !! number of each unknown in the part, 0 for none (n)
+      integer(int64), allocatable, intent(out) :: column_start(:) !! where each column starts, and past the last
+      integer(int64) :: at, n_entries, next
+      integer :: j, k
+
+      allocate (column_start(size(unknowns) + 1), source=0_int64)
+      do k = 1, size(unknowns)
+         do at = matrix%column_start(unknowns(k)), matrix%column_start(unknowns(k) + 1) - 1
+            j = min(number(matrix%row(at)), k)
+            if (j > 0) column_start(j) = column_start(j) + 1
+         end do
+      end do
+      next = 1
+      do k = 1, size(unknowns)
+         n_entries = column_start(k)
+         column_start(k) = next
+         next = next + n_entries
+      end do
+      column_start(size(unknowns) + 1) = next
+   end subroutine start_columns
+
+   !> Puts an entry in its place among the rows so far of its column, at most a few dozen. Row 0 marks what is free.
+   pure subroutine insert(matrix, row, column, value)
+      type(sparse_matrix_t), intent(inout) :: matrix !! the matrix, with room for the entry
+      integer, intent(in) :: row !! its row
+      integer, intent(in) :: column !! its column
+      real(dp), intent(in) :: value !! its value
+      integer(int64) :: place
+
+      place = matrix%column_start(column)
+      do while (matrix%row(place) > 0)
+         place = place + 1
+      end do
+      do while (place > matrix%column_start(column))
+         if (matrix%row(place - 1) < row) exit
+         matrix%row(place) = matrix%row(place - 1)
+         matrix%value(place) = matrix%value(place - 1)
+         place = place - 1
+      end do
+      matrix%row(place) = row
+      matrix%value(place) = value
+   end subroutine insert
 
    !> The product y = K x.
    pure subroutine sparse_matrix_multiply(self, x, y)

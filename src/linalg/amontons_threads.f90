@@ -1,7 +1,8 @@
 !> Threads, that is how many the program's own loops use, and one for what runs inside the foreign libraries.
 module amontons_threads
    use, intrinsic :: iso_c_binding, only: c_int
-   use omp_lib, only: omp_get_max_active_levels, omp_get_max_threads, omp_set_max_active_levels, omp_set_num_threads
+   use omp_lib, only: omp_get_active_level, omp_get_max_active_levels, omp_get_max_threads, &
+      omp_set_max_active_levels, omp_set_num_threads
    implicit none (type, external)
    private
 
@@ -49,13 +50,19 @@ contains
       n_threads = omp_get_max_threads()
    end function n_threads
 
-   !> Keeps everything called from this thread on this thread, until `release_threads`.
-   subroutine hold_threads(state)
+   !> Keeps everything called from this thread on this thread, until `release_threads`; or all but the parallel loops
+   !> of the caller itself.
+   subroutine hold_threads(state, n_levels)
       type(thread_state_t), intent(out) :: state !! what to put back
+      integer, intent(in), optional :: n_levels !! how many nested parallel loops may still be active, by default none
 
       state%active_levels = omp_get_max_active_levels()
       state%blas_threads = blas_threads()
-      call omp_set_max_active_levels(0)
+      if (present(n_levels)) then
+         call omp_set_max_active_levels(min(state%active_levels, omp_get_active_level() + n_levels))
+      else
+         call omp_set_max_active_levels(omp_get_active_level())
+      end if
       call set_blas_threads(1_c_int)
    end subroutine hold_threads
 

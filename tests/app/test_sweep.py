@@ -178,7 +178,7 @@ class Files(SweepTest):
 
     def test_check_counts_the_cases(self):
         run = self.run_program("--check", self.write("sweep.nml", map_of_states(3)))
-        self.assertRegex(run.stdout, ", 9 contact points, 600 cases\n$")
+        self.assertRegex(run.stdout, ", 9 contact points, 600 cases; ")
         self.assertEqual(self.files(), ["sweep.nml"])
 
     def test_sweep_shares_the_factorisation_of_a_single_deck(self):

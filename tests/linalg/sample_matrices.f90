@@ -6,8 +6,8 @@ module sample_matrices
    implicit none (type, external)
    private
 
-   public :: arbitrary_matrix, arbitrary_numbers, chain_inverse, chain_matrix, dense_matrix, grid_matrix, &
-      plate_matrix, smallest_grid_eigenpair
+   public :: arbitrary_matrix, arbitrary_numbers, chain_inverse, chain_matrix, dense_matrix, grid_matrix, grid_places, &
+      plate_matrix, plate_places, smallest_grid_eigenpair
 
 contains
 
@@ -68,6 +68,20 @@ contains
 
    end subroutine grid_matrix
 
+   !> Where the unknowns of `grid_matrix` sit.
+   pure function grid_places(n_columns, n_rows) result(place)
+      integer, intent(in) :: n_columns !! points in a row
+      integer, intent(in) :: n_rows !! number of rows
+      real(dp) :: place(2, n_columns*n_rows)
+      integer :: i, j
+
+      do j = 1, n_rows
+         do i = 1, n_columns
+            place(:, i + (j - 1)*n_columns) = real([i, j], dp)
+         end do
+      end do
+   end function grid_places
+
    !> The lowest eigenvector of `grid_matrix`, a half wave in each direction, and its eigenvalue.
    pure subroutine smallest_grid_eigenpair(n_columns, n_rows, value, vector)
       integer, intent(in) :: n_columns !! points in a row
@@ -106,6 +120,17 @@ contains
          error)
       call add_blocks(matrix, list)
    end subroutine plate_matrix
+
+   !> Where the unknowns of `plate_matrix` sit.
+   pure function plate_places(n_cells) result(place)
+      integer, intent(in) :: n_cells !! cells along a side
+      real(dp) :: place(2, 2*(n_cells + 1)**2)
+
+      place(:, 1::2) = grid_places(n_cells + 1, n_cells + 1)
+      ! The first row of corners comes last.
+      place(2, 1::2) = modulo(place(2, 1::2), real(n_cells + 1, dp))
+      place(:, 2::2) = place(:, 1::2)
+   end function plate_places
 
    !> Blocks that couple unknowns all over the place; some unknowns may have none, some elements lack an unknown.
    subroutine arbitrary_matrix(matrix, n, n_elements)
