@@ -3,7 +3,8 @@ module amontons_lapack
    implicit none (type, external)
    private
 
-   public :: daxpy, dgemv, dgesv, dlauum, dpbtrf, dpotrf, dpotri, dpotrs, dsyev, dsymv, dtbsv, dtrsv
+   public :: daxpy, dgemm, dgemv, dgesv, dgetrf, dgetrs, dlauum, dpbtrf, dpotrf, dpotri, dpotrs, dsyev, dsymv, dtbsv, &
+      dtrsv
 
    ! allow(assumed-size): these routines take the shape apart from the address
    interface
@@ -14,6 +15,15 @@ module amontons_lapack
          real(dp), intent(in) :: alpha, x(*)
          real(dp), intent(inout) :: y(*)
       end subroutine daxpy
+
+      pure subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: transa, transb
+         integer, intent(in) :: m, n, k, lda, ldb, ldc
+         real(dp), intent(in) :: alpha, beta, a(lda, *), b(ldb, *)
+         real(dp), intent(inout) :: c(ldc, *)
+      end subroutine dgemm
 
       pure subroutine dgemv(trans, m, n, alpha, a, lda, x, incx, beta, y, incy)
          use amontons_kinds, only: dp
@@ -31,6 +41,25 @@ module amontons_lapack
          real(dp), intent(inout) :: a(lda, *), b(ldb, *)
          integer, intent(out) :: ipiv(*), info
       end subroutine dgesv
+
+      pure subroutine dgetrf(m, n, a, lda, ipiv, info)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         integer, intent(in) :: m, n, lda
+         real(dp), intent(inout) :: a(lda, *)
+         integer, intent(out) :: ipiv(*), info
+      end subroutine dgetrf
+
+      pure subroutine dgetrs(trans, n, nrhs, a, lda, ipiv, b, ldb, info)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: trans
+         integer, intent(in) :: n, nrhs, lda, ldb
+         real(dp), intent(in) :: a(lda, *)
+         integer, intent(in) :: ipiv(*)
+         real(dp), intent(inout) :: b(ldb, *)
+         integer, intent(out) :: info
+      end subroutine dgetrs
 
       pure subroutine dlauum(uplo, n, a, lda, info)
          use amontons_kinds, only: dp
