@@ -21,14 +21,13 @@ module amontons_newton
 
    public :: newton_t
 
-   !> The largest share of the diagonal that a step is held by.
-   real(dp), parameter :: most_share = 1.0_dp
    !> What divides the share after a step that was better, and after one that left the guess as it was. More spoils
    !> semidefinite problems, whose guesses then never settle.
    real(dp), parameter :: little = 3.0_dp, much = 90.0_dp
 
    !> The semismooth Newton method, in the displacements of a body and in the forces of a reduced problem.
    type, extends(contact_method_t) :: newton_t
+      real(dp) :: most_share = 1.0_dp !! largest share of the diagonal that holds a step [-]
    contains
       procedure :: solve => newton_solve
    end type newton_t
@@ -63,9 +62,9 @@ contains
          call system%solve(problem, guess, share, displacement, force, imbalance, info)
          if (info /= 0) then
             ! No step: the same guess again, held more firmly, unless it was held as firmly as can be.
-            if (.not. share < most_share) exit
+            if (.not. share < self%most_share) exit
             call solution%note(previous)
-            call grow(share)
+            call grow(share, self%most_share)
             cycle
          end if
          last = guess
@@ -79,7 +78,7 @@ contains
             call keep_best(solution, displacement, force, residual)
          end if
          if (residual > previous) then
-            call grow(share)
+            call grow(share, self%most_share)
          else
             share = max(system%least_share, share/merge(much, little, guess%equals(last)))
          end if
@@ -91,11 +90,12 @@ contains
    end subroutine newton_solve
 
    !> Makes a share of the diagonal larger.
-   pure subroutine grow(share)
+   pure subroutine grow(share, most)
       real(dp), intent(inout) :: share !! the share [-]
+      real(dp), intent(in) :: most !! the largest that it may be [-]
       real(dp), parameter :: factor = 10.0_dp, from_nothing = 1.0e-9_dp
 
-      share = min(most_share, max(from_nothing, factor*share))
+      share = min(most, max(from_nothing, factor*share))
    end subroutine grow
 
    !> Keeps a pair (v, lambda) in the solution if it is better than the one there.
