@@ -1,10 +1,11 @@
-!> The default method: Newton, and where it does not arrive, sweeps to a better start for Newton.
+!> The default method: Newton, and where it does not arrive, other methods to a better start for Newton.
 module amontons_auto
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_lemke, only: lemke_t
    use amontons_newton, only: newton_t
    use amontons_psor, only: psor_t
    implicit none (type, external)
@@ -21,7 +22,8 @@ module amontons_auto
 contains
 
    !> Newton from the start; then, until the iterations are used up, sweeps from the best pair so far and Newton from
-   !> where they lead, each time four times as many sweeps as before.
+   !> where they lead, each time four times as many sweeps as before. Lemke's pivoting, where it is quick, has its turn
+   !> once.
    subroutine auto_solve(self, problem, solution, error)
       class(auto_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
@@ -31,6 +33,8 @@ contains
       integer, parameter :: n_newton_steps = 100, n_first_sweeps = 10, growth = 4
       type(contact_solution_t) :: best
       real(dp), allocatable :: history(:)
+      ! Lemke's pivots then take about a second.
+      integer, parameter :: most_points = 300
       ! Shares of the diagonal: more ends cycles of Newton's guesses, but is slow where there are none.
       real(dp), parameter :: most_shares(2) = [1.0_dp, 30.0_dp]
       integer :: n_sweeps, round
@@ -43,11 +47,16 @@ contains
       do
          round = round + 1
          call run(newton_t(self%tolerance, n_newton_steps, most_shares(1 + modulo(round - 1, 2))))
-         if (best%residual <= self%tolerance .or. size(history) >= self%max_iterations) exit
+         if (is_done()) exit
+         if (round == 2 .and. problem%n_points <= most_points) then
+            call run(lemke_t(self%tolerance))
+            if (is_done()) exit
+            cycle
+         end if
          solution%force = best%force
          solution%displacement = best%displacement
          call run(psor_t(self%tolerance, n_sweeps, space=merge('dual  ', 'primal', problem%is_reduced())))
-         if (best%residual <= self%tolerance .or. size(history) >= self%max_iterations) exit
+         if (is_done()) exit
          n_sweeps = growth*n_sweeps
       end do
       solution = best
@@ -56,6 +65,11 @@ contains
       solution%n_iterations = size(history)
 
    contains
+
+      !> Whether the problem is solved or the iterations are used up.
+      pure logical function is_done()
+         is_done = best%residual <= self%tolerance .or. size(history) >= self%max_iterations
+      end function is_done
 
       !> Runs one method from the present solution, as far as iterations are left, and appends its record.
       subroutine run(method)
