@@ -1,5 +1,7 @@
 !> The active set of a contact problem: a guess of what every point does, which turns the contact law into linear
-!> equations. Closed: u_N = d. Open: lambda_N = 0. Stick: u_T = 0. Slip along s = +1 or -1: lambda_T = s (g + phi lambda_N).
+!> equations.
+!>
+!> Closed: u_N = d. Open: lambda_N = 0. Stick: u_T = 0. Slip along s = +1 or -1: lambda_T = s (g + phi lambda_N).
 module amontons_active_set
    use amontons_contact_problem, only: contact_problem_t
    use amontons_friction_law, only: bounded
@@ -31,8 +33,8 @@ contains
       self%sense = merge(0, 1, problem%friction + problem%slip_bound > 0.0_dp)
    end subroutine active_set_guess_stick
 
-   !> The guess that a pair (v, lambda) leads to: which side of the law its augmented forces lie on; and how much the pair
-   !> violates the law.
+   !> The guess that a pair (v, lambda) leads to, which side of the law its augmented forces lie on; and how much the
+   !> pair violates the law.
    pure subroutine active_set_guess(self, problem, rho, displacement, force, violation)
       class(active_set_t), intent(inout) :: self !! the active set
       type(contact_problem_t), intent(in) :: problem !! the problem

@@ -78,7 +78,7 @@ contains
       type(active_set_t), intent(in) :: guess !! state of each point
       real(dp), intent(in) :: share !! share of the diagonal of A [-]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
-      integer :: i, j, m, n, point
+      integer :: i, m, n
 
       m = problem%n_points
       if (.not. allocated(self%diagonal)) then
@@ -92,21 +92,7 @@ contains
       n = size(self%unknown)
       if (allocated(self%factor)) deallocate (self%factor)
       allocate (self%factor(n, n))
-      associate (a => problem%compliance%values)
-         do i = 1, n
-            do j = 1, n
-               self%factor(j, i) = a(self%unknown(j), self%unknown(i))
-            end do
-            do j = 1, n
-               point = self%unknown(j)
-               if (point > m) exit
-               if (guess%sense(point) == 0) cycle
-               self%factor(j, i) = self%factor(j, i) + guess%sense(point)*problem%friction(point) &
-                  *a(m + point, self%unknown(i))
-            end do
-            self%factor(i, i) = self%factor(i, i) + share*self%diagonal(self%unknown(i))
-         end do
-      end associate
+      call gather(self, problem)
       self%is_symmetric = .not. any(guess%is_closed .and. guess%sense /= 0 .and. problem%friction > 0.0_dp)
       if (self%is_symmetric) then
          call cholesky_factor(self%factor, info)
@@ -115,6 +101,29 @@ contains
       end if
       if (info /= 0) self%share = -1.0_dp
    end subroutine compliance_system_factorize
+
+   !> Writes the transposed matrix of the factorised guess where its factors will stand.
+   pure subroutine gather(self, problem)
+      class(compliance_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer :: i, j, m, point
+
+      m = problem%n_points
+      associate (a => problem%compliance%values, unknown => self%unknown)
+         do i = 1, size(unknown)
+            do j = 1, size(unknown)
+               self%factor(j, i) = a(unknown(j), unknown(i))
+            end do
+            do j = 1, size(unknown)
+               point = unknown(j)
+               if (point > m) exit
+               if (self%base%sense(point) == 0) cycle
+               self%factor(j, i) = self%factor(j, i) + slope(problem, self%base, point)*a(m + point, unknown(i))
+            end do
+            self%factor(i, i) = self%factor(i, i) + self%share*self%diagonal(unknown(i))
+         end do
+      end associate
+   end subroutine gather
 
    !> Takes up the rows in which a guess differs from the factorised one, unless a new factorisation is better.
    subroutine compliance_system_update(self, problem, guess, share, is_updated)

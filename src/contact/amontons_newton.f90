@@ -74,8 +74,7 @@ contains
             call solution%record(problem, displacement, force, self%tolerance, may_continue)
             if (.not. may_continue) return
          else
-            call solution%note(residual)
-            call keep_best(solution, displacement, force, residual)
+            call note(solution, displacement, force, residual)
          end if
          if (residual > previous) then
             call grow(share, self%most_share)
@@ -84,10 +83,19 @@ contains
          end if
          previous = residual
       end do
-      if (.not. solution%residual < huge(residual)) return
+      call judge(solution, problem)
+   end subroutine newton_solve
+
+   !> Measures the best pair anew, by the problem alone.
+   pure subroutine judge(solution, problem)
+      type(contact_solution_t), intent(inout) :: solution !! the solution
+      type(contact_problem_t), intent(in) :: problem !! the problem
+
+      ! A residual still at its first value, the largest number, means that there was no step.
+      if (.not. solution%residual < huge(solution%residual)) return
       solution%residual = problem%residual(solution%displacement, solution%force)
       solution%status = problem%status(solution%displacement, solution%force)
-   end subroutine newton_solve
+   end subroutine judge
 
    !> Makes a share of the diagonal larger.
    pure subroutine grow(share, most)
@@ -98,18 +106,19 @@ contains
       share = min(most, max(from_nothing, factor*share))
    end subroutine grow
 
-   !> Keeps a pair (v, lambda) in the solution if it is better than the one there.
-   pure subroutine keep_best(solution, displacement, force, residual)
+   !> Counts an iteration, and keeps its pair (v, lambda) in the solution if it is better than the one there.
+   pure subroutine note(solution, displacement, force, residual)
       type(contact_solution_t), intent(inout) :: solution !! the solution
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
       real(dp), intent(in) :: force(:) !! lambda (2m) [F]
       real(dp), intent(in) :: residual !! residual of this pair [-]
 
+      call solution%note(residual)
       if (.not. residual < solution%residual) return
       solution%displacement = displacement
       solution%force = force
       solution%residual = residual
-   end subroutine keep_best
+   end subroutine note
 
    !> The linear system that suits a problem. In the displacements a share slows the motions that move all points
    !> together, so there is none as long as all goes well; in the forces it costs nothing, and makes the guesses of

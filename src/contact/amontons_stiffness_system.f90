@@ -33,43 +33,35 @@ contains
       real(dp), intent(out) :: imbalance !! largest violation of S v = q - lambda by the pair after the step [F]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
       real(dp), allocatable :: matrix(:, :), right(:)
-      real(dp) :: load(size(force))
-      integer :: unknown(size(force)), m, n, i, point
+      integer, allocatable :: unknown(:)
+      real(dp) :: load(size(force)), slope(problem%n_points)
+      integer :: m, n, i, point
 
       m = problem%n_points
       if (.not. allocated(self%diagonal)) self%diagonal = problem%augmentation()
-      n = 0
-      do i = 1, size(force)
-         if (i <= m) then
-            if (guess%is_closed(i)) cycle
-         else if (guess%sense(i - m) == 0) then
-            cycle
-         end if
-         n = n + 1
-         unknown(n) = i
-      end do
+      unknown = pack([(i, i=1, 2*m)], [.not. guess%is_closed, guess%sense /= 0])
+      n = size(unknown)
+      slope = merge(problem%friction*guess%sense, 0.0_dp, guess%is_closed)
       load = known_load(problem, guess)
       allocate (matrix(n, n), right(n))
       do i = 1, n
-         matrix(:, i) = problem%stiffness(unknown(:n), unknown(i))
+         matrix(:, i) = problem%stiffness(unknown, unknown(i))
          matrix(i, i) = matrix(i, i) + share*self%diagonal(unknown(i))
          right(i) = load(unknown(i)) + share*self%diagonal(unknown(i))*displacement(unknown(i))
       end do
       do i = 1, n
          point = unknown(i) - m
          if (point < 1) cycle
-         if (.not. guess%is_closed(point)) cycle
-         associate (slope => problem%friction(point)*guess%sense(point))
-            matrix(i, :) = matrix(i, :) - slope*problem%stiffness(unknown(:n), point)
-            right(i) = right(i) - slope*load(point)
-         end associate
+         if (.not. abs(slope(point)) > 0.0_dp) cycle
+         matrix(i, :) = matrix(i, :) - slope(point)*problem%stiffness(unknown, point)
+         right(i) = right(i) - slope(point)*load(point)
       end do
       call lu_solve(matrix, right, info)
       if (.not. all(ieee_is_finite(right))) info = 1
       if (info /= 0) return
       displacement(:m) = problem%gap
       displacement(m + 1:) = 0.0_dp
-      displacement(unknown(:n)) = right
+      displacement(unknown) = right
       call recover_forces(problem, guess, displacement, force, imbalance)
    end subroutine stiffness_system_solve
 
