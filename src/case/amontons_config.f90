@@ -221,6 +221,8 @@ contains
             'lie above 0 and below 1, found '//to_text(method%tolerance))
          call require(deck, group, 'max_iterations', method%max_iterations > 0, 'be at least 1, found '// &
             to_text(method%max_iterations))
+         call require(deck, group, 'space', .not. (config%reduced%is_given .and. method%method == 'psor' &
+            .and. method%space == 'primal'), "be 'dual' for a reduced problem, which has no stiffness to sweep on")
       end associate
    end subroutine read_solver
 

@@ -1,13 +1,13 @@
-!> The default method: the paper's splitting until the statuses are nearly right, then Newton to the last digit.
+!> The default method: Newton, and where it does not arrive, other methods to a better start for Newton.
 module amontons_auto
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_lemke, only: lemke_t
    use amontons_newton, only: newton_t
    use amontons_psor, only: psor_t
-   use amontons_splitting, only: splitting_t
    implicit none (type, external)
    private
 
@@ -21,30 +21,44 @@ module amontons_auto
 
 contains
 
-   !> Splitting to a coarse tolerance, then Newton; while Newton fails, splitting to a finer one; at last sweeps in the
-   !> displacements, which converge where nothing else does.
+   !> Newton from the start; then, until the iterations are used up, sweeps from the best pair so far and Newton from
+   !> where they lead, each time four times as many sweeps as before. Lemke's pivoting, where it is quick, has its turn
+   !> once.
    subroutine auto_solve(self, problem, solution, error)
       class(auto_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
-      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
-      real(dp), parameter :: coarse(3) = [1.0e-6_dp, 1.0e-8_dp, 0.0_dp]
-      ! Where the splitting converges at all, a few dozen steps are enough; Newton needs fewer.
-      integer, parameter :: n_splitting_steps = 100, n_newton_steps = 20
+      type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
+      ! Where Newton arrives, it arrives within this many steps, on semidefinite problems with strong friction too.
+      integer, parameter :: n_newton_steps = 100, n_first_sweeps = 10, growth = 4
       type(contact_solution_t) :: best
       real(dp), allocatable :: history(:)
-      integer :: i
+      ! Lemke's pivots then take about a second.
+      integer, parameter :: most_points = 300
+      ! Shares of the diagonal: more ends cycles of Newton's guesses, but is slow where there are none.
+      real(dp), parameter :: most_shares(2) = [1.0_dp, 30.0_dp]
+      integer :: n_sweeps, round
 
       best = solution
       call best%begin()
       allocate (history(0))
-      do i = 1, size(coarse)
-         call run(splitting_t(max(coarse(i), self%tolerance), n_splitting_steps))
-         if (allocated(error)) return
-         call run(newton_t(self%tolerance, n_newton_steps))
-         if (allocated(error) .or. best%residual <= self%tolerance) exit
+      n_sweeps = n_first_sweeps
+      round = 0
+      do
+         round = round + 1
+         call run(newton_t(self%tolerance, n_newton_steps, most_shares(1 + modulo(round - 1, 2))))
+         if (is_done()) exit
+         if (round == 2 .and. problem%n_points <= most_points) then
+            call run(lemke_t(self%tolerance))
+            if (is_done()) exit
+            cycle
+         end if
+         solution%force = best%force
+         solution%displacement = best%displacement
+         call run(psor_t(self%tolerance, n_sweeps, space=merge('dual  ', 'primal', problem%is_reduced())))
+         if (is_done()) exit
+         n_sweeps = growth*n_sweeps
       end do
-      if (best%residual > self%tolerance) call run(psor_t(self%tolerance, self%max_iterations, space='primal'))
       solution = best
       solution%is_converged = solution%residual <= self%tolerance
       solution%history = history
@@ -52,18 +66,19 @@ contains
 
    contains
 
-      !> Runs one method from the best pair so far, as far as iterations are left, and appends its record.
+      !> Whether the problem is solved or the iterations are used up.
+      pure logical function is_done()
+         is_done = best%residual <= self%tolerance .or. size(history) >= self%max_iterations
+      end function is_done
+
+      !> Runs one method from the present solution, as far as iterations are left, and appends its record.
       subroutine run(method)
          class(contact_method_t), intent(in) :: method !! the method
          class(contact_method_t), allocatable :: limited
 
          allocate (limited, source=method)
          limited%max_iterations = min(method%max_iterations, self%max_iterations - size(history))
-         if (limited%max_iterations < 1) return
-         solution%force = best%force
-         solution%displacement = best%displacement
          call limited%solve(problem, solution, error)
-         if (allocated(error)) return
          history = [history, solution%history(:solution%n_iterations)]
          if (solution%residual < best%residual) best = solution
       end subroutine run

@@ -1,200 +1,143 @@
-!> Semismooth Newton on the condensed stiffness S, in the form of an active-set method (Alart and Curnier, CMAME 92,
-!> 1991): guess the state of every point, solve the linear system that the guess gives, read the next guess off its
-!> solution, repeat. It ends, exactly, as soon as a guess repeats itself.
+!> Semismooth Newton in the form of an active-set method (Alart and Curnier, CMAME 92, 1991): guess the state of every
+!> point, solve the linear system that the guess gives, read the next guess off its solution, repeat. Once a guess
+!> repeats itself the solution is exact.
+!>
+!> Steps are proximal: a share of the diagonal holds the unknowns to where they were. As in the method of Levenberg and
+!> Marquardt the share grows when the residual does and shrinks when the residual does: guesses that leave the system
+!> singular are passed, cycles of guesses break, and near the solution the steps are Newton's.
 module amontons_newton
+   use amontons_active_set, only: active_set_t
+   use amontons_compliance_system, only: compliance_system_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
-   use amontons_dense, only: lu_solve, symmetric_multiply
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_newton_system, only: newton_system_t
+   use amontons_sparse_compliance_system, only: sparse_compliance_system_t
+   use amontons_stiffness_system, only: stiffness_system_t
    implicit none (type, external)
    private
 
    public :: newton_t
 
-   !> The semismooth Newton method.
+   !> What divides the share after a step that was better, and after one that left the guess as it was. More spoils
+   !> semidefinite problems, whose guesses then never settle.
+   real(dp), parameter :: little = 3.0_dp, much = 90.0_dp
+
+   !> The semismooth Newton method, in the displacements of a body and in the forces of a reduced problem.
    type, extends(contact_method_t) :: newton_t
+      real(dp) :: most_share = 1.0_dp !! largest share of the diagonal that holds a step [-]
    contains
       procedure :: solve => newton_solve
    end type newton_t
 
-   !> What is guessed of every point.
-   type :: guess_t
-      logical, allocatable :: is_closed(:) !! whether it touches (m)
-      integer, allocatable :: sense(:) !! sign of its slip, 0 if it sticks (m)
-   end type guess_t
-
 contains
 
-   !> Takes Newton steps; a step that leads to worse is shortened. From rest the first guess is that all points stick.
+   !> Takes steps, and keeps the best pair where none is the solution. From rest the first guess is that all points
+   !> stick.
    subroutine newton_solve(self, problem, solution, error)
       class(newton_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
-      real(dp) :: displacement(2*problem%n_points), force(2*problem%n_points)
-      type(guess_t) :: guess
+      class(newton_system_t), allocatable :: system
+      type(active_set_t) :: guess, last
+      real(dp), dimension(2*problem%n_points) :: displacement, force, rho
+      real(dp) :: scale, share, residual, previous, violation, imbalance
       integer :: iteration, info
       logical :: may_continue
 
       call solution%begin()
+      call new_system(system, problem)
+      rho = problem%augmentation()
+      scale = problem%force_scale()
       displacement = solution%displacement
-      guess = guess_of(problem, displacement, solution%force)
-      if (.not. any(solution%force(:problem%n_points) > 0.0_dp)) then
-         guess%is_closed = .true.
-         guess%sense = merge(0, 1, problem%friction + problem%slip_bound > 0.0_dp)
-      end if
+      force = solution%force
+      call guess%guess(problem, rho, displacement, force, violation)
+      if (.not. any(force(:problem%n_points) > 0.0_dp)) call guess%guess_stick(problem)
+      share = system%first_share
+      previous = huge(previous)
       do iteration = 1, self%max_iterations
-         call newton_step(problem, guess, displacement, force, info)
-         if (info /= 0) return
-         if (iteration > 1) call shorten_step(problem, solution, displacement, force)
-         call solution%record(problem, displacement, force, self%tolerance, may_continue)
-         if (.not. may_continue) return
-         guess = guess_of(problem, displacement, force)
+         call system%solve(problem, guess, share, displacement, force, imbalance, info)
+         if (info /= 0) then
+            ! No step: the same guess again, held more firmly, unless it was held as firmly as can be.
+            if (.not. share < self%most_share) exit
+            call solution%note(previous)
+            call grow(share, self%most_share)
+            cycle
+         end if
+         last = guess
+         call guess%guess(problem, rho, displacement, force, violation)
+         residual = max(violation, imbalance)/scale
+         if (residual <= self%tolerance) then
+            call solution%record(problem, displacement, force, self%tolerance, may_continue)
+            if (.not. may_continue) return
+         else
+            call note(solution, displacement, force, residual)
+         end if
+         if (residual > previous) then
+            call grow(share, self%most_share)
+         else
+            share = max(system%least_share, share/merge(much, little, guess%equals(last)))
+         end if
+         previous = residual
       end do
+      call judge(solution, problem)
    end subroutine newton_solve
 
-   !> The guess that a pair (v, lambda) leads to: which side of the law its augmented forces lie on. A point without
-   !> any slip bound has nothing to stick by.
-   pure function guess_of(problem, displacement, force) result(guess)
+   !> Measures the best pair anew, by the problem alone.
+   pure subroutine judge(solution, problem)
+      type(contact_solution_t), intent(inout) :: solution !! the solution
       type(contact_problem_t), intent(in) :: problem !! the problem
+
+      ! A residual still at its first value, the largest number, means that there was no step.
+      if (.not. solution%residual < huge(solution%residual)) return
+      solution%residual = problem%residual(solution%displacement, solution%force)
+      solution%status = problem%status(solution%displacement, solution%force)
+   end subroutine judge
+
+   !> Makes a share of the diagonal larger.
+   pure subroutine grow(share, most)
+      real(dp), intent(inout) :: share !! the share [-]
+      real(dp), intent(in) :: most !! the largest that it may be [-]
+      real(dp), parameter :: factor = 10.0_dp, from_nothing = 1.0e-9_dp
+
+      share = min(most, max(from_nothing, factor*share))
+   end subroutine grow
+
+   !> Counts an iteration, and keeps its pair (v, lambda) in the solution if it is better than the one there.
+   pure subroutine note(solution, displacement, force, residual)
+      type(contact_solution_t), intent(inout) :: solution !! the solution
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
       real(dp), intent(in) :: force(:) !! lambda (2m) [F]
-      type(guess_t) :: guess
-      real(dp) :: normal, tangential, bound
-      integer :: p, t
+      real(dp), intent(in) :: residual !! residual of this pair [-]
 
-      allocate (guess%is_closed(problem%n_points), guess%sense(problem%n_points))
-      do p = 1, problem%n_points
-         t = p + problem%n_points
-         normal = force(p) + problem%stiffness(p, p)*(displacement(p) - problem%gap(p))
-         tangential = force(t) + problem%stiffness(t, t)*displacement(t)
-         bound = problem%slip_bound(p) + problem%friction(p)*max(0.0_dp, normal)
-         guess%is_closed(p) = normal > 0.0_dp
-         guess%sense(p) = 0
-         if (abs(tangential) > bound .or. .not. bound > 0.0_dp) guess%sense(p) = nint(sign(1.0_dp, tangential))
-      end do
-   end function guess_of
+      call solution%note(residual)
+      if (.not. residual < solution%residual) return
+      solution%displacement = displacement
+      solution%force = force
+      solution%residual = residual
+   end subroutine note
 
-   !> The displacements and forces that a guess leads to.
-   !>
-   !> Closed: u_N = d. Open: lambda_N = 0. Stick: u_T = 0. Slip along s = +1 or -1: lambda_T = s (g + phi lambda_N). The
-   !> rows of `S v = q - lambda` that hold an unknown displacement, with lambda_N of a closed sliding point eliminated
-   !> by its own row, are the system.
-   subroutine newton_step(problem, guess, displacement, force, info)
+   !> The linear system that suits a problem. In the displacements a share slows the motions that move all points
+   !> together, so there is none as long as all goes well; in the forces it costs nothing, and makes the guesses of
+   !> semidefinite problems settle.
+   subroutine new_system(system, problem)
+      class(newton_system_t), allocatable, intent(out) :: system !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(guess_t), intent(in) :: guess !! state of each point
-      real(dp), intent(inout) :: displacement(:) !! v before the step, and after it (2m) [L]
-      real(dp), intent(out) :: force(:) !! lambda after the step (2m) [F]
-      integer, intent(out) :: info !! 0, or nonzero where the guess leaves the system singular
-      real(dp) :: factor(problem%n_points), load(2*problem%n_points), v(2*problem%n_points)
-      real(dp), allocatable :: matrix(:, :), right(:)
-      integer, allocatable :: unknown(:)
-      integer :: i, j, m, point
 
-      m = problem%n_points
-      factor = merge(problem%friction*guess%sense, 0.0_dp, guess%is_closed)
-      v = 0.0_dp
-      v(:m) = merge(problem%gap, 0.0_dp, guess%is_closed)
-      call symmetric_multiply(problem%stiffness, v, load)
-      load = problem%load - load
-      load(m + 1:) = load(m + 1:) - guess%sense*problem%slip_bound
-      unknown = pack([(i, i=1, 2*m)], [.not. guess%is_closed, guess%sense /= 0])
-      allocate (matrix(size(unknown), size(unknown)), right(size(unknown)))
-      do j = 1, size(unknown)
-         do i = 1, size(unknown)
-            matrix(i, j) = problem%stiffness(unknown(i), unknown(j))
-         end do
-      end do
-      right = load(unknown)
-      do i = 1, size(unknown)
-         point = unknown(i) - m
-         if (point < 1) cycle
-         if (.not. abs(factor(point)) > 0.0_dp) cycle
-         matrix(i, :) = matrix(i, :) - factor(point)*problem%stiffness(unknown, point)
-         right(i) = right(i) - factor(point)*load(point)
-      end do
-      call hold_softly(problem, unknown, displacement, matrix, right)
-      call lu_solve(matrix, right, info)
-      if (info /= 0) return
-      v(unknown) = right
-      displacement = v
-      call recover_forces(problem, guess, displacement, force)
-   end subroutine newton_step
-
-   !> For a body that only contact holds, adds a tiny multiple of the step to the equations (a proximal step), so that
-   !> statuses which leave a rigid motion free still give one solution. It vanishes as the steps do.
-   pure subroutine hold_softly(problem, unknown, displacement, matrix, right)
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      integer, intent(in) :: unknown(:) !! the unknown displacements
-      real(dp), intent(in) :: displacement(:) !! v before the step (2m) [L]
-      real(dp), intent(inout) :: matrix(:, :) !! the system
-      real(dp), intent(inout) :: right(:) !! its right-hand side
-      real(dp), parameter :: tiny_share = 1.0e-9_dp
-      real(dp) :: alpha
-      integer :: i
-
-      if (problem%is_held) return
-      do i = 1, size(unknown)
-         alpha = tiny_share*problem%stiffness(unknown(i), unknown(i))
-         matrix(i, i) = matrix(i, i) + alpha
-         right(i) = right(i) + alpha*displacement(unknown(i))
-      end do
-   end subroutine hold_softly
-
-   !> The forces q - S v, with what the guess says of them put in exactly.
-   pure subroutine recover_forces(problem, guess, displacement, force)
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      type(guess_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
-      real(dp), intent(out) :: force(:) !! lambda (2m) [F]
-      integer :: m
-
-      m = problem%n_points
-      call symmetric_multiply(problem%stiffness, displacement, force)
-      force = problem%load - force
-      where (.not. guess%is_closed) force(:m) = 0.0_dp
-      where (guess%sense /= 0) force(m + 1:) = guess%sense*(problem%slip_bound + problem%friction*force(:m))
-   end subroutine recover_forces
-
-   !> Shortens a step from the last recorded pair, on the line between the two, to the length with the least residual;
-   !> a full step that improves is kept.
-   pure subroutine shorten_step(problem, solution, displacement, force)
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      type(contact_solution_t), intent(in) :: solution !! the pair before the step
-      real(dp), intent(inout) :: displacement(:) !! v after the full step, shortened on return (2m) [L]
-      real(dp), intent(inout) :: force(:) !! lambda after the full step, shortened on return (2m) [F]
-      integer, parameter :: n_halvings = 5
-      real(dp) :: length, least, residual, best
-      integer :: i
-
-      least = problem%residual(displacement, force)
-      if (least < solution%residual) return
-      best = 1.0_dp
-      length = 1.0_dp
-      do i = 1, n_halvings
-         length = 0.5_dp*length
-         residual = problem%residual(between(solution%displacement, displacement), between(solution%force, force))
-         if (.not. residual < least) cycle
-         least = residual
-         best = length
-      end do
-      length = best
-      displacement = between(solution%displacement, displacement)
-      force = between(solution%force, force)
-
-   contains
-
-      !> The vector at the present length between two others.
-      pure function between(from, to) result(vector)
-         real(dp), intent(in) :: from(:) !! where length is 0
-         real(dp), intent(in) :: to(:) !! where length is 1
-         real(dp) :: vector(size(from))
-
-         vector = from + length*(to - from)
-      end function between
-
-   end subroutine shorten_step
+      if (.not. problem%is_reduced()) then
+         allocate (stiffness_system_t :: system)
+         if (.not. problem%is_held) system%least_share = 1.0e-9_dp
+         system%first_share = system%least_share
+      else if (problem%compliance%is_sparse()) then
+         allocate (sparse_compliance_system_t :: system)
+         system%least_share = 1.0e-5_dp
+      else
+         allocate (compliance_system_t :: system)
+         system%least_share = 1.0e-5_dp
+      end if
+   end subroutine new_system
 
 end module amontons_newton

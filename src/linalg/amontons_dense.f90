@@ -3,12 +3,13 @@
 !> Every matrix argument is square; a symmetric one is read from its lower triangle. `info` = 0 means done.
 module amontons_dense
    use amontons_kinds, only: dp
-   use amontons_lapack, only: dgemm, dgesv, dpotrf, dpotri, dpotrs, dsyev, dsymv, dsyrk, dtrsm
+   use amontons_lapack, only: dgemm, dgemv, dgesv, dgetrf, dgetrs, dpotrf, dpotri, dpotrs, dsyev, dsymv, dsyrk, dtrsm
    implicit none (type, external)
    private
 
-   public :: cholesky_factor, cholesky_factor_softly, cholesky_factor_tiled, cholesky_inverse, cholesky_solve, &
-      fill_upper, lu_solve, symmetric_eigenvectors, symmetric_multiply
+   public :: add_product, cholesky_factor, cholesky_factor_softly, cholesky_factor_tiled, cholesky_inverse, &
+      cholesky_solve, fill_upper, lu_factor, lu_solve, lu_solve_transposed, symmetric_eigenvectors, &
+      symmetric_multiply, transposed_product
 
    !> Solves L L^T x = b in place, for one right-hand side or for the columns of a matrix.
    interface cholesky_solve
@@ -153,6 +154,47 @@ contains
       allocate (pivots(size(a, 1)))
       call dgesv(size(a, 1), 1, a, max(1, size(a, 1)), pivots, b, max(1, size(b)), info)
    end subroutine lu_solve
+
+   !> Replaces a general matrix by its triangular factors, by elimination with row exchanges.
+   pure subroutine lu_factor(a, pivots, info)
+      real(dp), contiguous, intent(inout) :: a(:, :) !! the matrix (n, n), its factors on return
+      integer, allocatable, intent(out) :: pivots(:) !! the row exchanges (n)
+      integer, intent(out) :: info !! 0, or the number of the first pivot that is exactly zero
+
+      allocate (pivots(size(a, 1)))
+      call dgetrf(size(a, 1), size(a, 2), a, max(1, size(a, 1)), pivots, info)
+   end subroutine lu_factor
+
+   !> Solves A^T X = B with the factors of A.
+   pure subroutine lu_solve_transposed(factor, pivots, b)
+      real(dp), contiguous, intent(in) :: factor(:, :) !! the factors (n, n), from `lu_factor`
+      integer, intent(in) :: pivots(:) !! the row exchanges (n)
+      real(dp), contiguous, intent(inout) :: b(:, :) !! right-hand sides (n, any), the solutions on return
+      integer :: info
+
+      call dgetrs('T', size(factor, 1), size(b, 2), factor, max(1, size(factor, 1)), pivots, b, max(1, size(b, 1)), &
+         info)
+   end subroutine lu_solve_transposed
+
+   !> Adds a product: y := y + A x.
+   pure subroutine add_product(a, x, y)
+      real(dp), contiguous, intent(in) :: a(:, :) !! the matrix (m, n)
+      real(dp), contiguous, intent(in) :: x(:) !! the vector (n)
+      real(dp), contiguous, intent(inout) :: y(:) !! the sum (m)
+
+      call dgemv('N', size(a, 1), size(a, 2), 1.0_dp, a, max(1, size(a, 1)), x, 1, 1.0_dp, y, 1)
+   end subroutine add_product
+
+   !> The product C = A^T B.
+   pure subroutine transposed_product(a, b, c)
+      real(dp), contiguous, intent(in) :: a(:, :) !! the matrix A (k, m)
+      real(dp), contiguous, intent(in) :: b(:, :) !! the matrix B (k, n)
+      real(dp), contiguous, intent(out) :: c(:, :) !! the product (m, n)
+
+      c = 0.0_dp
+      call dgemm('T', 'N', size(c, 1), size(c, 2), size(a, 1), 1.0_dp, a, max(1, size(a, 1)), b, max(1, size(b, 1)), &
+         0.0_dp, c, max(1, size(c, 1)))
+   end subroutine transposed_product
 
    !> The product y = A x of a symmetric matrix, reading half of it.
    pure subroutine symmetric_multiply(a, x, y)

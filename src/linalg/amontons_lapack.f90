@@ -3,8 +3,8 @@ module amontons_lapack
    implicit none (type, external)
    private
 
-   public :: daxpy, dgemm, dgemv, dgesv, dlauum, dpbtrf, dpotrf, dpotri, dpotrs, dsyev, dsymv, dsyrk, dtbsv, dtrsm, &
-      dtrsv
+   public :: daxpy, dgemm, dgemv, dgesv, dgetrf, dgetrs, dlauum, dpbtrf, dpotrf, dpotri, dpotrs, dsyev, dsymv, dsyrk, &
+      dtbsv, dtrsm, dtrsv
 
    ! allow(assumed-size): these routines take the shape apart from the address
    interface
@@ -41,6 +41,25 @@ module amontons_lapack
          real(dp), intent(inout) :: a(lda, *), b(ldb, *)
          integer, intent(out) :: ipiv(*), info
       end subroutine dgesv
+
+      pure subroutine dgetrf(m, n, a, lda, ipiv, info)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         integer, intent(in) :: m, n, lda
+         real(dp), intent(inout) :: a(lda, *)
+         integer, intent(out) :: ipiv(*), info
+      end subroutine dgetrf
+
+      pure subroutine dgetrs(trans, n, nrhs, a, lda, ipiv, b, ldb, info)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: trans
+         integer, intent(in) :: n, nrhs, lda, ldb
+         real(dp), intent(in) :: a(lda, *)
+         integer, intent(in) :: ipiv(*)
+         real(dp), intent(inout) :: b(ldb, *)
+         integer, intent(out) :: info
+      end subroutine dgetrs
 
       pure subroutine dlauum(uplo, n, a, lda, info)
          use amontons_kinds, only: dp

@@ -1,0 +1,75 @@
+!> The active set of a contact problem: a guess of what every point does, which turns the contact law into linear
+!> equations.
+!>
+!> Closed: u_N = d. Open: lambda_N = 0. Stick: u_T = 0. Slip along s = +1 or -1: lambda_T = s (g + phi lambda_N).
+module amontons_active_set
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_friction_law, only: bounded
+   use amontons_kinds, only: dp
+   implicit none (type, external)
+   private
+
+   public :: active_set_t
+
+   !> What is guessed of every point.
+   type :: active_set_t
+      logical, allocatable :: is_closed(:) !! whether it touches (m)
+      integer, allocatable :: sense(:) !! sign of its slip, 0 if it sticks (m)
+   contains
+      procedure :: equals => active_set_equals
+      procedure :: guess => active_set_guess
+      procedure :: guess_stick => active_set_guess_stick
+   end type active_set_t
+
+contains
+
+   !> Guesses that every point touches and sticks; a point without any slip bound has nothing to stick by.
+   pure subroutine active_set_guess_stick(self, problem)
+      class(active_set_t), intent(inout) :: self !! the active set
+      type(contact_problem_t), intent(in) :: problem !! the problem
+
+      if (.not. allocated(self%sense)) allocate (self%is_closed(problem%n_points), self%sense(problem%n_points))
+      self%is_closed = .true.
+      self%sense = merge(0, 1, problem%friction + problem%slip_bound > 0.0_dp)
+   end subroutine active_set_guess_stick
+
+   !> The guess that a pair (v, lambda) leads to, which side of the law its augmented forces lie on; and how much the
+   !> pair violates the law.
+   pure subroutine active_set_guess(self, problem, rho, displacement, force, violation)
+      class(active_set_t), intent(inout) :: self !! the active set
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: rho(:) !! stiffness that turns displacements into forces (2m) [F/L]
+      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
+      real(dp), intent(in) :: force(:) !! lambda (2m) [F]
+      real(dp), intent(out) :: violation !! the largest violation of the contact law [F]
+      real(dp) :: normal, tangential, bound, cut
+      integer :: p, t
+
+      if (.not. allocated(self%sense)) allocate (self%is_closed(problem%n_points), self%sense(problem%n_points))
+      violation = 0.0_dp
+      do p = 1, problem%n_points
+         t = p + problem%n_points
+         normal = force(p) + rho(p)*(displacement(p) - problem%gap(p))
+         tangential = force(t) + rho(t)*displacement(t)
+         bound = problem%slip_bound(p) + problem%friction(p)*max(0.0_dp, normal)
+         self%is_closed(p) = normal > 0.0_dp
+         self%sense(p) = 0
+         if (.not. bound > 0.0_dp) then
+            self%sense(p) = 1
+         else if (abs(tangential) > bound) then
+            self%sense(p) = nint(sign(1.0_dp, tangential))
+         end if
+         cut = bounded(tangential, problem%slip_bound(p) + problem%friction(p)*max(0.0_dp, force(p)))
+         violation = max(violation, abs(force(p) - max(0.0_dp, normal)), abs(force(t) - cut))
+      end do
+   end subroutine active_set_guess
+
+   !> Whether two guesses are the same.
+   pure logical function active_set_equals(self, other) result(equals)
+      class(active_set_t), intent(in) :: self !! the active set
+      type(active_set_t), intent(in) :: other !! the other
+
+      equals = all(self%is_closed .eqv. other%is_closed) .and. all(self%sense == other%sense)
+   end function active_set_equals
+
+end module amontons_active_set

@@ -1,0 +1,312 @@
+!> Newton's linear system in the forces, on a dense compliance A.
+!>
+!> Each force has one row: a normal force of a closed point and a tangential one of a sticking point have a row of
+!> `A lambda = B` each, of no distance and of no slip; the others have the row of the law that gives them. A guess that
+!> differs from the factorised one in few rows is solved by that factorisation and a small system of the changed rows.
+module amontons_compliance_system
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_active_set, only: active_set_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_dense, only: add_product, cholesky_factor, cholesky_solve, lu_factor, lu_solve, lu_solve_transposed, &
+      transposed_product
+   use amontons_kinds, only: dp
+   use amontons_newton_system, only: newton_system_t
+   implicit none (type, external)
+   private
+
+   public :: compliance_system_t
+
+   !> The system, its factorisation and what has changed since.
+   type, extends(newton_system_t) :: compliance_system_t
+      private
+      type(active_set_t) :: base !! The guess that is factorised.
+      real(dp) :: share = -1.0_dp !! Share of the diagonal in the factorisation.
+      integer, allocatable :: unknown(:) !! The forces that are unknown in it.
+      logical :: is_symmetric = .false. !! Whether no point slides with friction, so that its matrix is symmetric.
+      real(dp), allocatable :: factor(:, :) !! Cholesky factor, or triangular factors of the transposed matrix.
+      integer, allocatable :: pivots(:) !! Their row exchanges.
+      real(dp), allocatable :: diagonal(:) !! Diagonal of A, where it is zero the largest of all (2m).
+      integer :: n_changed = 0 !! Number of rows that have changed since.
+      integer, allocatable :: changed(:) !! These rows.
+      real(dp), allocatable :: response(:, :) !! Solutions of the factorised system for a unit in each of these rows.
+      real(dp), allocatable :: row(:, :) !! These rows of A.
+   contains
+      procedure, public :: solve => compliance_system_solve
+      procedure :: apply => compliance_system_apply
+      procedure :: factorize => compliance_system_factorize
+      procedure :: update => compliance_system_update
+   end type compliance_system_t
+
+   !> Below this order a new factorisation costs no more than the bookkeeping of an update.
+   integer, parameter :: least_order = 200
+   !> Changed rows, as a part of the order, that an update may have: more cost as much as a new factorisation.
+   integer, parameter :: part = 6
+
+contains
+
+   !> Solves for the forces, then takes the displacements from them.
+   subroutine compliance_system_solve(self, problem, guess, share, displacement, force, imbalance, info)
+      class(compliance_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem, with a dense compliance
+      type(active_set_t), intent(in) :: guess !! state of each point
+      real(dp), intent(in) :: share !! share of the diagonal of A [-]
+      real(dp), intent(inout) :: displacement(:) !! v before the step, and after it (2m) [L]
+      real(dp), intent(inout) :: force(:) !! lambda before the step, and after it (2m) [F]
+      real(dp), intent(out) :: imbalance !! 0: the displacements are those of the forces [F]
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      real(dp) :: load(size(force)), solution(size(force))
+      logical :: is_updated
+
+      imbalance = 0.0_dp
+      info = 0
+      call self%update(problem, guess, share, is_updated)
+      if (.not. is_updated) call self%factorize(problem, guess, share, info)
+      if (info /= 0) return
+      load = problem%dual_load(displacement)
+      call base_solution(self, problem, load, force, solution)
+      if (self%n_changed > 0) call correct(self, problem, guess, load, force, solution, info)
+      if (.not. all(ieee_is_finite(solution))) info = 1
+      if (info /= 0) return
+      force = solution
+      displacement = problem%displacement(load, force)
+   end subroutine compliance_system_solve
+
+   !> Factorises the system of a guess.
+   subroutine compliance_system_factorize(self, problem, guess, share, info)
+      class(compliance_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(active_set_t), intent(in) :: guess !! state of each point
+      real(dp), intent(in) :: share !! share of the diagonal of A [-]
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      integer :: i, m, n
+
+      m = problem%n_points
+      if (.not. allocated(self%diagonal)) then
+         self%diagonal = 1.0_dp/problem%augmentation()
+         allocate (self%changed(2*m), self%response(2*m, 0), self%row(2*m, 0))
+      end if
+      self%base = guess
+      self%share = share
+      self%n_changed = 0
+      self%unknown = pack([(i, i=1, 2*m)], [guess%is_closed, guess%sense == 0])
+      n = size(self%unknown)
+      if (allocated(self%factor)) deallocate (self%factor)
+      allocate (self%factor(n, n))
+      call gather(self, problem)
+      self%is_symmetric = .not. any(guess%is_closed .and. guess%sense /= 0 .and. problem%friction > 0.0_dp)
+      if (self%is_symmetric) then
+         call cholesky_factor(self%factor, info)
+      else
+         call lu_factor(self%factor, self%pivots, info)
+      end if
+      if (info /= 0) self%share = -1.0_dp
+   end subroutine compliance_system_factorize
+
+   !> Writes the transposed matrix of the factorised guess where its factors will stand.
+   pure subroutine gather(self, problem)
+      class(compliance_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer :: i, j, m, point
+
+      m = problem%n_points
+      associate (a => problem%compliance%values, unknown => self%unknown)
+         do i = 1, size(unknown)
+            do j = 1, size(unknown)
+               self%factor(j, i) = a(unknown(j), unknown(i))
+            end do
+            do j = 1, size(unknown)
+               point = unknown(j)
+               if (point > m) exit
+               if (self%base%sense(point) == 0) cycle
+               self%factor(j, i) = self%factor(j, i) + slope(problem, self%base, point)*a(m + point, unknown(i))
+            end do
+            self%factor(i, i) = self%factor(i, i) + self%share*self%diagonal(unknown(i))
+         end do
+      end associate
+   end subroutine gather
+
+   !> Takes up the rows in which a guess differs from the factorised one, unless a new factorisation is better.
+   subroutine compliance_system_update(self, problem, guess, share, is_updated)
+      class(compliance_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(active_set_t), intent(in) :: guess !! state of each point
+      real(dp), intent(in) :: share !! share of the diagonal of A that is wanted [-]
+      logical, intent(out) :: is_updated !! whether the factorisation serves the guess
+      ! A factorisation with less than the share wanted is no use, one with much more is slow.
+      real(dp), parameter :: spread = 100.0_dp
+      integer, allocatable :: differing(:), new(:)
+      integer :: i, n
+
+      is_updated = self%share >= share .and. self%share <= spread*share
+      if (.not. is_updated) return
+      differing = pack([(i, i=1, 2*problem%n_points)], [self%base%is_closed .neqv. guess%is_closed, &
+         self%base%sense /= guess%sense])
+      n = self%n_changed
+      new = pack(differing, [(.not. any(self%changed(:n) == differing(i)), i=1, size(differing))])
+      if (size(new) == 0) return
+      is_updated = size(self%unknown) >= least_order .and. part*(n + size(new)) <= size(self%unknown)
+      if (.not. is_updated) return
+      call reserve(self, 2*problem%n_points, n + size(new))
+      self%changed(n + 1:n + size(new)) = new
+      do i = 1, size(new)
+         self%row(:, n + i) = problem%compliance%values(:, new(i))
+      end do
+      self%n_changed = n + size(new)
+      call unit_responses(self, problem, n + 1)
+   end subroutine compliance_system_update
+
+   !> Makes room for changed rows.
+   pure subroutine reserve(self, n_forces, n_rows)
+      class(compliance_system_t), intent(inout) :: self !! the system
+      integer, intent(in) :: n_forces !! number of forces 2m
+      integer, intent(in) :: n_rows !! number of rows there must be room for
+      real(dp), allocatable :: columns(:, :)
+      integer :: n
+
+      n = self%n_changed
+      if (n_rows <= size(self%response, 2)) return
+      allocate (columns(n_forces, 2*n_rows))
+      columns(:, :n) = self%response(:, :n)
+      call move_alloc(columns, self%response)
+      allocate (columns(n_forces, 2*n_rows))
+      columns(:, :n) = self%row(:, :n)
+      call move_alloc(columns, self%row)
+   end subroutine reserve
+
+   !> Solves the factorised system for a unit in each changed row from one on.
+   subroutine unit_responses(self, problem, first)
+      class(compliance_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, intent(in) :: first !! the first changed row to do
+      real(dp), allocatable :: right(:, :)
+      integer :: place(2*problem%n_points), i, m, k, r
+
+      m = problem%n_points
+      place = 0
+      place(self%unknown) = [(i, i=1, size(self%unknown))]
+      allocate (right(size(self%unknown), self%n_changed - first + 1), source=0.0_dp)
+      do k = first, self%n_changed
+         r = self%changed(k)
+         self%response(:, k) = 0.0_dp
+         associate (column => right(:, k - first + 1))
+            if (place(r) > 0) then
+               column(place(r)) = 1.0_dp
+            else
+               self%response(r, k) = 1.0_dp
+               column = -self%row(self%unknown, k)
+               if (r <= m) column = column - slope(problem, self%base, r) &
+                  *problem%compliance%values(self%unknown, m + r)
+            end if
+         end associate
+      end do
+      call base_solve(self, right)
+      do k = first, self%n_changed
+         self%response(self%unknown, k) = right(:, k - first + 1)
+         call self%apply(problem, self%response(:, k))
+      end do
+   end subroutine unit_responses
+
+   !> Solves the factorised system for its unknown forces.
+   pure subroutine base_solve(self, right)
+      class(compliance_system_t), intent(in) :: self !! the system
+      real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand sides, the solutions on return
+
+      if (self%is_symmetric) then
+         call cholesky_solve(self%factor, right)
+      else
+         call lu_solve_transposed(self%factor, self%pivots, right)
+      end if
+   end subroutine base_solve
+
+   !> The slope of lambda_T over lambda_N that a guess gives a point [-].
+   pure real(dp) function slope(problem, guess, point)
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(active_set_t), intent(in) :: guess !! state of each point
+      integer, intent(in) :: point !! the point
+
+      slope = guess%sense(point)*problem%friction(point)
+   end function slope
+
+   !> Adds to the tangential forces of sliding points what their normal forces cause in the factorised guess.
+   pure subroutine compliance_system_apply(self, problem, force)
+      class(compliance_system_t), intent(in) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
+
+      associate (m => problem%n_points)
+         force(m + 1:) = force(m + 1:) + self%base%sense*problem%friction*force(:m)
+      end associate
+   end subroutine compliance_system_apply
+
+   !> The forces that the factorised guess leads to.
+   subroutine base_solution(self, problem, load, center, force)
+      class(compliance_system_t), intent(in) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: load(:) !! dual load B (2m) [L]
+      real(dp), intent(in) :: center(:) !! lambda before the step (2m) [F]
+      real(dp), intent(out) :: force(:) !! lambda after it (2m) [F]
+      real(dp) :: right(size(self%unknown), 1), known(size(force))
+
+      associate (m => problem%n_points)
+         force(:m) = 0.0_dp
+         force(m + 1:) = self%base%sense*problem%slip_bound
+         known = 0.0_dp
+         if (any(abs(force) > 0.0_dp)) call problem%compliance%multiply(force, known)
+      end associate
+      right(:, 1) = load(self%unknown) - known(self%unknown) &
+         + self%share*self%diagonal(self%unknown)*center(self%unknown)
+      call base_solve(self, right)
+      force(self%unknown) = right(:, 1)
+      call self%apply(problem, force)
+   end subroutine base_solution
+
+   !> Corrects the forces of the factorised guess so that the changed rows hold as well.
+   subroutine correct(self, problem, guess, load, center, force, info)
+      class(compliance_system_t), intent(in) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(active_set_t), intent(in) :: guess !! state of each point
+      real(dp), intent(in) :: load(:) !! dual load B (2m) [L]
+      real(dp), intent(in) :: center(:) !! lambda before the step (2m) [F]
+      real(dp), intent(inout) :: force(:) !! lambda of the factorised guess, corrected on return (2m) [F]
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      real(dp) :: matrix(self%n_changed, self%n_changed), right(self%n_changed), product(self%n_changed)
+      integer :: m, k, r
+
+      m = problem%n_points
+      associate (n => self%n_changed)
+         call transposed_product(self%row(:, :n), self%response(:, :n), matrix)
+         product = matmul(force, self%row(:, :n))
+         do k = 1, n
+            r = self%changed(k)
+            if (is_unknown(guess, m, r)) then
+               matrix(k, :) = matrix(k, :) + self%share*self%diagonal(r)*self%response(r, :n)
+               right(k) = load(r) - product(k) + self%share*self%diagonal(r)*(center(r) - force(r))
+            else if (r <= m) then
+               matrix(k, :) = self%response(r, :n)
+               right(k) = -force(r)
+            else
+               matrix(k, :) = self%response(r, :n) - slope(problem, guess, r - m)*self%response(r - m, :n)
+               right(k) = guess%sense(r - m)*problem%slip_bound(r - m) - force(r) &
+                  + slope(problem, guess, r - m)*force(r - m)
+            end if
+         end do
+         call lu_solve(matrix, right, info)
+         if (info /= 0) return
+         call add_product(self%response(:, :n), right, force)
+      end associate
+   end subroutine correct
+
+   !> Whether a force is unknown in a guess: a normal one of a closed point, a tangential one of a sticking point.
+   pure logical function is_unknown(guess, n_points, force)
+      type(active_set_t), intent(in) :: guess !! state of each point
+      integer, intent(in) :: n_points !! number of points m
+      integer, intent(in) :: force !! number of the force
+
+      if (force <= n_points) then
+         is_unknown = guess%is_closed(force)
+      else
+         is_unknown = guess%sense(force - n_points) == 0
+      end if
+   end function is_unknown
+
+end module amontons_compliance_system

@@ -1,0 +1,103 @@
+!> Newton's linear system in the displacements, on the condensed stiffness S.
+module amontons_stiffness_system
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_active_set, only: active_set_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_dense, only: lu_solve, symmetric_multiply
+   use amontons_kinds, only: dp
+   use amontons_newton_system, only: newton_system_t
+   implicit none (type, external)
+   private
+
+   public :: stiffness_system_t
+
+   !> The rows of `S v = q - lambda` that hold an unknown displacement, with lambda_N of a closed sliding point
+   !> eliminated by its own row.
+   type, extends(newton_system_t) :: stiffness_system_t
+      private
+      real(dp), allocatable :: diagonal(:) !! Diagonal of S (2m) [F/L].
+   contains
+      procedure, public :: solve => stiffness_system_solve
+   end type stiffness_system_t
+
+contains
+
+   !> Solves for the displacements, then takes the forces from the equilibrium.
+   subroutine stiffness_system_solve(self, problem, guess, share, displacement, force, imbalance, info)
+      class(stiffness_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem, with a stiffness
+      type(active_set_t), intent(in) :: guess !! state of each point
+      real(dp), intent(in) :: share !! share of the diagonal of S [-]
+      real(dp), intent(inout) :: displacement(:) !! v before the step, and after it (2m) [L]
+      real(dp), intent(inout) :: force(:) !! lambda before the step, and after it (2m) [F]
+      real(dp), intent(out) :: imbalance !! largest violation of S v = q - lambda by the pair after the step [F]
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      real(dp), allocatable :: matrix(:, :), right(:)
+      integer, allocatable :: unknown(:)
+      real(dp) :: load(size(force)), slope(problem%n_points)
+      integer :: m, n, i, point
+
+      m = problem%n_points
+      if (.not. allocated(self%diagonal)) self%diagonal = problem%augmentation()
+      unknown = pack([(i, i=1, 2*m)], [.not. guess%is_closed, guess%sense /= 0])
+      n = size(unknown)
+      slope = merge(problem%friction*guess%sense, 0.0_dp, guess%is_closed)
+      load = known_load(problem, guess)
+      allocate (matrix(n, n), right(n))
+      do i = 1, n
+         matrix(:, i) = problem%stiffness(unknown, unknown(i))
+         matrix(i, i) = matrix(i, i) + share*self%diagonal(unknown(i))
+         right(i) = load(unknown(i)) + share*self%diagonal(unknown(i))*displacement(unknown(i))
+      end do
+      do i = 1, n
+         point = unknown(i) - m
+         if (point < 1) cycle
+         if (.not. abs(slope(point)) > 0.0_dp) cycle
+         matrix(i, :) = matrix(i, :) - slope(point)*problem%stiffness(unknown, point)
+         right(i) = right(i) - slope(point)*load(point)
+      end do
+      call lu_solve(matrix, right, info)
+      if (.not. all(ieee_is_finite(right))) info = 1
+      if (info /= 0) return
+      displacement(:m) = problem%gap
+      displacement(m + 1:) = 0.0_dp
+      displacement(unknown) = right
+      call recover_forces(problem, guess, displacement, force, imbalance)
+   end subroutine stiffness_system_solve
+
+   !> The load less what the known displacements and the given slip bounds take of it (2m) [F].
+   pure function known_load(problem, guess) result(load)
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(active_set_t), intent(in) :: guess !! state of each point
+      real(dp) :: load(2*problem%n_points), known(2*problem%n_points)
+      integer :: m
+
+      m = problem%n_points
+      known = 0.0_dp
+      known(:m) = merge(problem%gap, 0.0_dp, guess%is_closed)
+      load = 0.0_dp
+      if (any(abs(known) > 0.0_dp)) call symmetric_multiply(problem%stiffness, known, load)
+      load = problem%load - load
+      load(m + 1:) = load(m + 1:) - guess%sense*problem%slip_bound
+   end function known_load
+
+   !> The forces q - S v, with what the guess says of them put in exactly.
+   pure subroutine recover_forces(problem, guess, displacement, force, imbalance)
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(active_set_t), intent(in) :: guess !! state of each point
+      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
+      real(dp), intent(out) :: force(:) !! lambda (2m) [F]
+      real(dp), intent(out) :: imbalance !! the largest change by that [F]
+      real(dp) :: balanced(size(force))
+      integer :: m
+
+      m = problem%n_points
+      call symmetric_multiply(problem%stiffness, displacement, balanced)
+      balanced = problem%load - balanced
+      force = balanced
+      where (.not. guess%is_closed) force(:m) = 0.0_dp
+      where (guess%sense /= 0) force(m + 1:) = guess%sense*(problem%slip_bound + problem%friction*force(:m))
+      imbalance = max(0.0_dp, maxval(abs(force - balanced)))
+   end subroutine recover_forces
+
+end module amontons_stiffness_system
