@@ -47,8 +47,8 @@ class Pictures(ProgramTest):
 
     def test_sweeps_and_reduced_problems_are_drawn_and_told(self):
         loads = "load name = 'push'  set = 'right'  traction = -1.0, 0.2"
-        for name, groups in (("line", ["sweep load = 'push'  factor = 0.5, 1.0, 1.5"]),
-                             ("map", ["sweep load = 'push'  factor = 0.5, 1.0, 1.5", "sweep friction_factor = 0.5, 1.0"])):
+        sweep = "sweep load = 'push'  factor = 0.5, 1.0, 1.5"
+        for name, groups in (("line", [sweep]), ("map", [sweep, "sweep friction_factor = 0.5, 1.0"])):
             self.write(f"{name}.nml", block(SUPPORT, PRESSURE, CONTACT, loads, *groups))
         self.run_program("--quiet", "--output", "more", "line.nml", "map.nml")
         self.write("point.dat", "2 1 0 2 2 2 2 1 0 0 1 -1 0.1 0.5")
