@@ -1,6 +1,6 @@
 !> The certificate: what a solution fulfils on the full model, computed from displacements and contact forces alone.
 module amontons_certificate
-   use amontons_assembly, only: internal_forces, spring_forces
+   use amontons_assembly, only: internal_forces, spring_forces, uncancelled_forces
    use amontons_body, only: body_t
    use amontons_constraints, only: constraints_t
    use amontons_contact_zone, only: contact_zone_t
@@ -13,10 +13,10 @@ module amontons_certificate
 
    !> Violations of the conditions that define the solution, each over its natural scale, and the resultants.
    type :: certificate_t
-      real(dp) :: equilibrium = 0.0_dp !! |K u - f + C^T lambda| on the unknowns / |f| [-]
+      real(dp) :: equilibrium = 0.0_dp !! |K u - f + C^T lambda| on the unknowns / size of the forces [-]
       real(dp) :: penetration = 0.0_dp !! largest overlap with the obstacle / largest displacement [-]
-      real(dp) :: tension = 0.0_dp !! largest normal force that pulls / largest contact force [-]
-      real(dp) :: friction_excess = 0.0_dp !! largest |lambda_T| - phi lambda_N / largest contact force [-]
+      real(dp) :: tension = 0.0_dp !! largest normal force that pulls / largest nodal force [-]
+      real(dp) :: friction_excess = 0.0_dp !! largest |lambda_T| - phi lambda_N / largest nodal force [-]
       real(dp) :: complementarity = 0.0_dp
          !! largest smaller one of lambda_N and gap, each over the largest force or displacement [-]
       real(dp) :: wrong_dissipation = 0.0_dp
@@ -51,15 +51,31 @@ contains
       contact = nodal_contact_forces(body%mesh, body%zone, force)
       reaction = internal - loads - contact
       call split_imbalance(body%constraints, reaction, certificate%equilibrium)
-      call check_points(certificate, body%zone, displacement, force)
+      call check_points(certificate, body%zone, displacement, force, &
+         max(maxval(abs(loads)), maxval(abs(reaction)), maxval(abs(contact))))
       call check_resultants(certificate, body, loads, &
          reaction - spring_forces(body%mesh%n_nodes, body%springs, displacement), contact)
-      certificate%equilibrium = relative(certificate%equilibrium, max(norm2(loads), norm2(reaction), norm2(contact)))
+      certificate%equilibrium = relative_imbalance(certificate%equilibrium, body, displacement, &
+         max(norm2(loads), norm2(reaction), norm2(contact)))
       certificate%strain_energy = 0.5_dp*sum(internal*displacement)
       certificate%energy = relative(abs(sum(internal*displacement) - sum((loads + contact)*displacement) &
          - sum(reaction*body%constraints%prescribed)), sum(abs(internal*displacement)))
       certificate%duality_gap = relative(certificate%duality_gap, sum(abs(internal*displacement)))
    end subroutine new_certificate
+
+   !> An imbalance over the size of the forces; where that is too much, over a 1e-5th of |K| |u| if this is larger:
+   !> what rounding leaves of displacements far larger than their differences is no imbalance.
+   real(dp) function relative_imbalance(imbalance, body, displacement, force_size) result(violation)
+      real(dp), intent(in) :: imbalance !! norm of the unbalanced forces [F]
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: force_size !! size of the forces [F]
+      real(dp), parameter :: suspicious = 1.0e-10_dp, rounding_share = 1.0e-5_dp
+
+      violation = relative(imbalance, force_size)
+      if (violation > suspicious) violation = relative(imbalance, max(force_size, &
+         rounding_share*uncancelled_forces(body%mesh, body%materials, displacement)))
+   end function relative_imbalance
 
    !> The forces of the obstacle on the nodes: -lambda_N n - lambda_T t (2, n_nodes) [F].
    pure function nodal_contact_forces(mesh, zone, force) result(contact)
@@ -97,12 +113,13 @@ contains
    end subroutine split_imbalance
 
    !> Checks the contact law at every point.
-   pure subroutine check_points(certificate, zone, displacement, force)
+   pure subroutine check_points(certificate, zone, displacement, force, largest_force)
       type(certificate_t), intent(inout) :: certificate !! the certificate
       type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
-      real(dp) :: distance(zone%n_points), slip(zone%n_points), largest_force, largest_displacement
+      real(dp), intent(in) :: largest_force !! largest nodal force of loads, reactions and contact [F]
+      real(dp) :: distance(zone%n_points), slip(zone%n_points), largest_displacement
       integer :: p, m
 
       m = zone%n_points
@@ -110,7 +127,6 @@ contains
          distance(p) = zone%gap(p) - dot_product(zone%normal(:, p), displacement(:, zone%node(p)))
          slip(p) = dot_product([-zone%normal(2, p), zone%normal(1, p)], displacement(:, zone%node(p)))
       end do
-      largest_force = maxval(abs(force))
       largest_displacement = maxval(abs(displacement))
       associate (normal => force(:m), tangential => force(m + 1:), &
          bound => zone%slip_bound + zone%friction*max(0.0_dp, force(:m)))

@@ -14,7 +14,7 @@ module amontons_assembly
    implicit none (type, external)
    private
 
-   public :: assemble_stiffness, from_unknowns, internal_forces, spring_forces, to_unknowns
+   public :: assemble_stiffness, from_unknowns, internal_forces, spring_forces, to_unknowns, uncancelled_forces
 
 contains
 
@@ -133,6 +133,32 @@ contains
       end do
       forces = forces + spring_forces(mesh%n_nodes, springs, displacement)
    end subroutine internal_forces
+
+   !> Norm of the nodal forces |K| |u|, to which stiffness times displacement would add up if no two terms cancelled:
+   !> the size that rounding errors of the internal forces are a share of [F].
+   pure real(dp) function uncancelled_forces(mesh, materials, displacement) result(size_of_terms)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials of the elements
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      type(element_geometry_t) :: geometry
+      real(dp), allocatable :: forces(:, :)
+      real(dp) :: stiffness(2*max_nodes, 2*max_nodes)
+      integer :: element, n
+
+      allocate (forces(2, mesh%n_nodes), source=0.0_dp)
+      do element = 1, mesh%n_elements
+         associate (material => materials%list(materials%of_element(element)))
+            call new_element_geometry(geometry, mesh, element, material)
+            call element_stiffness(geometry, material, stiffness)
+         end associate
+         n = geometry%n_nodes
+         associate (nodes => geometry%node(:n))
+            forces(:, nodes) = forces(:, nodes) + reshape(matmul(abs(stiffness(:2*n, :2*n)), &
+               reshape(abs(displacement(:, nodes)), [2*n])), [2, n])
+         end associate
+      end do
+      size_of_terms = norm2(forces)
+   end function uncancelled_forces
 
    !> Nodal forces that springs take: spring stiffness times displacement (2, n_nodes) [F].
    pure function spring_forces(n_nodes, springs, displacement) result(forces)
