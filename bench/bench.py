@@ -99,11 +99,10 @@ def print_long_bar(program, work, sizes, rates):
         totals.append([str(n), str(cases[0]["counts"]["dofs"]), seconds(one["wall"]), seconds(all_cores["wall"]),
                        seconds(all_cores["cpu"]), f"{all_cores['mb']:.0f}", seconds(sum(rest))])
         counts = cases[0]["counts"]
-        flops = counts.get("factor_flops")
-        rate = f"{flops / first['factorize'] * 1e-9:.0f}" if flops else "-"
-        share = f"{100 * flops / first['factorize'] * 1e-9 / rates['dgemm_gflops']:.0f} %" if flops else "-"
+        flops = counts["factor_flops"]
+        rate = flops / first["factorize"] * 1e-9
         phases.append([str(n)] + [seconds(first[name]) for name in
-                      ("read", "assemble", "factorize", "condense", "solve", "recover", "write")] + [rate, share])
+                      ("read", "assemble", "factorize", "condense", "solve", "recover", "write")] + [f"{rate:.1f}", f"{100 * rate / rates['dgemm_gflops']:.0f} %"])
     table("The five rows of Table 1 on n x n cells, one command", ["n", "unknowns", "one thread s", "all cores s",
           "processor s", "memory MB", "each further row s"], totals)
     table("Phases of the first row, all cores", ["n", "read s", "assemble s", "factorise s", "condense s", "solve s",

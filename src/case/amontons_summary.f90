@@ -5,7 +5,7 @@ module amontons_summary
    use amontons_config, only: config_t
    use amontons_error, only: error_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
-   use amontons_kinds, only: dp
+   use amontons_kinds, only: dp, int64
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_result, only: certificate_limit, result_t
    use amontons_system, only: peak_memory_mb
@@ -64,7 +64,8 @@ contains
             ', "open": '//to_text(count(solution%status == open_point))// &
             ', "stick": '//to_text(count(solution%status == stick_point))// &
             ', "slip": '//to_text(count(solution%status == slip_plus .or. solution%status == slip_minus))// &
-            '},'//newline// &
+            ', "factor_entries": '//to_text(body%condensation%factorization%n_factor_entries())// &
+            ', "factor_flops": '//to_text(nint(body%condensation%factorization%n_flops, int64))//'},'//newline// &
             '  "lengths": {"separated": '//number(result%lengths%separated)// &
             ', "sliding": '//number(result%lengths%sliding)// &
             ', "sticking": '//number(result%lengths%sticking)//'},'//newline// &

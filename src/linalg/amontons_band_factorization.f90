@@ -42,6 +42,8 @@ contains
       call reverse_cuthill_mckee(matrix, n_trailing, order)
       call self%set_order(matrix, n_trailing, order)
       self%width = half_bandwidth(matrix, order)
+      ! Each column divides its entries and updates the triangle that they span, adding and multiplying.
+      self%n_flops = real(self%n, dp)*(self%width + 1.0_dp)**2
       self%matrix = matrix
       if (allocated(self%band)) deallocate (self%band)
    end subroutine band_analyze

@@ -84,10 +84,10 @@ static cholmod_sparse view_matrix(int64_t n, int64_t *column_start, int64_t *row
                             .dtype = CHOLMOD_DOUBLE, .sorted = 0, .packed = 1};
 }
 
-/* Finds the shape of the factor: how many numbers it will hold, and how many more the work on it takes. The handle made
-   here is the caller's to free, whatever happens. */
+/* Finds the shape of the factor: how many numbers it will hold, how many more the work on it takes, and how many
+   floating-point operations. The handle made here is the caller's to free, whatever happens. */
 int amontons_cholmod_analyze(int64_t n, int64_t *column_start, int64_t *row, double *value, void **opaque,
-                             int64_t *n_entries, int64_t *n_work_entries)
+                             int64_t *n_entries, int64_t *n_work_entries, double *n_flops)
 {
     handle_t *handle = calloc(1, sizeof *handle);
     if (!handle)
@@ -101,6 +101,7 @@ int amontons_cholmod_analyze(int64_t n, int64_t *column_start, int64_t *row, dou
         return out_of_memory;
     *n_entries = (int64_t)handle->factor->xsize;
     *n_work_entries = (int64_t)handle->factor->maxcsize;
+    *n_flops = handle->common.fl;
     return done;
 }
 

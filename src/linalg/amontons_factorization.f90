@@ -24,6 +24,7 @@ module amontons_factorization
       integer, allocatable :: order(:) !! Position k holds unknown order(k) (n).
       integer, allocatable :: trailing_order(:)
          !! Trailing position k holds trailing unknown trailing_order(k) (n_trailing).
+      real(dp) :: n_flops = 0.0_dp !! Floating-point operations of `complete`, known after `analyze`.
       integer(int64) :: n_work_entries = 0 !! Numbers that `complete` holds for a while, beside the factor's.
       integer :: refused_unknown = 0 !! The unknown whose pivot was not positive, 0 for none.
       real(dp), allocatable :: diagonal(:) !! Diagonal of P K P^T, from `analyze` to `complete` (n).

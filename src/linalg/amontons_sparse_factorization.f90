@@ -59,7 +59,8 @@ module amontons_sparse_factorization
 
    ! allow(assumed-size): C takes an address and knows no shape
    interface
-      function cholmod_analyze(n, column_start, row, value, handle, n_entries, n_work_entries) &
+      function cholmod_analyze(n, column_start, row, value, handle, n_entries, n_work_entries, &
+         n_flops) &
          bind(c, name='amontons_cholmod_analyze') result(code)
          import :: c_double, c_int, c_int64_t, c_ptr
          implicit none (type, external)
@@ -68,6 +69,7 @@ module amontons_sparse_factorization
          real(c_double), intent(inout) :: value(*)
          type(c_ptr), intent(inout) :: handle
          integer(c_int64_t), intent(inout) :: n_entries, n_work_entries
+         real(c_double), intent(inout) :: n_flops
          integer(c_int) :: code
       end function cholmod_analyze
 
@@ -117,7 +119,7 @@ contains
 
       call hold_threads(threads)
       code = cholmod_analyze(int(self%n, int64), self%matrix_column, self%matrix_row, self%matrix_value, self%handle, &
-         self%n_entries, self%n_work_entries)
+         self%n_entries, self%n_work_entries, self%n_flops)
       call release_threads(threads)
       if (code /= done) call new_error(error, system_failure, 'memory ran out while analysing '//to_text(self%n)// &
          ' unknowns')

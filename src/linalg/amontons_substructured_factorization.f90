@@ -135,6 +135,7 @@ contains
       order(first:) = top
       call self%set_order(matrix, n_trailing, order)
       self%n_work_entries = n_work_entries
+      self%n_flops = sum([(self%parts(p)%factorization%n_flops, p=1, n_parts)]) + real(self%n_top, dp)**3/3.0_dp
    end subroutine order_parts
 
    !> Makes K_tt without the entries that the parts bring along, once for each part that does.
