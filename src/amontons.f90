@@ -30,7 +30,7 @@ module amontons
    use amontons_report, only: write_report
    use amontons_result, only: result_t
    use amontons_solve_case, only: prepare_case, solve_case, workshop_t
-   use amontons_solve_reduced, only: reduced_result_t, solve_reduced
+   use amontons_solve_reduced, only: find_reduced_solutions, reduced_result_t, solve_reduced
    use amontons_solve_sweep, only: solve_sweep, sweep_result_t
    use amontons_sweep_monitor, only: sweep_monitor_t
    use amontons_sweep_report, only: write_sweep_report
@@ -48,8 +48,8 @@ module amontons
    ! Sweeps
    public :: solve_sweep, sweep_monitor_t, sweep_result_t, write_sweep_report
    ! Reduced problems of others
-   public :: new_condensed_system, new_reduced_config, read_reduced_file, reduced_result_t, reduced_system_t, &
-      solve_reduced, write_reduced_files, write_reduced_report
+   public :: find_reduced_solutions, new_condensed_system, new_reduced_config, read_reduced_file, reduced_result_t, &
+      reduced_system_t, solve_reduced, write_reduced_files, write_reduced_report
    ! Bodies
    public :: body_t, condense_body, contact_t, load_t, material_t, mesh_t, new_body, new_material, new_rectangle_mesh, &
       read_mesh_file, rectangle_t, support_t

@@ -73,11 +73,7 @@ contains
       if (allocated(error)) return
       if (config%reduced%is_given) then
          is_solved = .true.
-         if (command_line%wants_all_solutions) then
-            call new_error(error, input_refused, config%file//': --all-solutions takes bodies, not reduced problems')
-         else
-            call run_reduced(command_line, config, is_solved, error)
-         end if
+         call run_reduced(command_line, config, is_solved, error)
          if (.not. is_solved) status = status_not_converged
       else if (command_line%is_check) then
          call check_case(command_line, config, workshop, error)

@@ -12,7 +12,7 @@ module amontons_run_reduced
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_result, only: certificate_limit
    use amontons_screen, only: tell
-   use amontons_solve_reduced, only: prepare_reduced, reduced_result_t, solve_reduced
+   use amontons_solve_reduced, only: find_reduced_solutions, prepare_reduced, reduced_result_t, solve_reduced
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -31,15 +31,19 @@ contains
 
       is_solved = .true.
       if (command_line%is_check) then
-         call prepare_reduced(config, result, error)
-         if (.not. allocated(error)) call tell(command_line, config%name//': in order; '//result%system%form//', '// &
-            to_text(result%system%n_contacts)//' contacts, '//to_text(size(result%system%entry))//' entries of W')
+         call check_reduced(command_line, config, error)
          return
       end if
       call solve_reduced(config, result, error)
       if (allocated(error)) return
       if (command_line%writes_reduced) call export(command_line, config, result%system, error)
-      if (.not. allocated(error)) call write_reduced_report(command_line%output, config, result, error)
+      if (allocated(error)) return
+      if (command_line%wants_all_solutions) then
+         allocate (result%all_solutions)
+         call find_reduced_solutions(result%all_solutions, result%system, error)
+         if (allocated(error)) return
+      end if
+      call write_reduced_report(command_line%output, config, result, error)
       if (allocated(error)) return
       call tell(command_line, solved_text(config, result))
       is_solved = result%solution%is_converged
@@ -47,6 +51,18 @@ contains
       is_solved = .false.
       write (error_unit, '(a)') config%file//': the check FAILED on the problem as read; see the listing'
    end subroutine run_reduced
+
+   !> Reads a reduced problem and tells its size.
+   subroutine check_reduced(command_line, config, error)
+      type(command_line_t), intent(in) :: command_line !! the options
+      type(config_t), intent(in) :: config !! the case
+      type(error_t), allocatable, intent(out) :: error !! the file is at fault
+      type(reduced_result_t) :: result
+
+      call prepare_reduced(config, result, error)
+      if (.not. allocated(error)) call tell(command_line, config%name//': in order; '//result%system%form//', '// &
+         to_text(result%system%n_contacts)//' contacts, '//to_text(size(result%system%entry))//' entries of W')
+   end subroutine check_reduced
 
    !> Writes the reduced problem of a solved deck, and its solution.
    subroutine export_case(command_line, config, problem, force, error)

@@ -77,7 +77,7 @@ contains
             //scientific(config%method%tolerance))//history_text(solution)// &
             uniqueness_text(result%uniqueness, body%problem%friction)
          if (allocated(result%all_solutions)) text = text// &
-            solutions_text(result%all_solutions, body%problem, solution%force)
+            solutions_text(result%all_solutions, solution%force)
       end associate
    end function solution_text
 

@@ -10,7 +10,7 @@ module amontons_reduced_listing
    use amontons_reduced_check, only: reduced_check_t
    use amontons_reduced_system, only: reduced_system_t
    use amontons_result, only: certificate_limit
-   use amontons_solutions_report, only: uniqueness_text
+   use amontons_solutions_report, only: solutions_text, uniqueness_text
    use amontons_solve_reduced, only: reduced_result_t
    use amontons_text, only: to_text
    use amontons_timings, only: phase_read, phase_recover, phase_solve
@@ -96,6 +96,8 @@ contains
             to_text(count(status == stick_point))//' stick')// &
             line('Sum of forces', 'normal '//short(sum(result%system%r(1::2)))//', tangential '// &
             short(sum(result%system%r(2::2))))
+         if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, &
+            [result%system%r(1::2), result%system%r(2::2)])
       end associate
    end function solution_text
 

@@ -3,10 +3,12 @@ module amontons_reduced_report
    use amontons_config, only: config_t
    use amontons_error, only: error_t
    use amontons_friction_law, only: status_names
+   use amontons_kinds, only: dp
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_reduced_listing, only: write_reduced_listing
    use amontons_reduced_summary, only: write_reduced_summary
    use amontons_report, only: write_deck
+   use amontons_solutions_report, only: write_solutions
    use amontons_solve_reduced, only: reduced_result_t
    use amontons_system, only: make_directory
    use amontons_text, only: to_text, to_text_17
@@ -16,19 +18,19 @@ module amontons_reduced_report
 
    public :: write_reduced_report
 
-   !> Number of files that a reduced problem leaves.
+   !> Number of files that every reduced problem leaves.
    integer, parameter :: n_files = 4
 
 contains
 
-   !> Writes NAME.lst, NAME.contact.csv, NAME.deck.nml and NAME.summary.json. Names change hands only after every file
-   !> is complete.
+   !> Writes NAME.lst, NAME.contact.csv, NAME.deck.nml and NAME.summary.json, and NAME.solutions.csv if all solutions
+   !> are known. Names change hands only after every file is complete.
    subroutine write_reduced_report(directory, config, result, error)
       character(*), intent(in) :: directory !! output directory, made if it is not there
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
-      type(output_file_t) :: files(n_files)
+      type(output_file_t) :: files(n_files + merge(1, 0, allocated(result%all_solutions)))
       integer :: i
 
       call make_directory(directory, error)
@@ -42,7 +44,7 @@ contains
 
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
    subroutine write_files(files, stem, config, result, error)
-      type(output_file_t), intent(inout) :: files(n_files) !! the finished files
+      type(output_file_t), intent(inout) :: files(:) !! the finished files
       character(*), intent(in) :: stem !! directory and name of the case
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(inout) :: result !! the result; gains the time of writing
@@ -54,6 +56,11 @@ contains
       if (allocated(error)) return
       call write_deck(files(3), stem//'.deck.nml', config, error)
       if (allocated(error)) return
+      if (allocated(result%all_solutions)) then
+         call write_solutions(files(n_files + 1), stem//'.solutions.csv', result%all_solutions, &
+            spread(0.0_dp, 1, result%system%n_contacts), error)
+         if (allocated(error)) return
+      end if
       call result%timings%lap(phase_write)
       call write_reduced_summary(files(4), stem//'.summary.json', config, result, error)
    end subroutine write_files

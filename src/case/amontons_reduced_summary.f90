@@ -6,7 +6,7 @@ module amontons_reduced_summary
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_result, only: certificate_limit
    use amontons_solve_reduced, only: reduced_result_t
-   use amontons_summary, only: number, numbers, string, truth
+   use amontons_summary, only: number, numbers, string, truth, uniqueness_members
    use amontons_system, only: peak_memory_mb
    use amontons_text, only: to_text
    use amontons_timings, only: phase_names
@@ -56,6 +56,7 @@ contains
             ', "entries": '//to_text(size(system%entry))//', "largest_compliance": '//number(system%largest)// &
             ', "asymmetry": '//number(system%asymmetry)//'},'//newline// &
             '  "certificate": {'//certificate_text(config, result)//'},'//newline// &
+            '  "uniqueness": {'//uniqueness_members(result%uniqueness)//'},'//newline// &
             '  "counts": {"contact_points": '//to_text(system%n_contacts)// &
             ', "open": '//to_text(count(solution%status == open_point))// &
             ', "stick": '//to_text(count(solution%status == stick_point))// &

@@ -57,6 +57,7 @@ module amontons_reduced_system
       procedure :: multiply => reduced_system_multiply
       procedure :: set_solution => reduced_system_set_solution
       procedure :: set_free_displacement => reduced_system_set_free_displacement
+      procedure :: skew_displacement => reduced_system_skew_displacement
    end type reduced_system_t
 
 contains
@@ -321,19 +322,29 @@ contains
       class(reduced_system_t), intent(in) :: self !! the reduced problem
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
       real(dp), intent(in) :: force(:) !! lambda, in the units above (2m)
-      real(dp), dimension(2*self%n_contacts) :: r, product, transposed_product, free
+      real(dp) :: free(2*self%n_contacts)
+
+      free = self%q/self%length_unit()
+      problem%free_displacement = [-free(1::2), free(2::2)]
+      if (self%asymmetry > 0.0_dp) problem%free_displacement = problem%free_displacement &
+         + self%skew_displacement(force)
+   end subroutine reduced_system_set_free_displacement
+
+   !> The displacements that the skew part of W adds at forces of the contact problem, in the units above (2m).
+   pure function reduced_system_skew_displacement(self, force) result(displacement)
+      class(reduced_system_t), intent(in) :: self !! the reduced problem
+      real(dp), intent(in) :: force(:) !! lambda (2m)
+      real(dp) :: displacement(2*self%n_contacts)
+      real(dp), dimension(2*self%n_contacts) :: r, product, transposed_product
       integer :: m
 
       m = self%n_contacts
-      free = self%q/self%length_unit()
-      if (self%asymmetry > 0.0_dp) then
-         r(1::2) = force(:m)
-         r(2::2) = -force(m + 1:)
-         call self%multiply(r, product, transposed_product)
-         free = free + 0.5_dp*(product - transposed_product)/self%compliance_unit()
-      end if
-      problem%free_displacement = [-free(1::2), free(2::2)]
-   end subroutine reduced_system_set_free_displacement
+      r(1::2) = force(:m)
+      r(2::2) = -force(m + 1:)
+      call self%multiply(r, product, transposed_product)
+      r = 0.5_dp*(product - transposed_product)/self%compliance_unit()
+      displacement = [-r(1::2), r(2::2)]
+   end function reduced_system_skew_displacement
 
    !> Takes the forces of a contact problem as the solution, and computes the displacements that they give.
    pure subroutine reduced_system_set_solution(self, force, unit)

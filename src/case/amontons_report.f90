@@ -64,7 +64,8 @@ contains
       call write_deck(files(5), stem//'.deck.nml', config, error)
       if (allocated(error)) return
       if (allocated(result%all_solutions)) then
-         call write_solutions(files(n_files + 1), stem//'.solutions.csv', result%all_solutions, body%problem, error)
+         call write_solutions(files(n_files + 1), stem//'.solutions.csv', result%all_solutions, &
+            body%problem%gap, error)
          if (allocated(error)) return
       end if
       call result%timings%lap(phase_write)

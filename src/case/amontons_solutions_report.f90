@@ -1,7 +1,6 @@
 !> What is told of the uniqueness of a solution and of other solutions: lines of the listing, and NAME.solutions.csv.
 module amontons_solutions_report
    use amontons_all_solutions, only: all_solutions_t
-   use amontons_contact_problem, only: contact_problem_t
    use amontons_error, only: error_t
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
@@ -41,23 +40,21 @@ contains
    end function uniqueness_text
 
    !> The section on all solutions.
-   pure function solutions_text(solutions, problem, force) result(text)
+   pure function solutions_text(solutions, force) result(text)
       type(all_solutions_t), intent(in) :: solutions !! all solutions
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), intent(in) :: force(:) !! lambda of the solution that the listing reports (2m) [F]
+      real(dp), intent(in) :: force(:) !! forces of the solution that the listing reports (2m) [F]
       character(:), allocatable :: text
-      integer, allocatable :: status(:)
-      integer :: i, p
+      integer :: i, m, p
 
+      m = size(force)/2
       text = heading('All solutions')//line('Found', to_text(solutions%n))
       if (solutions%has_family) text = text//line('Note', 'some states hold for whole families of solutions, of '// &
          'which only corners are found')
       do i = 1, solutions%n
-         status = problem%status(solutions%displacement(:, i), solutions%force(:, i))
          text = text//line('Solution '//to_text(i), kind_of(i))
-         do p = 1, problem%n_points
-            text = text//line('', 'point '//to_text(p)//': '//trim(status_names(status(p)))//', forces '// &
-               short(solutions%force(p, i))//', '//short(solutions%force(problem%n_points + p, i)))
+         do p = 1, m
+            text = text//line('', 'point '//to_text(p)//': '//trim(status_names(solutions%status(p, i)))// &
+               ', forces '//short(solutions%force(p, i))//', '//short(solutions%force(m + p, i)))
          end do
       end do
 
@@ -78,26 +75,24 @@ contains
    end function solutions_text
 
    !> Writes NAME.solutions.csv: one row for each point of each solution, 17 significant digits.
-   subroutine write_solutions(file, path, solutions, problem, error)
+   subroutine write_solutions(file, path, solutions, gap, error)
       type(output_file_t), intent(out) :: file !! the finished file
       character(*), intent(in) :: path !! name of the file
       type(all_solutions_t), intent(in) :: solutions !! all solutions
-      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: gap(:) !! initial distance to the obstacle along the normal (m) [L]
       type(error_t), allocatable, intent(out) :: error !! the file cannot be written
-      integer, allocatable :: point_status(:)
       integer :: i, p, status
 
       call new_output_file(file, path, .false., error)
       if (allocated(error)) return
       write (file%unit, '(a)', iostat=status) 'solution,isolated,point,gap,slip,normal_force,tangential_force,status'
       do i = 1, solutions%n
-         associate (v => solutions%displacement(:, i), force => solutions%force(:, i), m => problem%n_points)
-            point_status = problem%status(v, force)
+         associate (v => solutions%displacement(:, i), force => solutions%force(:, i), m => size(gap))
             do p = 1, m
                if (status == 0) write (file%unit, '(a)', iostat=status) to_text(i)//','// &
                   trim(merge('yes', 'no ', solutions%is_isolated(i)))//','//to_text(p)//','// &
-                  to_text_17(problem%gap(p) - v(p))//','//to_text_17(v(m + p))//','//to_text_17(force(p))//','// &
-                  to_text_17(force(m + p))//','//trim(status_names(point_status(p)))
+                  to_text_17(gap(p) - v(p))//','//to_text_17(v(m + p))//','//to_text_17(force(p))//','// &
+                  to_text_17(force(m + p))//','//trim(status_names(solutions%status(p, i)))
             end do
          end associate
       end do

@@ -1,6 +1,7 @@
 !> The way of a reduced problem from its file to its result.
 module amontons_solve_reduced
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_all_solutions, only: all_solutions_t, find_unsymmetric_solutions, most_points
    use amontons_config, only: config_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
@@ -16,7 +17,7 @@ module amontons_solve_reduced
    implicit none (type, external)
    private
 
-   public :: prepare_reduced, reduced_result_t, solve_reduced
+   public :: find_reduced_solutions, prepare_reduced, reduced_result_t, solve_reduced
 
    !> The result of a reduced problem: everything that the reports tell.
    type :: reduced_result_t
@@ -24,6 +25,8 @@ module amontons_solve_reduced
       type(contact_solution_t) :: solution !! statuses and record of the method, in the method's own units
       type(reduced_check_t) :: check !! violations of the contact law
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
+      type(all_solutions_t), allocatable :: all_solutions
+         !! all solutions, where they were asked for; their forces are r, all normal ones first
       type(timings_t) :: timings !! where the time went
    end type reduced_result_t
 
@@ -61,6 +64,7 @@ contains
       if (result%system%n_contacts == 0) then
          result%solution%residual = 0.0_dp
          result%solution%is_converged = .true.
+         result%uniqueness%is_unique = .true.
       else
          call result%system%contact_problem(problem)
          call iterate(method, result%system, problem, result%solution, error)
@@ -74,6 +78,34 @@ contains
       end associate
       call result%timings%lap(phase_recover)
    end subroutine solve_reduced
+
+   !> Finds all solutions of a problem of few contacts.
+   subroutine find_reduced_solutions(solutions, system, error)
+      type(all_solutions_t), intent(out) :: solutions !! the solutions; their forces are r, all normal ones first
+      type(reduced_system_t), intent(in) :: system !! the reduced problem
+      type(error_t), allocatable, intent(out) :: error !! it has too many contacts
+      type(contact_problem_t) :: problem
+      real(dp), allocatable :: skew_part(:, :)
+      real(dp) :: force(2*system%n_contacts)
+      integer :: j, m
+
+      m = system%n_contacts
+      call system%contact_problem(problem)
+      ! A problem of many contacts is refused before anything asks for its skew part.
+      allocate (skew_part(2*m, merge(2*m, 0, system%asymmetry > 0.0_dp .and. m <= most_points)))
+      do j = 1, size(skew_part, 2)
+         force = 0.0_dp
+         force(j) = 1.0_dp
+         skew_part(:, j) = -system%skew_displacement(force)
+      end do
+      call find_unsymmetric_solutions(solutions, problem, skew_part, error)
+      if (allocated(error)) return
+      associate (length => system%length_unit(), force_unit => system%length_unit()/system%compliance_unit())
+         solutions%displacement = length*solutions%displacement
+         solutions%force(:m, :) = force_unit*solutions%force(:m, :)
+         solutions%force(m + 1:, :) = 0.0_dp - force_unit*solutions%force(m + 1:, :)
+      end associate
+   end subroutine find_reduced_solutions
 
    !> Solves the symmetric problem until its forces solve the problem as it was read: what the skew part of W adds at
    !> the forces found is put on the other side and the problem solved again. Where W is symmetric, once is enough.

@@ -16,7 +16,7 @@ module amontons_summary
    implicit none (type, external)
    private
 
-   public :: certificate_text, number, numbers, seconds_text, string, truth, write_summary
+   public :: certificate_text, number, numbers, seconds_text, string, truth, uniqueness_members, write_summary
 
    character(*), parameter :: newline = new_line('a')
 

@@ -14,7 +14,7 @@ module amontons_all_solutions
    implicit none (type, external)
    private
 
-   public :: all_solutions_t, find_all_solutions, most_points
+   public :: all_solutions_t, find_all_solutions, find_unsymmetric_solutions, most_points
 
    !> Most points that all combinations of states are tried for: with Coulomb friction, a point has four states.
    integer, parameter :: most_points = 12
@@ -31,6 +31,7 @@ module amontons_all_solutions
       integer :: n = 0 !! number of solutions found
       real(dp), allocatable :: force(:, :) !! lambda of each solution (2m, n) [F]
       real(dp), allocatable :: displacement(:, :) !! v of each solution (2m, n) [L]
+      integer, allocatable :: status(:, :) !! status of every point in each solution (m, n)
       logical, allocatable :: is_isolated(:) !! whether no other solution is near; not known of the others (n)
       logical :: has_family = .false.
          !! whether some states hold for a whole family of solutions, of which only corners are among those found
@@ -55,18 +56,57 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(error_t), allocatable, intent(out) :: error !! the problem has too many points
       type(search_t) :: search
-      real(dp), allocatable :: rows(:, :)
-      integer :: i, m, most
 
-      m = problem%n_points
+      call check_size(problem, error)
+      if (allocated(error)) return
+      call new_contact_relation(search%relation, problem)
+      call find(solutions, search, problem)
+   end subroutine find_all_solutions
+
+   !> Finds all solutions of a reduced problem whose compliance is not quite symmetric.
+   subroutine find_unsymmetric_solutions(solutions, problem, skew_part, error)
+      type(all_solutions_t), intent(out) :: solutions !! the solutions
+      type(contact_problem_t), intent(in) :: problem !! the problem, with the symmetric part of its compliance
+      real(dp), intent(in) :: skew_part(:, :) !! the rest of its compliance (2m, 2m) [L/F]
+      type(error_t), allocatable, intent(out) :: error !! the problem has too many points
+      type(search_t) :: search
+      integer :: j
+
+      call check_size(problem, error)
+      if (allocated(error)) return
+      call new_contact_relation(search%relation, problem)
+      associate (relation => search%relation)
+         do j = 1, size(skew_part, 2)
+            relation%matrix(:, j) = relation%matrix(:, j) &
+               + skew_part(:, j)*relation%force_unit(j)/relation%distance_unit
+         end do
+      end associate
+      call find(solutions, search, problem)
+   end subroutine find_unsymmetric_solutions
+
+   !> Refuses a problem with too many points.
+   pure subroutine check_size(problem, error)
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(error_t), allocatable, intent(out) :: error !! the problem has too many points
+      integer :: most
+
       most = merge(most_points_with_bound, most_points, any(problem%slip_bound > 0.0_dp))
-      if (m > most) then
+      if (problem%n_points > most) then
          call new_error(error, input_refused, 'all solutions can be found with at most '//to_text(most)// &
             ' contact points'//trim(merge(' where a slip bound is given', repeat(' ', 28), most < most_points))// &
-            ', this problem has '//to_text(m))
-         return
+            ', this problem has '//to_text(problem%n_points))
       end if
-      call new_contact_relation(search%relation, problem)
+   end subroutine check_size
+
+   !> Searches for the solutions and gives them their units back.
+   subroutine find(solutions, search, problem)
+      type(all_solutions_t), intent(out) :: solutions !! the solutions
+      type(search_t), intent(inout) :: search !! the search, its relation set
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), allocatable :: rows(:, :)
+      integer :: i, m
+
+      m = problem%n_points
       call bound_unknowns(search)
       allocate (search%states%is_closed(m), source=.false.)
       allocate (search%states%sense(m), source=0)
@@ -76,14 +116,20 @@ contains
          rows(:, 0) = relation%vector(order)
          rows(:, 1:) = -relation%matrix(order, order)
       end associate
-      call descend(search, m, rows, 0)
+      if (m > 0) then
+         call descend(search, m, rows, 0)
+      else
+         call keep(search, rows(:, 0), rows(:, 0), .true.)
+      end if
       solutions = search%found
+      allocate (solutions%status(m, solutions%n))
       do i = 1, solutions%n
          solutions%force(:, i) = solutions%force(:, i)*search%relation%force_unit
          solutions%displacement(:, i) = solutions%displacement(:, i)*search%relation%distance_unit
          solutions%displacement(:m, i) = solutions%displacement(:m, i) + problem%gap
+         solutions%status(:, i) = problem%status(solutions%displacement(:, i), solutions%force(:, i))
       end do
-   end subroutine find_all_solutions
+   end subroutine find
 
    !> Bounds on x in any solution. Distances and forces do no negative work on each other, x^T y >= 0, hence
    !> x^T H x <= x^T h: an ellipsoid if H is definite.
@@ -97,7 +143,7 @@ contains
       m = search%relation%n_points
       allocate (search%lower(2*m), source=-unbounded)
       allocate (search%upper(2*m), source=unbounded)
-      inverse = search%relation%matrix
+      inverse = 0.5_dp*(search%relation%matrix + transpose(search%relation%matrix))
       call cholesky_factor(inverse, info)
       if (info == 0) then
          if (minval([(inverse(i, i), i=1, 2*m)]) < definite) info = 1

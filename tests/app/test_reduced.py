@@ -45,6 +45,14 @@ class ReducedTest(ProgramTest):
         self.assertEqual(rows[0], ["point", "gap", "slip", "normal_force", "tangential_force", "status"])
         return [(int(row[0]), *map(float, row[1:5]), row[5]) for row in rows[1:]]
 
+    def solutions(self, name):
+        """The rows of the table of all solutions: number, isolated or not, then as in the contact table."""
+        with open(self.directory / f"{name}.solutions.csv", newline="", encoding="utf-8") as table:
+            rows = list(csv.reader(table))
+        self.assertEqual(rows[0], ["solution", "isolated", "point", "gap", "slip", "normal_force", "tangential_force",
+                                   "status"])
+        return [(int(row[0]), row[1], int(row[2]), *map(float, row[3:7]), row[7]) for row in rows[1:]]
+
     def summary(self, name, directory="."):
         """The summary."""
         return json.loads((self.directory / directory / f"{name}.summary.json").read_text(encoding="utf-8"))
@@ -122,12 +130,46 @@ class Input(ReducedTest):
         self.solve_deck(deck_of("none.dat"))
         self.assertEqual(self.table("case"), [])
         self.assertTrue(self.summary("case")["converged"])
+        self.assertTrue(self.summary("case")["uniqueness"]["guaranteed"])
+        self.run_program("--all-solutions", "case.nml")
+        self.assertEqual(self.solutions("case"), [])
 
     def test_iterations_that_are_too_few_end_with_status_4(self):
         text = deck_of("dense.dat").replace("100000", "1")
         self.run_program(self.write("case.nml", text), status=4)
         self.assertFalse(self.summary("case")["converged"])
         self.assertIn("Converged           NO", (self.directory / "case.lst").read_text(encoding="utf-8"))
+
+    def test_only_solution_is_the_one_reported(self):
+        self.run_program("--all-solutions", self.write("case.nml", deck_of("dense.dat")))
+        rows = self.solutions("case")
+        self.assertEqual([row[:2] for row in rows], [(1, "yes")]*2)
+        for (*_, point, gap, slip, normal, tangential, status), expected in zip(rows, self.table("case"), strict=True):
+            self.assertEqual((point, status), (expected[0], expected[5]))
+            # The method's tolerance is 1e-10; numbers are of order one.
+            self.assert_close([gap, slip, normal, tangential], expected[1:5], 1e-9)
+        self.assertRegex((self.directory / "case.lst").read_text(encoding="utf-8"),
+                         r"\n  Found +1\n  Solution 1 +isolated; the one reported\n")
+
+    def test_all_solutions_of_too_many_contacts_are_refused(self):
+        zeros = "0 "*26
+        self.write("many.dat", f"2\n13\n0\n26\n26\n26 26\n{zeros*26}\n{zeros}\n{'0.5 '*13}\n")
+        run = self.run_program("--all-solutions", self.write("case.nml", deck_of("many.dat")), status=1)
+        self.assertEqual(run.stderr, "case.nml: all solutions can be found with at most 12 contact points, "
+                                     "this problem has 13\n")
+        self.assertNotIn("case.lst", self.files())
+
+    def test_uniqueness_is_told(self):
+        self.solve_deck(deck_of("dense.dat"))
+        uniqueness = self.summary("case")["uniqueness"]
+        self.assertIs(uniqueness["guaranteed"], True)
+        self.assertIs(uniqueness["exact"], True)
+        bound = uniqueness["friction_below"]
+        # The deck's friction is that of both contacts, the file's differ: 0.25 and 0.5.
+        self.assertGreater(bound, 0.5)
+        self.solve_deck(deck_of("dense.dat", "friction = 100.0"))
+        self.assertIs(self.summary("case")["uniqueness"]["guaranteed"], False)
+        self.assertIn("uniqueness is not guaranteed", (self.directory / "case.lst").read_text(encoding="utf-8"))
 
     def test_check_writes_nothing(self):
         before = self.files()

@@ -5,7 +5,7 @@ module sample_systems
    implicit none (type, external)
    private
 
-   public :: full_matrix, one_contact, system_of, two_contacts, two_contacts_matrix
+   public :: full_matrix, one_contact, system_of, three_solutions, two_contacts, two_contacts_matrix
 
    !> W of two contacts.
    real(dp), parameter :: two_contacts_matrix(4, 4) = reshape([2.0_dp, 0.5_dp, 0.5_dp, 0.0_dp, &
@@ -56,6 +56,20 @@ contains
       call system_of(system, compliance*reshape([2.0_dp, 0.0_dp, 0.0_dp, 4.0_dp], [2, 2]), length*[-6.0_dp, 8.0_dp], &
          [0.5_dp], sentence, place)
    end subroutine one_contact
+
+   !> One contact with three solutions: W = [1 -0.8; -0.8 1] times a compliance, q = (0.1, -0.5) times a length,
+   !> mu = 1.5.
+   subroutine three_solutions(system, compliance, length, skew)
+      type(reduced_system_t), intent(out) :: system !! the reduced problem
+      real(dp), intent(in) :: compliance !! unit of W
+      real(dp), intent(in) :: length !! unit of q
+      real(dp), intent(in) :: skew !! what W_TN has more than W_NT, in units of W
+      character(:), allocatable :: sentence
+      integer :: place
+
+      call system_of(system, compliance*reshape([1.0_dp, -0.8_dp + skew, -0.8_dp, 1.0_dp], [2, 2]), &
+         length*[0.1_dp, -0.5_dp], [1.5_dp], sentence, place)
+   end subroutine three_solutions
 
    !> W in full.
    pure function full_matrix(system) result(w)
