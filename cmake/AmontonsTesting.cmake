@@ -32,6 +32,11 @@ endfunction()
 # the calling CMakeLists.txt and belong to one executable only; every library is named in LINK_LIBRARIES.
 function(add_unit_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK_LIBRARIES;LABELS;OTHER_SOURCES;WORKING_DIRECTORY")
+  # Each test writes its files in a folder of its own, so that tests can run side by side.
+  if(NOT arg_WORKING_DIRECTORY)
+    set(arg_WORKING_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}/${name}.run")
+    file(MAKE_DIRECTORY "${arg_WORKING_DIRECTORY}")
+  endif()
   set(optional "")
   foreach(keyword IN ITEMS OTHER_SOURCES WORKING_DIRECTORY)
     if(arg_${keyword})
