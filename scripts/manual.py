@@ -115,7 +115,8 @@ def make_local(folder):
     for page in folder.rglob("*.html"):
         text = page.read_text(encoding="utf-8")
         up = "../" * (len(page.relative_to(folder).parts) - 1)
-        text = re.sub(r'"https://cdn[^"]*/bootstrap@[^"]*/(css|js)/([^"]*)"[^>]*', rf'"{up}\1/\2"', text)
+        text = re.sub(r'"https://cdn[^"]*/bootstrap@[^"]*/(css|js)/([^"]*)"', rf'"{up}\1/\2"', text)
+        text = re.sub(r'\s+integrity="[^"]*" crossorigin="[^"]*"', "", text)
         text = re.sub(r"<script[^>]*(?:mathjax@|x-mathjax)[^>]*>.*?</script>", "", text, flags=re.DOTALL)
         page.write_text(text, encoding="utf-8")
 
