@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that every relative link of the Markdown pages leads to a file that is there, and to a heading that is there."""
+"""Checks that every relative link of the Markdown pages leads to a file, and its anchor to a heading."""
 import re
 import subprocess
 import sys

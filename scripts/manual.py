@@ -23,7 +23,8 @@ STYLE = """
 body { font: 16px/1.55 system-ui, sans-serif; color: #222; margin: 0; display: flex; flex-wrap: wrap }
 nav { flex: 0 0 13rem; padding: 1.5rem 1rem; background: #f4f6f8 } nav a { display: block; padding: .2rem .5rem }
 nav a[aria-current] { font-weight: 600; background: #dde5ec; border-radius: .3rem }
-main { flex: 1 1 20rem; min-width: 0; max-width: 60rem; padding: 0 2rem 4rem } a { color: #00558a; text-decoration: none }
+main { flex: 1 1 20rem; min-width: 0; max-width: 60rem; padding: 0 2rem 4rem }
+a { color: #00558a; text-decoration: none }
 a:hover { text-decoration: underline } h1, h2, h3 { line-height: 1.25; margin-top: 2rem }
 pre { background: #f5f5f5; padding: .8rem; overflow-x: auto; font-size: 13.5px } code { font-size: .9em }
 table { border-collapse: collapse; display: block; overflow-x: auto } img { max-width: 100%; height: auto }
@@ -73,7 +74,8 @@ def title_of(source):
 
 def body_of(source):
     """A page as HTML."""
-    text = re.sub(r"^```math\n(.*?)^```$", r"$$\n\1$$", source.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    text = source.read_text(encoding="utf-8")
+    text = re.sub(r"^```math\n(.*?)^```$", r"$$\n\1$$", text, flags=re.MULTILINE | re.DOTALL)
     return subprocess.run(["pandoc", "--from", "gfm+tex_math_dollars", "--to", "html", "--mathml"], input=text,
                           check=True, capture_output=True, encoding="utf-8").stdout
 

@@ -21,7 +21,7 @@ module amontons_deck_reference
       character(8) :: group !! name of the group
       character(16) :: name !! name of the key
       logical :: is_required !! whether the group must have it
-      character(90) :: values !! number and type of its values, and what they must obey; or the words it takes
+      character(110) :: values !! number and type of its values, and what they must obey; or the words it takes
       character(6) :: unit !! unit of the values
       character(70) :: default !! what holds where the key is absent; in backquotes where a deck could say it
       character(190) :: meaning !! what it says
@@ -140,8 +140,8 @@ module amontons_deck_reference
       'every value with every combination of the groups'// &
       ' before, or value by value along with the group before'), &
       key_t('solver', 'method', .false., &
-      "`'auto'`, `'newton'`, `'splitting'`, `'fixed_point'`, `'psor'`, `'lemke'`", '', "`'auto'`", &
-      'the contact method'), &
+      "`'auto'`, `'newton'`, `'splitting'`, `'fixed_point'`, `'psor'`, `'extragradient'`, `'lemke'`", '', &
+      "`'auto'`", 'the contact method'), &
       key_t('solver', 'variant', .false., "`'exact'`, `'clip'`, `'printed'`", '', "`'exact'`", &
       'of `splitting`: how half steps are done; only `exact` is right in general'), &
       key_t('solver', 'space', .false., "`'dual'`, `'primal'`", '', "`'dual'`", &
@@ -152,8 +152,8 @@ module amontons_deck_reference
       key_t('solver', 'acceleration', .false., "`'none'`, `'aitken'`, `'anderson'`", '', "`'none'`", &
       'of `psor`: extrapolate the sweeps; what would raise the residual is dropped'), &
       key_t('solver', 'box', .false., "`'auto'`, `'newton'`, `'mprgp'`", '', "`'auto'`", &
-      'of `splitting` and `fixed_point`: solver of the quadratic programs: projected Newton (active sets), or MPRGP,'// &
-      ' which needs products only; `auto` is the first unless A is sparse'), &
+      'of `splitting` and `fixed_point`: solver of the quadratic programs: projected Newton (active sets), or'// &
+      ' MPRGP, which needs products only; `auto` is the first unless A is sparse'), &
       key_t('solver', 'tolerance', .false., 'number above 0 and below 1', '', '`1.0e-10`', &
       'residual that counts as solved, free of units'), &
       key_t('solver', 'max_iterations', .false., 'whole number, at least 1', '', '`1000`', &
