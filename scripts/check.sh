@@ -49,6 +49,7 @@ check 'lengths, comments, no stop, no print' scripts/check_sources.py
 check fortitude .venv/bin/fortitude check --quiet --output-format concise src tests
 check findent findent_changes_nothing
 check 'FORD without warnings' ford_has_no_warnings
+check 'links of the pages' scripts/check_links.py
 check shellcheck shellcheck "${shell[@]}"
 check 'waivers with reasons' waivers_have_reasons
 exit "$status"

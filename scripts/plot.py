@@ -125,10 +125,16 @@ def draw_stresses(axes, line, sets):
 
 
 def draw_motion(axes, line, sets):
-    """Gap and slip along the contact line."""
+    """Gap and slip along the contact line.
+
+    Where the body's normal all but misses the obstacle, the gap along it is longer than the line itself; drawn, it
+    would flatten all others.
+    """
+    longest = sets[-1][1][-1]
     for name, color, style in (("gap", "#D55E00", "-"), ("slip", "#0072B2", "--")):
         for points, length in sets:
-            axes.plot(length, line.point_data[name][points], color=color, linestyle=style,
+            values = line.point_data[name][points]
+            axes.plot(length, np.where(np.abs(values) > longest, np.nan, values), color=color, linestyle=style,
                       label=name if length is sets[0][1] else None)
     axes.set(xlabel="length along the contact line", ylabel="gap, slip")
     axes.legend(loc="best", frameon=False, fontsize="small")

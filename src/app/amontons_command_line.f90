@@ -9,7 +9,7 @@ module amontons_command_line
 
    !> Options, as they are written.
    character(15), parameter :: option_names(*) = [character(15) :: '--output', '--check', '--quiet', '--threads', &
-      '--reduced', '--write-reduced', '--all-solutions', '--help', '--version']
+      '--reduced', '--write-reduced', '--all-solutions', '--reference', '--help', '--version']
 
    !> A word of the command line.
    type :: argument_t
@@ -26,6 +26,7 @@ module amontons_command_line
       logical :: is_reduced = .false. !! whether the names are files of reduced problems rather than decks
       logical :: writes_reduced = .false. !! whether the reduced problem of each case is written
       logical :: wants_all_solutions = .false. !! whether every solution of a small problem is listed
+      logical :: is_reference = .false. !! whether the names are groups whose reference is asked for, rather than decks
       logical :: is_help = .false. !! whether help is asked for
       logical :: is_version = .false. !! whether the version is asked for
    end type command_line_t
@@ -56,7 +57,7 @@ contains
             if (allocated(error)) return
          end if
       end do
-      if (command_line%is_help .or. command_line%is_version) return
+      if (command_line%is_help .or. command_line%is_version .or. command_line%is_reference) return
       if (size(command_line%decks) == 0) call new_error(error, input_refused, &
          'amontons: expected '//trim(merge('the file of a reduced problem', 'a deck                       ', &
          command_line%is_reduced))//'; try amontons --help')
@@ -103,6 +104,8 @@ contains
          command_line%writes_reduced = .true.
       case ('--all-solutions')
          command_line%wants_all_solutions = .true.
+      case ('--reference')
+         command_line%is_reference = .true.
       case ('--help', '-h')
          command_line%is_help = .true.
       case ('--version')
@@ -170,6 +173,8 @@ contains
          '                 and NAME.reduced.hdf5 (FCLIB)'//newline// &
          '  --all-solutions  find every solution of problems of at most 12 contact points: NAME.solutions.csv'// &
          newline// &
+         '  --reference    print every key of a deck with its values, unit, default and meaning (Markdown), or'// &
+         newline//'                 those of the groups that are named: amontons --reference mesh contact'//newline// &
          '  --help         print this text'//newline// &
          '  --version      print the version'//newline//newline// &
          'Exit status: 0 solved; 1 input refused; 2 numerical failure; 3 cannot write, or an internal'//newline// &

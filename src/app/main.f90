@@ -4,6 +4,7 @@ program main
    use, intrinsic :: iso_fortran_env, only: compiler_version, error_unit, output_unit
    use amontons_command_line, only: command_line_t, help_text, read_command_line
    use amontons_error, only: error_t
+   use amontons_reference, only: tell_reference
    use amontons_run, only: run_decks
    use amontons_threads, only: n_threads, set_threads
    use amontons_version, only: version
@@ -32,6 +33,8 @@ program main
    else if (command_line%is_version) then
       write (output_unit, '(a)') 'amontons '//version//' ('//compiler_version()//')'
       status = 0
+   else if (command_line%is_reference) then
+      call tell_reference(command_line%decks, status)
    else
       if (command_line%n_threads == 0) command_line%n_threads = n_threads()
       call set_threads(command_line%n_threads)

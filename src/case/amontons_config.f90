@@ -7,6 +7,7 @@ module amontons_config
    use amontons_constraints, only: support_t
    use amontons_contact_zone, only: contact_t
    use amontons_deck, only: deck_t, read_deck, read_deck_text
+   use amontons_deck_reference, only: group_names, repeatable_names
    use amontons_deck_rules, only: origin_of, require
    use amontons_element, only: element_names
    use amontons_error, only: error_t
@@ -25,12 +26,6 @@ module amontons_config
    private
 
    public :: config_t, new_reduced_config, read_config
-
-   !> Groups of a deck.
-   character(8), parameter :: group_names(*) = [character(8) :: 'case', 'problem', 'mesh', 'material', 'support', &
-      'load', 'contact', 'sweep', 'solver', 'output']
-   !> Groups that may stand more than once.
-   character(8), parameter :: repeatable_names(*) = [character(8) :: 'material', 'support', 'load', 'contact', 'sweep']
 
    !> Everything that defines a case.
    type :: config_t

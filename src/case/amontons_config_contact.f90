@@ -59,6 +59,8 @@ contains
       if (len_trim(contact%set) == 0) call deck%fault(group, 'set', '&contact needs a set')
       call require(deck, group, 'friction', contact%friction%value >= 0.0_dp .or. &
          any(abs(contact%friction%slope) > 0.0_dp), 'be at least 0, found '//to_text(contact%friction%value))
+      call require(deck, group, 'slip_bound', contact%slip_bound%value >= 0.0_dp .or. &
+         any(abs(contact%slip_bound%slope) > 0.0_dp), 'be at least 0, found '//to_text(contact%slip_bound%value))
       call require(deck, group, 'normal', norm2(contact%obstacle%normal) > 0.0_dp, 'not be zero')
       call require(deck, group, 'gap_direction', norm2(contact%direction) > 0.0_dp .or. .not. has_direction, &
          'not be zero')

@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+"""The user guide: its example works, and its messages are those that the program prints.
+
+Before a message stands a comment on where it comes from,
+
+    <!-- raised by: ARGUMENTS; status N -->     what the program is run with, and its exit status, 1 if it is not named
+    <!-- in: FILE -->                           the source that has its words, where it cannot be raised at will
+
+and a message stands in what the program prints, or in the listing. An ellipsis stands for anything.
+"""
+import re
+import shutil
+import unittest
+from pathlib import Path
+
+from harness import ProgramTest
+
+ROOT = Path(__file__).resolve().parents[2]
+BLOCK = re.compile(r"<!-- ([\w ]+): (.*?)(?:; status (\d))? -->\n```\w+\n(.*?)```", re.DOTALL)
+
+
+class Guide(ProgramTest):
+    """The blocks of doc/guide.md that a comment announces."""
+
+    def setUp(self):
+        super().setUp()
+        text = (ROOT / "doc" / "guide.md").read_text(encoding="utf-8")
+        self.blocks = [match.groups() for match in BLOCK.finditer(text)]
+        self.n_comments = text.count("<!-- ")
+
+    def announced(self, kind):
+        """Name, status and content of the blocks of a kind."""
+        return [block[1:] for block in self.blocks if block[0] == kind]
+
+    def assert_has(self, text, message):
+        """Checks that a text has a message, in which an ellipsis stands for anything."""
+        pattern = ".*?".join(map(re.escape, message.strip().split("\u2026")))
+        self.assertRegex(text, re.compile(pattern, re.DOTALL))
+
+    def test_every_comment_announces_a_block(self):
+        self.assertEqual(len(self.blocks), self.n_comments)
+        self.assertGreater(len(self.announced("raised by")), 20)
+
+    def test_messages_are_raised(self):
+        for name in ("tests", "input"):
+            (self.directory / name).symlink_to(ROOT / name)
+        for arguments, status, message in self.announced("raised by"):
+            with self.subTest(arguments=arguments):
+                run = self.run_program("--output=results", *arguments.split(), status=int(status or 1))
+                listings = [file.read_text(encoding="utf-8") for file in self.directory.glob("results/*.lst")]
+                shutil.rmtree(self.directory / "results", ignore_errors=True)
+                self.assert_has("\n".join([run.stdout, run.stderr, *listings]), message)
+
+    def test_messages_are_in_the_sources(self):
+        for file, _, message in self.announced("in"):
+            with self.subTest(file=file, message=message):
+                self.assert_has((ROOT / file).read_text(encoding="utf-8"), message)
+
+    @unittest.skipIf(shutil.which("gmsh") is None, "Gmsh is not installed")
+    def test_example_works(self):
+        for name, _, content in self.announced("file"):
+            self.write(name, content)
+        self.run_command(["gmsh", "-2", "-order", "2", "foot.geo"])
+        self.assertRegex(self.run_program("--check", "foot.nml").stdout, r"^foot: in order; \d+ nodes, ")
+        run = self.run_program("--output", "results", "foot.nml")
+        # Another version of Gmsh makes another mesh: what the guide says of the sole, to an element's side or two.
+        lengths = self.result("foot", "results").lengths
+        self.assert_close(lengths, [8.0, 8.7, 10.7], 1.0, run.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
