@@ -10,6 +10,8 @@ target_compile_options(amontons_flags INTERFACE
   # gfortran 12 takes the descriptor of an allocatable for uninitialised when it is first allocated by assignment.
   "$<${_fortran}:-Wall;-Wextra;-pedantic;-Wimplicit-interface;-Wimplicit-procedure;-Werror>"
   "$<${_fortran}:-Wno-maybe-uninitialized;-Wno-uninitialized>"
+  # The shared library is made of the same objects: none of its procedures is replaced from outside.
+  "-fno-semantic-interposition"
   "$<${_c}:-std=c11;-Wall;-Wextra;-pedantic;-Werror>"
   "$<${_debug}:-g;-O0>"
   "$<$<AND:${_fortran},${_debug}>:-fcheck=all,no-array-temps;-finit-real=snan;-fbacktrace>")

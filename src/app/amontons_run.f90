@@ -8,7 +8,7 @@ module amontons_run
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_progress, only: new_progress, progress_t
    use amontons_report, only: write_report
-   use amontons_result, only: certificate_limit, result_t
+   use amontons_result, only: certificate_limit, result_t, status_not_converged
    use amontons_run_reduced, only: export_case, run_reduced
    use amontons_screen, only: tell
    use amontons_solve_case, only: prepare_case, solve_case, workshop_t
@@ -19,11 +19,8 @@ module amontons_run
    implicit none (type, external)
    private
 
-   public :: run_decks, status_interrupted, status_not_converged
+   public :: run_decks, status_interrupted
 
-   !> Exit status of a case that did not converge, or whose certificate failed; the others are the kinds of
-   !> `amontons_error`.
-   integer, parameter :: status_not_converged = 4
    !> Exit status of a sweep that a signal interrupted; the same command goes on with it.
    integer, parameter :: status_interrupted = 5
 

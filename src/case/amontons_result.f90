@@ -10,7 +10,11 @@ module amontons_result
    implicit none (type, external)
    private
 
-   public :: certificate_limit, result_t
+   public :: certificate_limit, result_t, status_not_converged
+
+   !> Exit status of a case that did not converge, or whose certificate failed; the others are the kinds of
+   !> `amontons_error`.
+   integer, parameter :: status_not_converged = 4
 
    !> Solution, certificate and record of a case.
    type :: result_t

@@ -25,7 +25,7 @@ module amontons_solve_case
    implicit none (type, external)
    private
 
-   public :: condense_case, load_body, prepare_case, recover, solve_case, workshop_t
+   public :: check_finite, condense_case, load_body, prepare_case, recover, solve_case, workshop_t
 
    !> The body at hand and what was last done with it: what one case of a run hands on to the next.
    type :: workshop_t

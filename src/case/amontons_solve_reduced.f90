@@ -8,7 +8,7 @@ module amontons_solve_reduced
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
-   use amontons_methods, only: new_contact_method
+   use amontons_methods, only: method_options_t, new_contact_method
    use amontons_reduced_check, only: new_reduced_check, reduced_check_t
    use amontons_reduced_file, only: read_reduced_file
    use amontons_reduced_system, only: reduced_system_t
@@ -17,7 +17,7 @@ module amontons_solve_reduced
    implicit none (type, external)
    private
 
-   public :: find_reduced_solutions, prepare_reduced, reduced_result_t, solve_reduced
+   public :: find_reduced_solutions, prepare_reduced, reduced_result_t, solve_reduced, solve_reduced_system
 
    !> The result of a reduced problem: everything that the reports tell.
    type :: reduced_result_t
@@ -53,12 +53,33 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(out) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! the file or the numbers are at fault
-      class(contact_method_t), allocatable :: method
-      type(contact_problem_t) :: problem
 
       call prepare_reduced(config, result, error)
       if (allocated(error)) return
-      call new_contact_method(method, config%method, error)
+      call solve_prepared(config%method, result, error)
+   end subroutine solve_reduced
+
+   !> Solves a reduced problem that is there already.
+   subroutine solve_reduced_system(system, options, result, error)
+      type(reduced_system_t), intent(in) :: system !! the reduced problem
+      type(method_options_t), intent(in) :: options !! the contact method
+      type(reduced_result_t), intent(out) :: result !! the result
+      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+
+      call new_timings(result%timings)
+      result%system = system
+      call solve_prepared(options, result, error)
+   end subroutine solve_reduced_system
+
+   !> Solves the problem that a result holds.
+   subroutine solve_prepared(options, result, error)
+      type(method_options_t), intent(in) :: options !! the contact method
+      type(reduced_result_t), intent(inout) :: result !! the problem; gains its solution
+      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      class(contact_method_t), allocatable :: method
+      type(contact_problem_t) :: problem
+
+      call new_contact_method(method, options, error)
       if (allocated(error)) return
       call new_contact_solution(result%solution, result%system%n_contacts)
       if (result%system%n_contacts == 0) then
@@ -77,7 +98,7 @@ contains
          call new_reduced_check(result%check, system)
       end associate
       call result%timings%lap(phase_recover)
-   end subroutine solve_reduced
+   end subroutine solve_prepared
 
    !> Finds all solutions of a problem of few contacts.
    subroutine find_reduced_solutions(solutions, system, error)

@@ -7,12 +7,12 @@ module amontons_contact_zone
    use amontons_line_field, only: line_field_t
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_obstacle, only: obstacle_t
+   use amontons_obstacle, only: obstacle_names, obstacle_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: contact_t, contact_zone_t, new_contact_zone, set_obstacles
+   public :: contact_t, contact_zone_t, new_contact, new_contact_zone, set_obstacles
 
    !> A boundary set that may touch a rigid obstacle, and the friction there: |lambda_T| <= g + phi lambda_N.
    type :: contact_t
@@ -45,6 +45,18 @@ module amontons_contact_zone
    end type contact_zone_t
 
 contains
+
+   !> Makes a contact set on the floor y = 0.
+   pure subroutine new_contact(contact, set, friction)
+      type(contact_t), intent(out) :: contact !! the contact set
+      character(*), intent(in) :: set !! name of the boundary set
+      real(dp), intent(in) :: friction !! Coulomb's coefficient phi, at least 0 [-]
+
+      contact%set = set
+      contact%obstacle%kind = trim(obstacle_names(1))
+      contact%friction%value = friction
+      contact%origin = ''
+   end subroutine new_contact
 
    !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point; nor
    !> is a corner of a quadratic side on the axis of revolution: its area is 0, so that no pressure acts on it. A corner

@@ -8,7 +8,7 @@ module amontons_constraints
    implicit none (type, external)
    private
 
-   public :: constraints_t, new_constraints, support_t
+   public :: constraints_t, new_constraints, new_support, support_t
 
    !> A prescribed displacement or an elastic foundation of a boundary set, or a prescribed displacement of the node at
    !> a point.
@@ -33,6 +33,15 @@ module amontons_constraints
    end type constraints_t
 
 contains
+
+   !> Makes a support of a boundary set that holds nothing yet.
+   pure subroutine new_support(support, set)
+      type(support_t), intent(out) :: support !! the support
+      character(*), intent(in) :: set !! name of the boundary set
+
+      support%set = set
+      support%origin = ''
+   end subroutine new_support
 
    !> Applies all supports to the nodes of a mesh.
    subroutine new_constraints(constraints, mesh, supports, error)

@@ -10,7 +10,7 @@ module amontons_loads
    implicit none (type, external)
    private
 
-   public :: load_t, load_vector
+   public :: load_t, load_vector, new_load
 
    !> What a load acts on: the sides of a set.
    integer, parameter, public :: load_on_sides = 1
@@ -36,6 +36,16 @@ module amontons_loads
    end type load_t
 
 contains
+
+   !> Makes a load on the sides of a boundary set that has no strength yet.
+   pure subroutine new_load(load, set)
+      type(load_t), intent(out) :: load !! the load
+      character(*), intent(in) :: set !! name of the boundary set
+
+      load%set = set
+      load%region = ''
+      load%origin = ''
+   end subroutine new_load
 
    !> Nodal forces of all loads.
    subroutine load_vector(forces, mesh, materials, loads, error)

@@ -1,0 +1,119 @@
+!> The procedures of `amontons.h`, where they are described.
+module amontons_c_interface
+   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_loc, c_null_char, c_ptr
+   use amontons_c_deck, only: run_deck, verdict
+   use amontons_c_text, only: put_c_text, text_of_c
+   use amontons_dense_system, only: new_dense_system
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_methods, only: method_options_t
+   use amontons_reduced_system, only: reduced_system_t
+   use amontons_solve_reduced, only: reduced_result_t, solve_reduced_system
+   use amontons_threads, only: set_threads
+   use amontons_version, only: version
+   implicit none (type, external)
+   private
+
+   !> The version as C wants it.
+   character(*, c_char), parameter :: version_of_c = version//c_null_char
+   character(len(version_of_c), c_char), target :: version_text = version_of_c
+
+contains
+
+   !> The version.
+   function amontons_version_text() bind(c, name='amontons_version_text') result(address)
+      type(c_ptr) :: address
+
+      address = c_loc(version_text)
+   end function amontons_version_text
+
+   !> Sets the number of threads.
+   subroutine amontons_set_threads(n_threads) bind(c, name='amontons_set_threads')
+      integer(c_int), value, intent(in) :: n_threads !! number of threads; 1 is taken for less
+
+      call set_threads(max(1, int(n_threads)))
+   end subroutine amontons_set_threads
+
+   !> Solves a reduced problem.
+   function amontons_solve_reduced_problem(n_contacts, w, q, mu, method, tolerance, max_iterations, r, u, status, &
+      residual, n_iterations, message, message_size) bind(c, name='amontons_solve_reduced_problem') result(code)
+      integer(c_int), value, intent(in) :: n_contacts !! number m of contacts
+      real(c_double), intent(in) :: w(2*n_contacts, 2*n_contacts) !! W [L/F]
+      real(c_double), intent(in) :: q(2*n_contacts) !! u without forces [L]
+      real(c_double), intent(in) :: mu(n_contacts) !! coefficients of friction [-]
+      ! allow(assumed-size): C passes an address and no length
+      character(c_char), intent(in), optional :: method(*) !! name of the method
+      real(c_double), value, intent(in) :: tolerance !! residual that counts as solved; 0 for the default [-]
+      integer(c_int), value, intent(in) :: max_iterations !! most iterations; 0 for the default
+      real(c_double), intent(inout) :: r(2*n_contacts) !! forces [F]
+      real(c_double), intent(inout) :: u(2*n_contacts) !! displacements [L]
+      integer(c_int), intent(inout) :: status(n_contacts) !! status of each contact
+      real(c_double), intent(inout) :: residual !! residual reached [-]
+      integer(c_int), intent(inout) :: n_iterations !! number of iterations done
+      integer(c_int), value, intent(in) :: message_size !! room in message
+      character(c_char), intent(inout) :: message(message_size) !! what went wrong
+      integer(c_int) :: code
+      type(method_options_t) :: options
+      type(reduced_system_t) :: system
+      type(reduced_result_t) :: result
+      type(error_t), allocatable :: error
+      character(:), allocatable :: sentence
+      integer :: verdict_status
+
+      call choose(options, tolerance, int(max_iterations), error)
+      if (present(method)) options%method = text_of_c(method)
+      if (.not. allocated(error)) call new_dense_system(system, w, q, mu, error)
+      if (.not. allocated(error)) call solve_reduced_system(system, options, result, error)
+      if (allocated(error)) then
+         code = int(error%kind, c_int)
+         call put_c_text(error%message, message_size, message)
+         return
+      end if
+      r = result%system%r
+      u = result%system%u
+      status = int(result%solution%status, c_int)
+      residual = result%solution%residual
+      n_iterations = int(result%solution%n_iterations, c_int)
+      call verdict(result%solution%is_converged, result%solution%residual, result%check%largest(), options%tolerance, &
+         verdict_status, sentence)
+      code = int(verdict_status, c_int)
+      call put_c_text(sentence, message_size, message)
+   end function amontons_solve_reduced_problem
+
+   !> Checks the options of a method and puts them in place of the defaults.
+   pure subroutine choose(options, tolerance, max_iterations, error)
+      type(method_options_t), intent(inout) :: options !! the options, with their defaults
+      real(c_double), intent(in) :: tolerance !! residual that counts as solved; 0 for the default [-]
+      integer, intent(in) :: max_iterations !! most iterations; 0 for the default
+      type(error_t), allocatable, intent(out) :: error !! an option out of its range
+
+      if (.not. (tolerance >= 0.0_c_double .and. tolerance < 1.0_c_double)) then
+         call new_error(error, input_refused, 'tolerance must lie above 0 and below 1, or be 0 for the default')
+      else if (max_iterations < 0) then
+         call new_error(error, input_refused, 'max_iterations must be at least 1, or 0 for the default')
+      end if
+      if (tolerance > 0.0_c_double) options%tolerance = tolerance
+      if (max_iterations > 0) options%max_iterations = max_iterations
+   end subroutine choose
+
+   !> Solves a deck and writes its files.
+   function amontons_solve_deck(deck, directory, name, name_size, message, message_size) &
+      bind(c, name='amontons_solve_deck') result(code)
+      ! allow(assumed-size): C passes an address and no length
+      character(c_char), intent(in) :: deck(*) !! name of the deck
+      ! allow(assumed-size): C passes an address and no length
+      character(c_char), intent(in) :: directory(*) !! output directory
+      integer(c_int), value, intent(in) :: name_size !! room in name
+      character(c_char), intent(inout) :: name(name_size) !! name of the case
+      integer(c_int), value, intent(in) :: message_size !! room in message
+      character(c_char), intent(inout) :: message(message_size) !! what went wrong
+      integer(c_int) :: code
+      character(:), allocatable :: case_name, sentence
+      integer :: status
+
+      call run_deck(text_of_c(deck), text_of_c(directory), case_name, status, sentence)
+      code = int(status, c_int)
+      call put_c_text(case_name, name_size, name)
+      call put_c_text(sentence, message_size, message)
+   end function amontons_solve_deck
+
+end module amontons_c_interface
