@@ -1,4 +1,5 @@
-# Installs the library, its modules, the program, and what finds them again: a CMake package and a pkg-config file.
+# Installs the library, its modules, the C interface with its header and Python module, the program, and what finds them
+# again: a CMake package and pkg-config files.
 include(CMakePackageConfigHelpers)
 
 set(_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/amontons")
@@ -9,6 +10,13 @@ install(TARGETS amontons_app)
 install(DIRECTORY "$<TARGET_PROPERTY:amontons,Fortran_MODULE_DIRECTORY>/" DESTINATION "${_module_dir}"
   FILES_MATCHING PATTERN "*.mod")
 install(EXPORT amontonsTargets NAMESPACE amontons:: DESTINATION "${_package_dir}")
+if(AMONTONS_SHARED)
+  install(TARGETS amontons_c EXPORT amontons_cTargets)
+  install(EXPORT amontons_cTargets NAMESPACE amontons:: DESTINATION "${_package_dir}")
+  install(FILES "${PROJECT_SOURCE_DIR}/src/binding/amontons.h" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+  # The module looks for the library one folder up.
+  install(FILES "${PROJECT_SOURCE_DIR}/python/amontons.py" DESTINATION "${CMAKE_INSTALL_LIBDIR}/amontons")
+endif()
 
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/amontonsConfig.cmake.in"
   "${CMAKE_CURRENT_BINARY_DIR}/amontonsConfig.cmake" INSTALL_DESTINATION "${_package_dir}")
@@ -41,3 +49,7 @@ file(RELATIVE_PATH AMONTONS_PREFIX_FROM_PC
   "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")
 configure_file("${CMAKE_CURRENT_LIST_DIR}/amontons.pc.in" "${CMAKE_CURRENT_BINARY_DIR}/amontons.pc" @ONLY)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/amontons.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+if(AMONTONS_SHARED)
+  configure_file("${CMAKE_CURRENT_LIST_DIR}/amontons_c.pc.in" "${CMAKE_CURRENT_BINARY_DIR}/amontons_c.pc" @ONLY)
+  install(FILES "${CMAKE_CURRENT_BINARY_DIR}/amontons_c.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+endif()

@@ -1,24 +1,25 @@
 !> The public interface of the Amontons library, on one screen.
 !>
 !> From a deck: `read_config`, `solve_case`, `write_report`, or `solve_sweep`, `write_sweep_report`. In code:
-!> `new_rectangle_mesh` or `read_mesh_file`, `new_material`, `new_body`, `condense_body`, and the contact methods on the
-!> body's contact problem. A contact problem alone: `new_contact_problem` or `new_reduced_problem`,
-!> `new_contact_method`, `new_contact_solution`. A reduced problem from a file: `new_reduced_config`, `solve_reduced`,
-!> `write_reduced_report`; to one: `new_condensed_system`, `write_reduced_files`.
+!> `new_rectangle_mesh` or `read_mesh_file`, `new_material`, `new_support`, `new_contact`, `new_body`, `new_load`,
+!> `solve_body`. A contact problem alone: `new_contact_problem` or `new_reduced_problem`, `new_contact_method`,
+!> `new_contact_solution`. A reduced problem from a file: `new_reduced_config`, `solve_reduced`, `write_reduced_report`;
+!> to one: `new_condensed_system`, `write_reduced_files`; from arrays: `new_dense_system`, `solve_reduced_system`.
 module amontons
    use amontons_all_solutions, only: all_solutions_t, find_all_solutions
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_certificate, only: certificate_t, new_certificate
    use amontons_config, only: config_t, new_reduced_config, read_config
-   use amontons_constraints, only: support_t
+   use amontons_constraints, only: new_support, support_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem, new_reduced_problem
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_contact_zone, only: contact_t
+   use amontons_contact_zone, only: contact_t, new_contact
+   use amontons_dense_system, only: new_dense_system
    use amontons_error, only: error_t, input_refused, numerical_failure, system_failure
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, status_names, stick_point
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_t
+   use amontons_loads, only: load_t, new_load
    use amontons_material, only: material_t, new_material
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: read_mesh_file
@@ -29,8 +30,9 @@ module amontons
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_report, only: write_report
    use amontons_result, only: result_t
+   use amontons_solve_body, only: solve_body
    use amontons_solve_case, only: prepare_case, solve_case, workshop_t
-   use amontons_solve_reduced, only: find_reduced_solutions, reduced_result_t, solve_reduced
+   use amontons_solve_reduced, only: find_reduced_solutions, reduced_result_t, solve_reduced, solve_reduced_system
    use amontons_solve_sweep, only: solve_sweep, sweep_result_t
    use amontons_sweep_monitor, only: sweep_monitor_t
    use amontons_sweep_report, only: write_sweep_report
@@ -48,11 +50,11 @@ module amontons
    ! Sweeps
    public :: solve_sweep, sweep_monitor_t, sweep_result_t, write_sweep_report
    ! Reduced problems of others
-   public :: find_reduced_solutions, new_condensed_system, new_reduced_config, read_reduced_file, reduced_result_t, &
-      reduced_system_t, solve_reduced, write_reduced_files, write_reduced_report
+   public :: find_reduced_solutions, new_condensed_system, new_dense_system, new_reduced_config, read_reduced_file, &
+      reduced_result_t, reduced_system_t, solve_reduced, solve_reduced_system, write_reduced_files, write_reduced_report
    ! Bodies
-   public :: body_t, condense_body, contact_t, load_t, material_t, mesh_t, new_body, new_material, new_rectangle_mesh, &
-      read_mesh_file, rectangle_t, support_t
+   public :: body_t, condense_body, contact_t, load_t, material_t, mesh_t, new_body, new_contact, new_load, &
+      new_material, new_rectangle_mesh, new_support, read_mesh_file, rectangle_t, solve_body, support_t
    ! Contact problems and methods
    public :: contact_method_t, contact_problem_t, contact_solution_t, method_names, method_options_t, &
       new_contact_method, new_contact_problem, new_contact_solution, new_dense_matrix, new_reduced_problem, &
