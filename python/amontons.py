@@ -71,6 +71,7 @@ class DeckResult:
     name: str                   # name of the case
     directory: Optional[Path]   # where its files are; None if they were not to be kept
     contact: Optional[dict]     # columns of NAME.contact.csv, as arrays; None where there is no such file
+    sweep: Optional[dict]       # columns of NAME.sweep.csv, one row per case; None where there is no such file
     summary: dict               # NAME.summary.json
     is_solved: bool
 
@@ -156,10 +157,12 @@ def _solve_deck(deck, output, is_kept):
     is_solved = _judge(code, message)
     name = os.fsdecode(name.value)
     directory = Path(output)
-    table = directory / f"{name}.contact.csv"
     summary = json.loads((directory / f"{name}.summary.json").read_text(encoding="utf-8"))
-    return DeckResult(name, directory if is_kept else None, _read_table(table) if table.exists() else None, summary,
-                      is_solved)
+    # A directory that is kept may hold files of an earlier deck of the same name.
+    is_sweep = "sweep" in summary
+    contact = None if is_sweep else _read_table(directory / f"{name}.contact.csv")
+    sweep = _read_table(directory / f"{name}.sweep.csv") if is_sweep else None
+    return DeckResult(name, directory if is_kept else None, contact, sweep, summary, is_solved)
 
 
 def _read_table(path):

@@ -6,11 +6,13 @@ from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parent.parent / "src"
 # From the bottom up. The facade src/amontons.f90 lies above the library; only the program may use it.
-LAYERS = ["base", "linalg", "fem", "contact", "case", "facade", "app"]
+LAYERS = ["base", "linalg", "fem", "contact", "case", "binding", "facade", "app"]
 FACADE = "amontons"
 FOREIGN_MODULES = {"hdf5", "omp_lib"}
 WORDS_OF_LINALG = re.compile(r"dpbtrf|cholmod", re.IGNORECASE)
 UNIT = re.compile(r"^\s*(?:module|program)\s+(?!procedure\b|subroutine\b|function\b)(\w+)\s*(?:!.*)?$", re.IGNORECASE)
+# gfortran takes a module and a procedure of C that share a name for one and calls the wrong one.
+BIND = re.compile(r"\bbind\s*\(\s*c\s*,\s*name\s*=\s*['\"](\w+)['\"]", re.IGNORECASE)
 USE = re.compile(r"^\s*use\b(\s*,\s*intrinsic\b)?\s*(?:::)?\s*(\w+)", re.IGNORECASE)
 
 
@@ -34,6 +36,8 @@ def faults_of_file(path, layer_of_module):
             yield number, f"only the layer linalg may say {word[0]}"
         if match := UNIT.match(line):
             units.append(match[1].lower())
+        if (match := BIND.search(line)) and match[1].lower() in layer_of_module:
+            yield number, f"{match[1]} is a module already; give the procedure of C another name"
         if not (match := USE.match(line)) or match[1]:
             continue
         used = match[2].lower()

@@ -6,7 +6,7 @@
 static int solve_reduced_problem(void)
 {
     const double w[] = {2.0, 0.5, 0.5, 0.0,   0.5, 3.0, 0.0, 0.25,   0.5, 0.0, 2.0, -0.5,   0.0, 0.25, -0.5, 3.0};
-    const double q[] = {-1.0, 0.5, -2.0, -4.0}, mu[] = {0.5, 0.5};
+    const double q[] = {-1.0, -0.5, -2.0, -4.0}, mu[] = {0.75, 0.5};
     double r[4], u[4], residual;
     int status[2], n_iterations;
     char message[1000];

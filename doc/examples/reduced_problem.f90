@@ -1,14 +1,14 @@
 !> Solves a reduced problem of two contacts, given by the paper's A and B, and prints forces and displacements.
 !>
-!> All normal unknowns stand before the tangential ones: u = B - A lambda. The second contact is pressed and slides, the
-!> first sticks.
+!> All normal unknowns stand before the tangential ones: u = B - A lambda. The first contact sticks, the second
+!> slides backwards.
 program reduced_problem
    use, intrinsic :: iso_fortran_env, only: error_unit
    use amontons, only: contact_method_t, contact_problem_t, contact_solution_t, dp, error_t, method_options_t, &
       new_contact_method, new_contact_solution, new_dense_matrix, new_reduced_problem, status_names, symmetric_matrix_t
    implicit none (type, external)
    real(dp), allocatable :: a(:, :)
-   real(dp), parameter :: b(4) = [1.0_dp, 2.0_dp, 0.5_dp, -4.0_dp], friction(2) = [0.5_dp, 0.5_dp]
+   real(dp), parameter :: b(4) = [1.0_dp, 2.0_dp, -0.5_dp, -4.0_dp], friction(2) = [0.75_dp, 0.5_dp]
    type(symmetric_matrix_t) :: matrix
    type(contact_problem_t) :: problem
    type(contact_solution_t) :: solution

@@ -8,6 +8,10 @@ module amontons_c_deck
    use amontons_result, only: certificate_limit, result_t, status_not_converged
    use amontons_solve_case, only: solve_case, workshop_t
    use amontons_solve_reduced, only: reduced_result_t, solve_reduced
+   use amontons_solve_sweep, only: solve_sweep, sweep_result_t
+   use amontons_sweep_monitor, only: sweep_monitor_t
+   use amontons_sweep_report, only: write_sweep_report
+   use amontons_sweep_tally, only: case_converged
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -32,6 +36,8 @@ contains
          name = config%name
          if (config%reduced%is_given) then
             call run_reduced(config, directory, status, message, error)
+         else if (config%sweep%is_given()) then
+            call run_sweep(config, directory, status, message, error)
          else
             call run_case(config, directory, status, message, error)
          end if
@@ -75,6 +81,30 @@ contains
       call verdict(result%solution%is_converged, result%solution%residual, result%check%largest(), &
          config%method%tolerance, status, message)
    end subroutine run_reduced
+
+   !> Solves the cases of a sweep and writes its files.
+   subroutine run_sweep(config, directory, status, message, error)
+      type(config_t), intent(in) :: config !! the deck
+      character(*), intent(in) :: directory !! output directory
+      integer, intent(out) :: status !! 0 or `status_not_converged`
+      character(:), allocatable, intent(out) :: message !! what the solutions lack; empty if nothing
+      type(error_t), allocatable, intent(out) :: error !! the sweep cannot be solved, or its files not be written
+      type(workshop_t) :: workshop
+      type(sweep_monitor_t) :: monitor
+      type(sweep_result_t) :: result
+
+      call solve_sweep(workshop, config, directory, monitor, result, error)
+      if (.not. allocated(error)) call write_sweep_report(directory, config, workshop%body, result, error)
+      if (allocated(error)) return
+      associate (tally => result%tally)
+         call verdict(.true., tally%residual, result%certified%certificate%largest(), config%method%tolerance, status, &
+            message)
+         if (tally%n_outcomes(case_converged) == tally%n_cases) return
+         status = status_not_converged
+         message = to_text(tally%n_cases - tally%n_outcomes(case_converged))//' of '//to_text(tally%n_cases)// &
+            ' cases of the sweep are not solved'
+      end associate
+   end subroutine run_sweep
 
    !> Judges a solution as the program does.
    pure subroutine verdict(is_converged, residual, violation, tolerance, status, message)

@@ -8,6 +8,7 @@ module amontons_c_interface
    use amontons_methods, only: method_options_t
    use amontons_reduced_system, only: reduced_system_t
    use amontons_solve_reduced, only: reduced_result_t, solve_reduced_system
+   use amontons_text, only: to_text
    use amontons_threads, only: set_threads
    use amontons_version, only: version
    implicit none (type, external)
@@ -59,7 +60,7 @@ contains
       character(:), allocatable :: sentence
       integer :: verdict_status
 
-      call choose(options, tolerance, int(max_iterations), error)
+      call choose(options, int(n_contacts), tolerance, int(max_iterations), error)
       if (present(method)) options%method = text_of_c(method)
       if (.not. allocated(error)) call new_dense_system(system, w, q, mu, error)
       if (.not. allocated(error)) call solve_reduced_system(system, options, result, error)
@@ -79,14 +80,17 @@ contains
       call put_c_text(sentence, message_size, message)
    end function amontons_solve_reduced_problem
 
-   !> Checks the options of a method and puts them in place of the defaults.
-   pure subroutine choose(options, tolerance, max_iterations, error)
+   !> Checks single numbers among the arguments, and puts the options of a method in place of the defaults.
+   pure subroutine choose(options, n_contacts, tolerance, max_iterations, error)
       type(method_options_t), intent(inout) :: options !! the options, with their defaults
+      integer, intent(in) :: n_contacts !! number of contacts
       real(c_double), intent(in) :: tolerance !! residual that counts as solved; 0 for the default [-]
       integer, intent(in) :: max_iterations !! most iterations; 0 for the default
       type(error_t), allocatable, intent(out) :: error !! an option out of its range
 
-      if (.not. (tolerance >= 0.0_c_double .and. tolerance < 1.0_c_double)) then
+      if (n_contacts < 0) then
+         call new_error(error, input_refused, 'n_contacts must be at least 0, found '//to_text(n_contacts))
+      else if (.not. (tolerance >= 0.0_c_double .and. tolerance < 1.0_c_double)) then
          call new_error(error, input_refused, 'tolerance must lie above 0 and below 1, or be 0 for the default')
       else if (max_iterations < 0) then
          call new_error(error, input_refused, 'max_iterations must be at least 1, or 0 for the default')

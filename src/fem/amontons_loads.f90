@@ -44,6 +44,7 @@ contains
 
       load%set = set
       load%region = ''
+      load%name = ''
       load%origin = ''
    end subroutine new_load
 

@@ -1,0 +1,224 @@
+#!/usr/bin/env python3
+"""The Python module python/amontons.py: arrays in and out, the program's sentences as exceptions.
+
+AMONTONS_LIBRARY names the shared library. Without NumPy there is nothing to test.
+"""
+import json
+import os
+import sys
+import unittest
+import warnings
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from harness import CONTACT, SOUND, ProgramTest, Result, block, results_of
+
+try:
+    import numpy as np
+except ImportError:
+    sys.exit("skipped: there is no NumPy") if __name__ == "__main__" else None
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "python"))
+import amontons  # noqa: E402  pylint: disable=wrong-import-position
+
+# Two contacts: the first sticks, the second slides backwards.
+W = np.array([[2, 0.5, 0.5, 0], [0.5, 3, 0, 0.25], [0.5, 0, 2, -0.5], [0, 0.25, -0.5, 3]])
+Q = np.array([-1, -0.5, -2, -4])
+MU = np.array([0.75, 0.5])
+SWEEP = block("support set = 'left'  ux = 0.0", "load set = 'top'  pressure = 1.0  name = 'p'", CONTACT,
+              "sweep load = 'p'  factor = 1.0, 2.0  count = 3")
+
+
+def chain(m, seed):
+    """A reduced problem of m contacts that act on each other, the nearer the more, under random loads."""
+    place = np.arange(m)
+    near = np.exp(-0.5*np.abs(place[:, None] - place))
+    w = np.kron(near, np.diag([2.0, 3.0]))
+    return w, np.random.default_rng(seed).uniform(-3, 1, 2*m)
+
+
+class Reduced(unittest.TestCase):
+    """Reduced problems in arrays."""
+
+    def check_law(self, w, q, mu, result, tolerance):
+        """Checks every condition of the problem, each over the largest force or displacement."""
+        mu = np.broadcast_to(mu, (len(q)//2,))
+        r_n, r_t, u_n, u_t = result.r[::2], result.r[1::2], result.u[::2], result.u[1::2]
+        force, length = np.abs(result.r).max(), np.abs(q).max()
+        # u is computed from r as here, by sums in another order.
+        np.testing.assert_allclose(result.u, w @ result.r + q, rtol=0, atol=1e-13*length)
+        self.assertGreaterEqual(r_n.min(), -tolerance*force)
+        self.assertGreaterEqual(u_n.min(), -tolerance*length)
+        self.assertLessEqual(np.minimum(r_n/force, u_n/length).max(), tolerance)
+        self.assertLessEqual((np.abs(r_t) - mu*r_n).max(), tolerance*force)
+        slides = np.abs(u_t) > tolerance*length
+        np.testing.assert_allclose(r_t[slides], -(mu*r_n*np.sign(u_t))[slides], rtol=0, atol=tolerance*force)
+        for status, holds in (("open", u_n > 0), ("slip+", u_t > 0), ("slip-", u_t < 0)):
+            self.assertTrue(holds[result.status == status].all(), status)
+
+    def test_two_contacts(self):
+        result = amontons.solve_reduced(W, Q, MU)
+        self.assertTrue(result.is_solved)
+        self.assertEqual(list(result.status), ["stick", "slip-"])
+        self.check_law(W, Q, MU, result, 1e-9)  # ten times the tolerance of the method
+
+    def test_methods_agree(self):
+        w, q = chain(40, 1)
+        results = [amontons.solve_reduced(w, q, 0.3, method=method, tolerance=1e-12, max_iterations=100000)
+                   for method in ("psor", "fixed_point", "lemke")]
+        for result in results:
+            self.check_law(w, q, 0.3, result, 1e-9)
+            # This W is so well conditioned that a residual of 1e-12 is an error not much larger.
+            np.testing.assert_allclose(result.r, results[0].r, rtol=0, atol=1e-9)
+
+    def test_skew_part_of_w_counts(self):
+        w = W.copy()
+        w[0, 1] *= 1.0005  # what is taken for rounding
+        result = amontons.solve_reduced(w, Q, MU, method="psor", tolerance=1e-12)
+        np.testing.assert_allclose(result.u, w @ result.r + Q, rtol=0, atol=1e-13)
+        self.assertGreater(np.abs(w.T @ result.r + Q - result.u).max(), 1e-5)
+
+    def test_arrays_of_any_kind_are_taken(self):
+        expected = amontons.solve_reduced(W, Q, MU, method="psor")
+        for w, q, mu in ((W.tolist(), Q.tolist(), tuple(MU)), (np.asfortranarray(W), Q, MU),
+                         (np.repeat(W, 2, axis=1)[:, ::2], np.repeat(Q, 2)[::2], MU)):
+            result = amontons.solve_reduced(w, q, mu, method="psor")
+            self.assertEqual(result.r.tolist(), expected.r.tolist())
+
+    def test_one_friction_is_for_all_contacts(self):
+        self.assertEqual(amontons.solve_reduced(W, Q, 0.5, method="psor").r.tolist(),
+                         amontons.solve_reduced(W, Q, [0.5, 0.5], method="psor").r.tolist())
+
+    def test_no_contact_is_solved(self):
+        result = amontons.solve_reduced(np.zeros((0, 0)), [], 0.5)
+        self.assertTrue(result.is_solved)
+        self.assertEqual(result.r.size, 0)
+
+    def test_not_converged_warns(self):
+        with self.assertWarnsRegex(amontons.NotConverged, "^not converged: residual "):
+            result = amontons.solve_reduced(W, Q, MU, method="psor", max_iterations=1)
+        self.assertFalse(result.is_solved)
+        self.assertEqual(result.iterations, 1)
+
+    def test_faults_are_told(self):
+        for arguments, sentence in (
+                ((W, Q[:3], MU), r"expected W of 2m x 2m numbers and q of 2m, found \(4, 4\) and \(3,\)"),
+                ((W, Q, [1, 2, 3]), r"expected one mu, or one for each of 2 contacts, found \(3,\)"),
+                ((W, Q, -1), r"mu\(1\) = -1.0: expected a finite number, at least 0"),
+                ((W, Q*np.nan, MU), r"q\(1\) = NaN: expected a finite number"),
+                ((np.triu(W), Q, MU), r"W\(.*differ by more than rounding: expected a symmetric W"),
+                ((W, Q, MU, "gauss"), "no method is called 'gauss'"),
+                ((W, Q, MU, "psor", 2.0), "tolerance must lie above 0 and below 1")):
+            with self.subTest(sentence), self.assertRaisesRegex(amontons.InputRefused, sentence):
+                amontons.solve_reduced(*arguments)
+
+    def test_threads_do_not_disturb_each_other(self):
+        problems = [chain(30, seed) for seed in range(16)]
+
+        def solve(problem):
+            return amontons.solve_reduced(*problem, 0.3, method="psor").r.tolist()
+
+        with ThreadPoolExecutor(4) as pool:
+            self.assertEqual(list(pool.map(solve, problems)), [solve(problem) for problem in problems])
+
+
+class Deck(ProgramTest):
+    """Decks."""
+
+    def test_deck_is_solved_as_by_the_program(self):
+        deck = self.directory / self.write("case.nml", SOUND)
+        result = amontons.solve_deck(deck, self.directory / "python")
+        self.run_program("--quiet", "case.nml", "--output", "program")
+        self.assertTrue(result.is_solved)
+        self.assertEqual((result.name, result.directory), ("case", self.directory / "python"))
+        self.assertEqual(sorted(self.contents("python")), results_of("case"))
+        expected = Result(self.directory / "program", "case")
+        self.assertEqual(list(result.contact), list(expected.columns))
+        for column, values in expected.columns.items():
+            self.assertEqual(result.contact[column].tolist(), values, column)
+        self.assertEqual(result.contact["x"].dtype, np.float64)
+        self.assertEqual(result.summary["lengths"], expected.summary["lengths"])
+
+    def test_files_are_left_only_where_asked_for(self):
+        deck = self.directory / self.write("case.nml", SOUND)
+        result = amontons.solve_deck(str(deck))
+        self.assertIsNone(result.directory)
+        self.assertEqual(self.files(), ["case.nml"])
+        self.assertEqual(len(result.contact["gap"]), 9)
+
+    def test_sweep_is_a_table_of_cases(self):
+        result = amontons.solve_deck(self.directory / self.write("case.nml", SWEEP))
+        self.assertIsNone(result.contact)
+        self.assertEqual(len(result.sweep["case"]), 3)
+        self.assertTrue(result.is_solved)
+
+    def test_reduced_problem_is_a_deck_too(self):
+        samples = ROOT / "tests" / "reduced"
+        deck = self.directory / self.write("case.nml", f"&problem kind = 'reduced'  file = '{samples / 'dense.dat'}' /\n"
+                                                       "&solver method = 'psor' /\n")
+        result = amontons.solve_deck(deck)
+        self.assertEqual(result.contact["status"].shape, (2,))
+
+    def test_faulty_deck_is_refused_with_the_program_s_sentences(self):
+        name = self.directory / self.write("case.nml", SOUND.replace("friction", "frction"))
+        run = self.run_program(name, status=1)
+        with self.assertRaises(amontons.InputRefused) as caught:
+            amontons.solve_deck(name, self.directory)
+        self.assertEqual(str(caught.exception), run.stderr.rstrip("\n"))
+
+    def test_body_that_flies_off_is_a_numerical_failure(self):
+        name = self.directory / self.write("case.nml", block("load set = 'top'  traction = 0.0, 1.0",
+                                                             "support set = 'left'  ux = 0.0", CONTACT))
+        run = self.run_program(name, status=None)
+        expected = {1: amontons.InputRefused, 2: amontons.NumericalFailure}[run.returncode]
+        with self.assertRaises(expected) as caught:
+            amontons.solve_deck(name)
+        self.assertEqual(str(caught.exception), run.stderr.rstrip("\n"))
+
+    def test_directory_that_cannot_be_made_is_a_system_failure(self):
+        name = self.directory / self.write("case.nml", SOUND)
+        with self.assertRaisesRegex(amontons.SystemFailure, "cannot make this directory"):
+            amontons.solve_deck(name, name / "out")
+
+    def test_not_converged_is_a_result_and_a_warning(self):
+        name = self.directory / self.write("case.nml", SOUND + "&solver method = 'psor'  max_iterations = 2 /\n")
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            result = amontons.solve_deck(name, self.directory)
+        self.assertFalse(result.is_solved)
+        self.assertFalse(result.summary["converged"])
+        self.assertEqual([warning.category for warning in caught], [amontons.NotConverged])
+        self.assertEqual(caught[0].filename, __file__)
+
+    def test_names_beyond_ascii_pass(self):
+        name = self.directory / self.write("häuschen.nml", SOUND)
+        result = amontons.solve_deck(name, self.directory / "Übung")
+        self.assertEqual(result.name, "häuschen")
+        self.assertTrue((self.directory / "Übung" / "häuschen.lst").exists())
+
+    def test_decks_side_by_side_leave_the_same_files(self):
+        names = [self.directory / self.write(f"case{i}.nml", SOUND.replace("0.3", f"0.{i + 1}")) for i in range(6)]
+        with ThreadPoolExecutor(3) as pool:
+            together = list(pool.map(lambda name: amontons.solve_deck(name, self.directory / "out"), names))
+        for name, result in zip(names, together):
+            alone = amontons.solve_deck(name)
+            self.assertEqual({key: value.tolist() for key, value in result.contact.items()},
+                             {key: value.tolist() for key, value in alone.contact.items()})
+
+
+class Module(unittest.TestCase):
+    """The module itself."""
+
+    def test_version_is_the_program_s(self):
+        self.assertRegex(amontons.version(), r"^\d+\.\d+\.\d+$")
+
+    def test_library_shows_its_interface_only(self):
+        import ctypes  # pylint: disable=import-outside-toplevel
+        library = ctypes.CDLL(os.environ["AMONTONS_LIBRARY"])
+        self.assertTrue(hasattr(library, "amontons_solve_deck"))
+        self.assertFalse(hasattr(library, "amontons_make_directory"))
+
+
+if __name__ == "__main__":
+    unittest.main()
