@@ -10,7 +10,7 @@
 What the program refuses raises an exception with the program's sentence. What does not converge is returned, with a
 warning and `is_solved` False. The module loads libamontons_c.so: the file that the environment variable
 AMONTONS_LIBRARY names, else the one of the installation it is part of, else the one that the system finds. Calls
-release Python's lock and may run in several threads at once.
+release Python's lock; from several threads they wait for each other, and each has threads of its own inside.
 """
 import csv
 import ctypes
@@ -107,13 +107,14 @@ def set_threads(n_threads):
     _library.amontons_set_threads(n_threads)
 
 
-def _judge(code, message):
-    """Raises what the return code of a call stands for; returns whether the problem is solved."""
+def _judge(code, message, n_callers):
+    """Raises what a return code stands for; returns whether the problem is solved. A warning points above the callers
+    that are in this module."""
     sentence = message.value.decode(errors="replace")
     if code in ERRORS:
         raise ERRORS[code](sentence)
     if code:
-        warnings.warn(sentence, NotConverged, stacklevel=3)
+        warnings.warn(sentence, NotConverged, stacklevel=n_callers + 1)
     return code == 0
 
 
@@ -138,7 +139,7 @@ def solve_reduced(W, q, mu, method="auto", tolerance=1e-10, max_iterations=1000)
     code = _library.amontons_solve_reduced_problem(
         m, W, q, mu, method.encode(), tolerance, max_iterations, r, u, status, ctypes.byref(residual),
         ctypes.byref(iterations), message, TEXT_SIZE)
-    is_solved = _judge(code, message)
+    is_solved = _judge(code, message, n_callers=2)
     return ReducedResult(r, u, STATUSES[status], residual.value, iterations.value, is_solved)
 
 
@@ -154,7 +155,7 @@ def _solve_deck(deck, output, is_kept):
     """Solves a deck and reads the files it leaves in a directory."""
     name, message = ctypes.create_string_buffer(TEXT_SIZE), ctypes.create_string_buffer(TEXT_SIZE)
     code = _library.amontons_solve_deck(os.fsencode(deck), os.fsencode(output), name, TEXT_SIZE, message, TEXT_SIZE)
-    is_solved = _judge(code, message)
+    is_solved = _judge(code, message, n_callers=3)
     name = os.fsdecode(name.value)
     directory = Path(output)
     summary = json.loads((directory / f"{name}.summary.json").read_text(encoding="utf-8"))

@@ -50,7 +50,7 @@ figure.colorbar(cells, label="von Mises stress [daN/mm²]", ax=body)
 # %% The floor: the shear stays within the friction bound, and reaches it where the bar slides.
 bound = FRICTION*floor["normal_stress"]
 line.fill_between(floor["x"], -bound, bound, color="0.9", label="friction bound")
-line.plot(floor["x"], floor["normal_stress"], color="#0072b2", label="pressure")
+line.plot(floor["x"], floor["normal_stress"], color="#0072b2", linewidth=4, label="pressure")
 line.plot(floor["x"], floor["tangential_stress"], color="#d55e00", label="shear")
 for status, marker in (("open", "o"), ("slip+", ">"), ("slip-", "<"), ("stick", "s")):
     here = floor["status"] == status

@@ -1,7 +1,8 @@
 /* The C interface of Amontons: plane contact with Coulomb friction.
  *
- * No procedure prints, ends the program or keeps anything between calls: several threads may call at once, decks under
- * different case names. Texts end with a zero; those that a procedure writes are cut to the size given with them.
+ * No procedure prints, ends the program or keeps anything between calls. Several threads may call; the calls wait for
+ * each other, and each has threads of its own inside. Texts end with a zero; those that a procedure writes are cut to
+ * the size given with them.
  */
 #ifndef AMONTONS_H
 #define AMONTONS_H

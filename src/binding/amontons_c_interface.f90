@@ -1,4 +1,7 @@
 !> The procedures of `amontons.h`, where they are described.
+!>
+!> Calls from several threads wait for each other: gfortran 12 keeps the length of a text that a function returns in one
+!> place for all threads.
 module amontons_c_interface
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_loc, c_null_char, c_ptr
    use amontons_c_deck, only: run_deck, verdict
@@ -54,31 +57,48 @@ contains
       character(c_char), intent(inout) :: message(message_size) !! what went wrong
       integer(c_int) :: code
       type(method_options_t) :: options
-      type(reduced_system_t) :: system
       type(reduced_result_t) :: result
-      type(error_t), allocatable :: error
       character(:), allocatable :: sentence
-      integer :: verdict_status
+      type(error_t), allocatable :: error
 
-      call choose(options, int(n_contacts), tolerance, int(max_iterations), error)
+      !$omp critical (amontons_call)
       if (present(method)) options%method = text_of_c(method)
-      if (.not. allocated(error)) call new_dense_system(system, w, q, mu, error)
-      if (.not. allocated(error)) call solve_reduced_system(system, options, result, error)
+      call choose(options, int(n_contacts), tolerance, int(max_iterations), error)
+      if (.not. allocated(error)) call solve_arrays(w, q, mu, options, result, code, sentence, error)
       if (allocated(error)) then
          code = int(error%kind, c_int)
-         call put_c_text(error%message, message_size, message)
-         return
+         sentence = error%message
+      else
+         r = result%system%r
+         u = result%system%u
+         status = int(result%solution%status, c_int)
+         residual = result%solution%residual
+         n_iterations = int(result%solution%n_iterations, c_int)
       end if
-      r = result%system%r
-      u = result%system%u
-      status = int(result%solution%status, c_int)
-      residual = result%solution%residual
-      n_iterations = int(result%solution%n_iterations, c_int)
-      call verdict(result%solution%is_converged, result%solution%residual, result%check%largest(), options%tolerance, &
-         verdict_status, sentence)
-      code = int(verdict_status, c_int)
       call put_c_text(sentence, message_size, message)
+      !$omp end critical (amontons_call)
    end function amontons_solve_reduced_problem
+
+   !> Solves a reduced problem from arrays and judges the solution.
+   subroutine solve_arrays(w, q, mu, options, result, code, sentence, error)
+      real(c_double), intent(in) :: w(:, :) !! W [L/F]
+      real(c_double), intent(in) :: q(:) !! u without forces [L]
+      real(c_double), intent(in) :: mu(:) !! coefficients of friction [-]
+      type(method_options_t), intent(in) :: options !! the method
+      type(reduced_result_t), intent(out) :: result !! the result
+      integer(c_int), intent(out) :: code !! 0 or `status_not_converged`
+      character(:), allocatable, intent(out) :: sentence !! what the solution lacks; empty if nothing
+      type(error_t), allocatable, intent(out) :: error !! the arrays or the numbers are at fault
+      type(reduced_system_t) :: system
+      integer :: status
+
+      call new_dense_system(system, w, q, mu, error)
+      if (.not. allocated(error)) call solve_reduced_system(system, options, result, error)
+      if (allocated(error)) return
+      call verdict(result%solution%is_converged, result%solution%residual, result%check%largest(), options%tolerance, &
+         status, sentence)
+      code = int(status, c_int)
+   end subroutine solve_arrays
 
    !> Checks single numbers among the arguments, and puts the options of a method in place of the defaults.
    pure subroutine choose(options, n_contacts, tolerance, max_iterations, error)
@@ -114,10 +134,12 @@ contains
       character(:), allocatable :: case_name, sentence
       integer :: status
 
+      !$omp critical (amontons_call)
       call run_deck(text_of_c(deck), text_of_c(directory), case_name, status, sentence)
       code = int(status, c_int)
       call put_c_text(case_name, name_size, name)
       call put_c_text(sentence, message_size, message)
+      !$omp end critical (amontons_call)
    end function amontons_solve_deck
 
 end module amontons_c_interface

@@ -16,7 +16,8 @@ from harness import CONTACT, SOUND, ProgramTest, Result, block, results_of
 try:
     import numpy as np
 except ImportError:
-    sys.exit("skipped: there is no NumPy") if __name__ == "__main__" else None
+    print("skipped: there is no NumPy")
+    sys.exit(0)
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "python"))
