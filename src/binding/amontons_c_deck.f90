@@ -117,7 +117,8 @@ contains
 
       status = status_not_converged
       if (.not. is_converged) then
-         message = 'not converged: residual '//to_text(residual)//' where at most '//to_text(tolerance)//' was asked for'
+         message = 'not converged: residual '//to_text(residual)//' where at most '//to_text(tolerance)// &
+            ' was asked for'
       else if (.not. violation <= certificate_limit(tolerance)) then
          message = 'the certificate FAILED: largest violation '//to_text(violation)
       else

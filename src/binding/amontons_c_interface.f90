@@ -38,6 +38,7 @@ contains
    end subroutine amontons_set_threads
 
    !> Solves a reduced problem.
+   ! allow(S902): C has no keywords that would make options of the half of them
    function amontons_solve_reduced_problem(n_contacts, w, q, mu, method, tolerance, max_iterations, r, u, status, &
       residual, n_iterations, message, message_size) bind(c, name='amontons_solve_reduced_problem') result(code)
       integer(c_int), value, intent(in) :: n_contacts !! number m of contacts

@@ -68,7 +68,7 @@ class Examples(ProgramTest):
 
     def test_from_c(self):
         printed = self.run_example("from_c", SOURCES / "bar.nml", "out").stdout
-        self.assertRegex(printed, r"(?s)^Amontons \d+\.\d+\.\d+\niterations: .* stick\n.* slip\nbar: solved, see out/bar.lst")
+        self.assertRegex(printed, r"^Amontons \d+\.\d+\.\d+\niterations: .*\n.* stick\n.* slip\nbar: solved, see out/")
         self.assertEqual(sorted(self.contents("out")), results_of("bar"))
 
     def test_c_needs_no_fortran(self):
