@@ -18,7 +18,8 @@ from urllib.parse import unquote
 ROOT = Path(__file__).resolve().parent.parent
 BOOTSTRAP = Path("/usr/share/javascript/bootstrap5")
 # The order in which one reads; pages that are not named here follow.
-ORDER = ["README", "guide", "decks", "output", "theory", "reduced", "verification", "performance", "architecture"]
+ORDER = ["README", "guide", "decks", "output", "theory", "reduced", "library", "verification", "performance",
+         "architecture"]
 STYLE = """
 body { font: 16px/1.55 system-ui, sans-serif; color: #222; margin: 0; display: flex; flex-wrap: wrap }
 nav { flex: 0 0 13rem; padding: 1.5rem 1rem; background: #f4f6f8 } nav a { display: block; padding: .2rem .5rem }
