@@ -23,13 +23,16 @@ module amontons_active_set
 
 contains
 
-   !> Guesses that every point touches and sticks; a point without any slip bound has nothing to stick by.
-   pure subroutine active_set_guess_stick(self, problem)
+   !> Guesses that every point touches and sticks, but for those so far off that to pull them to the nearest point's gap
+   !> alone takes more force than there is; a point without any slip bound has nothing to stick by.
+   pure subroutine active_set_guess_stick(self, problem, rho, force_scale)
       class(active_set_t), intent(inout) :: self !! the active set
       type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: rho(:) !! stiffness that turns displacements into forces (2m) [F/L]
+      real(dp), intent(in) :: force_scale !! the force that residuals are measured by [F]
 
       if (.not. allocated(self%sense)) allocate (self%is_closed(problem%n_points), self%sense(problem%n_points))
-      self%is_closed = .true.
+      self%is_closed = rho(:problem%n_points)*(problem%gap - minval(problem%gap)) <= problem%n_points*force_scale
       self%sense = merge(0, 1, problem%friction + problem%slip_bound > 0.0_dp)
    end subroutine active_set_guess_stick
 

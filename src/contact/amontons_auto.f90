@@ -1,4 +1,4 @@
-!> The default method: Newton, and where it does not arrive, other methods to a better start for Newton.
+!> The default method: Newton, and where it does not arrive soon, other methods to a better start for Newton.
 module amontons_auto
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
@@ -8,6 +8,7 @@ module amontons_auto
    use amontons_lemke, only: lemke_t
    use amontons_newton, only: newton_t
    use amontons_psor, only: psor_t
+   use amontons_splitting, only: splitting_t
    implicit none (type, external)
    private
 
@@ -21,15 +22,17 @@ module amontons_auto
 
 contains
 
-   !> Newton from the start; then, until the iterations are used up, sweeps from the best pair so far and Newton from
-   !> where they lead, each time four times as many sweeps as before. Lemke's pivoting, where it is quick, has its turn
-   !> once.
+   !> A few steps of Newton from the start; the splitting to a coarse tolerance, which gets close where friction is
+   !> moderate. Then, until the iterations are used up, Newton at length and sweeps from the best pair so far, each time
+   !> four times as many as before. Lemke's pivoting, where it is quick, has its turn once.
    subroutine auto_solve(self, problem, solution, error)
       class(auto_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
-      ! Where Newton arrives, it arrives within this many steps, on semidefinite problems with strong friction too.
+      integer, parameter :: n_first_steps = 20, n_splitting_steps = 40
+      real(dp), parameter :: coarse = 1.0e-6_dp
+      ! Semidefinite problems with strong friction take most of these steps, and sometimes more than one round of them.
       integer, parameter :: n_newton_steps = 100, n_first_sweeps = 10, growth = 4
       type(contact_solution_t) :: best
       real(dp), allocatable :: history(:)
@@ -42,21 +45,23 @@ contains
       best = solution
       call best%begin()
       allocate (history(0))
+      call run(newton_t(self%tolerance, n_first_steps))
+      if (.not. is_done()) then
+         call return_to_best()
+         call run(splitting_t(max(coarse, self%tolerance), n_splitting_steps))
+      end if
       n_sweeps = n_first_sweeps
       round = 0
-      do
+      do while (.not. is_done())
          round = round + 1
          call run(newton_t(self%tolerance, n_newton_steps, most_shares(1 + modulo(round - 1, 2))))
          if (is_done()) exit
          if (round == 2 .and. problem%n_points <= most_points) then
             call run(lemke_t(self%tolerance))
-            if (is_done()) exit
             cycle
          end if
-         solution%force = best%force
-         solution%displacement = best%displacement
+         call return_to_best()
          call run(psor_t(self%tolerance, n_sweeps, space=merge('dual  ', 'primal', problem%is_reduced())))
-         if (is_done()) exit
          n_sweeps = growth*n_sweeps
       end do
       solution = best
@@ -70,6 +75,12 @@ contains
       pure logical function is_done()
          is_done = best%residual <= self%tolerance .or. size(history) >= self%max_iterations
       end function is_done
+
+      !> Makes the best pair so far the start of the next method.
+      subroutine return_to_best()
+         solution%force = best%force
+         solution%displacement = best%displacement
+      end subroutine return_to_best
 
       !> Runs one method from the present solution, as far as iterations are left, and appends its record.
       subroutine run(method)

@@ -55,7 +55,7 @@ contains
       displacement = solution%displacement
       force = solution%force
       call guess%guess(problem, rho, displacement, force, violation)
-      if (.not. any(force(:problem%n_points) > 0.0_dp)) call guess%guess_stick(problem)
+      if (.not. any(force(:problem%n_points) > 0.0_dp)) call guess%guess_stick(problem, rho, scale)
       share = system%first_share
       previous = huge(previous)
       do iteration = 1, self%max_iterations
