@@ -5,7 +5,7 @@ module amontons_command_line
    implicit none (type, external)
    private
 
-   public :: append_argument, argument_t, command_line_t, help_text, read_command_line
+   public :: append_argument, argument_t, command_line_t, read_command_line
 
    !> Options, as they are written.
    character(15), parameter :: option_names(*) = [character(15) :: '--output', '--check', '--quiet', '--threads', &
@@ -48,7 +48,7 @@ contains
       do while (i < command_argument_count())
          i = i + 1
          word = argument(i)
-         if (only_decks .or. index(word, '-') /= 1) then
+         if (only_decks .or. index(word, '-') /= 1 .or. word == '-') then
             call append_argument(command_line%decks, word)
          else if (word == '--') then
             only_decks = .true.
@@ -58,10 +58,28 @@ contains
          end if
       end do
       if (command_line%is_help .or. command_line%is_version .or. command_line%is_reference) return
+      call check_decks(command_line, error)
+   end subroutine read_command_line
+
+   !> Checks that there is something to solve, and that it can be.
+   subroutine check_decks(command_line, error)
+      type(command_line_t), intent(in) :: command_line !! what the command line asks for
+      type(error_t), allocatable, intent(out) :: error !! no deck, or standard input where files are expected
+
       if (size(command_line%decks) == 0) call new_error(error, input_refused, &
          'amontons: expected '//trim(merge('the file of a reduced problem', 'a deck                       ', &
          command_line%is_reduced))//'; try amontons --help')
-   end subroutine read_command_line
+      if (command_line%is_reduced .and. has_input(command_line%decks)) call new_error(error, input_refused, &
+         'amontons: --reduced takes files; standard input (-) can only be a deck')
+   end subroutine check_decks
+
+   !> Whether one of the decks is standard input.
+   pure logical function has_input(decks)
+      type(argument_t), intent(in) :: decks(:) !! names of the decks
+      integer :: i
+
+      has_input = any([(decks(i)%text == '-', i=1, size(decks))])
+   end function has_input
 
    !> Reads one option and, if it takes one, its value: `--output DIR` or `--output=DIR`.
    subroutine read_option(command_line, word, i, error)
@@ -143,43 +161,5 @@ contains
       allocate (character(length) :: word)
       if (length > 0) call get_command_argument(i, word)
    end function argument
-
-   !> What --help prints.
-   pure function help_text() result(text)
-      character(:), allocatable :: text
-      character(*), parameter :: newline = new_line('a')
-
-      text = 'amontons: plane contact with Coulomb friction by the dual method'//newline//newline// &
-         'Usage: amontons [options] DECK...'//newline// &
-         '       amontons [options] --reduced FILE...'//newline//newline// &
-         'Solves the case of each deck and writes, in the output directory,'//newline// &
-         '  NAME.lst           the listing'//newline// &
-         '  NAME.contact.csv   gap, slip, forces, stresses and status of every contact point'//newline// &
-         '  NAME.summary.json  residual, certificate, lengths, resultants, times'//newline// &
-         '  NAME.vtu           mesh, displacements and stresses for ParaView'//newline// &
-         '  NAME.contact.vtu   the contact line for ParaView'//newline// &
-         '  NAME.deck.nml      the deck with all defaults in place'//newline// &
-         'A deck with a sweep leaves a listing, a summary, its deck and'//newline// &
-         '  NAME.sweep.csv     one row for each case'//newline// &
-         'Decks whose mesh, material, supports and contact sets agree share one factorisation when they'//newline// &
-         'follow each other.'//newline//newline// &
-         'Options:'//newline// &
-         '  --output DIR   where the files go (made if missing; default: the current directory)'//newline// &
-         '  --check        check the decks and print their sizes; solve and write nothing'//newline// &
-         '  --quiet        print nothing but errors'//newline// &
-         '  --threads N    threads to use (default: OMP_NUM_THREADS, or all cores)'//newline// &
-         '  --reduced      the files are reduced problems u = W r + q (Siconos text or FCLIB), not decks'//newline// &
-         '  --write-reduced  write the reduced problem of each case too: NAME.reduced.dat (Siconos text)'//newline// &
-         '                 and NAME.reduced.hdf5 (FCLIB)'//newline// &
-         '  --all-solutions  find every solution of problems of at most 12 contact points: NAME.solutions.csv'// &
-         newline// &
-         '  --reference    print every key of a deck with its values, unit, default and meaning (Markdown), or'// &
-         newline//'                 those of the groups that are named: amontons --reference mesh contact'//newline// &
-         '  --help         print this text'//newline// &
-         '  --version      print the version'//newline//newline// &
-         'Exit status: 0 solved; 1 input refused; 2 numerical failure; 3 cannot write, or an internal'//newline// &
-         'fault; 4 not converged or not certified (files are written and marked); 5 a sweep was'//newline// &
-         'interrupted (the same command goes on with it). The largest of all decks counts.'
-   end function help_text
 
 end module amontons_command_line

@@ -1,9 +1,10 @@
 !> What --reference prints: the groups of a deck and their keys.
 module amontons_reference
-   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use amontons_command_line, only: argument_t
    use amontons_deck_reference, only: reference_text
    use amontons_error, only: error_t
+   use amontons_screen, only: complain
+   use amontons_terminal, only: print_line, standard_output
    implicit none (type, external)
    private
 
@@ -12,32 +13,35 @@ module amontons_reference
 contains
 
    !> Prints the reference of the groups named, or of all groups where none is.
-   subroutine tell_reference(groups, status)
+   subroutine tell_reference(groups, status, error)
       type(argument_t), intent(in) :: groups(:) !! names of the groups
       integer, intent(out) :: status !! exit status
+      type(error_t), allocatable, intent(out) :: error !! standard output takes no more
       integer :: i
 
       status = 0
-      if (size(groups) == 0) call tell_group('', status)
+      if (size(groups) == 0) call tell_group('', '', status, error)
       do i = 1, size(groups)
-         if (i > 1) write (output_unit, '()')
-         call tell_group(groups(i)%text, status)
+         call tell_group(groups(i)%text, repeat(new_line('a'), merge(1, 0, i > 1)), status, error)
+         if (allocated(error)) return
       end do
    end subroutine tell_reference
 
    !> Prints the reference of one group.
-   subroutine tell_group(name, status)
+   subroutine tell_group(name, before, status, error)
       character(*), intent(in) :: name !! its name; empty for all groups
+      character(*), intent(in) :: before !! what separates it from the group before
       integer, intent(inout) :: status !! exit status, raised where there is no such group
+      type(error_t), allocatable, intent(out) :: error !! standard output takes no more
+      type(error_t), allocatable :: unknown
       character(:), allocatable :: text
-      type(error_t), allocatable :: error
 
-      call reference_text(name, text, error)
-      if (allocated(error)) then
-         write (error_unit, '(a)') 'amontons: '//error%message
-         status = max(status, error%kind)
+      call reference_text(name, text, unknown)
+      if (allocated(unknown)) then
+         call complain('amontons: '//unknown%message)
+         status = max(status, unknown%kind)
       else
-         write (output_unit, '(a)') text
+         call print_line(standard_output, before//text, error)
       end if
    end subroutine tell_group
 

@@ -1,6 +1,5 @@
 !> One run of the program: every deck of the command line, one after the other.
 module amontons_run
-   use, intrinsic :: iso_fortran_env, only: error_unit
    use amontons_all_solutions, only: find_all_solutions
    use amontons_body, only: estimate_body, estimate_t
    use amontons_command_line, only: append_argument, argument_t, command_line_t
@@ -10,7 +9,7 @@ module amontons_run
    use amontons_report, only: write_report
    use amontons_result, only: certificate_limit, result_t, status_not_converged
    use amontons_run_reduced, only: export_case, run_reduced
-   use amontons_screen, only: tell
+   use amontons_screen, only: complain, tell
    use amontons_solve_case, only: prepare_case, solve_case, workshop_t
    use amontons_solve_sweep, only: solve_sweep, sweep_result_t
    use amontons_sweep_report, only: write_sweep_report
@@ -40,8 +39,8 @@ contains
       do i = 1, size(command_line%decks)
          call run_deck(command_line, command_line%decks(i)%text, workshop, names, deck_status, error)
          if (allocated(error)) then
-            write (error_unit, '(a)') error%message
-            deck_status = error%kind
+            call complain(error%message)
+            deck_status = max(deck_status, error%kind)
          end if
          status = max(status, deck_status)
          if (deck_status == status_interrupted) return
@@ -55,21 +54,14 @@ contains
       type(workshop_t), intent(inout) :: workshop !! what decks share
       type(argument_t), allocatable, intent(inout) :: names(:) !! names of the cases so far
       integer, intent(out) :: status !! 0, `status_not_converged` or `status_interrupted`
-      type(error_t), allocatable, intent(out) :: error !! the deck was refused or could not be solved
+      type(error_t), allocatable, intent(out) :: error !! the deck was refused or could not be solved, or told of
       type(config_t) :: config
       logical :: is_solved
 
       status = 0
-      if (command_line%is_reduced) then
-         call new_reduced_config(config, deck, error)
-      else
-         call read_config(config, deck, error)
-      end if
-      if (allocated(error)) return
-      call claim_name(names, config, error)
+      call read_case(config, command_line, deck, names, error)
       if (allocated(error)) return
       if (config%reduced%is_given) then
-         is_solved = .true.
          call run_reduced(command_line, config, is_solved, error)
          if (.not. is_solved) status = status_not_converged
       else if (command_line%is_check) then
@@ -81,8 +73,26 @@ contains
       end if
       ! What is wrong with a body or a solution is told with the deck it came from.
       if (.not. allocated(error)) return
-      if (index(error%message, deck) /= 1) error%message = deck//': '//error%message
+      if (index(error%message, config%file) /= 1) error%message = config%file//': '//error%message
    end subroutine run_deck
+
+   !> Reads a case and checks it against the options and the cases so far.
+   subroutine read_case(config, command_line, deck, names, error)
+      type(config_t), intent(out) :: config !! the case
+      type(command_line_t), intent(in) :: command_line !! the options
+      character(*), intent(in) :: deck !! name of the deck
+      type(argument_t), allocatable, intent(inout) :: names(:) !! names of the cases so far
+      type(error_t), allocatable, intent(out) :: error !! the deck was refused
+
+      if (command_line%is_reduced) then
+         call new_reduced_config(config, deck, error)
+      else
+         call read_config(config, deck, error)
+      end if
+      if (allocated(error)) return
+      call claim_name(names, config, error)
+      if (.not. allocated(error)) call check_options(command_line, config, error)
+   end subroutine read_case
 
    !> Refuses a case that would write over the files of an earlier one of this run.
    subroutine claim_name(names, config, error)
@@ -100,6 +110,17 @@ contains
       call append_argument(names, config%name)
    end subroutine claim_name
 
+   !> Refuses options that the kind of a case leaves no room for.
+   subroutine check_options(command_line, config, error)
+      type(command_line_t), intent(in) :: command_line !! the options
+      type(config_t), intent(in) :: config !! the case
+      type(error_t), allocatable, intent(out) :: error !! the options do not go with the case
+
+      if (config%reduced%is_given .or. .not. config%sweep%is_given()) return
+      if (command_line%writes_reduced .or. command_line%wants_all_solutions) call new_error(error, input_refused, &
+         config%file//': --write-reduced and --all-solutions take single cases, found a deck with &sweep')
+   end subroutine check_options
+
    !> Checks a case and tells its size.
    subroutine check_case(command_line, config, workshop, error)
       type(command_line_t), intent(in) :: command_line !! the options
@@ -112,7 +133,7 @@ contains
       call prepare_case(workshop, config, result, error)
       if (allocated(error)) return
       call estimate_body(workshop%body, config%factorization, estimate, error)
-      if (.not. allocated(error)) call tell(command_line, check_text(config, workshop, estimate))
+      if (.not. allocated(error)) call tell(command_line, check_text(config, workshop, estimate), error)
    end subroutine check_case
 
    !> Solves a case, writes its files and tells how it went.
@@ -138,12 +159,12 @@ contains
       end if
       call write_report(command_line%output, config, workshop%body, result, error)
       if (allocated(error)) return
-      call tell(command_line, solved_text(config, result))
+      call tell(command_line, solved_text(config, result), error)
       if (.not. result%solution%is_converged) then
          status = status_not_converged
       else if (.not. result%certificate%largest() <= certificate_limit(config%method%tolerance)) then
          status = status_not_converged
-         write (error_unit, '(a)') config%file//': the certificate FAILED on the full model; see the listing'
+         call complain(config%file//': the certificate FAILED on the full model; see the listing')
       end if
    end subroutine report_case
 
@@ -158,29 +179,24 @@ contains
       type(progress_t) :: progress
 
       status = 0
-      if (command_line%writes_reduced .or. command_line%wants_all_solutions) then
-         call new_error(error, input_refused, config%file// &
-            ': --write-reduced and --all-solutions take single cases, found a deck with &sweep')
-         return
-      end if
       call new_progress(progress, config%name, .not. command_line%is_quiet)
       call solve_sweep(workshop, config, command_line%output, progress, result, error)
       call progress%finish()
       if (allocated(error)) return
       if (result%is_interrupted) then
          status = status_interrupted
-         write (error_unit, '(a)') config%file//': interrupted after '//to_text(result%tally%n_cases)//' of '// &
-            to_text(config%sweep%n_cases())//' cases; the same command goes on from there'
+         call complain(config%file//': interrupted after '//to_text(result%tally%n_cases)//' of '// &
+            to_text(config%sweep%n_cases())//' cases; the same command goes on from there')
          return
       end if
       call write_sweep_report(command_line%output, config, workshop%body, result, error)
       if (allocated(error)) return
-      call tell(command_line, swept_text(config, result))
+      call tell(command_line, swept_text(config, result), error)
       if (result%tally%n_outcomes(case_converged) < result%tally%n_cases) then
          status = status_not_converged
       else if (.not. result%certified%certificate%largest() <= certificate_limit(config%method%tolerance)) then
          status = status_not_converged
-         write (error_unit, '(a)') config%file//': the certificate FAILED on the full model; see the listing'
+         call complain(config%file//': the certificate FAILED on the full model; see the listing')
       end if
    end subroutine report_sweep
 

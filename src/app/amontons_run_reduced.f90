@@ -1,6 +1,5 @@
 !> Reduced problems in a run: solved, and written for others.
 module amontons_run_reduced
-   use, intrinsic :: iso_fortran_env, only: error_unit
    use amontons_command_line, only: command_line_t
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
@@ -11,7 +10,7 @@ module amontons_run_reduced
    use amontons_reduced_report, only: write_reduced_report
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_result, only: certificate_limit
-   use amontons_screen, only: tell
+   use amontons_screen, only: complain, tell
    use amontons_solve_reduced, only: find_reduced_solutions, prepare_reduced, reduced_result_t, solve_reduced
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -45,11 +44,11 @@ contains
       end if
       call write_reduced_report(command_line%output, config, result, error)
       if (allocated(error)) return
-      call tell(command_line, solved_text(config, result))
+      call tell(command_line, solved_text(config, result), error)
       is_solved = result%solution%is_converged
       if (.not. is_solved .or. result%check%largest() <= certificate_limit(config%method%tolerance)) return
       is_solved = .false.
-      write (error_unit, '(a)') config%file//': the check FAILED on the problem as read; see the listing'
+      call complain(config%file//': the check FAILED on the problem as read; see the listing')
    end subroutine run_reduced
 
    !> Reads a reduced problem and tells its size.
@@ -61,7 +60,8 @@ contains
 
       call prepare_reduced(config, result, error)
       if (.not. allocated(error)) call tell(command_line, config%name//': in order; '//result%system%form//', '// &
-         to_text(result%system%n_contacts)//' contacts, '//to_text(size(result%system%entry))//' entries of W')
+         to_text(result%system%n_contacts)//' contacts, '//to_text(size(result%system%entry))//' entries of W', &
+         error)
    end subroutine check_reduced
 
    !> Writes the reduced problem of a solved deck, and its solution.
@@ -88,7 +88,7 @@ contains
 
       call write_reduced_files(command_line%output, config%name, system, error)
       if (.not. (allocated(error) .or. has_fclib)) call tell(command_line, config%name//': '//config%name// &
-         '.reduced.hdf5 is not written: this program was built without the HDF5 library')
+         '.reduced.hdf5 is not written: this program was built without the HDF5 library', error)
    end subroutine export
 
    !> What is told of a solved reduced problem.

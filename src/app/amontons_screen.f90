@@ -1,20 +1,31 @@
-!> What a run prints.
+!> What a run prints: results told on standard output, what went wrong on standard error.
 module amontons_screen
-   use, intrinsic :: iso_fortran_env, only: output_unit
    use amontons_command_line, only: command_line_t
+   use amontons_error, only: error_t
+   use amontons_terminal, only: print_line, standard_error, standard_output
    implicit none (type, external)
    private
 
-   public :: tell
+   public :: complain, tell
 
 contains
 
    !> Prints a line unless the run is quiet.
-   subroutine tell(command_line, text)
+   subroutine tell(command_line, text, error)
       type(command_line_t), intent(in) :: command_line !! the options
       character(*), intent(in) :: text !! the line
+      type(error_t), allocatable, intent(out) :: error !! standard output takes no more
 
-      if (.not. command_line%is_quiet) write (output_unit, '(a)') text
+      if (.not. command_line%is_quiet) call print_line(standard_output, text, error)
    end subroutine tell
+
+   !> Prints what went wrong, one line or several.
+   subroutine complain(text)
+      character(*), intent(in) :: text !! the lines
+      type(error_t), allocatable :: unheard
+
+      ! Where nobody listens on standard error, the exit status has to say it.
+      call print_line(standard_error, text, unheard)
+   end subroutine complain
 
 end module amontons_screen

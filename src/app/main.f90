@@ -1,13 +1,14 @@
 !> The program: reads the command line, runs the decks, ends with the exit status.
 program main
    use, intrinsic :: iso_c_binding, only: c_int
-   use, intrinsic :: iso_fortran_env, only: compiler_version, error_unit, output_unit
-   use amontons_command_line, only: command_line_t, help_text, read_command_line
+   use amontons_command_line, only: command_line_t, read_command_line
    use amontons_error, only: error_t
+   use amontons_help, only: help_text, version_text
    use amontons_reference, only: tell_reference
    use amontons_run, only: run_decks
+   use amontons_screen, only: complain
+   use amontons_terminal, only: prepare_process, print_line, standard_output
    use amontons_threads, only: n_threads, set_threads
-   use amontons_version, only: version
    implicit none (type, external)
 
    interface
@@ -23,24 +24,35 @@ program main
    type(error_t), allocatable :: error
    integer :: status
 
+   call prepare_process()
    call read_command_line(command_line, error)
+   if (.not. allocated(error)) call obey(command_line, status, error)
    if (allocated(error)) then
-      write (error_unit, '(a)') error%message
+      call complain(error%message)
       status = error%kind
-   else if (command_line%is_help) then
-      write (output_unit, '(a)') help_text()
+   end if
+   call c_exit(int(status, c_int))
+
+contains
+
+   !> Does what the command line asks for.
+   subroutine obey(command_line, status, error)
+      type(command_line_t), intent(inout) :: command_line !! the command line; gains the number of threads
+      integer, intent(out) :: status !! exit status
+      type(error_t), allocatable, intent(out) :: error !! standard output takes no more
+
       status = 0
-   else if (command_line%is_version) then
-      write (output_unit, '(a)') 'amontons '//version//' ('//compiler_version()//')'
-      status = 0
-   else if (command_line%is_reference) then
-      call tell_reference(command_line%decks, status)
-   else
       if (command_line%n_threads == 0) command_line%n_threads = n_threads()
       call set_threads(command_line%n_threads)
-      call run_decks(command_line, status)
-   end if
-   flush (output_unit)
-   call c_exit(int(status, c_int))
+      if (command_line%is_help) then
+         call print_line(standard_output, help_text(), error)
+      else if (command_line%is_version) then
+         call print_line(standard_output, version_text(), error)
+      else if (command_line%is_reference) then
+         call tell_reference(command_line%decks, status, error)
+      else
+         call run_decks(command_line, status)
+      end if
+   end subroutine obey
 
 end program main

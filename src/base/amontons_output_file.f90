@@ -2,12 +2,13 @@
 module amontons_output_file
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_kinds, only: int64
-   use amontons_system, only: process_id, remove_file, rename_file
+   use amontons_system, only: remove_file, rename_file
+   use amontons_temporary_file, only: create_temporary, forget_temporary, hold_signals, release_signals
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: new_foreign_file, new_output_file, output_file_t
+   public :: commit_files, new_foreign_file, new_output_file, output_file_t
 
    !> A file being written. Until `commit` the final name is untouched.
    type :: output_file_t
@@ -33,21 +34,25 @@ contains
       character(256) :: reason
       integer :: status
 
-      call new_foreign_file(file, path)
+      call new_foreign_file(file, path, error)
+      if (allocated(error)) return
       reason = ''
-      open (newunit=file%unit, file=file%temporary_path, status='replace', action='write', access='stream', &
+      open (newunit=file%unit, file=file%temporary_path, status='old', action='write', access='stream', &
          form=trim(merge('unformatted', 'formatted  ', is_binary)), iostat=status, iomsg=reason)
       file%is_open = status == 0
-      if (status /= 0) call new_error(error, system_failure, path//': cannot write this file: '//trim(reason))
+      if (status == 0) return
+      call file%discard()
+      call new_error(error, system_failure, path//': cannot write this file: '//trim(reason))
    end subroutine new_output_file
 
-   !> Names a file that a foreign library writes whole, and closes, under the temporary name.
-   subroutine new_foreign_file(file, path)
-      type(output_file_t), intent(out) :: file !! the file, not there yet
+   !> Makes a file that a foreign library writes whole, and closes, under the temporary name.
+   subroutine new_foreign_file(file, path, error)
+      type(output_file_t), intent(out) :: file !! the file, empty and closed
       character(*), intent(in) :: path !! final name
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be made
 
       file%path = path
-      file%temporary_path = path//'.'//to_text(process_id())//'.tmp'
+      call create_temporary(path, file%temporary_path, error)
    end subroutine new_foreign_file
 
    !> Closes the file, every byte handed to the system; it still has its temporary name.
@@ -75,13 +80,34 @@ contains
       call new_error(error, system_failure, self%path//': cannot write this file: '//trim(reason))
    end subroutine output_file_finish
 
+   !> Gives finished files their final names, all of them even if a signal comes meanwhile; after an error, none.
+   subroutine commit_files(files, error)
+      type(output_file_t), intent(inout) :: files(:) !! the finished files, or those that were begun before an error
+      type(error_t), allocatable, intent(inout) :: error
+         !! why they are not complete, if they are not: they are then discarded; or why one cannot be renamed
+      integer :: i
+
+      call hold_signals()
+      do i = 1, size(files)
+         if (.not. allocated(error)) call files(i)%commit(error)
+         if (allocated(error)) call files(i)%discard()
+      end do
+      call release_signals()
+   end subroutine commit_files
+
    !> Gives the finished file its final name.
    subroutine output_file_commit(self, error)
       class(output_file_t), intent(inout) :: self !! the finished file
       type(error_t), allocatable, intent(out) :: error !! it cannot be renamed; it is then discarded
 
+      call hold_signals()
       call rename_file(self%temporary_path, self%path, error)
-      if (allocated(error)) call self%discard()
+      if (allocated(error)) then
+         call self%discard()
+      else
+         call forget_temporary(self%temporary_path)
+      end if
+      call release_signals()
    end subroutine output_file_commit
 
    !> Removes what was written; the final name stays as it was.
@@ -93,7 +119,10 @@ contains
       ! allow(C181): see above
       if (self%is_open) close (self%unit, iostat=status)
       self%is_open = .false.
-      if (allocated(self%temporary_path)) call remove_file(self%temporary_path)
+      if (.not. allocated(self%temporary_path)) return
+      call remove_file(self%temporary_path)
+      call forget_temporary(self%temporary_path)
+      deallocate (self%temporary_path)
    end subroutine output_file_discard
 
 end module amontons_output_file

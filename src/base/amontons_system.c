@@ -7,7 +7,6 @@
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -68,12 +67,6 @@ void amontons_error_text(int code, char *text, int size)
     snprintf(text, (size_t)size, "%s", strerror(code));
 }
 
-/* The number of this process. */
-int amontons_process_id(void)
-{
-    return (int)getpid();
-}
-
 /* The most memory this process ever held, in kibibytes. */
 long amontons_peak_memory(void)
 {
@@ -99,47 +92,36 @@ int amontons_synchronize(const char *path)
     return code;
 }
 
+/* Writes a text to an open file, all of it. Returns 0 or the system's error number. */
+int amontons_write(int file, const char *text, long n_bytes)
+{
+    while (n_bytes > 0) {
+        ssize_t n = write(file, text, (size_t)n_bytes);
+        if (n < 0 && errno != EINTR)
+            return errno;
+        if (n > 0) {
+            text += n;
+            n_bytes -= n;
+        }
+    }
+    return 0;
+}
+
+/* Reads from standard input what there is, up to a number of bytes. Returns how many, 0 at the end, or minus the
+   system's error number. */
+long amontons_read_input(char *text, long n_bytes)
+{
+    ssize_t n;
+    do
+        n = read(STDIN_FILENO, text, (size_t)n_bytes);
+    while (n < 0 && errno == EINTR);
+    return n < 0 ? -errno : (long)n;
+}
+
 /* Whether somebody watches standard error on a terminal. */
 int amontons_error_is_terminal(void)
 {
     return isatty(STDERR_FILENO);
-}
-
-static volatile sig_atomic_t interrupt = 0;
-static const int interrupts[] = {SIGINT, SIGTERM};
-enum { n_interrupts = sizeof interrupts / sizeof interrupts[0] };
-static struct sigaction before[n_interrupts];
-
-static void note_interrupt(int signal)
-{
-    interrupt = signal;
-}
-
-/* From now on the first SIGINT or SIGTERM is noted, and the second ends the process. One that is ignored stays so. */
-void amontons_hold_interrupts(void)
-{
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = note_interrupt;
-    action.sa_flags = SA_RESTART | (int)SA_RESETHAND;
-    sigemptyset(&action.sa_mask);
-    interrupt = 0;
-    for (int i = 0; i < n_interrupts; i++)
-        if (sigaction(interrupts[i], NULL, &before[i]) == 0 && before[i].sa_handler != SIG_IGN)
-            sigaction(interrupts[i], &action, NULL);
-}
-
-/* Puts back what amontons_hold_interrupts found. */
-void amontons_release_interrupts(void)
-{
-    for (int i = 0; i < n_interrupts; i++)
-        sigaction(interrupts[i], &before[i], NULL);
-}
-
-/* The signal that was noted, 0 for none. */
-int amontons_interrupt(void)
-{
-    return interrupt;
 }
 
 /* The number after a word in a file of the system such as /proc/meminfo; -1 where there is none. */

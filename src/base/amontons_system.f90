@@ -6,7 +6,7 @@ module amontons_system
    implicit none (type, external)
    private
 
-   public :: absolute_path, available_memory_mb, cut_file, make_directory, peak_memory_mb, process_id, remove_file, &
+   public :: absolute_path, available_memory_mb, cut_file, error_text, make_directory, peak_memory_mb, remove_file, &
       rename_file, resident_memory_mb, return_memory, synchronize_file, wall_seconds
 
    ! allow(assumed-size): C takes an address and knows no shape
@@ -63,12 +63,6 @@ module amontons_system
          ! allow(assumed-size-character-intent): C writes here
          character(c_char), intent(out) :: text(*)
       end subroutine c_error_text
-
-      function c_process_id() bind(c, name='amontons_process_id') result(id)
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int) :: id
-      end function c_process_id
 
       function c_peak_memory() bind(c, name='amontons_peak_memory') result(kibibytes)
          import :: c_long
@@ -168,11 +162,6 @@ contains
       code = int(c_synchronize(path//c_null_char))
       if (code /= 0) call new_error(error, system_failure, path//': cannot write this file: '//error_text(code))
    end subroutine synchronize_file
-
-   !> The number of this process, for names that no other process uses.
-   integer function process_id()
-      process_id = int(c_process_id())
-   end function process_id
 
    !> The most memory this process ever held [MB].
    real(dp) function peak_memory_mb()

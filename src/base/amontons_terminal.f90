@@ -1,12 +1,34 @@
-!> Who sits before the program: whether standard error is a terminal, and whether somebody wants the program to stop.
+!> What the program and the shell that started it tell each other: standard streams and signals.
 module amontons_terminal
-   use, intrinsic :: iso_c_binding, only: c_int
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long
+   use amontons_error, only: error_t, new_error, system_failure
+   use amontons_system, only: error_text
    implicit none (type, external)
    private
 
-   public :: has_terminal, hold_interrupts, is_interrupted, release_interrupts
+   public :: has_terminal, hold_interrupts, is_interrupted, prepare_process, print_line, release_interrupts
+   public :: standard_error, standard_output
 
+   !> What `print_line` writes to.
+   integer, parameter :: standard_output = 1, standard_error = 2
+
+   ! allow(assumed-size): C takes an address and knows no shape
    interface
+      !> Has a closed pipe and a full disk be errors of a write rather than the end of the process, and signals that
+      !> ask for the end leave no temporary file. For the program to call first; the library leaves signals alone.
+      subroutine prepare_process() bind(c, name='amontons_prepare_process')
+         implicit none (type, external)
+      end subroutine prepare_process
+
+      function c_write(file, text, n_bytes) bind(c, name='amontons_write') result(code)
+         import :: c_char, c_int, c_long
+         implicit none (type, external)
+         integer(c_int), value :: file
+         character(c_char), intent(in) :: text(*)
+         integer(c_long), value :: n_bytes
+         integer(c_int) :: code
+      end function c_write
+
       function c_error_is_terminal() bind(c, name='amontons_error_is_terminal') result(answer)
          import :: c_int
          implicit none (type, external)
@@ -31,6 +53,18 @@ module amontons_terminal
    end interface
 
 contains
+
+   !> Prints lines at once, past the buffers of the run-time library, which loses them without a word on a full disk.
+   subroutine print_line(stream, text, error)
+      integer, intent(in) :: stream !! `standard_output` or `standard_error`
+      character(*), intent(in) :: text !! the lines, without the last one's end
+      type(error_t), allocatable, intent(out) :: error !! not everything could be written
+      integer :: code
+
+      code = int(c_write(int(stream, c_int), text//new_line('a'), len(text, c_long) + 1_c_long))
+      if (code /= 0) call new_error(error, system_failure, trim(merge('standard output', 'standard error ', &
+         stream == standard_output))//': cannot write: '//error_text(code))
+   end subroutine print_line
 
    !> Whether standard error is shown on a terminal.
    logical function has_terminal()

@@ -1,14 +1,33 @@
-!> Whole files read into memory, byte by byte as they are.
+!> Whole files, and standard input, read into memory, byte by byte as they are.
 module amontons_text_file
+   use, intrinsic :: iso_c_binding, only: c_char, c_long
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_system, only: error_text
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: read_text_file
+   public :: read_standard_input, read_text_file
 
    !> A larger file is refused before it fills the memory [MB].
    integer, parameter :: largest_megabytes = 256
+   integer, parameter :: largest_bytes = largest_megabytes*1000000
+   !> The memory that the first bytes go to.
+   integer, parameter :: first_length = 65536
+   !> What some editors put before UTF-8 text.
+   character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
+
+   ! allow(assumed-size): C takes an address and knows no shape
+   interface
+      function c_read_input(text, n_bytes) bind(c, name='amontons_read_input') result(n_read)
+         import :: c_char, c_long
+         implicit none (type, external)
+         ! allow(assumed-size-character-intent): C writes here
+         character(c_char), intent(out) :: text(*)
+         integer(c_long), value :: n_bytes
+         integer(c_long) :: n_read
+      end function c_read_input
+   end interface
 
 contains
 
@@ -17,7 +36,6 @@ contains
       character(*), intent(in) :: file !! name of the file
       character(:), allocatable, intent(out) :: text !! every byte of it
       type(error_t), allocatable, intent(out) :: error !! the file cannot be read, is empty or is too large
-      character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
       character(256) :: reason
       integer :: unit, status, at_cause
 
@@ -30,14 +48,62 @@ contains
          call read_bytes(unit, text, status, reason)
          close (unit)
       end if
-      if (status /= 0) then
-         call new_error(error, input_refused, file//': cannot read this file: '//trim(reason))
+      if (status == 0) reason = ''
+      call judge(text, file, trim(reason), error)
+   end subroutine read_text_file
+
+   !> Reads standard input to its end, without the mark some editors put before UTF-8 text.
+   subroutine read_standard_input(name, text, error)
+      character(*), intent(in) :: name !! what messages call it
+      character(:), allocatable, intent(out) :: text !! every byte of it
+      type(error_t), allocatable, intent(out) :: error !! it cannot be read, is empty or is too large
+      character(:), allocatable :: longer, reason
+      integer(c_long) :: n
+      integer :: n_read
+
+      allocate (character(first_length) :: text)
+      reason = ''
+      n_read = 0
+      do while (n_read <= largest_bytes)
+         n = c_read_input(text(n_read + 1:), len(text, c_long) - n_read)
+         if (n <= 0) exit
+         n_read = n_read + int(n)
+         if (n_read < len(text)) cycle
+         allocate (character(2*n_read) :: longer)
+         longer(:n_read) = text
+         call move_alloc(longer, text)
+      end do
+      if (n_read > largest_bytes) then
+         reason = too_large()
+      else if (n < 0) then
+         reason = error_text(-int(n))
+      end if
+      text = text(:n_read)
+      call judge(text, name, reason, error)
+   end subroutine read_standard_input
+
+   !> Why a text of more than `largest_bytes` is not read.
+   pure function too_large() result(reason)
+      character(:), allocatable :: reason
+
+      reason = 'it is larger than '//to_text(largest_megabytes)//' MB'
+   end function too_large
+
+   !> Refuses a text that is not whole, or empty, and removes the mark before it.
+   subroutine judge(text, name, reason, error)
+      character(:), allocatable, intent(inout) :: text !! the text
+      character(*), intent(in) :: name !! what messages call it
+      character(*), intent(in) :: reason !! why it is not whole; empty if it is
+      type(error_t), allocatable, intent(out) :: error !! why it is refused
+
+      if (len(reason) > 0) then
+         call new_error(error, input_refused, name//': cannot read this file: '//reason)
       else if (len(text) == 0) then
-         call new_error(error, input_refused, file//': this file is empty')
+         call new_error(error, input_refused, name//': this file is empty')
       else if (index(text, byte_order_mark) == 1) then
          text = text(4:)
       end if
-   end subroutine read_text_file
+   end subroutine judge
 
    !> Reads every byte of an open file, whose size need not be known.
    subroutine read_bytes(unit, text, status, reason)
@@ -45,7 +111,6 @@ contains
       character(:), allocatable, intent(out) :: text !! every byte of it
       integer, intent(out) :: status !! 0 where all is well
       character(256), intent(inout) :: reason !! what went wrong otherwise
-      integer, parameter :: first_length = 65536
       character(:), allocatable :: longer
       integer :: n_read, position
 
@@ -56,8 +121,8 @@ contains
          inquire (unit=unit, pos=position)
          n_read = position - 1
          if (status /= 0) exit
-         if (n_read > largest_megabytes*1000000) then
-            reason = 'it is larger than '//to_text(largest_megabytes)//' MB'
+         if (n_read > largest_bytes) then
+            reason = too_large()
             status = 1
             return
          end if

@@ -48,20 +48,16 @@ module amontons_config
 contains
 
    !> Reads a case from a deck. All faults of the deck are told in one error, one line each; what a group means is
-   !> judged only where its form is right.
+   !> judged only where its form is right, and what follows from another fault is not told.
    subroutine read_config(config, file, error)
       type(config_t), intent(out) :: config !! the case
-      character(*), intent(in) :: file !! name of the deck
+      character(*), intent(in) :: file !! name of the deck, `-` for standard input
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
       type(deck_t) :: deck
 
       call read_deck(deck, file, error)
       if (allocated(error)) return
-      config%file = file
-      if (deck%n_faults() > 0) then
-         call deck%finish(error)
-         return
-      end if
+      config%file = deck%file
       call read_groups(config, deck, error)
    end subroutine read_config
 
@@ -79,7 +75,7 @@ contains
       config%reduced%origin = ''
    end subroutine new_reduced_config
 
-   !> Reads all groups of a deck that is well formed.
+   !> Reads all groups of a deck.
    subroutine read_groups(config, deck, error)
       type(config_t), intent(inout) :: config !! the case, gains what the groups say
       type(deck_t), intent(inout) :: deck !! the deck
@@ -134,12 +130,10 @@ contains
       type(config_t), intent(inout) :: config !! the case
       type(deck_t), intent(inout) :: deck !! the deck
       character(:), allocatable :: kind
-      integer :: group, n_faults
+      integer :: group
       logical :: has_size, has_cells, has_file
 
       group = deck%group('mesh')
-      ! A group that is missing may be the one whose name is a fault already.
-      n_faults = merge(0, deck%n_faults(), group == 0)
       kind = 'rectangle'
       config%mesh_file = ''
       associate (rectangle => config%rectangle)
@@ -156,7 +150,8 @@ contains
          call deck%get(group, 'grading', rectangle%grading)
       end associate
       call deck%refuse_unknown(group)
-      if (deck%n_faults() > n_faults) return
+      if (kind /= 'file') call check_rectangle(config%rectangle, deck, group, has_size, has_cells)
+      if (.not. deck%is_understood(group)) return
       if (kind == 'file') then
          config%mesh_origin = origin_of(deck, group, 'file')
          call require(deck, group, 'file', len_trim(config%mesh_file) > 0, "name the mesh of kind 'file'")
@@ -164,7 +159,7 @@ contains
          if (len(config%mesh_file) > 0) config%mesh_file = absolute_path(beside(deck%file, config%mesh_file))
       else
          call require(deck, group, 'file', .not. has_file, "go with kind 'file'")
-         call check_rectangle(config%rectangle, deck, group, has_size, has_cells)
+         if (.not. (has_size .and. has_cells)) call deck%fault(group, 'kind', '&mesh needs size and cells')
       end if
    end subroutine read_mesh
 
@@ -176,7 +171,6 @@ contains
       logical, intent(in) :: has_size !! whether the size is given
       logical, intent(in) :: has_cells !! whether the cells are given
 
-      if (.not. (has_size .and. has_cells)) call deck%fault(group, 'kind', '&mesh needs size and cells')
       call require(deck, group, 'size', .not. has_size .or. all(rectangle%size > 0.0_dp), 'be positive')
       call require(deck, group, 'cells', .not. has_cells .or. all(rectangle%cells > 0), 'be positive')
       call require(deck, group, 'grading', rectangle%grading > 0.0_dp, 'be positive')
@@ -186,9 +180,8 @@ contains
    subroutine read_solver(config, deck)
       type(config_t), intent(inout) :: config !! the case
       type(deck_t), intent(inout) :: deck !! the deck
-      integer :: group, n_faults
+      integer :: group
 
-      n_faults = deck%n_faults()
       group = deck%group('solver')
       config%factorization = trim(factorization_names(1))
       associate (method => config%method)
@@ -209,7 +202,6 @@ contains
          call deck%get(group, 'max_iterations', method%max_iterations)
          call deck%get_word(group, 'factorization', config%factorization, factorization_names)
          call deck%refuse_unknown(group)
-         if (deck%n_faults() > n_faults) return
          call require(deck, group, 'omega', method%omega > 0.0_dp .and. method%omega < 2.0_dp, &
             'lie above 0 and below 2, found '//to_text(method%omega))
          call require(deck, group, 'tolerance', method%tolerance > 0.0_dp .and. method%tolerance < 1.0_dp, &

@@ -7,6 +7,7 @@ module amontons_config_body
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_nodes, load_on_region, load_on_sides, load_t
    use amontons_material, only: hypothesis_names, material_t, new_material
+   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
@@ -22,7 +23,7 @@ contains
       integer :: i
 
       groups = deck%groups('material')
-      if (size(groups) == 0 .and. deck%n_faults() == 0) call deck%fault(0, '', '&material needs young and poisson')
+      if (size(groups) == 0 .and. deck%is_understood(0)) call deck%fault(0, '', '&material needs young and poisson')
       allocate (materials(size(groups)))
       do i = 1, size(groups)
          call read_material(materials(i), deck, groups(i))
@@ -37,10 +38,8 @@ contains
       type(error_t), allocatable :: error
       real(dp) :: young, poisson, thickness
       character(:), allocatable :: hypothesis, region
-      integer :: n_faults
       logical :: has_young, has_poisson
 
-      n_faults = deck%n_faults()
       young = 1.0_dp
       poisson = 0.0_dp
       thickness = 1.0_dp
@@ -52,12 +51,14 @@ contains
       call deck%get_word(group, 'hypothesis', hypothesis, hypothesis_names)
       call deck%get(group, 'region', region)
       call deck%refuse_unknown(group)
-      if (deck%n_faults() > n_faults) return
+      call require(deck, group, 'young', young > 0.0_dp, 'be positive, found '//to_text(young))
+      call require(deck, group, 'poisson', poisson > -1.0_dp .and. poisson < 0.5_dp, &
+         'lie above -1 and below 0.5, found '//to_text(poisson))
+      call require(deck, group, 'thickness', thickness > 0.0_dp, 'be positive, found '//to_text(thickness))
+      if (.not. deck%is_understood(group)) return
       if (.not. (has_young .and. has_poisson)) call deck%fault(group, 'young', '&material needs young and poisson')
+      ! Its rules are those above.
       call new_material(material, young, poisson, hypothesis, thickness, error)
-      ! The message begins with the key that is at fault.
-      if (allocated(error)) call deck%fault(group, error%message(:index(error%message, ' ') - 1), error%message)
-      if (allocated(error)) return
       material%region = region
       material%origin = origin_of(deck, group, 'region')
    end subroutine read_material
@@ -69,12 +70,11 @@ contains
       character(2), parameter :: keys(4) = ['ux', 'uy', 'un', 'ut']
       integer, allocatable :: groups(:)
       logical :: has_set, has_point, has_spring(2)
-      integer :: i, k, n_faults
+      integer :: i, k
 
       groups = deck%groups('support')
       allocate (supports(size(groups)))
       do i = 1, size(groups)
-         n_faults = deck%n_faults()
          supports(i)%set = ''
          supports(i)%origin = origin_of(deck, groups(i), 'set')
          call deck%get(groups(i), 'set', supports(i)%set, has_set)
@@ -85,15 +85,15 @@ contains
          call deck%get(groups(i), 'spring_n', supports(i)%spring(1), has_spring(1))
          call deck%get(groups(i), 'spring_t', supports(i)%spring(2), has_spring(2))
          call deck%refuse_unknown(groups(i))
-         if (deck%n_faults() > n_faults) cycle
-         call require(deck, groups(i), 'set', has_set .neqv. has_point, 'be given, or else point')
          call require(deck, groups(i), 'set', .not. has_set .or. len_trim(supports(i)%set) > 0, 'not be empty')
+         call require(deck, groups(i), 'spring_n', supports(i)%spring(1) >= 0.0_dp, 'be at least 0')
+         call require(deck, groups(i), 'spring_t', supports(i)%spring(2) >= 0.0_dp, 'be at least 0')
+         if (.not. deck%is_understood(groups(i))) cycle
+         call require(deck, groups(i), 'set', has_set .neqv. has_point, 'be given, or else point')
          call require(deck, groups(i), 'ux', any(supports(i)%is_held) .or. any(has_spring), &
             'be given, or uy, un, ut, spring_n or spring_t')
          call require(deck, groups(i), 'point', .not. (has_point .and. (any(has_spring) .or. &
             any(supports(i)%is_held(3:)))), 'not go with un, ut or springs: a point has no normal')
-         call require(deck, groups(i), 'spring_n', supports(i)%spring(1) >= 0.0_dp, 'be at least 0')
-         call require(deck, groups(i), 'spring_t', supports(i)%spring(2) >= 0.0_dp, 'be at least 0')
       end do
    end subroutine read_supports
 
@@ -118,9 +118,7 @@ contains
       integer, intent(in) :: group !! the group
       real(dp) :: slopes(4)
       logical :: has_name, has_set, has_point, has_region, on_sides(4), on_nodes, on_region
-      integer :: n_faults
 
-      n_faults = deck%n_faults()
       slopes = 0.0_dp
       load%name = ''
       load%set = ''
@@ -138,14 +136,15 @@ contains
       call deck%get(group, 'body_force', load%body_force, on_region)
       load%traction_slope = reshape(slopes, [2, 2])
       call deck%refuse_unknown(group)
-      if (deck%n_faults() > n_faults) return
       call require(deck, group, 'name', .not. has_name .or. len_trim(load%name) > 0, 'not be empty')
+      call require(deck, group, 'set', .not. has_set .or. len_trim(load%set) > 0, 'not be empty')
+      if (.not. deck%is_understood(group)) return
       load%target = load_on_sides
       if (on_nodes) load%target = load_on_nodes
       if (on_region) load%target = load_on_region
       call require(deck, group, 'traction', count([any(on_sides), on_nodes, on_region]) == 1, &
          'be given, or pressure, force or body_force; different kinds stand in groups of their own')
-      if (deck%n_faults() == n_faults) call check_target(load, deck, group, has_set, has_point, has_region)
+      if (deck%is_sound(group)) call check_target(load, deck, group, has_set, has_point, has_region)
    end subroutine read_load
 
    !> Checks that a load is told what it acts on, in the words that belong to its kind.
@@ -169,7 +168,6 @@ contains
          call require(deck, group, 'body_force', .not. (has_set .or. has_point), &
             'not go with set or point: it acts on a region, or on the whole body')
       end select
-      call require(deck, group, 'set', .not. has_set .or. len_trim(load%set) > 0, 'not be empty')
    end subroutine check_target
 
 end module amontons_config_body

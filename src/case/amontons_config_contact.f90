@@ -33,19 +33,17 @@ contains
       type(contact_t), intent(inout) :: contact !! the contact set
       type(deck_t), intent(inout) :: deck !! the deck
       integer, intent(in) :: group !! the group
-      logical :: has_radius, has_direction
-      integer :: n_faults
+      logical :: has_slope(2), has_radius, has_direction
 
-      n_faults = deck%n_faults()
       contact%set = ''
       contact%origin = origin_of(deck, group, 'set')
       contact%obstacle%kind = trim(obstacle_names(1))
       call deck%get(group, 'set', contact%set)
       call deck%get(group, 'friction', contact%friction%value)
-      call deck%get(group, 'friction_slope', contact%friction%slope)
+      call deck%get(group, 'friction_slope', contact%friction%slope, has_slope(1))
       call read_table(deck, group, 'friction_table', contact%friction%table, contact%friction%file)
       call deck%get(group, 'slip_bound', contact%slip_bound%value)
-      call deck%get(group, 'slip_bound_slope', contact%slip_bound%slope)
+      call deck%get(group, 'slip_bound_slope', contact%slip_bound%slope, has_slope(2))
       call read_table(deck, group, 'slip_bound_table', contact%slip_bound%table, contact%slip_bound%file)
       call deck%get_word(group, 'obstacle', contact%obstacle%kind, obstacle_names)
       call deck%get(group, 'point', contact%obstacle%point)
@@ -55,23 +53,33 @@ contains
       call deck%get(group, 'gap_direction', contact%direction, has_direction)
       call deck%get(group, 'extra_gap', contact%extra_gap)
       call deck%refuse_unknown(group)
-      if (deck%n_faults() > n_faults) return
-      if (len_trim(contact%set) == 0) call deck%fault(group, 'set', '&contact needs a set')
-      call require(deck, group, 'friction', contact%friction%value >= 0.0_dp .or. &
-         any(abs(contact%friction%slope) > 0.0_dp), 'be at least 0, found '//to_text(contact%friction%value))
-      call require(deck, group, 'slip_bound', contact%slip_bound%value >= 0.0_dp .or. &
-         any(abs(contact%slip_bound%slope) > 0.0_dp), 'be at least 0, found '//to_text(contact%slip_bound%value))
+      call require_positive(deck, group, 'friction', contact%friction, has_slope(1))
+      call require_positive(deck, group, 'slip_bound', contact%slip_bound, has_slope(2))
       call require(deck, group, 'normal', norm2(contact%obstacle%normal) > 0.0_dp, 'not be zero')
       call require(deck, group, 'gap_direction', norm2(contact%direction) > 0.0_dp .or. .not. has_direction, &
          'not be zero')
       call require(deck, group, 'radius', abs(contact%obstacle%radius) > 0.0_dp, 'not be zero')
+      call require_ascending(deck, group, 'friction_table', contact%friction)
+      call require_ascending(deck, group, 'slip_bound_table', contact%slip_bound)
+      if (.not. deck%is_understood(group)) return
+      if (len_trim(contact%set) == 0) call deck%fault(group, 'set', '&contact needs a set')
       call require(deck, group, 'radius', has_radius .eqv. contact%obstacle%has_radius(), &
          'go with obstacle circle or parabola, and only with these')
       call require(deck, group, 'line', len(contact%obstacle%file) > 0 .eqv. contact%obstacle%kind == 'polyline', &
          'go with obstacle polyline, and only with it')
-      call require_ascending(deck, group, 'friction_table', contact%friction)
-      call require_ascending(deck, group, 'slip_bound_table', contact%slip_bound)
    end subroutine read_contact
+
+   !> Records a fault where a quantity is negative, unless it has a slope that may raise it along the line.
+   subroutine require_positive(deck, group, key, field, has_slope)
+      type(deck_t), intent(inout) :: deck !! the deck
+      integer, intent(in) :: group !! the group
+      character(*), intent(in) :: key !! the key of the quantity
+      type(line_field_t), intent(in) :: field !! the quantity
+      logical, intent(in) :: has_slope !! whether a slope is given; it is 0 here where its value is at fault
+
+      if (has_slope .and. (any(abs(field%slope) > 0.0_dp) .or. .not. deck%is_understood(group))) return
+      call require(deck, group, key, field%value >= 0.0_dp, 'be at least 0, found '//to_text(field%value))
+   end subroutine require_positive
 
    !> Records a fault where the stations of a table do not ascend.
    subroutine require_ascending(deck, group, key, field)

@@ -34,10 +34,9 @@ contains
       type(reduced_source_t), intent(out) :: reduced !! the reduced problem, if there is one
       type(deck_t), intent(inout) :: deck !! the deck
       character(:), allocatable :: kind
-      integer :: group, n_faults
+      integer :: group
       logical :: has_file
 
-      n_faults = deck%n_faults()
       group = deck%group('problem')
       kind = trim(kind_names(1))
       reduced%file = ''
@@ -45,9 +44,14 @@ contains
       call deck%get(group, 'file', reduced%file, has_file)
       call deck%get(group, 'friction', reduced%friction, reduced%has_friction)
       call deck%refuse_unknown(group)
-      ! Where the group is faulty, a body that is missing is not missed as well.
-      reduced%is_given = kind == 'reduced' .or. deck%n_faults() > n_faults
-      if (deck%n_faults() > n_faults) return
+      reduced%is_given = kind == 'reduced'
+      call require(deck, group, 'friction', reduced%friction >= 0.0_dp, 'be at least 0, found '// &
+         to_text(reduced%friction))
+      if (group > 0 .and. .not. deck%is_understood(group)) then
+         ! A body that is missing here is not missed as well.
+         reduced%is_given = reduced%is_given .or. deck%group('mesh') == 0
+         return
+      end if
       reduced%origin = origin_of(deck, group, 'file')
       if (.not. reduced%is_given) then
          call require(deck, group, 'file', .not. has_file, "go with kind 'reduced'")
@@ -70,8 +74,6 @@ contains
 
       if (.not. has_file) call deck%fault(group, 'kind', "&problem of kind 'reduced' needs a file")
       call require(deck, group, 'file', len_trim(reduced%file) > 0 .or. .not. has_file, 'name a reduced problem')
-      call require(deck, group, 'friction', reduced%friction >= 0.0_dp, 'be at least 0, found '// &
-         to_text(reduced%friction))
       do i = 1, size(body_groups)
          groups = deck%groups(trim(body_groups(i)))
          do j = 1, size(groups)

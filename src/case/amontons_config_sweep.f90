@@ -25,27 +25,35 @@ contains
       type(load_t), intent(in) :: loads(:) !! its loads
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
       integer, allocatable :: groups(:)
-      integer :: n_faults, i
+      integer :: i
 
-      n_faults = deck%n_faults()
       groups = deck%groups('sweep')
       allocate (sweep%axes(size(groups)))
       do i = 1, size(groups)
          call read_axis(sweep%axes(i), deck, groups(i))
       end do
-      if (deck%n_faults() > n_faults) return
+      if (.not. all_are_sound(deck, groups)) return
       do i = 1, size(groups)
-         if (sweep%axes(i)%target == swept_load) then
+         if (sweep%axes(i)%target /= swept_load) then
+            if (deck%knows('contact', 'set')) call check_contacts(sweep%axes(i), deck, groups(i), contacts)
+         else if (deck%knows('load', 'name')) then
             call check_load(sweep%axes(i), deck, groups(i), loads)
-         else
-            call check_contacts(sweep%axes(i), deck, groups(i), contacts)
          end if
          call check_combination(sweep%axes(:i), deck, groups(i), contacts)
       end do
-      if (size(groups) == 0 .or. deck%n_faults() > n_faults) return
+      if (size(groups) == 0 .or. .not. all_are_sound(deck, groups)) return
       if (sweep%n_cases() > largest_n_cases) call deck%fault(groups(size(groups)), 'count', &
          'the sweep has too many cases: expected at most '//to_text(largest_n_cases))
    end subroutine read_sweep
+
+   !> Whether no group has a fault so far.
+   pure logical function all_are_sound(deck, groups)
+      type(deck_t), intent(in) :: deck !! the deck
+      integer, intent(in) :: groups(:) !! the groups
+      integer :: i
+
+      all_are_sound = all([(deck%is_sound(groups(i)), i=1, size(groups))])
+   end function all_are_sound
 
    !> Reads one `&sweep`.
    subroutine read_axis(axis, deck, group)
@@ -54,10 +62,9 @@ contains
       integer, intent(in) :: group !! the group
       character(:), allocatable :: set, combination
       real(dp), allocatable :: values(:)
-      integer :: n_faults, n_steps, i
+      integer :: n_steps, i
       logical :: has_load, has_set, has_count, has_values(3)
 
-      n_faults = deck%n_faults()
       axis%origin = origin_of(deck, group, 'load')
       axis%name = ''
       set = ''
@@ -75,12 +82,12 @@ contains
       call deck%get(group, 'count', n_steps, has_count)
       call deck%get_word(group, 'combine', combination, combination_names)
       call deck%refuse_unknown(group)
-      if (deck%n_faults() > n_faults) return
+      if (.not. deck%is_sound(group)) return
       axis%is_paired = combination == combination_names(2)
       if (has_set) axis%name = set
       call require(deck, group, 'factor', count(has_values) == 1, 'be given, or friction or friction_factor; each '// &
          '&sweep varies one of them')
-      if (deck%n_faults() > n_faults) return
+      if (.not. deck%is_sound(group)) return
       call check_keys(axis, deck, group, has_load, has_set)
       axis%is_range = has_count
       if (has_count) call spread_values(axis%values, deck, group, trim(quantity_names(axis%target)), n_steps)

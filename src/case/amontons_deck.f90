@@ -7,13 +7,15 @@
 !> Reading never fails once the file is open: faults of form, of type and of meaning gather in the deck, and `finish`
 !> turns them into one error.
 module amontons_deck
-   use amontons_deck_contents, only: bare_value, deck_contents_t, find_key, find_values, refuse_value, unquoted_value
+   use amontons_deck_contents, only: bare_value, deck_contents_t, find_key, find_values, hides_meaning, &
+      mark_faulty, refuse_value, understands_group, understands_key, unquoted_value
    use amontons_deck_parser, only: parse_deck
    use amontons_deck_scanner, only: excerpt
+   use amontons_deck_words, only: joined, suggestion, words_of
    use amontons_error, only: error_t
    use amontons_kinds, only: dp, int64
-   use amontons_text, only: lower_case, nearest_word, quoted, read_integer, read_real, to_text
-   use amontons_text_file, only: read_text_file
+   use amontons_text, only: lower_case, quoted, read_integer, read_real, to_text
+   use amontons_text_file, only: read_standard_input, read_text_file
    implicit none (type, external)
    private
 
@@ -29,8 +31,10 @@ module amontons_deck
       procedure, public :: groups => deck_groups
       generic, public :: get => get_real, get_reals, get_integer, get_integers, get_logical, get_text
       procedure, public :: get_word => deck_get_word
+      procedure, public :: is_sound => deck_is_sound
+      procedure, public :: is_understood => deck_is_understood
+      procedure, public :: knows => deck_knows
       procedure, public :: line_of => deck_line_of
-      procedure, public :: n_faults => deck_n_faults
       procedure, public :: n_values => deck_n_values
       procedure, public :: fault => deck_fault
       procedure, public :: refuse_unknown => deck_refuse_unknown
@@ -46,16 +50,19 @@ module amontons_deck
 
 contains
 
-   !> Reads a deck from a file.
+   !> Reads a deck from a file, or from standard input, which messages call 'stdin'.
    subroutine read_deck(deck, file, error)
       type(deck_t), intent(out) :: deck !! the deck
-      character(*), intent(in) :: file !! name of the file
+      character(*), intent(in) :: file !! name of the file, `-` for standard input
       type(error_t), allocatable, intent(out) :: error !! the file cannot be read, or holds no group
-      character(:), allocatable :: text
+      character(:), allocatable :: text, name
 
-      call read_text_file(file, text, error)
+      name = file
+      if (file == '-') name = 'stdin'
+      if (file == '-') call read_standard_input(name, text, error)
+      if (file /= '-') call read_text_file(file, text, error)
       if (allocated(error)) return
-      call read_deck_text(deck, file, text)
+      call read_deck_text(deck, name, text)
       if (deck%contents%n_groups == 0) call deck%finish(error)
    end subroutine read_deck
 
@@ -227,6 +234,7 @@ contains
       else
          call self%fault(group, key, key//': expected one of '//joined(choices, "'", "'")//', found '// &
             excerpt(quoted(word))//suggestion(lower_case(word), choices, "'", "'"))
+         call mark_faulty(self%contents, group, key)
       end if
    end subroutine deck_get_word
 
@@ -248,27 +256,47 @@ contains
 
    !> Records a fault of meaning at the line of a key, or of the group where the key is absent.
    !>
-   !> A key whose value has another fault already has no meaning to judge: the call is then without effect.
+   !> A key whose value has another fault already has no meaning to judge, nor has what stands behind a fault of form:
+   !> the call is then without effect.
    subroutine deck_fault(self, group, key, sentence)
       class(deck_t), intent(inout) :: self !! the deck, gains the fault
       integer, intent(in) :: group !! the group, or 0 for the deck as a whole
       character(*), intent(in) :: key !! name of the key, in lower case
       character(*), intent(in) :: sentence !! what is wrong and what was expected
-      integer :: assignment
 
-      assignment = find_key(self%contents, group, key)
-      if (assignment > 0) then
-         if (self%contents%assignments(assignment)%is_faulty) return
+      if (group > 0) then
+         if (hides_meaning(self%contents, group, key)) return
+         self%contents%groups(group)%is_faulty = .true.
       end if
       call self%contents%faults%add(self%line_of(group, key), sentence)
    end subroutine deck_fault
 
-   !> Number of faults recorded so far.
-   integer function deck_n_faults(self) result(n_faults)
+   !> Whether everything that a group says is understood, so that its keys can be judged together. A group that is
+   !> absent may be one that another fault hides: it counts as understood only if the whole deck is in order.
+   pure logical function deck_is_understood(self, group) result(is_understood)
       class(deck_t), intent(in) :: self !! the deck
+      integer, intent(in) :: group !! the group, or 0
 
-      n_faults = self%contents%faults%count()
-   end function deck_n_faults
+      is_understood = understands_group(self%contents, group)
+   end function deck_is_understood
+
+   !> Whether a group is understood and makes sense so far.
+   pure logical function deck_is_sound(self, group) result(is_sound)
+      class(deck_t), intent(in) :: self !! the deck
+      integer, intent(in) :: group !! the group, or 0
+
+      is_sound = understands_group(self%contents, group)
+      if (group > 0) is_sound = is_sound .and. .not. self%contents%groups(group)%is_faulty
+   end function deck_is_sound
+
+   !> Whether it is known what a key says in all groups of a name, so that other groups can be judged by it.
+   pure logical function deck_knows(self, name, key) result(knows)
+      class(deck_t), intent(in) :: self !! the deck
+      character(*), intent(in) :: name !! name of the groups
+      character(*), intent(in) :: key !! name of the key
+
+      knows = understands_key(self%contents, name, key)
+   end function deck_knows
 
    !> Number of values that stand behind a key, repeat counts included; 0 where the key is absent.
    pure integer(int64) function deck_n_values(self, group, key) result(n_values)
@@ -294,9 +322,10 @@ contains
       if (group == 0) return
       associate (contents => self%contents, name => self%contents%groups(group)%name, &
          keys => self%contents%groups(group)%known_keys)
-         do i = contents%groups(group)%first_assignment, contents%groups(group)%last_assignment
+         do i = contents%groups(group)%first_assignment, contents%groups(group)%last_judged
             associate (assignment => contents%assignments(i))
                if (index(keys, ' '//assignment%key//' ') > 0) cycle
+               contents%groups(group)%has_unknown_key = .true.
                call contents%faults%add(assignment%line, "'"//excerpt(assignment%key)//"' is not a key of &"//name// &
                   suggestion(assignment%key, words_of(keys), "'", "'")//' (keys: '//joined(words_of(keys), '', '')//')')
             end associate
@@ -316,6 +345,7 @@ contains
          associate (group => self%contents%groups(i))
             known = findloc(known_names == group%name, .true., dim=1)
             if (known == 0) then
+               self%contents%hides_groups = .true.
                call self%contents%faults%add(group%line, '&'//excerpt(group%name)//' is not a group of a deck'// &
                   suggestion(group%name, known_names, '&', '')//' (groups: '//joined(known_names, '&', '')//')')
             else if (first_line(known) == 0) then
@@ -348,48 +378,5 @@ contains
       call read_integer(word(at_exponent + 1:), exponent, has_exponent)
       is_out_of_range = has_mantissa .and. has_exponent
    end function is_out_of_range
-
-   !> What a message adds where a known word is near the one found.
-   pure function suggestion(word, words, before, behind) result(text)
-      character(*), intent(in) :: word !! the word found, in lower case
-      character(*), intent(in) :: words(:) !! the words known
-      character(*), intent(in) :: before !! what the message puts before a word
-      character(*), intent(in) :: behind !! what the message puts behind a word
-      character(:), allocatable :: text
-
-      text = nearest_word(word, words)
-      if (text /= '') text = '; did you mean '//before//text//behind//'?'
-   end function suggestion
-
-   !> Words separated by commas.
-   pure function joined(words, before, behind) result(text)
-      character(*), intent(in) :: words(:) !! the words, blank padded
-      character(*), intent(in) :: before !! what is put before each word
-      character(*), intent(in) :: behind !! what is put behind each word
-      character(:), allocatable :: text
-      integer :: i
-
-      text = ''
-      do i = 1, size(words)
-         if (i > 1) text = text//', '
-         text = text//before//trim(words(i))//behind
-      end do
-      if (text == '') text = 'none'
-   end function joined
-
-   !> The words of a list that has one blank before and behind each.
-   pure function words_of(list) result(words)
-      character(*), intent(in) :: list !! the list
-      character(len(list)), allocatable :: words(:)
-      integer :: i, first, last
-
-      allocate (words(count([(list(i:i) == ' ', i=1, len(list))]) - 1))
-      last = 0
-      do i = 1, size(words)
-         first = last + 2
-         last = first + index(list(first:), ' ') - 2
-         words(i) = list(first:last)
-      end do
-   end function words_of
 
 end module amontons_deck

@@ -9,7 +9,8 @@ module amontons_deck_contents
 
    public :: deck_assignment_t, deck_contents_t, deck_group_t, deck_value_t
    public :: append_assignment, append_group, append_value
-   public :: bare_value, find_key, find_values, refuse_value, unquoted_value
+   public :: bare_value, find_key, find_values, hides_meaning, mark_faulty, refuse_value, understands_group, &
+      understands_key, unquoted_value
 
    !> A value as it is written.
    type :: deck_value_t
@@ -36,6 +37,10 @@ module amontons_deck_contents
       integer :: line = 0 !! line of its name
       integer :: first_assignment = 1 !! its first assignment
       integer :: last_assignment = 0 !! its last assignment
+      integer :: last_judged = 0 !! its last assignment before a fault of form: what follows may belong elsewhere
+      logical :: is_malformed = .false. !! whether its form is at fault
+      logical :: is_faulty = .false. !! whether a fault of meaning has been recorded
+      logical :: has_unknown_key = .false. !! whether a key is none of the group's
       character(:), allocatable :: known_keys !! the keys asked for, a blank before and behind each
    end type deck_group_t
 
@@ -48,6 +53,7 @@ module amontons_deck_contents
       integer :: n_groups = 0 !! number of groups
       integer :: n_assignments = 0 !! number of assignments
       integer :: n_values = 0 !! number of values
+      logical :: hides_groups = .false. !! whether text that is no group, or an unknown one, may hide one
       type(fault_list_t) :: faults !! what is wrong with the deck
    end type deck_contents_t
 
@@ -100,7 +106,8 @@ contains
 
    !> Finds the values of a key, one for each element of an array, and marks the key as known to its group.
    !>
-   !> A key may stand several times when its subscripts give different elements.
+   !> A key may stand several times when its subscripts give different elements. Values behind a fault of form are
+   !> not taken: they may belong elsewhere.
    subroutine find_values(contents, group, key, noun, source, is_given)
       type(deck_contents_t), intent(inout) :: contents !! the deck, gains the faults
       integer, intent(in) :: group !! the group, or 0 where every key is absent
@@ -120,7 +127,8 @@ contains
       do i = contents%groups(group)%first_assignment, contents%groups(group)%last_assignment
          if (contents%assignments(i)%key /= key) cycle
          if (present(is_given)) is_given = .true.
-         if (.not. contents%assignments(i)%is_faulty) call place_values(contents, i, noun, source, given_at)
+         if (contents%assignments(i)%is_faulty .or. i > contents%groups(group)%last_judged) cycle
+         call place_values(contents, i, noun, source, given_at)
       end do
    end subroutine find_values
 
@@ -232,13 +240,66 @@ contains
       character(*), intent(in) :: key !! name of the key
       integer, intent(in) :: value !! index of the value
       character(*), intent(in) :: expected !! what was expected
-      integer :: i
 
       call contents%faults%add(contents%values(value)%line, key//': expected '//expected//', found '// &
          excerpt(raw_value(contents, value))//column_text(contents%text, contents%values(value)%first))
-      i = find_key(contents, group, key)
-      contents%assignments(i)%is_faulty = .true.
+      call mark_faulty(contents, group, key)
    end subroutine refuse_value
+
+   !> Marks the value of a key as faulty.
+   subroutine mark_faulty(contents, group, key)
+      type(deck_contents_t), intent(inout) :: contents !! the deck
+      integer, intent(in) :: group !! the group
+      character(*), intent(in) :: key !! name of the key, which stands in the group
+
+      contents%assignments(find_key(contents, group, key))%is_faulty = .true.
+   end subroutine mark_faulty
+
+   !> Whether a fault recorded already hides what a key means: its value is at fault, or it may stand behind a fault of
+   !> form.
+   pure logical function hides_meaning(contents, group, key)
+      type(deck_contents_t), intent(in) :: contents !! the deck
+      integer, intent(in) :: group !! the group
+      character(*), intent(in) :: key !! name of the key
+      integer :: assignment
+
+      assignment = find_key(contents, group, key)
+      if (assignment > 0) then
+         hides_meaning = contents%assignments(assignment)%is_faulty .or. &
+            assignment > contents%groups(group)%last_judged
+      else
+         hides_meaning = contents%groups(group)%is_malformed
+      end if
+   end function hides_meaning
+
+   !> Whether everything that a group says is understood: its form, its keys and their values. A group that is absent
+   !> may be one that another fault hides: it counts as understood only if the whole deck is in order.
+   pure logical function understands_group(contents, group)
+      type(deck_contents_t), intent(in) :: contents !! the deck
+      integer, intent(in) :: group !! the group, or 0
+      integer :: i
+
+      understands_group = contents%faults%count() == 0
+      if (understands_group .or. group == 0) return
+      associate (found => contents%groups(group))
+         understands_group = .not. (found%is_malformed .or. found%has_unknown_key .or. &
+            any([(contents%assignments(i)%is_faulty, i=found%first_assignment, found%last_assignment)]))
+      end associate
+   end function understands_group
+
+   !> Whether it is known what a key says in all groups of a name: no fault hides such a group, or the key in one.
+   pure logical function understands_key(contents, name, key)
+      type(deck_contents_t), intent(in) :: contents !! the deck
+      character(*), intent(in) :: name !! name of the groups
+      character(*), intent(in) :: key !! name of the key
+      integer :: i
+
+      understands_key = .not. contents%hides_groups
+      do i = 1, contents%n_groups
+         if (contents%groups(i)%name == name) understands_key = understands_key .and. &
+            .not. (hides_meaning(contents, i, key) .or. contents%groups(i)%has_unknown_key)
+      end do
+   end function understands_key
 
    !> The first assignment of a key in a group, 0 where it has none.
    pure integer function find_key(contents, group, key) result(assignment)

@@ -39,6 +39,7 @@ contains
             call read_group(cursor, contents)
          else
             call refuse_token(contents, 'expected a group such as &mesh', cursor%token)
+            contents%hides_groups = .true.
             call skip_to_group(cursor, text)
          end if
       end do
@@ -75,16 +76,17 @@ contains
       type(deck_contents_t), intent(inout) :: contents !! the deck, gains the group
       type(deck_group_t) :: group
       character(:), allocatable :: next
+      integer :: n_faults
 
+      n_faults = contents%faults%count()
       group%line = cursor%token%line
       group%name = lower_case(contents%text(cursor%token%first + 1:cursor%token%last))
       group%known_keys = ' '
       group%first_assignment = contents%n_assignments + 1
       cursor%has_open_quote = .false.
       call advance(cursor, contents%text)
-      call read_assignments(cursor, contents)
+      call read_assignments(cursor, contents, group%last_judged)
       group%last_assignment = contents%n_assignments
-      call append_group(contents, group)
       if (cursor%token%kind == '/' .or. is_legacy_end(contents%text, cursor%token)) then
          call advance(cursor, contents%text)
       else if (.not. cursor%has_open_quote) then
@@ -92,14 +94,22 @@ contains
          if (cursor%token%kind /= end_token) next = next//' at line '//to_text(cursor%token%line)
          call contents%faults%add(group%line, '&'//excerpt(group%name)//" is not closed: expected '/' before "//next)
       end if
+      group%is_malformed = contents%faults%count() > n_faults
+      ! Behind a fault of form, the rest of the group may be the next one, its name spoilt.
+      contents%hides_groups = contents%hides_groups .or. group%is_malformed
+      call append_group(contents, group)
    end subroutine read_group
 
    !> Reads the assignments of a group up to its end, or to what stands in the place of one.
-   subroutine read_assignments(cursor, contents)
+   subroutine read_assignments(cursor, contents, last_judged)
       type(cursor_t), intent(inout) :: cursor !! the place, behind the group's name
       type(deck_contents_t), intent(inout) :: contents !! the deck, gains the assignments
+      integer, intent(out) :: last_judged !! the last assignment before a fault
+      integer :: n_faults
 
+      n_faults = contents%faults%count()
       do
+         if (contents%faults%count() == n_faults) last_judged = contents%n_assignments
          select case (cursor%token%kind)
          case ('/', group_token, end_token)
             return

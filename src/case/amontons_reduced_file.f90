@@ -3,7 +3,7 @@ module amontons_reduced_file
    use amontons_error, only: error_t
    use amontons_fclib_file, only: has_fclib, read_fclib_file, write_fclib_file
    use amontons_mesh_source, only: mesh_source_t, new_mesh_source
-   use amontons_output_file, only: new_foreign_file, output_file_t
+   use amontons_output_file, only: commit_files, new_foreign_file, output_file_t
    use amontons_reduced_system, only: reduced_system_t
    use amontons_siconos_text, only: read_siconos_text, write_siconos_text
    use amontons_system, only: make_directory
@@ -41,19 +41,15 @@ contains
       type(reduced_system_t), intent(in) :: system !! the reduced problem
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(output_file_t) :: files(2)
-      integer :: i
 
       call make_directory(directory, error)
       if (allocated(error)) return
       call write_siconos_text(files(1), directory//'/'//name//'.reduced.dat', system, error)
       if (has_fclib .and. .not. allocated(error)) then
-         call new_foreign_file(files(2), directory//'/'//name//'.reduced.hdf5')
-         call write_fclib_file(files(2)%temporary_path, system, name, error)
+         call new_foreign_file(files(2), directory//'/'//name//'.reduced.hdf5', error)
+         if (.not. allocated(error)) call write_fclib_file(files(2)%temporary_path, system, name, error)
       end if
-      do i = 1, merge(2, 1, has_fclib)
-         if (.not. allocated(error)) call files(i)%commit(error)
-         if (allocated(error)) call files(i)%discard()
-      end do
+      call commit_files(files(:merge(2, 1, has_fclib)), error)
    end subroutine write_reduced_files
 
 end module amontons_reduced_file

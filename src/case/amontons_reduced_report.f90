@@ -4,7 +4,7 @@ module amontons_reduced_report
    use amontons_error, only: error_t
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
-   use amontons_output_file, only: new_output_file, output_file_t
+   use amontons_output_file, only: commit_files, new_output_file, output_file_t
    use amontons_reduced_listing, only: write_reduced_listing
    use amontons_reduced_summary, only: write_reduced_summary
    use amontons_report, only: write_deck
@@ -31,15 +31,11 @@ contains
       type(reduced_result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(output_file_t) :: files(n_files + merge(1, 0, allocated(result%all_solutions)))
-      integer :: i
 
       call make_directory(directory, error)
       if (allocated(error)) return
       call write_files(files, directory//'/'//config%name, config, result, error)
-      do i = 1, size(files)
-         if (.not. allocated(error)) call files(i)%commit(error)
-         if (allocated(error)) call files(i)%discard()
-      end do
+      call commit_files(files, error)
    end subroutine write_reduced_report
 
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.

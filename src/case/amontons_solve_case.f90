@@ -18,6 +18,7 @@ module amontons_solve_case
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: read_mesh_file
    use amontons_methods, only: new_contact_method
+   use amontons_name_check, only: check_names
    use amontons_rectangle, only: new_rectangle_mesh
    use amontons_result, only: result_t
    use amontons_timings, only: new_timings, phase_condense, phase_read, phase_recover, phase_solve
@@ -45,26 +46,15 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(out) :: result !! gains the loads
       type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are at fault
-      type(mesh_t) :: mesh
       type(contact_t), allocatable :: contacts(:)
-      character(:), allocatable :: notes
 
       call new_timings(result%timings)
-      if (.not. has_body(workshop, config)) then
-         if (allocated(workshop%body)) deallocate (workshop%body)
-         ! A body that cannot be made must not pass for the one before it.
-         workshop%body_text = ''
-         workshop%is_condensed = .false.
-         allocate (workshop%body)
-         call new_mesh(mesh, notes, config, error)
-         if (allocated(error)) return
-         call new_body(workshop%body, mesh, config%materials, config%supports, config%contacts, error)
-         if (allocated(error)) return
-         workshop%body%mesh_notes = notes
-         workshop%body_text = body_text(config)
-         workshop%first_case = config%name
-         if (allocated(workshop%last_case)) deallocate (workshop%last_case)
+      if (has_body(workshop, config)) then
+         call check_names(config, workshop%body%mesh, error)
+      else
+         call make_body(workshop, config, error)
       end if
+      if (allocated(error)) return
       associate (body => workshop%body)
          ! No case of a sweep may have a negative friction.
          contacts = config%contacts
@@ -78,6 +68,30 @@ contains
       end associate
       call result%timings%lap(phase_read)
    end subroutine prepare_case
+
+   !> Makes the body of a case.
+   subroutine make_body(workshop, config, error)
+      type(workshop_t), intent(inout) :: workshop !! gains the body
+      type(config_t), intent(in) :: config !! the case
+      type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports or contacts are at fault
+      type(mesh_t) :: mesh
+      character(:), allocatable :: notes
+
+      if (allocated(workshop%body)) deallocate (workshop%body)
+      ! A body that cannot be made must not pass for the one before it.
+      workshop%body_text = ''
+      workshop%is_condensed = .false.
+      allocate (workshop%body)
+      call new_mesh(mesh, notes, config, error)
+      if (.not. allocated(error)) call check_names(config, mesh, error)
+      if (allocated(error)) return
+      call new_body(workshop%body, mesh, config%materials, config%supports, config%contacts, error)
+      if (allocated(error)) return
+      workshop%body%mesh_notes = notes
+      workshop%body_text = body_text(config)
+      workshop%first_case = config%name
+      if (allocated(workshop%last_case)) deallocate (workshop%last_case)
+   end subroutine make_body
 
    !> Makes or reads the mesh of a case.
    subroutine new_mesh(mesh, notes, config, error)

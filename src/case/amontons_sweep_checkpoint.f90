@@ -52,8 +52,11 @@ contains
          call cut_file(checkpoint%table_path, checkpoint%table_bytes, error)
          if (.not. allocated(error)) call cut_file(checkpoint%path, checkpoint%bytes, error)
       else
-         call write_bytes(checkpoint%table_path, 'replace', header, checkpoint%table_bytes, error)
-         if (.not. allocated(error)) call write_bytes(checkpoint%path, 'replace', key, checkpoint%bytes, error)
+         ! What has these names now, a link perhaps, is not written through.
+         call remove_file(checkpoint%table_path)
+         call remove_file(checkpoint%path)
+         call write_bytes(checkpoint%table_path, 'new', header, checkpoint%table_bytes, error)
+         if (.not. allocated(error)) call write_bytes(checkpoint%path, 'new', key, checkpoint%bytes, error)
       end if
    end subroutine open_sweep_checkpoint
 
@@ -102,7 +105,7 @@ contains
    !> Writes bytes to the end of a file, or to a new one, and has them put on the disk.
    subroutine write_bytes(path, file_status, bytes, n_bytes, error)
       character(*), intent(in) :: path !! name of the file
-      character(*), intent(in) :: file_status !! 'old' to append, 'replace' to begin
+      character(*), intent(in) :: file_status !! 'old' to append, 'new' to begin
       character(*), intent(in) :: bytes !! what is written
       integer(int64), intent(inout) :: n_bytes !! size of the file before, and after
       type(error_t), allocatable, intent(out) :: error !! not everything could be written
@@ -122,7 +125,7 @@ contains
             close (unit, iostat=status)
          end if
       end if
-      if (file_status == 'replace') n_bytes = 0
+      if (file_status == 'new') n_bytes = 0
       n_bytes = n_bytes + len(bytes)
       ! What a full disk refuses is lost without a word; and no other run may write here meanwhile.
       inquire (file=path, size=found)

@@ -3,11 +3,12 @@ module amontons_sweep_report
    use amontons_body, only: body_t
    use amontons_config, only: config_t
    use amontons_error, only: error_t
-   use amontons_output_file, only: output_file_t
+   use amontons_output_file, only: commit_files, output_file_t
    use amontons_report, only: write_deck
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep_listing, only: write_sweep_listing
    use amontons_sweep_summary, only: write_sweep_summary
+   use amontons_temporary_file, only: hold_signals, release_signals
    use amontons_timings, only: phase_write
    implicit none (type, external)
    private
@@ -29,16 +30,14 @@ contains
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(output_file_t) :: files(n_files)
       character(:), allocatable :: stem
-      integer :: i
 
       stem = directory//'/'//config%name
       call write_files(files, stem, config, body, result, error)
+      call hold_signals()
       if (.not. allocated(error)) call result%checkpoint%commit(stem//'.sweep.csv', error)
-      do i = 1, size(files)
-         if (.not. allocated(error)) call files(i)%commit(error)
-         if (allocated(error)) call files(i)%discard()
-      end do
+      call commit_files(files, error)
       if (.not. allocated(error)) call result%checkpoint%remove()
+      call release_signals()
    end subroutine write_sweep_report
 
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.

@@ -4,7 +4,7 @@ module amontons_mesh
       shape_functions, side_nodes, tri6
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_text, only: to_text
+   use amontons_text, only: lower_case, nearest_word, to_text
    implicit none (type, external)
    private
 
@@ -51,6 +51,7 @@ module amontons_mesh
       procedure :: set_nodes => mesh_set_nodes
       procedure :: set_sides => mesh_set_sides
       procedure :: region_names => mesh_region_names
+      procedure, private :: set_names => mesh_set_names
       procedure :: side => mesh_side
    end type mesh_t
 
@@ -192,6 +193,24 @@ contains
       end do
    end function mesh_region_names
 
+   !> The names of all boundary sets, as messages list them, and the one that is near another name.
+   pure function mesh_set_names(self, name) result(text)
+      class(mesh_t), intent(in) :: self !! the mesh
+      character(*), intent(in) :: name !! the other name
+      character(:), allocatable :: text, nearest, names(:)
+      integer :: i
+
+      allocate (character(maxval([0, (len(self%sets(i)%name), i=1, size(self%sets))])) :: names(size(self%sets)))
+      text = '; its sets are: '
+      do i = 1, size(names)
+         names(i) = self%sets(i)%name
+         if (i > 1) text = text//', '
+         text = text//self%sets(i)%name
+      end do
+      nearest = nearest_word(lower_case(name), names)
+      if (nearest /= '') text = text//"; did you mean '"//nearest//"'?"
+   end function mesh_set_names
+
    !> The sides of a named boundary set.
    pure subroutine mesh_set_sides(self, name, sides, error)
       class(mesh_t), intent(in) :: self !! the mesh
@@ -199,7 +218,6 @@ contains
       integer, allocatable, intent(out) :: sides(:, :)
          !! first corner, second corner, middle or 0, element of each side; body on the left (4, sides)
       type(error_t), allocatable, intent(out) :: error !! there is no such set; the message lists those there are
-      character(:), allocatable :: known
       integer :: set, i
 
       set = self%find_set(name)
@@ -211,12 +229,7 @@ contains
          end do
          return
       end if
-      known = ''
-      do i = 1, size(self%sets)
-         if (i > 1) known = known//', '
-         known = known//self%sets(i)%name
-      end do
-      call new_error(error, input_refused, "the mesh has no set '"//name//"'; its sets are: "//known)
+      call new_error(error, input_refused, "the mesh has no set '"//name//"'"//self%set_names(name))
    end subroutine mesh_set_sides
 
    !> The nodes of a named set: of a node set, or of all sides of a boundary set.

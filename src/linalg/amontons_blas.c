@@ -1,11 +1,13 @@
 /* What OpenBLAS can be told beyond the BLAS itself. Weak references leave any other BLAS linkable. */
 #define _POSIX_C_SOURCE 200112L
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 extern void openblas_set_num_threads(int n_threads) __attribute__((weak));
 extern int openblas_get_num_threads(void) __attribute__((weak));
 extern char *openblas_get_corename(void) __attribute__((weak));
+extern char *openblas_get_config(void) __attribute__((weak));
 extern void gotoblas_dynamic_init(void) __attribute__((weak));
 extern void gotoblas_dynamic_quit(void) __attribute__((weak));
 
@@ -50,4 +52,18 @@ void amontons_choose_blas_kernels(void)
     gotoblas_dynamic_quit();
     gotoblas_dynamic_init();
     unsetenv(variable);
+}
+
+/* Puts the name, version and kernels of OpenBLAS into a text; an empty text for any other BLAS. Its own text is a list
+   of settings, the version among the first. */
+void amontons_blas_text(char *text, int size)
+{
+    text[0] = '\0';
+    if (!openblas_get_config || !openblas_get_corename)
+        return;
+    const char *config = openblas_get_config(), *name = "OpenBLAS ";
+    if (strncmp(config, name, strlen(name)) == 0)
+        config += strlen(name);
+    snprintf(text, (size_t)size, "%s%.*s, kernels %s", name, (int)strcspn(config, " "), config,
+             openblas_get_corename());
 }

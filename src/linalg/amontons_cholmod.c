@@ -3,6 +3,7 @@
 #include <camd.h>
 #include <cholmod.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <sys/mman.h>
 
@@ -23,6 +24,16 @@ typedef struct {
     const int64_t *column, *row_start, *value_start, *row;
     const double *value;
 } supernodes_t;
+
+/* Puts the versions of SuiteSparse and of CHOLMOD into a text. */
+void amontons_suitesparse_text(char *text, int size)
+{
+    int suite[3], cholmod[3];
+    SuiteSparse_version(suite);
+    cholmod_l_version(cholmod);
+    snprintf(text, (size_t)size, "%d.%d.%d, CHOLMOD %d.%d.%d", suite[0], suite[1], suite[2], cholmod[0], cholmod[1],
+             cholmod[2]);
+}
 
 /* Orders a graph by approximate minimum degree, the members of constraint set 0 before those of set 1. */
 int amontons_camd_order(int64_t n, const int64_t *start, const int64_t *neighbour, const int64_t *constraint,

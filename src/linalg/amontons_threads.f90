@@ -2,11 +2,14 @@
 module amontons_threads
    use, intrinsic :: iso_c_binding, only: c_int
    use omp_lib, only: omp_get_active_level, omp_get_max_active_levels, omp_get_max_threads, &
-      omp_set_max_active_levels, omp_set_num_threads
+      omp_set_max_active_levels, omp_set_num_threads, openmp_version
    implicit none (type, external)
    private
 
-   public :: hold_threads, n_threads, release_threads, set_threads, thread_state_t
+   public :: hold_threads, n_threads, openmp_date, release_threads, set_threads, thread_state_t
+
+   !> Year and month of the OpenMP standard that the compiler follows.
+   integer, parameter :: openmp_date = openmp_version
 
    !> The settings that `hold_threads` found, for `release_threads` to put back.
    type :: thread_state_t

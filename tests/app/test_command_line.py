@@ -33,7 +33,10 @@ class Options(ProgramTest):
 
     def test_version(self):
         run = self.run_program("--version")
-        self.assertRegex(run.stdout, r"^amontons \d+\.\d+\.\d+ \(.*\)\n$")
+        facts = [r"amontons \d+\.\d+\.\d+", r"compiler     GCC version \d+.*", r"build type   \w+.*",
+                 r"BLAS         \S.*", r"SuiteSparse  \d+\.\d+\.\d+, CHOLMOD \d+\.\d+\.\d+",
+                 r"HDF5         (yes|no)", r"OpenMP       20\d{4}, 1 threads"]
+        self.assertRegex(run.stdout, "^" + "".join(fact + r"\n" for fact in facts) + "$")
         self.assertEqual(run.stderr, "")
 
     def test_help_and_version_solve_nothing(self):
@@ -45,7 +48,15 @@ class Options(ProgramTest):
         self.refuse("'--outptu' is no option; did you mean --output?; try amontons --help", "--outptu", "x", "case.nml")
         self.refuse("'--Quiet' is no option; did you mean --quiet?; try amontons --help", "case.nml", "--Quiet")
         self.refuse("'-q' is no option; try amontons --help", "-q", "case.nml")
-        self.refuse("'-' is no option; try amontons --help", "-")
+        self.refuse("'--ouput' is no option; did you mean --output?; try amontons --help", "--ouput=x", "case.nml")
+
+    def test_help_fits_a_terminal_and_its_deck_can_be_solved(self):
+        text = self.run_program("--help").stdout
+        self.assertLessEqual(max(map(len, text.splitlines())), 82)
+        deck = "".join(line + "\n" for line in text.splitlines() if line.startswith("  &"))
+        self.assertEqual(deck.count("&"), 5)
+        run = self.run_program("--output", "results", self.write("block.nml", deck))
+        self.assertRegex(run.stdout, "^block: solved, ")
 
     def test_no_deck(self):
         for arguments in ((), ("--quiet",), ("--check", "--output", "results"), ("--",)):
@@ -96,7 +107,8 @@ class Options(ProgramTest):
     def test_check_finds_what_does_not_fit_the_mesh(self):
         self.write("tpo.nml", SOUND + "&load set = 'tpo'  pressure = 1.0 /")
         run = self.run_program("--check", "tpo.nml", "case.nml", status=1)
-        self.assertEqual(run.stderr, "tpo.nml:6: the mesh has no set 'tpo'; its sets are: left, right, bottom, top\n")
+        self.assertEqual(run.stderr, "tpo.nml:6: the mesh has no set 'tpo'; its sets are: left, right, bottom, top; "
+                         "did you mean 'top'?\n")
         self.assertIn("case: in order; ", run.stdout)
 
     def test_threads_change_no_digit(self):
@@ -190,6 +202,41 @@ class Forms(ProgramTest):
         self.write("case.nml", SOUND)
         self.run_command(["sh", "-c", 'cat case.nml | "$0" --quiet /dev/stdin', PROGRAM])
         self.assertEqual(self.files(), sorted(["case.nml", *results_of("stdin")]))
+
+    def test_deck_from_standard_input(self):
+        self.write("far.nml", SOUND)
+        (self.directory / "empty").mkdir()
+        for script in ('cat far.nml | "$0" --quiet -', '"$0" --quiet - < far.nml', '"$0" --quiet -- - < far.nml'):
+            self.run_command(["sh", "-c", script, PROGRAM])
+            self.assertEqual(self.files(), sorted(["empty", "far.nml", *results_of("stdin")]))
+            for name in results_of("stdin"):
+                (self.directory / name).unlink()
+        self.write("named.nml", SOUND.replace("friction", "friction_table = 'table.txt'  slip_bound") +
+                   "&case name = 'named' /")
+        self.write("table.txt", "0.0 0.3\n4.0 0.3\n")
+        self.run_command(["sh", "-c", 'cat named.nml | "$0" --quiet --output results -', PROGRAM])
+        self.assertEqual(sorted(self.contents("results")), results_of("named"))
+
+    def test_faults_of_standard_input(self):
+        for text, message in (("&mesh size = 4.0, 2.0  cells = 0, 4 /\n&material young = 1.0  poisson = 0.2 /",
+                               "stdin:1: cells must be positive\n"), ("", "stdin: this file is empty\n"),
+                              (SOUND.replace("'left'", "'tpo'"),
+                               "stdin:3: the mesh has no set 'tpo'; its sets are: left, right, bottom, top; did you "
+                               "mean 'top'?\n")):
+            self.write("deck", text)
+            run = self.run_command(["sh", "-c", '"$0" - < deck', PROGRAM], 1)
+            self.assertEqual(run.stderr, message)
+        run = self.run_command(["sh", "-c", '"$0" - <&-', PROGRAM], 1)
+        self.assertEqual(run.stderr, "stdin: cannot read this file: Bad file descriptor\n")
+        run = self.run_command(["sh", "-c", '"$0" - < .', PROGRAM], 1)
+        self.assertEqual(run.stderr, "stdin: cannot read this file: Is a directory\n")
+        run = self.run_program("--reduced", "-", status=1)
+        self.assertEqual(run.stderr, "amontons: --reduced takes files; standard input (-) can only be a deck\n")
+
+    def test_large_deck_from_a_slow_pipe(self):
+        self.write("case.nml", SOUND)
+        script = '{ cat case.nml; sleep 0.1; yes "! a comment" | head -n 100000; } | "$0" --check -'
+        self.assertRegex(self.run_command(["sh", "-c", script, PROGRAM]).stdout, "^stdin: in order; ")
 
     def test_effective_deck_gives_the_same_results(self):
         text = block(SUPPORT, PRESSURE, CONTACT, "load body_force = 0.1, -0.2", "solver method = 'splitting'",

@@ -1,7 +1,12 @@
 #!/usr/bin/env python3
 """What goes wrong after the deck was read: exit status, message, and that no older result is harmed."""
 import os
+import random
+import re
 import shutil
+import signal
+import subprocess
+import time
 import unittest
 
 from harness import CONTACT, PRESSURE, PROGRAM, SOUND, SUPPORT, ProgramTest, block, results_of
@@ -10,6 +15,11 @@ FLIES_OFF = "the body flies off: no contact forces can balance the loads against
 ADVICE = "; add a support, or a load that presses the body on its obstacle\n"
 SLOW = block(SUPPORT, "load set = 'top'  pressure = 3.0", CONTACT, "solver method = 'psor'  max_iterations = 2")
 LIFTED = block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0")
+
+
+CAN_MOUNT = shutil.which("unshare") and subprocess.run(
+    ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", "mount -t tmpfs none /mnt"],
+    capture_output=True, check=False).returncode == 0
 
 
 class NumericalFailure(ProgramTest):
@@ -95,18 +105,161 @@ class SystemFailure(ProgramTest):
                 self.assertEqual([file for file in self.files() if file.endswith(".tmp")], [])
                 shutil.rmtree(self.directory / "results")
 
-    @unittest.skipUnless(os.path.exists("/dev/full"), "there is no /dev/full")
-    def test_full_disk(self):
+    def test_limit_on_file_sizes(self):
         self.run_program("case.nml")
         before = self.contents()
-        for name in results_of("case"):
-            with self.subTest(name=name):
-                # The shell's process becomes the program's, so that the temporary name is known beforehand. Leaks are
-                # not looked for: gfortran's library loses the buffer of a file that it cannot write.
-                run = self.run_command(["sh", "-c", f"""ln -s /dev/full {name}.$$.tmp
-                    ASAN_OPTIONS=detect_leaks=0 exec "$0" case.nml""", PROGRAM], 3)
-                self.assertTrue(run.stderr.startswith(f"case.nml: ./{name}: cannot write this file: "), run.stderr)
+        for size in (0, 1, max(len(content) for content in before.values()) - 1):
+            with self.subTest(size=size):
+                # Leaks are not looked for: gfortran's library loses the buffer of a file that it cannot write.
+                run = self.run_command(["env", "ASAN_OPTIONS=detect_leaks=0", "prlimit", f"--fsize={size}", PROGRAM,
+                                        "case.nml"], 3)
+                self.assertRegex(run.stderr, r"^case\.nml: \./case\.[a-z.]+: cannot write this file: ")
                 self.assertEqual(self.contents(), before)
+
+    @unittest.skipUnless(CAN_MOUNT, "file systems cannot be mounted here")
+    def test_full_disk(self):
+        # A file system of a few pages is filled more and more, until the files no longer find room: each is the first
+        # that fails once. A page holds 4096 bytes, and every file takes whole ones.
+        self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, mesh="size = 4.0, 2.0  cells = 32, 16"))
+        self.run_program("--output", "results", "case.nml")
+        sizes = {name: len(content) for name, content in self.contents("results").items()}
+        n_pages = sum(-(-size//4096) for size in sizes.values())
+        (self.directory / "disk").mkdir()
+        failed = set()
+        for n_free in range(1, n_pages):
+            run = self.run_command(["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", f"""
+                mount -t tmpfs -o size={4*(n_free + 2)}k none disk || exit
+                cp case.nml disk/old && cp case.nml disk/case.lst &&
+                {{ ASAN_OPTIONS=detect_leaks=0 "$0" --output disk case.nml; status=$?; }}
+                cmp case.nml disk/case.lst && ls -A disk && exit $status""", PROGRAM], 3)
+            self.assertEqual(run.stdout, "case.lst\nold\n")
+            match = re.match(r"case\.nml: disk/(case\.[a-z.]+): cannot write this file: ", run.stderr)
+            self.assertTrue(match, run.stderr)
+            failed.add(match[1])
+        self.assertEqual(sorted(failed), results_of("case"))
+
+    def test_links_laid_out_beforehand_are_not_followed(self):
+        self.write("victim", "precious")
+        process = subprocess.Popen(["sh", "-c", 'read go; exec "$0" --quiet case.nml', PROGRAM], cwd=self.directory,
+                                   stdin=subprocess.PIPE)
+        for name in results_of("case"):
+            (self.directory / name).symlink_to("victim")
+            (self.directory / f"{name}.{process.pid}.tmp").symlink_to("victim")
+        process.communicate(b"go\n")
+        self.assertEqual(process.returncode, 0)
+        self.assertEqual(self.contents()["victim"], b"precious")
+        for name in results_of("case"):
+            self.assertFalse((self.directory / name).is_symlink())
+
+
+class StandardOutput(ProgramTest):
+    """Status 3 where standard output takes no more; the files are whole all the same."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("case.nml", SOUND)
+        self.write("other.nml", SOUND)
+
+    def run_shell(self, script, status):
+        return self.run_command(["bash", "-c", script, PROGRAM], status)
+
+    @unittest.skipUnless(os.path.exists("/dev/full"), "there is no /dev/full")
+    def test_full(self):
+        run = self.run_shell('"$0" case.nml other.nml > /dev/full', 3)
+        reason = ": standard output: cannot write: No space left on device\n"
+        self.assertEqual(run.stderr, f"case.nml{reason}other.nml{reason}")
+        self.assertEqual(self.files(), sorted(["case.nml", "other.nml", *results_of("case"), *results_of("other")]))
+        for option in ("--help", "--version"):
+            self.assertEqual(self.run_shell(f'"$0" {option} > /dev/full', 3).stderr, reason[2:])
+        self.assertEqual(self.run_shell('"$0" --check case.nml > /dev/full', 3).stderr, "case.nml" + reason)
+        self.run_shell('"$0" --quiet case.nml > /dev/full', 0)
+
+    def test_closed_pipe(self):
+        # The reader is gone before the program starts.
+        run = self.run_shell('{ sleep 0.3; "$0" case.nml; echo $? > status; } | true; sleep 0.1', 0)
+        self.assertEqual(run.stderr, "case.nml: standard output: cannot write: Broken pipe\n")
+        self.assertEqual(self.contents()["status"], b"3\n")
+        self.assertEqual(self.files(), sorted(["case.nml", "other.nml", "status", *results_of("case")]))
+
+    def test_closed(self):
+        run = self.run_shell('"$0" case.nml >&-', 3)
+        self.assertEqual(run.stderr, "case.nml: standard output: cannot write: Bad file descriptor\n")
+        self.run_shell('"$0" --output expected case.nml', 0)
+        for name in ("case.lst", "case.contact.csv", "case.vtu", "case.deck.nml"):
+            if name != "case.lst":  # it tells the time
+                self.assertEqual(self.contents()[name], self.contents("expected")[name])
+        self.run_shell('"$0" --quiet case.nml <&- >&- 2>&-', 0)
+
+    def test_deaf_standard_error_changes_no_status(self):
+        self.write("refused.nml", "&mesh /")
+        for to in (">/dev/full", ">&-"):
+            self.run_shell(f'"$0" refused.nml 2{to}', 1)
+            self.run_shell(f'"$0" --nonsense 2{to}', 1)
+
+    def test_not_converged_is_worse(self):
+        self.write("slow.nml", SLOW)
+        self.run_shell('"$0" slow.nml >&-', 4)
+
+
+class Signals(ProgramTest):
+    """A signal ends the program as usual, and each result is the whole old one or the whole new one."""
+
+    def solved(self, pressure, cells):
+        """A deck of a size that takes a while, and what it leaves, the times aside."""
+        deck = block(SUPPORT, f"load set = 'top'  pressure = {pressure}", CONTACT,
+                     mesh=f"size = 4.0, 2.0  cells = {cells}, {cells//2}")
+        self.run_program("--quiet", "--output", f"at {pressure}", self.write("case.nml", deck))
+        return {name: self.key(name, content) for name, content in self.contents(f"at {pressure}").items()}
+
+    @staticmethod
+    def key(name, content):
+        """What of a file is the same in every run."""
+        if name.endswith("summary.json"):
+            return content.partition(b'"seconds"')[0]
+        return content.partition(b"Time [s]")[0] if name.endswith(".lst") else content
+
+    def test_signals_at_any_moment(self):
+        choice = random.Random(1785)
+        cells = 160
+        old = self.solved(1.0, cells)
+        begin = time.monotonic()
+        new = self.solved(2.0, cells)
+        duration = time.monotonic() - begin
+        for name in old:
+            self.assertNotEqual(old[name], new[name], name)
+        ended = set()
+        for i in range(20):
+            shutil.rmtree(self.directory / "results", ignore_errors=True)
+            shutil.copytree(self.directory / "at 1.0", self.directory / "results")
+            number = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)[i % 3]
+            run = subprocess.Popen([PROGRAM, "--quiet", "--output", "results", "case.nml"], cwd=self.directory)
+            self.addCleanup(run.kill)
+            if i % 2:
+                # While the files are written.
+                deadline = time.monotonic() + self.timeout
+                while run.poll() is None and time.monotonic() < deadline:
+                    if len(os.listdir(self.directory / "results")) > len(old):
+                        break
+                time.sleep(choice.uniform(0.0, 0.02*duration))
+            else:
+                time.sleep(choice.uniform(0.0, duration))
+            run.send_signal(number)
+            ended.add(run.wait(self.timeout))
+            found = {name: self.key(name, content) for name, content in self.contents("results").items()}
+            self.assertIn(found, (old, new), sorted(found))
+            self.assertIn(run.returncode, (0, -number))
+        self.assertIn(-signal.SIGTERM, ended)
+
+    def test_signal_that_is_ignored_stays_so(self):
+        self.solved(1.0, 80)
+        with subprocess.Popen(["sh", "-c", 'trap "" INT HUP; echo; exec "$0" --quiet case.nml', PROGRAM],
+                              cwd=self.directory, stdout=subprocess.PIPE) as run:
+            self.addCleanup(run.kill)
+            run.stdout.readline()
+            while run.poll() is None:
+                run.send_signal(signal.SIGINT)
+                time.sleep(0.01)
+            self.assertEqual(run.returncode, 0)
 
 
 class NotConverged(ProgramTest):

@@ -362,11 +362,16 @@ class Interruption(SweepTest):
 
     def test_full_disk_is_told_and_nothing_final_is_written(self):
         self.write("sweep.nml", map_of_states(3))
-        (self.directory / "sweep.sweep.part").symlink_to("/dev/full")
-        # Leaks are not looked for: gfortran's library loses the buffer of a file that it cannot write.
-        run = self.run_command(["env", "ASAN_OPTIONS=detect_leaks=0", PROGRAM, "sweep.nml"], 3)
+        run = self.run_command(["env", "ASAN_OPTIONS=detect_leaks=0", "prlimit", "--fsize=10", PROGRAM, "sweep.nml"], 3)
         self.assertRegex(run.stderr, r"^sweep.nml: ./sweep.sweep.part: cannot write this file: ")
         self.assertNotIn("sweep.sweep.csv", self.contents())
+
+    def test_links_laid_out_beforehand_are_not_followed(self):
+        self.write("sweep.nml", map_of_states(3))
+        for name in ("sweep.sweep.part", "sweep.sweep.checkpoint"):
+            (self.directory / name).symlink_to(self.write("victim", "precious"))
+        self.run_program("--quiet", "sweep.nml")
+        self.assertEqual(self.contents()["victim"], b"precious")
 
     def test_progress_is_shown_on_a_terminal_only(self):
         self.write("sweep.nml", map_of_states(3))

@@ -1,0 +1,41 @@
+# Completes the command line of amontons in bash: options, directories, decks and, behind --reduced, reduced problems.
+# shellcheck shell=bash
+
+_amontons() {
+   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} kinds='*.nml' i
+   local options='--output --check --quiet --threads --reduced --write-reduced --all-solutions --reference --help'
+   local only_decks=false
+
+   COMPREPLY=()
+   # An equals sign is a word of its own: --output = results.
+   if [[ $word == = ]]; then
+      word=''
+   elif [[ $before == = ]]; then
+      before=${COMP_WORDS[COMP_CWORD - 2]}
+   fi
+   for ((i = 1; i < COMP_CWORD; i++)); do
+      case ${COMP_WORDS[i]} in
+      --) only_decks=true ;;
+      --reduced) kinds='*.@(dat|hdf5)' ;;
+      esac
+   done
+   if [[ $only_decks == false ]]; then
+      case $before in
+      --output)
+         mapfile -t COMPREPLY < <(compgen -d -- "$word")
+         compopt -o filenames 2>/dev/null || true
+         return
+         ;;
+      --threads) return ;;
+      esac
+      if [[ $word == -* ]]; then
+         mapfile -t COMPREPLY < <(compgen -W "$options --version" -- "$word")
+         return
+      fi
+   fi
+   # The pattern excludes what it does not match; directories lead to decks.
+   mapfile -t COMPREPLY < <(shopt -s extglob; compgen -f -X "!$kinds" -- "$word"; compgen -d -- "$word")
+   compopt -o filenames 2>/dev/null || true
+}
+
+complete -F _amontons amontons

@@ -1,0 +1,125 @@
+!> What --help and --version print.
+module amontons_help
+   use, intrinsic :: iso_fortran_env, only: compiler_version
+   use amontons_fclib_file, only: has_fclib
+   use amontons_libraries, only: blas_text, suitesparse_text
+   use amontons_text, only: to_text
+   use amontons_threads, only: n_threads, openmp_date
+   use amontons_version, only: build_type, version
+   implicit none (type, external)
+   private
+
+   public :: help_text, version_text
+
+   character, parameter :: newline = new_line('a')
+   !> Most characters of a line of help.
+   integer, parameter :: width = 82
+
+contains
+
+   !> What --help prints.
+   pure function help_text() result(text)
+      character(:), allocatable :: text
+
+      text = joined([character(width) :: &
+         'amontons: plane contact with Coulomb friction by the dual method', &
+         '', &
+         'Usage: amontons [options] DECK...', &
+         '       amontons [options] --reduced FILE...', &
+         '', &
+         'Solves the case of each deck (- is standard input) and writes, in the output', &
+         'directory,', &
+         '  NAME.lst           the listing', &
+         '  NAME.contact.csv   gap, slip, forces, stresses and status of every point', &
+         '  NAME.summary.json  residual, certificate, lengths, resultants, times', &
+         '  NAME.vtu           mesh, displacements and stresses for ParaView', &
+         '  NAME.contact.vtu   the contact line for ParaView', &
+         '  NAME.deck.nml      the deck with all defaults in place', &
+         'A deck with a sweep leaves a listing, a summary, its deck and', &
+         '  NAME.sweep.csv     one row for each case', &
+         'Decks whose mesh, material, supports and contact sets agree share one', &
+         'factorisation when they follow each other.', &
+         '', &
+         option_lines(), &
+         '', &
+         example_lines(), &
+         '', &
+         'Exit status: 0 solved; 1 input refused; 2 numerical failure; 3 cannot write, or', &
+         'an internal fault; 4 not converged or not certified (files are written and', &
+         'marked); 5 a sweep was interrupted (the same command goes on with it). The', &
+         'largest of all decks counts. More: man amontons'])
+   end function help_text
+
+   !> The options.
+   pure function option_lines() result(lines)
+      character(width), allocatable :: lines(:)
+
+      lines = [character(width) :: &
+         'Options:', &
+         '  --output DIR     where the files go (made if missing; default: the current', &
+         '                   directory)', &
+         '  --check          check the decks and print their sizes; solve and write nothing', &
+         '  --quiet          print nothing but errors', &
+         '  --threads N      threads to use (default: OMP_NUM_THREADS, or all cores)', &
+         '  --reduced        the files are reduced problems u = W r + q (Siconos text or', &
+         '                   FCLIB), not decks', &
+         '  --write-reduced  write the reduced problem of each case too: NAME.reduced.dat', &
+         '                   (Siconos text) and NAME.reduced.hdf5 (FCLIB)', &
+         '  --all-solutions  find every solution of problems of at most 12 contact points:', &
+         '                   NAME.solutions.csv', &
+         '  --reference      print every key of a deck with its values, unit, default and', &
+         '                   meaning, or those of groups: amontons --reference mesh contact', &
+         '  --help           print this text', &
+         '  --version        print the version and how the program was built', &
+         '  --               what follows are decks']
+   end function option_lines
+
+   !> A first deck, and what to do with it.
+   pure function example_lines() result(lines)
+      character(width), allocatable :: lines(:)
+
+      lines = [character(width) :: &
+         'A first deck, block.nml: a block 4 by 2 is pressed on a floor and drawn along it.', &
+         '', &
+         '  &mesh size = 4.0, 2.0  cells = 16, 8 /', &
+         '  &material young = 100.0  poisson = 0.25 /', &
+         "  &support set = 'right'  ux = 0.1 /", &
+         "  &load set = 'top'  pressure = 1.0 /", &
+         "  &contact set = 'bottom'  friction = 0.3 /", &
+         '', &
+         'Examples:', &
+         '  amontons block.nml                       solve it; read block.lst first', &
+         '  amontons --check block.nml               is it in order, and how large?', &
+         '  amontons --output results --quiet *.nml  a batch; only errors are printed', &
+         "  sed 's/0.3/0.5/' block.nml | amontons -  a deck from another program: stdin.lst", &
+         '  amontons --write-reduced block.nml       its contact problem for other solvers']
+   end function example_lines
+
+   !> What --version prints: the version and what a report of a fault should tell of the build.
+   function version_text() result(text)
+      character(:), allocatable :: text
+      integer, parameter :: build_width = 200
+
+      text = joined([character(build_width) :: &
+         'amontons '//version, &
+         'compiler     '//compiler_version(), &
+         'build type   '//build_type, &
+         'BLAS         '//blas_text(), &
+         'SuiteSparse  '//suitesparse_text(), &
+         'HDF5         '//trim(merge('yes', 'no ', has_fclib)), &
+         'OpenMP       '//to_text(openmp_date)//', '//to_text(n_threads())//' threads'])
+   end function version_text
+
+   !> Lines as one text, their trailing blanks cut, without the end of the last one.
+   pure function joined(lines) result(text)
+      character(*), intent(in) :: lines(:) !! the lines
+      character(:), allocatable :: text
+      integer :: i
+
+      text = trim(lines(1))
+      do i = 2, size(lines)
+         text = text//newline//trim(lines(i))
+      end do
+   end function joined
+
+end module amontons_help
