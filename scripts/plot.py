@@ -90,7 +90,7 @@ def draw_body(figure, axes, mesh, line):
     axes.set(aspect="equal", xlabel="x", ylabel="y",
              title=f"von Mises stress; displacements magnified {factor:g} times")
     axes.autoscale_view()
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.09), ncols=2, frameon=False)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.0, ncols=2, frameon=False)
     figure.colorbar(drawn, ax=axes, shrink=0.8)
 
 
