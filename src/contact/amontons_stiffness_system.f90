@@ -43,6 +43,7 @@ contains
       n = size(unknown)
       slope = merge(problem%friction*guess%sense, 0.0_dp, guess%is_closed)
       load = known_load(problem, guess)
+      if (any(guess%is_closed .and. abs(problem%gap) > 0.0_dp)) call self%effort%multiply(1.0_dp)
       allocate (matrix(n, n), right(n))
       do i = 1, n
          matrix(:, i) = problem%stiffness(unknown, unknown(i))
@@ -56,6 +57,7 @@ contains
          matrix(i, :) = matrix(i, :) - slope(point)*problem%stiffness(unknown, point)
          right(i) = right(i) - slope(point)*load(point)
       end do
+      call self%effort%factorize(n > 0)
       call lu_solve(matrix, right, info)
       if (.not. all(ieee_is_finite(right))) info = 1
       if (info /= 0) return
@@ -63,6 +65,7 @@ contains
       displacement(m + 1:) = 0.0_dp
       displacement(unknown) = right
       call recover_forces(problem, guess, displacement, force, imbalance)
+      call self%effort%multiply(1.0_dp)
    end subroutine stiffness_system_solve
 
    !> The load less what the known displacements and the given slip bounds take of it (2m) [F].
