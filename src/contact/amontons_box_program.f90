@@ -24,6 +24,7 @@ module amontons_box_program
 contains
 
    !> Solves a box program from a starting point.
+   ! allow(S902): a program alone has six parts
    pure subroutine solve_box_program(kind, a, rows, b, lower, upper, accuracy, x, effort)
       character(*), intent(in) :: kind !! one of `box_names`
       type(symmetric_matrix_t), intent(in) :: a !! the matrix, positive semidefinite
@@ -51,6 +52,7 @@ contains
    end subroutine solve_box_program
 
    !> The projected Newton method, from a point in the box.
+   ! allow(S902): a program alone has six parts
    pure subroutine projected_newton(a, rows, rho, b, lower, upper, accuracy, x, effort)
       type(symmetric_matrix_t), intent(in) :: a !! the matrix
       integer, intent(in) :: rows(2) !! the first and the last of its rows in the program

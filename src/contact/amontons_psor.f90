@@ -46,9 +46,11 @@ contains
 
       call solution%begin()
       is_dual = self%space == 'dual' .or. problem%is_reduced()
-      call solution%effort%factorize(is_dual .and. .not. allocated(problem%compliance))
-      if (is_dual) call problem%prepare_compliance(error)
-      if (allocated(error)) return
+      if (is_dual) then
+         call solution%effort%factorize(.not. allocated(problem%compliance))
+         call problem%prepare_compliance(error)
+         if (allocated(error)) return
+      end if
       call new_relaxation(sweep, problem, is_dual, self%local == 'block', self%omega, solution)
       call new_acceleration(acceleration, self%acceleration)
       do i = 1, self%max_iterations
