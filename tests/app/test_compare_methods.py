@@ -20,7 +20,7 @@ class Comparison(ProgramTest):
 
     def test_methods_and_conditions_of_a_row(self):
         run = self.run_command([sys.executable, "-B", SCRIPT, "--segments", "16", "--rows", "1", "--elements", "quad4",
-                                "out"])
+                                "--timings", "1", "out"])
         with open(self.directory / "out" / "runs.csv", newline="", encoding="utf-8") as table:
             runs = list(csv.DictReader(table))
         wrong = {"splitting, clip", "splitting, printed"}  # readings of the paper that give up a side of the law
