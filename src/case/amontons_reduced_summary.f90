@@ -50,6 +50,8 @@ contains
             '  "method": '//string(config%method%method)//','//newline// &
             '  "converged": '//truth(solution%is_converged)//','//newline// &
             '  "iterations": '//to_text(solution%n_iterations)//','//newline// &
+            '  "products": '//number(solution%effort%n_products)//','//newline// &
+            '  "factorizations": '//to_text(solution%effort%n_factorizations)//','//newline// &
             '  "residual": '//number(solution%residual)//','//newline// &
             '  "history": ['//numbers(solution%history(:solution%n_iterations))//'],'//newline// &
             '  "problem": {"file": '//string(config%reduced%file)//', "form": '//string(system%form)// &

@@ -6,6 +6,7 @@ module amontons_solve_reduced
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_effort, only: effort_t
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_methods, only: method_options_t, new_contact_method
@@ -136,6 +137,7 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
       type(contact_solution_t), intent(inout) :: solution !! the solution
       type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      type(effort_t) :: effort
       real(dp), allocatable :: history(:)
       real(dp) :: residual, tolerance
       integer :: n_left
@@ -155,12 +157,14 @@ contains
          if (allocated(error)) return
          n_left = n_left - solution%n_iterations
          history = [history, solution%history(:solution%n_iterations)]
+         call effort%add(solution%effort)
          is_symmetric_solved = solution%is_converged
          call judge(system, problem, solution, tolerance)
          if (solution%is_converged .or. .not. is_symmetric_solved .or. n_left < 1) exit
          if (.not. solution%residual < 0.5_dp*residual) exit
       end do
       solution%history = history
+      solution%effort = effort
       solution%n_iterations = size(history)
    end subroutine iterate
 

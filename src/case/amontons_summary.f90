@@ -53,6 +53,8 @@ contains
             '  "method": '//string(config%method%method)//','//newline// &
             '  "converged": '//truth(solution%is_converged)//','//newline// &
             '  "iterations": '//to_text(solution%n_iterations)//','//newline// &
+            '  "products": '//number(solution%effort%n_products)//','//newline// &
+            '  "factorizations": '//to_text(solution%effort%n_factorizations)//','//newline// &
             '  "residual": '//number(solution%residual)//','//newline// &
             '  "history": ['//numbers(solution%history(:solution%n_iterations))//'],'//newline
          if (result%method_error >= 0.0_dp) text = text//'  "method_error": '//number(result%method_error)//','//newline

@@ -3,6 +3,7 @@ module amontons_auto
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
+   use amontons_effort, only: effort_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_lemke, only: lemke_t
@@ -35,6 +36,7 @@ contains
       ! Semidefinite problems with strong friction take most of these steps, and sometimes more than one round of them.
       integer, parameter :: n_newton_steps = 100, n_first_sweeps = 10, growth = 4
       type(contact_solution_t) :: best
+      type(effort_t) :: effort
       real(dp), allocatable :: history(:)
       ! Lemke's pivots then take about a second.
       integer, parameter :: most_points = 300
@@ -67,6 +69,7 @@ contains
       solution = best
       solution%is_converged = solution%residual <= self%tolerance
       solution%history = history
+      solution%effort = effort
       solution%n_iterations = size(history)
 
    contains
@@ -91,6 +94,7 @@ contains
          limited%max_iterations = min(method%max_iterations, self%max_iterations - size(history))
          call limited%solve(problem, solution, error)
          history = [history, solution%history(:solution%n_iterations)]
+         call effort%add(solution%effort)
          if (solution%residual < best%residual) best = solution
       end subroutine run
 

@@ -6,6 +6,7 @@
 !> the first for a dense matrix and the second for a sparse one.
 module amontons_box_program
    use amontons_dense, only: cholesky_factor_softly, cholesky_solve
+   use amontons_effort, only: effort_t
    use amontons_kinds, only: dp
    use amontons_mprgp, only: box_violation, mprgp
    use amontons_symmetric_matrix, only: symmetric_matrix_t
@@ -23,7 +24,8 @@ module amontons_box_program
 contains
 
    !> Solves a box program from a starting point.
-   pure subroutine solve_box_program(kind, a, rows, b, lower, upper, accuracy, x)
+   ! allow(S902): a program alone has six parts
+   pure subroutine solve_box_program(kind, a, rows, b, lower, upper, accuracy, x, effort)
       character(*), intent(in) :: kind !! one of `box_names`
       type(symmetric_matrix_t), intent(in) :: a !! the matrix, positive semidefinite
       integer, intent(in) :: rows(2) !! the first and the last of its rows in the program, n in all
@@ -32,6 +34,7 @@ contains
       real(dp), intent(in) :: upper(:) !! upper bounds, at least the lower ones (n)
       real(dp), intent(in) :: accuracy !! largest move of a component that a step down its own parabola may still make
       real(dp), intent(inout) :: x(:) !! where to start, and the minimiser (n)
+      type(effort_t), intent(inout) :: effort !! gains that of the way
       real(dp) :: rho(size(b)), reachable
 
       if (size(b) == 0) return
@@ -42,14 +45,15 @@ contains
       ! What rounding leaves of sums of such numbers.
       reachable = max(accuracy, 4.0_dp*epsilon(1.0_dp)*maxval(max(abs(x), abs(rho*b))))
       if (kind == 'mprgp' .or. (kind == 'auto' .and. a%is_sparse())) then
-         call mprgp(a, rows, b, lower, upper, reachable, x)
+         call mprgp(a, rows, b, lower, upper, reachable, x, effort)
       else
-         call projected_newton(a, rows, rho, b, lower, upper, reachable, x)
+         call projected_newton(a, rows, rho, b, lower, upper, reachable, x, effort)
       end if
    end subroutine solve_box_program
 
    !> The projected Newton method, from a point in the box.
-   pure subroutine projected_newton(a, rows, rho, b, lower, upper, accuracy, x)
+   ! allow(S902): a program alone has six parts
+   pure subroutine projected_newton(a, rows, rho, b, lower, upper, accuracy, x, effort)
       type(symmetric_matrix_t), intent(in) :: a !! the matrix
       integer, intent(in) :: rows(2) !! the first and the last of its rows in the program
       real(dp), intent(in) :: rho(:) !! reciprocal diagonal of the matrix (n)
@@ -58,14 +62,17 @@ contains
       real(dp), intent(in) :: upper(:) !! upper bounds (n)
       real(dp), intent(in) :: accuracy !! the `box_violation` that is small enough for a point not known to be exact
       real(dp), intent(inout) :: x(:) !! the point, and the minimiser (n)
-      real(dp) :: gradient(size(b)), step(size(b)), full(size(b))
+      type(effort_t), intent(inout) :: effort !! gains that of the way
+      real(dp) :: gradient(size(b)), step(size(b)), full(size(b)), share
       logical :: is_free(size(b)), was_free(size(b)), is_newton, is_exact
-      integer :: i
+      integer :: i, n_trials
 
+      share = (real(size(b), dp)/a%n)**2
       is_exact = .false.
       was_free = .false.
       do i = 1, max_steps
          call a%part_multiply(rows, rows, x, gradient)
+         call effort%multiply(share)
          gradient = gradient - b
          is_free = may_move(x, gradient, lower, upper)
          if (is_exact) then
@@ -74,6 +81,7 @@ contains
             if (box_violation(x, rho*gradient, lower, upper, spread(1.0_dp, 1, size(b))) <= accuracy) return
          end if
          call newton_step(a, rows, rho, gradient, is_free, step, is_newton)
+         call effort%factorize(any(is_free))
          full = min(max(x + step, lower), upper)
          ! A Newton step that met no bound is exact on its face: if the face stays, this is the minimiser.
          is_exact = is_newton .and. all(is_inside(full, lower, upper) .or. .not. is_free)
@@ -81,7 +89,8 @@ contains
          if (is_exact) then
             x = full
          else
-            call search_line(a, rows, lower, upper, gradient, step, x)
+            call search_line(a, rows, lower, upper, gradient, step, x, n_trials)
+            call effort%multiply(n_trials*share)
          end if
       end do
    end subroutine projected_newton
@@ -132,7 +141,7 @@ contains
 
    !> Moves along the step, cut to the box, by the first of 1, 1/2, 1/4, ... that lowers the objective enough; stays
    !> where none does.
-   pure subroutine search_line(a, rows, lower, upper, gradient, step, x)
+   pure subroutine search_line(a, rows, lower, upper, gradient, step, x, n_trials)
       type(symmetric_matrix_t), intent(in) :: a !! the matrix
       integer, intent(in) :: rows(2) !! the first and the last of its rows in the program
       real(dp), intent(in) :: lower(:) !! lower bounds (n)
@@ -140,18 +149,20 @@ contains
       real(dp), intent(in) :: gradient(:) !! gradient at x (n)
       real(dp), intent(in) :: step(:) !! the full step (n)
       real(dp), intent(inout) :: x(:) !! the point (n)
+      integer, intent(out) :: n_trials !! number of lengths tried, a product each
       real(dp), parameter :: sufficient = 1.0e-4_dp
+      integer, parameter :: most_trials = 30
       real(dp) :: move(size(x)), image(size(x)), length, slope
-      integer :: halving
 
       length = 1.0_dp
-      do halving = 1, 30
+      do n_trials = 1, most_trials
          move = min(max(x + length*step, lower), upper) - x
          call a%part_multiply(rows, rows, move, image)
          slope = dot_product(gradient, move)
          if (slope + 0.5_dp*dot_product(move, image) <= sufficient*slope) exit
          length = 0.5_dp*length
       end do
+      n_trials = min(n_trials, most_trials)
       x = min(max(x + move, lower), upper)
    end subroutine search_line
 

@@ -6,6 +6,7 @@
 !> pivots follow the solutions from there, one pair of variables after the other, until z_0 is zero or the path leaves
 !> on a ray. Ties are broken by the lexicographic rule, so that no basis comes twice.
 module amontons_complementarity
+   use amontons_effort, only: effort_t
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -34,13 +35,15 @@ contains
    !> Finds a solution; a basis tells which of each pair of variables may differ from zero.
    !>
    !> Numbers of the matrix and of the right-hand side should be about 1: what is far below counts as zero.
-   pure subroutine lemke_pivoting(matrix, right, cover, is_z_basic, z, outcome)
+   pure subroutine lemke_pivoting(matrix, right, cover, is_z_basic, z, outcome, effort)
       real(dp), intent(in) :: matrix(:, :) !! M (n, n)
       real(dp), intent(in) :: right(:) !! q (n)
       real(dp), intent(in) :: cover(:) !! c, positive (n)
       logical, intent(out) :: is_z_basic(:) !! whether z_i is basic at the end, w_i nonbasic then (n)
       real(dp), intent(out) :: z(:) !! z at the end, with the rounding errors of all pivots (n)
       integer, intent(out) :: outcome !! `pivoting_solved`, `pivoting_ray` or `pivoting_stopped`
+      type(effort_t), intent(inout), optional :: effort
+         !! gains a product with M for each pivot, and a factorisation for each tableau made anew
       integer, parameter :: pivots_per_row = 50
       type(tableau_t) :: tableau
       integer :: i, n_pivots, row, column, entering, leaving
@@ -57,12 +60,14 @@ contains
       do n_pivots = 1, pivots_per_row*(tableau%n + 20)
          leaving = tableau%basic(row)
          call exchange(tableau, row, column)
+         if (present(effort)) call effort%multiply(1.0_dp)
          if (leaving == 2*tableau%n + 1) then
             outcome = pivoting_solved
             exit
          end if
          if (modulo(n_pivots, n_between_refreshes(tableau%n)) == 0) then
             call refresh(tableau, matrix, right, cover)
+            if (present(effort)) call effort%factorize(.true.)
          end if
          entering = merge(leaving - tableau%n, leaving + tableau%n, leaving > tableau%n)
          column = -tableau%place(entering)

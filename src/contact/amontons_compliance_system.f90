@@ -64,11 +64,13 @@ contains
       if (info /= 0) return
       load = problem%dual_load(displacement)
       call base_solution(self, problem, load, force, solution)
+      if (any(abs(self%base%sense*problem%slip_bound) > 0.0_dp)) call self%effort%multiply(1.0_dp)
       if (self%n_changed > 0) call correct(self, problem, guess, load, force, solution, info)
       if (.not. all(ieee_is_finite(solution))) info = 1
       if (info /= 0) return
       force = solution
       displacement = problem%displacement(load, force)
+      call self%effort%multiply(1.0_dp)
    end subroutine compliance_system_solve
 
    !> Factorises the system of a guess.
@@ -93,6 +95,7 @@ contains
       if (allocated(self%factor)) deallocate (self%factor)
       allocate (self%factor(n, n))
       call gather(self, problem)
+      call self%effort%factorize(n > 0)
       self%is_symmetric = .not. any(guess%is_closed .and. guess%sense /= 0 .and. problem%friction > 0.0_dp)
       if (self%is_symmetric) then
          call cholesky_factor(self%factor, info)

@@ -1,6 +1,7 @@
 !> The solution of a contact problem, and the record of how a method came to it.
 module amontons_contact_solution
    use amontons_contact_problem, only: contact_problem_t
+   use amontons_effort, only: effort_t
    use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
    implicit none (type, external)
@@ -17,6 +18,7 @@ module amontons_contact_solution
       logical :: is_converged = .false. !! whether the residual is at most the tolerance
       logical :: is_at_rest = .false. !! whether the method stopped because its forces no longer changed
       integer :: n_iterations = 0 !! number of iterations done
+      type(effort_t) :: effort !! what they took
       real(dp) :: residual = huge(1.0_dp) !! residual of this pair (v, lambda) [-]
       real(dp), allocatable :: history(:) !! residual after each iteration (at least n_iterations) [-]
    contains
@@ -44,6 +46,7 @@ contains
       self%is_converged = .false.
       self%is_at_rest = .false.
       self%n_iterations = 0
+      self%effort = effort_t()
       self%residual = huge(self%residual)
       if (allocated(self%history)) deallocate (self%history)
       allocate (self%history(0))
@@ -61,6 +64,7 @@ contains
       self%displacement = displacement
       self%force = force
       self%residual = problem%residual(displacement, force)
+      call self%effort%multiply(1.0_dp)
       self%status = problem%status(displacement, force)
       call self%note(self%residual)
       self%is_converged = self%residual <= tolerance

@@ -10,6 +10,7 @@ module amontons_extragradient
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
+   use amontons_effort, only: effort_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    implicit none (type, external)
@@ -38,6 +39,7 @@ contains
       logical :: may_continue
 
       call solution%begin()
+      call solution%effort%factorize(.not. allocated(problem%compliance))
       call problem%prepare_compliance(error)
       if (allocated(error)) return
       rho = problem%compliance%reciprocal_diagonal()
@@ -46,10 +48,12 @@ contains
       b = problem%dual_load(center)
       force = projection(problem, rho, solution%force)
       displacement = problem%displacement(b, force)
+      call solution%effort%multiply(2.0_dp)
       step = 1.0_dp
       do iteration = 1, self%max_iterations
-         call double_step(problem, b, rho, step, displacement, force)
+         call double_step(problem, b, rho, step, displacement, force, solution%effort)
          displacement = problem%displacement(b, force)
+         call solution%effort%multiply(1.0_dp)
          residual = max(0.0_dp, problem%shift*maxval(abs(displacement - center)), &
             problem%violation(displacement, force))/scale
          if (residual > self%tolerance .and. residual < huge(residual) .and. iteration < self%max_iterations) then
@@ -63,17 +67,19 @@ contains
          center = displacement
          b = problem%dual_load(center)
          displacement = problem%displacement(b, force)
+         call solution%effort%multiply(2.0_dp)
       end do
    end subroutine extragradient_solve
 
    !> Goes to a trial point, as far as the vector found there is near that at the start, and then along it.
-   pure subroutine double_step(problem, b, rho, step, displacement, force)
+   pure subroutine double_step(problem, b, rho, step, displacement, force, effort)
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), intent(in) :: b(:) !! dual load B (2m) [L]
       real(dp), intent(in) :: rho(:) !! reciprocal diagonal of A (2m) [F/L]
       real(dp), intent(inout) :: step !! length of a step in scaled components [-]
       real(dp), intent(in) :: displacement(:) !! v of the forces at the start (2m) [L]
       real(dp), intent(inout) :: force(:) !! lambda at the start and at the end (2m) [F]
+      type(effort_t), intent(inout) :: effort !! gains a product for each trial point
       ! How fast the vector may change along a step, over the step, and what the step is multiplied by beyond.
       real(dp), parameter :: too_fast = 0.9_dp, slow = 0.4_dp, shorter = 2.0_dp/3.0_dp
       real(dp), dimension(size(force)) :: trial, vector, trial_vector
@@ -83,6 +89,7 @@ contains
       do
          trial = projection(problem, rho, force + step*rho*vector)
          trial_vector = driving_vector(problem, problem%displacement(b, trial))
+         call effort%multiply(1.0_dp)
          rate = step*norm2(sqrt(rho)*(trial_vector - vector))/max(norm2((trial - force)/sqrt(rho)), tiny(rate))
          if (.not. rate > too_fast) exit
          step = step*shorter*min(1.0_dp, 1.0_dp/rate)

@@ -37,20 +37,26 @@ contains
       logical :: may_continue
 
       call solution%begin()
+      call solution%effort%factorize(.not. allocated(problem%compliance))
       call problem%prepare_compliance(error)
       if (allocated(error)) return
       m = problem%n_points
       force = solution%force
       accuracy = share*self%tolerance*problem%force_scale()
       b = problem%dual_load(solution%displacement)
+      call solution%effort%multiply(1.0_dp)
       do iteration = 1, self%max_iterations
          bound = problem%bound(force(:m))
          lower = [spread(0.0_dp, 1, m), -bound]
          upper = [spread(huge(1.0_dp), 1, m), bound]
-         call solve_box_program(self%box, problem%compliance, [1, 2*m], b, lower, upper, accuracy, force)
+         call solve_box_program(self%box, problem%compliance, [1, 2*m], b, lower, upper, accuracy, force, &
+            solution%effort)
+         call solution%effort%multiply(1.0_dp)
          call solution%record(problem, problem%displacement(b, force), force, self%tolerance, may_continue)
          if (.not. may_continue) return
-         if (.not. problem%is_held) b = problem%dual_load(solution%displacement)
+         if (problem%is_held) cycle
+         b = problem%dual_load(solution%displacement)
+         call solution%effort%multiply(1.0_dp)
       end do
    end subroutine fixed_point_solve
 

@@ -13,6 +13,7 @@ module amontons_lemke
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_relation, only: contact_relation_t, new_contact_relation, point_states_t
    use amontons_contact_solution, only: contact_solution_t
+   use amontons_effort, only: effort_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_text, only: to_text
@@ -40,8 +41,11 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the problem has too many points
       ! A path that rounding has led astray hardly goes astray from other covering vectors too.
       integer, parameter :: n_covers = 5
+      ! M of the pairs is 3m x 3m, S and A are 2m x 2m.
+      real(dp), parameter :: size_of_pairs = 2.25_dp
       type(contact_relation_t) :: relation
       type(contact_solution_t) :: best
+      type(effort_t) :: effort
       real(dp) :: force(2*problem%n_points), distance(2*problem%n_points)
       integer :: trial
       logical :: is_solved, may_continue
@@ -54,8 +58,12 @@ contains
       call solution%begin()
       best = solution
       call new_contact_relation(relation, problem)
+      call solution%effort%multiply(1.0_dp)
       do trial = 1, min(n_covers, self%max_iterations)
-         call solve_relation(relation, trial, force, distance, is_solved)
+         effort = effort_t()
+         call solve_relation(relation, trial, force, distance, is_solved, effort)
+         effort%n_products = size_of_pairs*effort%n_products
+         call solution%effort%add(effort)
          force = force*relation%force_unit
          distance = distance*relation%distance_unit
          distance(:problem%n_points) = distance(:problem%n_points) + problem%gap
@@ -70,12 +78,13 @@ contains
    end subroutine lemke_solve
 
    !> Finds a solution of a relation between forces and distances.
-   pure subroutine solve_relation(relation, trial, force, distance, is_solved)
+   pure subroutine solve_relation(relation, trial, force, distance, is_solved, effort)
       type(contact_relation_t), intent(in) :: relation !! the relation
       integer, intent(in) :: trial !! which covering vector to start from, 1 or more
       real(dp), intent(out) :: force(:) !! lambda, without units (2m) [-]
       real(dp), intent(out) :: distance(:) !! w, without units (2m) [-]
       logical, intent(out) :: is_solved !! whether the pivots ended in a solution, rounding aside
+      type(effort_t), intent(inout) :: effort !! gains that of the pivots and of the last system
       type(point_states_t) :: states
       real(dp) :: matrix(3*relation%n_points, 3*relation%n_points), right(3*relation%n_points), z(3*relation%n_points)
       logical :: is_z_basic(3*relation%n_points)
@@ -86,10 +95,11 @@ contains
       else
          call primal_pairs(relation, matrix, right)
       end if
-      call lemke_pivoting(matrix, right, covering_vector(relation, trial), is_z_basic, z, outcome)
+      call lemke_pivoting(matrix, right, covering_vector(relation, trial), is_z_basic, z, outcome, effort)
       states = states_of(relation%is_dual, is_z_basic)
       ! The states, not the numbers of the tableau, are the result: one fresh system has one rounding error.
       call relation%solve_states(states, force, distance, info)
+      call effort%factorize(.true.)
       is_solved = outcome == pivoting_solved .and. info == 0
    end subroutine solve_relation
 

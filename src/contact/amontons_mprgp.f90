@@ -6,6 +6,7 @@
 !> bounds outweighs that of the others, these are let go. The variables are scaled to a unit diagonal, so that no unit
 !> matters.
 module amontons_mprgp
+   use amontons_effort, only: effort_t
    use amontons_kinds, only: dp
    use amontons_symmetric_matrix, only: symmetric_matrix_t
    implicit none (type, external)
@@ -24,6 +25,7 @@ module amontons_mprgp
       real(dp), allocatable :: direction(:) !! conjugate direction, to be taken backwards (n)
       real(dp), allocatable :: image(:) !! product of the matrix with the direction measured last (n)
       real(dp) :: curvature = 0.0_dp !! of the objective along it
+      integer :: n_products = 0 !! products done
       real(dp) :: norm = 1.0_dp !! largest curvature seen, per length squared
    end type way_t
 
@@ -31,7 +33,7 @@ contains
 
    !> Minimises 1/2 x^T A x - b^T x on lower <= x <= upper from a starting point, for a part of the rows of A. If the
    !> program has no minimum (A singular and the box open there), the way ends where that is found.
-   pure subroutine mprgp(a, rows, b, lower, upper, accuracy, x)
+   pure subroutine mprgp(a, rows, b, lower, upper, accuracy, x, effort)
       type(symmetric_matrix_t), intent(in) :: a !! the matrix, positive semidefinite
       integer, intent(in) :: rows(2) !! the first and the last of its rows in the program, n in all
       real(dp), intent(in) :: b(:) !! the linear term (n)
@@ -39,6 +41,7 @@ contains
       real(dp), intent(in) :: upper(:) !! upper bounds, at least the lower ones (n)
       real(dp), intent(in) :: accuracy !! the `box_violation` that is small enough
       real(dp), intent(inout) :: x(:) !! where to start, and the minimiser (n)
+      type(effort_t), intent(inout) :: effort !! gains that of the way
       type(way_t) :: way
       real(dp) :: face(size(b)), chopped(size(b))
       logical :: is_bounded
@@ -53,11 +56,13 @@ contains
       way%high = min(upper, huge(1.0_dp)*min(1.0_dp, way%scale))/way%scale
       way%y = min(max(x/way%scale, way%low), way%high)
       way%gradient = product_of(a, rows, way%scale, way%y) - way%linear
+      way%n_products = 1
       way%direction = free_part(way%y, way%gradient, way%low, way%high)
       do step = 1, 1000 + 10*size(b)
          if (violation_of(way) <= accuracy) then
             ! The gradient at hand was carried from step to step: believe a fresh one only.
             way%gradient = product_of(a, rows, way%scale, way%y) - way%linear
+            way%n_products = way%n_products + 1
             if (violation_of(way) <= accuracy) exit
             way%direction = free_part(way%y, way%gradient, way%low, way%high)
          end if
@@ -73,6 +78,7 @@ contains
          end if
          if (.not. is_bounded) exit
       end do
+      call effort%multiply(way%n_products*(real(size(b), dp)/a%n)**2)
       x = min(max(way%scale*way%y, lower), upper)
    end subroutine mprgp
 
@@ -86,6 +92,7 @@ contains
       real(dp) :: face(size(way%y)), length, room
 
       way%image = product_of(a, rows, way%scale, way%direction)
+      way%n_products = way%n_products + 1
       way%curvature = dot_product(way%direction, way%image)
       way%norm = max(way%norm, norm2(way%image)/max(norm2(way%direction), tiny(1.0_dp)))
       length = huge(length)
@@ -122,6 +129,7 @@ contains
          used = way%norm
          way%y = min(max(old - face/used, way%low), way%high)
          way%gradient = product_of(a, rows, way%scale, way%y) - way%linear
+         way%n_products = way%n_products + 1
          move = way%y - old
          way%norm = max(way%norm, dot_product(move, way%gradient - old_gradient)/ &
             max(dot_product(move, move), tiny(1.0_dp)))

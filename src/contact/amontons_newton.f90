@@ -11,6 +11,7 @@ module amontons_newton
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
+   use amontons_effort, only: effort_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_newton_system, only: newton_system_t
@@ -60,6 +61,8 @@ contains
       previous = huge(previous)
       do iteration = 1, self%max_iterations
          call system%solve(problem, guess, share, displacement, force, imbalance, info)
+         call solution%effort%add(system%effort)
+         system%effort = effort_t()
          if (info /= 0) then
             ! No step: the same guess again, held more firmly, unless it was held as firmly as can be.
             if (.not. share < self%most_share) exit
@@ -94,6 +97,7 @@ contains
       ! A residual still at its first value, the largest number, means that there was no step.
       if (.not. solution%residual < huge(solution%residual)) return
       solution%residual = problem%residual(solution%displacement, solution%force)
+      call solution%effort%multiply(1.0_dp)
       solution%status = problem%status(solution%displacement, solution%force)
    end subroutine judge
 

@@ -2,6 +2,7 @@
 module amontons_newton_system
    use amontons_active_set, only: active_set_t
    use amontons_contact_problem, only: contact_problem_t
+   use amontons_effort, only: effort_t
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -10,6 +11,7 @@ module amontons_newton_system
 
    !> A way to solve the linear equations of a guess. It may keep what serves the next guess as well.
    type, abstract :: newton_system_t
+      type(effort_t) :: effort !! what the steps took so far
       real(dp) :: first_share = 1.0_dp !! share of the diagonal in the first step [-]
       real(dp) :: least_share = 0.0_dp !! least share in any step [-]
    contains

@@ -46,19 +46,23 @@ contains
 
       call solution%begin()
       is_dual = self%space == 'dual' .or. problem%is_reduced()
-      if (is_dual) call problem%prepare_compliance(error)
-      if (allocated(error)) return
+      if (is_dual) then
+         call solution%effort%factorize(.not. allocated(problem%compliance))
+         call problem%prepare_compliance(error)
+         if (allocated(error)) return
+      end if
       call new_relaxation(sweep, problem, is_dual, self%local == 'block', self%omega, solution)
       call new_acceleration(acceleration, self%acceleration)
       do i = 1, self%max_iterations
          before = sweep
          call sweep%advance(problem)
          call judge(self, problem, sweep, solution, may_continue)
-         if (.not. may_continue) return
+         if (.not. may_continue) exit
          if (mod(i, n_until_refresh) == 0) call sweep%refresh(problem)
          if (is_dual .and. .not. problem%is_held) call sweep%move_center(problem)
          call accelerate(acceleration, problem, before, sweep)
       end do
+      call solution%effort%add(sweep%effort)
    end subroutine psor_solve
 
    !> Takes down the residual after a sweep. The sweep knows it without a product; it is computed independently where it
@@ -109,6 +113,7 @@ contains
       if (proposed%residual(problem) < sweep%residual(problem)) then
          sweep = proposed
       else
+         sweep%effort = proposed%effort
          call acceleration%forget()
       end if
    end subroutine accelerate

@@ -9,6 +9,7 @@ module amontons_relaxation
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
+   use amontons_effort, only: effort_t
    use amontons_friction_law, only: bounded
    use amontons_kinds, only: dp
    use amontons_lapack, only: daxpy
@@ -29,6 +30,7 @@ module amontons_relaxation
       real(dp) :: scale = 1.0_dp !! force scale of the problem [F]
       real(dp), allocatable :: unknown(:) !! dual: lambda [F]; primal: v [L] (2m)
       real(dp), allocatable :: rest(:) !! dual: B - A lambda [L]; primal: q - S v [F] (2m)
+      type(effort_t) :: effort !! what the sweeps took
       real(dp), allocatable :: center(:) !! proximal centre of a dual sweep (2m) [L]
       real(dp), allocatable, private :: diagonal(:) !! diagonal of A or S (2m)
       real(dp), allocatable, private :: coupling(:) !! its element between the components of each point (m)
@@ -84,9 +86,11 @@ contains
       m = problem%n_points
       if (self%is_dual) then
          self%rest = problem%displacement(problem%dual_load(self%center), self%unknown)
+         call self%effort%multiply(merge(1.0_dp, 2.0_dp, problem%is_reduced()))
          self%rest(:m) = self%rest(:m) - problem%gap
       else
          self%rest = problem%load - matmul(problem%stiffness, self%unknown)
+         call self%effort%multiply(1.0_dp)
       end if
    end subroutine relaxation_refresh
 
@@ -116,6 +120,7 @@ contains
       change = value - sweep%unknown(i)
       sweep%unknown(i) = value
       if (.not. abs(change) > 0.0_dp) return
+      call sweep%effort%multiply(1.0_dp/size(sweep%rest))
       if (sweep%is_dual) then
          call problem%compliance%add_column(i, -change, sweep%rest)
       else
@@ -256,6 +261,7 @@ contains
 
       call self%pair(problem, displacement, force)
       call problem%compliance%multiply(problem%shift*(displacement - self%center), change)
+      call self%effort%multiply(1.0_dp)
       self%rest = self%rest + change
       self%center = displacement
    end subroutine relaxation_move_center

@@ -59,6 +59,7 @@ contains
       if (info /= 0) return
       force = solution
       displacement = problem%displacement(load, force)
+      call self%effort%multiply(1.0_dp)
    end subroutine sparse_compliance_system_solve
 
    !> Some rows of the product A x [L].
@@ -120,6 +121,7 @@ contains
          end do
       end associate
       info = 0
+      call self%effort%factorize(size(self%unknown) > 0)
       if (size(self%unknown) > 0) call self%factors%factorize(size(self%unknown), row(:n), column(:n), value(:n), info)
       if (info /= 0) self%share = -1.0_dp
 

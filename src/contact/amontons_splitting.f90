@@ -19,6 +19,7 @@ module amontons_splitting
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_dense, only: cholesky_factor_softly, cholesky_solve
+   use amontons_effort, only: effort_t
    use amontons_error, only: error_t
    use amontons_friction_law, only: bounded
    use amontons_kinds, only: dp
@@ -29,6 +30,9 @@ module amontons_splitting
 
    !> The readings of "such that", as a deck writes them.
    character(7), parameter :: variant_names(3) = [character(7) :: 'exact', 'clip', 'printed']
+
+   !> A quarter of A, one of its four blocks.
+   real(dp), parameter :: quarter = 0.25_dp
 
    !> The splitting method.
    type, extends(contact_method_t) :: splitting_t
@@ -56,6 +60,7 @@ contains
       logical :: may_continue
 
       call solution%begin()
+      call solution%effort%factorize(.not. allocated(problem%compliance))
       call problem%prepare_compliance(error)
       if (allocated(error)) return
       m = problem%n_points
@@ -65,11 +70,17 @@ contains
       scale = problem%force_scale()
       accuracy = share*self%tolerance*scale
       if (self%variant /= 'exact') factor = factor_of_a11(problem)
-      if (self%variant == 'printed') schur = printed_schur(problem, factor)
+      call solution%effort%factorize(self%variant /= 'exact')
+      if (self%variant == 'printed') then
+         schur = printed_schur(problem, factor)
+         call solution%effort%multiply(quarter*m)
+      end if
+      call solution%effort%multiply(1.0_dp)
 
       do iteration = 1, self%max_iterations
-         call half_steps(self, problem, b, accuracy, factor, schur, normal, tangential)
+         call half_steps(self, problem, b, accuracy, factor, schur, normal, tangential, solution%effort)
          displacement = problem%displacement(b, [normal, tangential])
+         call solution%effort%multiply(1.0_dp)
          ! A proximal step counts as the force that it takes.
          change = maxval(abs([[normal, tangential] - solution%force, &
             problem%shift*(displacement - solution%displacement)]))/scale
@@ -79,12 +90,14 @@ contains
             .and. solution%residual > at_rest*self%tolerance
          if (solution%is_at_rest) return
          ! A body that only contact holds: a proximal step moves the centre to the displacement just found.
-         if (.not. problem%is_held) b = problem%dual_load(solution%displacement)
+         if (problem%is_held) cycle
+         b = problem%dual_load(solution%displacement)
+         call solution%effort%multiply(1.0_dp)
       end do
    end subroutine splitting_solve
 
    !> The tangential half step and the normal one, in the reading of a variant.
-   pure subroutine half_steps(self, problem, b, accuracy, factor, schur, normal, tangential)
+   pure subroutine half_steps(self, problem, b, accuracy, factor, schur, normal, tangential, effort)
       type(splitting_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), intent(in) :: b(:) !! dual load B (2m) [L]
@@ -93,30 +106,34 @@ contains
       real(dp), allocatable, intent(in) :: schur(:, :) !! the paper's S, for `printed` (m, m) [L/F]
       real(dp), intent(inout) :: normal(:) !! lambda_N (m) [F]
       real(dp), intent(inout) :: tangential(:) !! lambda_T (m) [F]
+      type(effort_t), intent(inout) :: effort !! gains theirs
       integer :: m
 
       m = problem%n_points
+      ! A21 lambda_N, or with the paper's S in its place, and A12 lambda_T.
+      call effort%multiply(2.0_dp*quarter)
       select case (self%variant)
       case ('clip')
-         call tangential_step(self%box, problem, b(m + 1:), normal, accuracy, tangential)
+         call tangential_step(self%box, problem, b(m + 1:), normal, accuracy, tangential, effort)
          call clipped_normal_step(problem, factor, b(:m), tangential, normal)
       case ('printed')
          call printed_tangential_step(schur, b(m + 1:), problem%bound(normal), tangential)
          call clipped_normal_step(problem, factor, b(:m), tangential, normal)
       case default
-         call tangential_step(self%box, problem, b(m + 1:), normal, accuracy, tangential)
-         call normal_step(self%box, problem, b(:m), tangential, accuracy, normal)
+         call tangential_step(self%box, problem, b(m + 1:), normal, accuracy, tangential, effort)
+         call normal_step(self%box, problem, b(:m), tangential, accuracy, normal, effort)
       end select
    end subroutine half_steps
 
    !> Tangential half step: min 1/2 l^T A22 l - l^T (B2 - A21 lambda_N), |l| <= g + phi lambda_N.
-   pure subroutine tangential_step(box, problem, b2, normal, accuracy, tangential)
+   pure subroutine tangential_step(box, problem, b2, normal, accuracy, tangential, effort)
       character(*), intent(in) :: box !! the solver of box programs
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), intent(in) :: b2(:) !! B2 (m) [L]
       real(dp), intent(in) :: normal(:) !! lambda_N (m) [F]
       real(dp), intent(in) :: accuracy !! of the quadratic program [F]
       real(dp), intent(inout) :: tangential(:) !! lambda_T (m) [F]
+      type(effort_t), intent(inout) :: effort !! gains that of the quadratic program
       real(dp) :: coupled(problem%n_points)
       integer :: m
 
@@ -124,25 +141,26 @@ contains
       call problem%compliance%part_multiply([m + 1, 2*m], [1, m], normal, coupled)
       associate (bound => problem%bound(normal))
          call solve_box_program(box, problem%compliance, [m + 1, 2*m], b2 - coupled, -bound, bound, accuracy, &
-            tangential)
+            tangential, effort)
       end associate
    end subroutine tangential_step
 
    !> Normal half step: min 1/2 l^T A11 l - l^T (B1 - A12 lambda_T), l >= 0.
-   pure subroutine normal_step(box, problem, b1, tangential, accuracy, normal)
+   pure subroutine normal_step(box, problem, b1, tangential, accuracy, normal, effort)
       character(*), intent(in) :: box !! the solver of box programs
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), intent(in) :: b1(:) !! B1 (m) [L]
       real(dp), intent(in) :: tangential(:) !! lambda_T (m) [F]
       real(dp), intent(in) :: accuracy !! of the quadratic program [F]
       real(dp), intent(inout) :: normal(:) !! lambda_N (m) [F]
+      type(effort_t), intent(inout) :: effort !! gains that of the quadratic program
       real(dp) :: coupled(problem%n_points)
       integer :: m
 
       m = problem%n_points
       call problem%compliance%part_multiply([1, m], [m + 1, 2*m], tangential, coupled)
       call solve_box_program(box, problem%compliance, [1, m], b1 - coupled, spread(0.0_dp, 1, m), &
-         spread(huge(1.0_dp), 1, m), accuracy, normal)
+         spread(huge(1.0_dp), 1, m), accuracy, normal, effort)
    end subroutine normal_step
 
    !> Normal half step solved without its constraint, then cut at zero.

@@ -4,6 +4,7 @@ module amontons_stiffness_system
    use amontons_active_set, only: active_set_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_dense, only: lu_solve, symmetric_multiply
+   use amontons_effort, only: effort_t
    use amontons_kinds, only: dp
    use amontons_newton_system, only: newton_system_t
    implicit none (type, external)
@@ -42,7 +43,7 @@ contains
       unknown = pack([(i, i=1, 2*m)], [.not. guess%is_closed, guess%sense /= 0])
       n = size(unknown)
       slope = merge(problem%friction*guess%sense, 0.0_dp, guess%is_closed)
-      load = known_load(problem, guess)
+      call take_known_load(problem, guess, load, self%effort)
       allocate (matrix(n, n), right(n))
       do i = 1, n
          matrix(:, i) = problem%stiffness(unknown, unknown(i))
@@ -56,6 +57,7 @@ contains
          matrix(i, :) = matrix(i, :) - slope(point)*problem%stiffness(unknown, point)
          right(i) = right(i) - slope(point)*load(point)
       end do
+      call self%effort%factorize(n > 0)
       call lu_solve(matrix, right, info)
       if (.not. all(ieee_is_finite(right))) info = 1
       if (info /= 0) return
@@ -63,23 +65,29 @@ contains
       displacement(m + 1:) = 0.0_dp
       displacement(unknown) = right
       call recover_forces(problem, guess, displacement, force, imbalance)
+      call self%effort%multiply(1.0_dp)
    end subroutine stiffness_system_solve
 
-   !> The load less what the known displacements and the given slip bounds take of it (2m) [F].
-   pure function known_load(problem, guess) result(load)
+   !> The load less what the known displacements and the given slip bounds take of it.
+   pure subroutine take_known_load(problem, guess, load, effort)
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp) :: load(2*problem%n_points), known(2*problem%n_points)
+      real(dp), intent(out) :: load(:) !! what is left (2m) [F]
+      type(effort_t), intent(inout) :: effort !! gains that of the product, if there is one
+      real(dp) :: known(2*problem%n_points)
       integer :: m
 
       m = problem%n_points
       known = 0.0_dp
       known(:m) = merge(problem%gap, 0.0_dp, guess%is_closed)
       load = 0.0_dp
-      if (any(abs(known) > 0.0_dp)) call symmetric_multiply(problem%stiffness, known, load)
+      if (any(abs(known) > 0.0_dp)) then
+         call symmetric_multiply(problem%stiffness, known, load)
+         call effort%multiply(1.0_dp)
+      end if
       load = problem%load - load
       load(m + 1:) = load(m + 1:) - guess%sense*problem%slip_bound
-   end function known_load
+   end subroutine take_known_load
 
    !> The forces q - S v, with what the guess says of them put in exactly.
    pure subroutine recover_forces(problem, guess, displacement, force, imbalance)

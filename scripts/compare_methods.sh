@@ -1,0 +1,35 @@
+#!/usr/bin/env bash
+# Runs every contact method on Table 1's rows on 16 to 128 segments, measures the condition of the paper's matrices, and
+# prints both as tables in Markdown. Installs and builds what is missing. Usage: compare_methods.sh [--update]
+#   --update    writes the tables into doc/methods.md, between the markers, and the figure into doc/images
+# Leaves build/methods/runs.csv, one line for each run, and build/methods/methods.png and .svg.
+set -euo pipefail
+cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
+
+is_update=false
+case ${1-} in
+   '') ;;
+   --update) is_update=true ;;
+   *)
+      sed -n '2,/^set/{s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}" >&2
+      exit 1
+      ;;
+esac
+
+scripts/setup.sh build pictures >&2
+scripts/build.sh release
+
+output=build/methods
+rm -rf "$output"
+mkdir -p "$output"
+AMONTONS=$PWD/build/release/bin/amontons OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
+   /usr/bin/python3 -B scripts/compare_methods.py "$output" "$output"/methods.{png,svg} >"$output/tables"
+echo >>"$output/tables"
+cat "$output/tables"
+
+if $is_update; then
+   # Everything after the first marker and before the second is replaced.
+   sed -i -e "/<!-- compare_methods.sh -->/r $output/tables" \
+      -e '/<!-- compare_methods.sh -->/,/<!-- end -->/{/<!--/!d}' doc/methods.md
+   cp "$output/methods.png" doc/images/
+fi
