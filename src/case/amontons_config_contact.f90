@@ -1,9 +1,10 @@
 !> The contact sets that a deck asks for.
 module amontons_config_contact
+   use amontons_cell_partition, only: cell_partition_t, multiplier_names
    use amontons_contact_zone, only: contact_t
    use amontons_deck, only: deck_t
    use amontons_deck_rules, only: origin_of, read_table, require
-   use amontons_kinds, only: dp
+   use amontons_kinds, only: dp, int64
    use amontons_line_field, only: line_field_t
    use amontons_obstacle, only: obstacle_names
    use amontons_text, only: to_text
@@ -52,6 +53,7 @@ contains
       call read_table(deck, group, 'line', contact%obstacle%line, contact%obstacle%file)
       call deck%get(group, 'gap_direction', contact%direction, has_direction)
       call deck%get(group, 'extra_gap', contact%extra_gap)
+      call read_partition(contact%partition, deck, group)
       call deck%refuse_unknown(group)
       call require_positive(deck, group, 'friction', contact%friction, has_slope(1))
       call require_positive(deck, group, 'slip_bound', contact%slip_bound, has_slope(2))
@@ -80,6 +82,35 @@ contains
       if (has_slope .and. (any(abs(field%slope) > 0.0_dp) .or. .not. deck%is_understood(group))) return
       call require(deck, group, key, field%value >= 0.0_dp, 'be at least 0, found '//to_text(field%value))
    end subroutine require_positive
+
+   !> Reads the multipliers of a contact set.
+   subroutine read_partition(partition, deck, group)
+      type(cell_partition_t), intent(inout) :: partition !! the multipliers
+      type(deck_t), intent(inout) :: deck !! the deck
+      integer, intent(in) :: group !! the group
+      character(:), allocatable :: multipliers
+      ! More than any mesh can tell apart; a repeat count could ask for more than memory holds.
+      integer(int64), parameter :: most_ends = 100000
+      real(dp), allocatable :: ends(:)
+      logical :: has_cells, has_ends
+      integer :: n
+
+      multipliers = trim(multiplier_names(1))
+      call deck%get_word(group, 'multipliers', multipliers, multiplier_names)
+      partition%is_constant = multipliers == multiplier_names(2)
+      call deck%get(group, 'cells', partition%n_cells, has_cells)
+      allocate (ends(min(deck%n_values(group, 'cell_ends'), most_ends)), source=0.0_dp)
+      call deck%get(group, 'cell_ends', ends, has_ends)
+      if (has_ends) partition%ends = ends
+      n = size(ends)
+      call require(deck, group, 'cells', partition%n_cells > 0 .or. .not. has_cells, 'be positive, found '// &
+         to_text(partition%n_cells))
+      call require(deck, group, 'cells', partition%is_constant .or. .not. has_cells, 'go with multipliers constant')
+      call require(deck, group, 'cell_ends', partition%is_constant .or. .not. has_ends, 'go with multipliers constant')
+      call require(deck, group, 'cell_ends', .not. (has_cells .and. has_ends), 'not stand beside cells')
+      call require(deck, group, 'cell_ends', all(ends(:min(1, n)) > 0.0_dp) .and. &
+         all(ends(2:) > ends(:n - 1)), 'be positive and ascend')
+   end subroutine read_partition
 
    !> Records a fault where the stations of a table do not ascend.
    subroutine require_ascending(deck, group, key, field)

@@ -1,6 +1,7 @@
 !> NAME.contact.csv: one row per contact point, in the order of the contact line, 17 significant digits.
 module amontons_contact_table
    use amontons_body, only: body_t
+   use amontons_contact_rows, only: contact_rows_t
    use amontons_error, only: error_t
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
@@ -12,11 +13,11 @@ module amontons_contact_table
 
    public :: contact_point_t, new_contact_point, write_contact_table
 
-   !> What is known of one contact point.
+   !> What is known of one contact point, a node or a cell of constant multipliers.
    type :: contact_point_t
-      real(dp) :: position(2) = 0.0_dp !! coordinates [L]
+      real(dp) :: position(2) = 0.0_dp !! coordinates of the node or of the centre of the cell [L]
       real(dp) :: normal(2) = 0.0_dp !! unit outward normal of the body [-]
-      real(dp) :: weight = 0.0_dp !! tributary length [L]
+      real(dp) :: weight = 0.0_dp !! tributary length, or length of the cell [L]
       real(dp) :: gap = 0.0_dp !! distance to the obstacle, d - u_N [L]
       real(dp) :: slip = 0.0_dp !! tangential displacement u_T [L]
       real(dp) :: normal_force = 0.0_dp !! lambda_N, compression positive [F]
@@ -34,17 +35,20 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       integer, intent(in) :: p !! number of the point
-      integer :: node, m
+      type(contact_rows_t) :: row
+      real(dp) :: displacement(2)
+      integer :: m
 
       m = body%zone%n_points
-      node = body%zone%node(p)
-      point%position = body%mesh%coordinates(:, node)
+      point%position = body%zone%position(:, p)
       point%normal = body%zone%normal(:, p)
       point%weight = body%zone%weight(p)
       point%gap = body%problem%gap(p) - result%solution%displacement(p)
       point%slip = result%solution%displacement(m + p)
       if (body%zone%is_guided(p)) then
-         point%slip = dot_product([-point%normal(2), point%normal(1)], result%displacement(:, node))
+         row = body%zone%rows%picked([p])
+         displacement = row%displacement(result%displacement)
+         point%slip = displacement(2)
       end if
       point%normal_force = result%solution%force(p)
       point%tangential_force = result%solution%force(m + p)

@@ -1,6 +1,7 @@
 !> NAME.contact.vtu: the contact line alone, as a grid of line segments.
 module amontons_contact_vtu
    use amontons_body, only: body_t
+   use amontons_contact_rows, only: turned
    use amontons_contact_table, only: contact_point_t, new_contact_point
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
@@ -93,9 +94,25 @@ contains
          line%pressure(p) = point%normal_stress
          line%shear(p) = point%tangential_stress
       end do
-      line%displacement = result%displacement(:, body%zone%node)
+      line%displacement = point_displacements(body, result)
       line%bound = body%zone%friction*max(0.0_dp, line%pressure)
       where (body%zone%area > 0.0_dp) line%bound = line%bound + body%zone%slip_bound/body%zone%area
    end function new_contact_line
+
+   !> The displacements of the contact points: of nodes their own, of cells the mean (2, m) [L].
+   pure function point_displacements(body, result) result(displacements)
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! the result
+      real(dp), allocatable :: displacements(:, :)
+      real(dp) :: parts(2*body%zone%n_points)
+      integer :: p
+
+      parts = body%zone%rows%displacement(result%displacement)
+      displacements = body%zone%normal
+      do p = 1, body%zone%n_points
+         displacements(:, p) = parts(p)*body%zone%normal(:, p) &
+            + parts(p + body%zone%n_points)*turned(body%zone%normal(:, p))
+      end do
+   end function point_displacements
 
 end module amontons_contact_vtu

@@ -121,7 +121,14 @@ module amontons_deck_reference
       key_t('contact', 'gap_direction', .false., '2 numbers, not both 0', '', "the body's normal", &
       'along which gaps are measured and closed, to the obstacle'), &
       key_t('contact', 'extra_gap', .false., 'number', 'L', '`0.0`', &
-      'added to every gap; negative for an interference')]
+      'added to every gap; negative for an interference'), &
+      key_t('contact', 'multipliers', .false., "`'nodal'`, `'constant'`", '', "`'nodal'`", &
+      'contact forces at the nodes, or stresses that are constant on cells of the contact line'), &
+      key_t('contact', 'cells', .false., 'whole number, at least 1', '', 'every two sides', &
+      "with `'constant'`: number of equal cells on each piece of the line"), &
+      key_t('contact', 'cell_ends', .false., 'numbers above 0, ascending', 'L', '', &
+      "with `'constant'`, instead of `cells`: lengths along the line (of one piece) where one cell ends and the "// &
+      'next begins')]
 
    !> Keys of sweeps and of the solver.
    type(key_t), parameter :: solver_keys(*) = [ &

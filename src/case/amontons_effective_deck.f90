@@ -1,6 +1,7 @@
 !> The effective deck: a configuration written out as a deck, every default in place. Reading it again gives the same
 !> case.
 module amontons_effective_deck
+   use amontons_cell_partition, only: cell_partition_t, multiplier_names
    use amontons_config, only: config_t
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
@@ -62,7 +63,8 @@ contains
          text = text//support_text(config, i)
       end do
       do i = 1, size(config%contacts)
-         text = text//quoted(config%contacts(i)%set)//pair(config%contacts(i)%direction)
+         text = text//quoted(config%contacts(i)%set)//pair(config%contacts(i)%direction) &
+            //multipliers_text(config%contacts(i)%partition)
       end do
    end function body_text
 
@@ -169,9 +171,23 @@ contains
          if (obstacle%kind == 'polyline') text = text//'  line = '//quoted(obstacle%file)
          text = text//'  extra_gap = '//to_text(contact%extra_gap)
          if (any(abs(contact%direction) > 0.0_dp)) text = text//'  gap_direction = '//pair(contact%direction)
+         text = text//newline//'   '//multipliers_text(contact%partition)
       end associate
       text = text//' /'//newline
    end function contact_text
+
+   !> The keys of the multipliers of a contact set.
+   pure function multipliers_text(partition) result(text)
+      type(cell_partition_t), intent(in) :: partition !! the multipliers
+      character(:), allocatable :: text
+
+      text = 'multipliers = '//quoted(trim(merge(multiplier_names(2), multiplier_names(1), partition%is_constant)))
+      if (partition%n_cells > 0) text = text//'  cells = '//to_text(partition%n_cells)
+      if (allocated(partition%ends)) then
+         text = text//'  cell_ends = '
+         call append_list(text, partition%ends)
+      end if
+   end function multipliers_text
 
    !> The keys of a quantity along a contact line.
    pure function field_text(key, field) result(text)

@@ -3,13 +3,12 @@ module amontons_lengths
    use amontons_contact_zone, only: contact_zone_t
    use amontons_friction_law, only: open_point, stick_point
    use amontons_kinds, only: dp
-   use amontons_mesh, only: mesh_t
    implicit none (type, external)
    private
 
    public :: lengths_t, new_lengths
 
-   !> Lengths of the three parts; together the length of the sides between contact points.
+   !> Lengths of the three parts; together the length of the sides between contact points, and of the cells.
    type :: lengths_t
       real(dp) :: separated = 0.0_dp !! where one end of a side at least is open [L]
       real(dp) :: sliding = 0.0_dp !! where both ends are closed and one at least slides [L]
@@ -19,27 +18,30 @@ module amontons_lengths
 contains
 
    !> Measures the parts side by side, as Table 1 of the paper reads them: the separated part ends at the first closed
-   !> node, the sliding part at the first sticking node.
-   pure subroutine new_lengths(lengths, mesh, zone, status)
+   !> node, the sliding part at the first sticking node. A cell of constant multipliers belongs to one part as a whole.
+   pure subroutine new_lengths(lengths, zone, status)
       type(lengths_t), intent(out) :: lengths !! the lengths
-      type(mesh_t), intent(in) :: mesh !! the mesh
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: status(:) !! status of each point (m)
       real(dp) :: length
-      integer :: p
+      integer :: p, ends(2)
 
       do p = 1, zone%n_points
-         if (zone%next(p) == 0) cycle
-         length = norm2(mesh%coordinates(:, zone%node(zone%next(p))) - mesh%coordinates(:, zone%node(p)))
-         associate (ends => status([p, zone%next(p)]))
-            if (any(ends == open_point)) then
-               lengths%separated = lengths%separated + length
-            else if (all(ends == stick_point)) then
-               lengths%sticking = lengths%sticking + length
-            else
-               lengths%sliding = lengths%sliding + length
-            end if
-         end associate
+         ends = p
+         if (zone%is_cell(p)) then
+            length = zone%weight(p)
+         else
+            if (zone%next(p) == 0) cycle
+            ends(2) = zone%next(p)
+            length = norm2(zone%position(:, ends(2)) - zone%position(:, p))
+         end if
+         if (any(status(ends) == open_point)) then
+            lengths%separated = lengths%separated + length
+         else if (all(status(ends) == stick_point)) then
+            lengths%sticking = lengths%sticking + length
+         else
+            lengths%sliding = lengths%sliding + length
+         end if
       end do
    end subroutine new_lengths
 

@@ -1,6 +1,6 @@
 !> The part of a listing that tells what was computed: mesh, materials, supports, contact sets, loads.
 module amontons_listing_model
-   use amontons_body, only: body_t
+   use amontons_body, only: body_t, poor_inf_sup
    use amontons_config, only: config_t
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
@@ -40,6 +40,7 @@ contains
       end do
       do i = 1, size(config%contacts)
          text = text//line('Contact', contact_text(config, i))
+         if (config%contacts(i)%partition%is_constant) text = text//cells_text(body, i)
       end do
       text = text//line('Contact points', to_text(body%zone%n_points))//mesh_notes_text(body)//notes_text(body)
    end function model_text
@@ -95,6 +96,20 @@ contains
       end associate
    end function contact_text
 
+   !> The cells of the constant multipliers of a contact set, and whether the mesh can tell them apart.
+   pure function cells_text(body, i) result(text)
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: i !! which contact set
+      character(:), allocatable :: text
+      real(dp), allocatable :: lengths(:)
+
+      lengths = pack(body%zone%weight, body%zone%set == i)
+      text = line('Multipliers', 'constant on '//to_text(size(lengths))//' cells of length '//short(minval(lengths))// &
+         ' to '//short(maxval(lengths)))//line('Inf-sup constant', short(body%inf_sup(i)))
+      if (body%inf_sup(i) < poor_inf_sup) text = text//line('WARNING', 'the inf-sup constant is below '// &
+         short(poor_inf_sup)//': forces and statuses may oscillate from cell to cell; make the cells larger')
+   end function cells_text
+
    !> A quantity along a contact line; nothing where it is zero.
    pure function field_text(name, field) result(text)
       character(*), intent(in) :: name !! what it is
@@ -149,9 +164,11 @@ contains
                ' is a corner of two contact sets; it belongs to the one named first')
          end do
          do i = 1, zone%n_points
-            if (zone%is_guided(i)) text = text//line('Note', 'the node at '// &
-               pair(body%mesh%coordinates(:, zone%node(i)))//' cannot slide: a support bears its tangential force')
+            if (zone%is_guided(i)) text = text//line('Note', 'the '//trim(merge('cell', 'node', zone%is_cell(i)))// &
+               ' at '//pair(zone%position(:, i))//' cannot slide: a support bears its tangential force')
          end do
+         if (zone%n_held_cells > 0) text = text//line('Note', to_text(zone%n_held_cells)// &
+            ' cell(s) of constant multipliers are no contact points: supports hold their nodes')
          if (any(zone%gap < 0.0_dp)) text = text//line('Note', 'the body overlaps the obstacle by up to '// &
             short(-minval(zone%gap))//' at the start')
       end associate

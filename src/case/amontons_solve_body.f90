@@ -56,7 +56,7 @@ contains
       call recover(body, result)
       call new_certificate(result%certificate, body, result%loads, result%displacement, result%solution%force)
       call new_uniqueness(result%uniqueness, body%problem)
-      call new_lengths(result%lengths, body%mesh, body%zone, result%solution%status)
+      call new_lengths(result%lengths, body%zone, result%solution%status)
       call result%timings%lap(phase_recover)
    end subroutine solve_body
 

@@ -148,7 +148,7 @@ contains
          call recover(body, result)
          call new_certificate(result%certificate, body, result%loads, result%displacement, solution%force)
          call new_uniqueness(result%uniqueness, body%problem)
-         call new_lengths(result%lengths, body%mesh, body%zone, solution%status)
+         call new_lengths(result%lengths, body%zone, solution%status)
          call result%timings%lap(phase_recover)
       end associate
       if (.not. result%solution%is_converged) return
@@ -175,8 +175,7 @@ contains
    subroutine load_body(body, loads)
       type(body_t), intent(inout) :: body !! the body
       real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
-      real(dp), allocatable :: forces(:, :)
-      integer :: p
+      real(dp), allocatable :: forces(:, :), prescribed(:)
 
       if (any(abs(body%constraints%prescribed) > 0.0_dp)) then
          call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, &
@@ -187,8 +186,8 @@ contains
       end if
       call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), body%problem%load)
       ! The contact problem counts displacements from the prescribed ones.
-      body%problem%gap = [(body%zone%gap(p) - dot_product(body%zone%normal(:, p), &
-         body%constraints%prescribed(:, body%zone%node(p))), p=1, body%zone%n_points)]
+      prescribed = body%zone%rows%displacement(body%constraints%prescribed)
+      body%problem%gap = body%zone%gap - prescribed(:body%zone%n_points)
       body%problem%friction = merge(0.0_dp, body%zone%friction, body%zone%is_guided)
       body%problem%slip_bound = merge(0.0_dp, body%zone%slip_bound, body%zone%is_guided)
    end subroutine load_body

@@ -198,7 +198,7 @@ contains
          call recover(body, certified)
          call new_certificate(certified%certificate, body, certified%loads, certified%displacement, &
             certified%solution%force)
-         call new_lengths(certified%lengths, body%mesh, body%zone, certified%solution%status)
+         call new_lengths(certified%lengths, body%zone, certified%solution%status)
       end associate
    end subroutine certify
 

@@ -58,6 +58,8 @@ contains
             '  "residual": '//number(solution%residual)//','//newline// &
             '  "history": ['//numbers(solution%history(:solution%n_iterations))//'],'//newline
          if (result%method_error >= 0.0_dp) text = text//'  "method_error": '//number(result%method_error)//','//newline
+         if (any(config%contacts%partition%is_constant)) text = text// &
+            '  "inf_sup": '//number(minval(body%inf_sup))//','//newline
          text = text// &
             '  "certificate": {'//certificate_text(result%certificate, config%method%tolerance)//'},'//newline// &
             '  "uniqueness": {'//uniqueness_members(result%uniqueness)//'},'//newline// &

@@ -122,7 +122,7 @@ contains
          call task%method%solve(problem, solution, error)
          if (allocated(error)) solution%is_converged = .false.
       end if
-      call new_lengths(lengths, body%mesh, body%zone, solution%status)
+      call new_lengths(lengths, body%zone, solution%status)
       call new_case_result(kept, solution, lengths)
       if (.not. is_solved) kept%n_iterations = kept%n_iterations + n_iterations
    end subroutine solve_one

@@ -122,7 +122,7 @@ contains
             if (body%zone%is_guided(p) .or. .not. quantity%acts_on(contact%set)) cycle
             if (quantity%target == swept_friction) then
                model%friction(p, axis) = 1.0_dp
-               fixed = dot_product(contact%friction%slope, body%mesh%coordinates(:, body%zone%node(p)))
+               fixed = dot_product(contact%friction%slope, body%zone%position(:, p))
             else
                model%friction(p, axis) = fixed
                fixed = 0.0_dp

@@ -83,21 +83,33 @@ contains
       call vtk%put_reals(section, prefix//'von_mises', 1, mises)
    end subroutine put_stress
 
-   !> Contact quantities of all nodes: 0 at those that are no contact points.
+   !> Contact quantities of all nodes: 0 at those that are no contact points. A node of cells of constant multipliers
+   !> has the mean of theirs, by its shares in them, and the status of the one where its share is largest.
    pure subroutine spread_contact(body, result, contact, status)
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       real(dp), allocatable, intent(out) :: contact(:, :) !! the quantities (n_nodes, n_contact_fields)
       integer, allocatable, intent(out) :: status(:) !! the statuses (n_nodes)
       type(contact_point_t) :: point
-      integer :: p
+      real(dp) :: share, total(body%mesh%n_nodes), largest(body%mesh%n_nodes)
+      integer :: p, i, node
 
       allocate (contact(body%mesh%n_nodes, n_contact_fields), source=0.0_dp)
       allocate (status(body%mesh%n_nodes), source=0)
+      total = 0.0_dp
+      largest = 0.0_dp
       do p = 1, body%zone%n_points
          call new_contact_point(point, body, result, p)
-         contact(body%zone%node(p), :) = [point%gap, point%slip, point%normal_stress, point%tangential_stress]
-         status(body%zone%node(p)) = result%solution%status(p)
+         do i = body%zone%rows%start(p), body%zone%rows%start(p + 1) - 1
+            node = body%zone%rows%node(i)
+            share = norm2(body%zone%rows%part(:, i))*body%zone%area(p)
+            if (.not. share > 0.0_dp) cycle
+            total(node) = total(node) + share
+            contact(node, :) = contact(node, :) + share/total(node) &
+               *([point%gap, point%slip, point%normal_stress, point%tangential_stress] - contact(node, :))
+            if (share > largest(node)) status(node) = result%solution%status(p)
+            largest(node) = max(largest(node), share)
+         end do
       end do
    end subroutine spread_contact
 

@@ -7,9 +7,10 @@ module amontons_body
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
    use amontons_contact_zone, only: contact_t, contact_zone_t, new_contact_zone
    use amontons_dof_map, only: dof_map_t, new_dof_map
-   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_factorization, only: factorization_t
    use amontons_foundation, only: new_foundation, spring_side_t
+   use amontons_inf_sup, only: inf_sup_constant
    use amontons_kinds, only: dp, int64
    use amontons_material, only: material_t, materials_t, new_materials
    use amontons_mesh, only: mesh_t
@@ -21,7 +22,10 @@ module amontons_body
    implicit none (type, external)
    private
 
-   public :: body_t, condense_body, estimate_body, estimate_t, new_body
+   public :: body_t, condense_body, estimate_body, estimate_t, new_body, poor_inf_sup
+
+   !> Below this inf-sup constant the constant multipliers of a contact set are warned about.
+   real(dp), parameter :: poor_inf_sup = 0.3_dp
 
    !> What many load cases share.
    type :: body_t
@@ -34,6 +38,7 @@ module amontons_body
       type(constraints_t) :: constraints !! the supports
       type(rigid_motions_t) :: motions !! the rigid motions that the supports leave free
       type(contact_zone_t) :: zone !! the contact points
+      real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
       type(dof_map_t) :: dof_map !! numbers of the unknowns
       type(condensation_t) :: condensation !! the factorised stiffness, after `condense_body`
       type(contact_problem_t) :: problem !! the contact problem, after `condense_body`; its load is the case's
@@ -74,7 +79,29 @@ contains
       call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error)
       if (allocated(error)) return
       call new_dof_map(body%dof_map, body%constraints, body%zone%node)
+      call measure_cells(body, contacts, error)
    end subroutine new_body
+
+   !> Computes the inf-sup constants of the contact sets with constant multipliers, and refuses cells that the mesh
+   !> cannot tell apart.
+   pure subroutine measure_cells(body, contacts, error)
+      type(body_t), intent(inout) :: body !! the body
+      type(contact_t), intent(in) :: contacts(:) !! its contact sets
+      type(error_t), allocatable, intent(out) :: error !! the multipliers of a set are not independent
+      ! Rounding leaves about the root of the precision, with a few digits to spare.
+      real(dp), parameter :: dependent = 1.0e-6_dp
+      integer :: i
+
+      allocate (body%inf_sup(size(contacts)), source=1.0_dp)
+      do i = 1, size(contacts)
+         if (.not. contacts(i)%partition%is_constant .or. all(body%zone%set /= i)) cycle
+         body%inf_sup(i) = inf_sup_constant(body%zone, i, contacts(i)%set, body%mesh, body%materials, body%constraints)
+         if (body%inf_sup(i) > dependent) cycle
+         call new_error(error, input_refused, contacts(i)%origin//'the cells of the constant multipliers are too '// &
+            'small: the displacements of this mesh cannot tell them apart; make them at least two sides long')
+         return
+      end do
+   end subroutine measure_cells
 
    !> Assembles and factorises the stiffness and condenses it to the contact points.
    subroutine condense_body(body, factorization, timings, error)
@@ -100,7 +127,8 @@ contains
          body%dof_map, error)
       if (allocated(error)) return
       call timings%lap(phase_factorize)
-      call body%condensation%condense_stiffness(condensed)
+      call body%condensation%condense_stiffness(condensed, error)
+      if (allocated(error)) return
       call new_contact_problem(body%problem, condensed, is_held)
       call timings%lap(phase_condense)
    end subroutine condense_body

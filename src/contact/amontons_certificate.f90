@@ -5,7 +5,6 @@ module amontons_certificate
    use amontons_constraints, only: constraints_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_kinds, only: dp
-   use amontons_mesh, only: mesh_t
    implicit none (type, external)
    private
 
@@ -48,7 +47,7 @@ contains
       real(dp), allocatable :: internal(:, :), contact(:, :), reaction(:, :)
 
       call internal_forces(internal, body%mesh, body%materials, body%springs, body%coloring, displacement)
-      contact = nodal_contact_forces(body%mesh, body%zone, force)
+      contact = body%zone%rows%forces(force, body%mesh%n_nodes)
       reaction = internal - loads - contact
       call split_imbalance(body%constraints, reaction, certificate%equilibrium)
       call check_points(certificate, body%zone, displacement, force, &
@@ -76,21 +75,6 @@ contains
       if (violation > suspicious) violation = relative(imbalance, max(force_size, &
          rounding_share*uncancelled_forces(body%mesh, body%materials, displacement)))
    end function relative_imbalance
-
-   !> The forces of the obstacle on the nodes: -lambda_N n - lambda_T t (2, n_nodes) [F].
-   pure function nodal_contact_forces(mesh, zone, force) result(contact)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
-      real(dp), allocatable :: contact(:, :)
-      integer :: p
-
-      allocate (contact(2, mesh%n_nodes), source=0.0_dp)
-      do p = 1, zone%n_points
-         contact(:, zone%node(p)) = -force(p)*zone%normal(:, p) &
-            - force(zone%n_points + p)*[-zone%normal(2, p), zone%normal(1, p)]
-      end do
-   end function nodal_contact_forces
 
    !> Splits what the forces lack for equilibrium into reactions (held directions) and imbalance (free ones).
    pure subroutine split_imbalance(constraints, reaction, imbalance)
@@ -120,13 +104,13 @@ contains
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
       real(dp), intent(in) :: largest_force !! largest nodal force of loads, reactions and contact [F]
       real(dp) :: distance(zone%n_points), slip(zone%n_points), largest_displacement
-      integer :: p, m
+      real(dp) :: at_points(2*zone%n_points)
+      integer :: m
 
       m = zone%n_points
-      do p = 1, m
-         distance(p) = zone%gap(p) - dot_product(zone%normal(:, p), displacement(:, zone%node(p)))
-         slip(p) = dot_product([-zone%normal(2, p), zone%normal(1, p)], displacement(:, zone%node(p)))
-      end do
+      at_points = zone%rows%displacement(displacement)
+      distance = zone%gap - at_points(:m)
+      slip = at_points(m + 1:)
       largest_displacement = maxval(abs(displacement))
       associate (normal => force(:m), tangential => force(m + 1:), &
          bound => zone%slip_bound + zone%friction*max(0.0_dp, force(:m)))

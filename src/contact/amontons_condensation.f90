@@ -3,14 +3,17 @@
 !> With the contact unknowns c last, the trailing block of the Cholesky factor of K + alpha E (E the identity on c) is
 !> the Cholesky factor of S + alpha I, S = K_cc - K_ci K_ii^-1 K_ic; alpha is 0 for a body that its supports hold.
 !> A forward substitution gives q = f_c - K_ci K_ii^-1 f_i, a backward one all displacements (theory, section 3).
+!> Where a point is a cell of constant multipliers, S and q are condensed once more, to the mean displacements.
 module amontons_condensation
    use amontons_constraints, only: constraints_t
+   use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dof_map, only: dof_map_t
    use amontons_error, only: error_t
    use amontons_factorization, only: factorization_t
    use amontons_kinds, only: dp
    use amontons_new_factorization, only: analyze_matrix
+   use amontons_row_condensation, only: new_row_condensation, row_condensation_t
    use amontons_sparse_matrix, only: sparse_matrix_t
    implicit none (type, external)
    private
@@ -22,8 +25,15 @@ module amontons_condensation
       class(factorization_t), allocatable :: factorization !! of K + alpha E
       real(dp) :: alpha = 0.0_dp !! shift on the contact unknowns [F/L]
       real(dp), allocatable, private :: partial(:) !! the load after the forward substitution (n)
-      integer, allocatable, private :: unknown(:, :) !! the point's places among the contact unknowns, 0 for none (2, m)
+      integer, private :: n_unknowns = 0 !! number of contact unknowns
+      integer, allocatable, private :: unknown(:, :)
+         !! the place of each point's displacements among the contact unknowns or, with cells, the rows of C; 0 for none
+         !! (2, m)
       real(dp), allocatable, private :: map(:, :, :) !! unknowns of a point = map (u_N, u_T) (2, 2, m) [-]
+      real(dp), allocatable, private :: rows(:, :) !! C, if there are cells (any, n_unknowns) [-]
+      type(row_condensation_t), private :: to_rows !! the condensation to C v, if there are cells
+      real(dp), allocatable, private :: contact_load(:) !! q on the contact unknowns (n_unknowns) [F]
+      logical, private :: is_held = .true. !! whether supports alone hold the body
    contains
       procedure :: condense_load => condensation_condense_load
       procedure :: condense_stiffness => condensation_condense_stiffness
@@ -54,8 +64,50 @@ contains
       if (allocated(error)) return
       call condensation%factorization%complete(error)
       if (allocated(error)) return
-      call map_points(condensation, zone, constraints, dof_map)
+      condensation%is_held = is_held
+      condensation%n_unknowns = dof_map%n_trailing
+      if (any(zone%is_cell)) then
+         call map_rows(condensation, zone, constraints, dof_map)
+      else
+         call map_points(condensation, zone, constraints, dof_map)
+      end if
    end subroutine new_condensation
+
+   !> Makes the rows of C on the contact unknowns. The tangential displacement of a guided point has no row.
+   pure subroutine map_rows(condensation, zone, constraints, dof_map)
+      type(condensation_t), intent(inout) :: condensation !! the condensation
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      real(dp) :: frame(2, 2), parts(2, 2)
+      integer :: p, i, k, axis, n
+
+      allocate (condensation%unknown(2, zone%n_points), source=0)
+      n = 0
+      do p = 1, zone%n_points
+         do k = 1, merge(1, 2, zone%is_guided(p))
+            n = n + 1
+            condensation%unknown(k, p) = n
+         end do
+      end do
+      condensation%map = spread(reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2]), 3, zone%n_points)
+      allocate (condensation%rows(n, dof_map%n_trailing), source=0.0_dp)
+      do p = 1, zone%n_points
+         do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+            frame = constraints%frame(zone%rows%node(i))
+            parts = reshape([zone%rows%part(:, i), turned(zone%rows%part(:, i))], [2, 2])
+            do axis = 1, 2
+               if (dof_map%dof(axis, zone%rows%node(i)) == 0) cycle
+               do k = 1, count(condensation%unknown(:, p) > 0)
+                  associate (c => condensation%rows(condensation%unknown(k, p), &
+                     dof_map%dof(axis, zone%rows%node(i)) - dof_map%n_dofs + dof_map%n_trailing))
+                     c = c + dot_product(parts(:, k), frame(:, axis))
+                  end associate
+               end do
+            end do
+         end do
+      end do
+   end subroutine map_rows
 
    !> Finds the unknowns of every point and the map from (u_N, u_T) to them.
    !>
@@ -89,19 +141,25 @@ contains
 
    !> The condensed stiffness S on (u_N; u_T). The tangential row of a guided point, which has no unknown, becomes that
    !> of a spring of its own that nothing loads: its slip and shear are zero.
-   subroutine condensation_condense_stiffness(self, stiffness)
-      class(condensation_t), intent(in) :: self !! the factorised body
+   subroutine condensation_condense_stiffness(self, stiffness, error)
+      class(condensation_t), intent(inout) :: self !! the factorised body
       real(dp), allocatable, intent(out) :: stiffness(:, :) !! S (2m, 2m) [F/L]
+      type(error_t), allocatable, intent(out) :: error !! the cells of constant multipliers are too small
       real(dp), allocatable :: schur(:, :)
       real(dp) :: block(2, 2)
       integer :: p, r, m, i, j
 
       m = size(self%unknown, 2)
-      allocate (schur(count(self%unknown > 0), count(self%unknown > 0)), stiffness(2*m, 2*m))
+      allocate (schur(self%n_unknowns, self%n_unknowns), stiffness(2*m, 2*m))
       call self%factorization%schur_complement(schur)
       do i = 1, size(schur, 1)
          schur(i, i) = schur(i, i) - self%alpha
       end do
+      if (allocated(self%rows)) then
+         call new_row_condensation(self%to_rows, schur, self%rows, self%is_held, error)
+         if (allocated(error)) return
+         schur = self%to_rows%stiffness
+      end if
       do r = 1, m
          do p = 1, m
             block = 0.0_dp
@@ -126,9 +184,10 @@ contains
       integer :: p, m, n
 
       m = size(self%unknown, 2)
-      if (.not. allocated(self%partial)) allocate (self%partial(size(load)))
-      allocate (q(count(self%unknown > 0)))
-      call self%factorization%condense(load, self%partial, q)
+      if (.not. allocated(self%partial)) allocate (self%partial(size(load)), self%contact_load(self%n_unknowns))
+      call self%factorization%condense(load, self%partial, self%contact_load)
+      q = self%contact_load
+      if (allocated(self%rows)) q = self%to_rows%condense(q)
       allocate (condensed(2*m), source=0.0_dp)
       do p = 1, m
          n = count(self%unknown(:, p) > 0)
@@ -141,14 +200,16 @@ contains
       class(condensation_t), intent(in) :: self !! the factorised body
       real(dp), intent(in) :: displacement(:) !! (u_N; u_T) without prescribed parts (2m) [L]
       real(dp), allocatable, intent(out) :: unknowns(:) !! all unknowns (n) [L]
-      real(dp) :: v(count(self%unknown > 0))
+      real(dp), allocatable :: v(:)
       integer :: p, m, n
 
       m = size(self%unknown, 2)
+      allocate (v(count(self%unknown > 0)))
       do p = 1, m
          n = count(self%unknown(:, p) > 0)
          v(self%unknown(:n, p)) = matmul(self%map(:n, :, p), displacement([p, p + m]))
       end do
+      if (allocated(self%rows)) v = self%to_rows%expand(self%contact_load, v)
       allocate (unknowns(size(self%partial)))
       call self%factorization%expand(self%partial, v, unknowns)
    end subroutine condensation_recover

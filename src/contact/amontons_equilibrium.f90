@@ -4,6 +4,7 @@
 !> forces n + phi t and n - phi t of the contact points (a cone). If it is none, the part that is left over is, by
 !> Farkas' lemma, a rigid motion that the loads drive and no contact force opposes: along it the body flies off.
 module amontons_equilibrium
+   use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: cholesky_factor, cholesky_solve
    use amontons_error, only: error_t, new_error, numerical_failure
@@ -29,8 +30,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the body flies off; names the motion
       real(dp), parameter :: unbalanced = 1.0e-9_dp
       real(dp) :: cone(motions%n_free, 2*zone%n_points), work(motions%n_free), remainder(motions%n_free)
-      real(dp) :: motion(2, motions%n_free), normal(2), shear(2), scale
-      integer :: node, p
+      real(dp) :: motion(2, motions%n_free), shear(2), scale
+      integer :: node, i, p
 
       if (motions%n_free == 0) return
       ! A given slip bound can bear any small shear of any sign: what it holds is left to the method to find.
@@ -42,12 +43,16 @@ contains
          work = work + matmul(forces(:, node), motion)
          scale = scale + maxval(abs(matmul(forces(:, node), motion)))
       end do
+      cone = 0.0_dp
       do p = 1, zone%n_points
-         motion = motions%displacement(mesh%coordinates(:, zone%node(p)))
-         normal = zone%normal(:, p)
-         shear = merge(0.0_dp, zone%friction(p), zone%is_guided(p))*[-normal(2), normal(1)]
-         cone(:, 2*p - 1) = matmul(normal + shear, motion)
-         cone(:, 2*p) = matmul(normal - shear, motion)
+         do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+            motion = motions%displacement(mesh%coordinates(:, zone%rows%node(i)))
+            associate (normal => zone%rows%part(:, i))
+               shear = merge(0.0_dp, zone%friction(p), zone%is_guided(p))*turned(normal)
+               cone(:, 2*p - 1) = cone(:, 2*p - 1) + matmul(normal + shear, motion)
+               cone(:, 2*p) = cone(:, 2*p) + matmul(normal - shear, motion)
+            end associate
+         end do
       end do
       remainder = nonnegative_remainder(cone, work)
       if (norm2(remainder) <= unbalanced*scale) return

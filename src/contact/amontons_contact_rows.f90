@@ -1,0 +1,100 @@
+!> The rows of the contact matrix C: which nodal displacements make up the displacement of a contact point.
+!>
+!> The normal displacement of a point is a sum of scalar products of nodal displacements with `part`, a normal times
+!> the share of the node; the tangential one the same sum with the parts turned by a right angle. A node that is a
+!> contact point itself has one part, its normal; a cell of constant multipliers has one for each node of its sides.
+module amontons_contact_rows
+   use amontons_kinds, only: dp
+   implicit none (type, external)
+   private
+
+   public :: contact_rows_t, turned
+
+   !> The parts of all points, those of point p from `start(p)` to `start(p + 1) - 1`; a node may occur more than once.
+   type :: contact_rows_t
+      integer, allocatable :: start(:) !! first part of each point, and one beyond the last (m + 1)
+      integer, allocatable :: node(:) !! node of each part (parts)
+      real(dp), allocatable :: part(:, :) !! normal times share of the node (2, parts) [-]
+   contains
+      procedure :: add => contact_rows_add
+      procedure :: picked => contact_rows_picked
+      procedure :: displacement => contact_rows_displacement
+      procedure :: forces => contact_rows_forces
+   end type contact_rows_t
+
+contains
+
+   !> A vector turned by a right angle: the tangent of a normal.
+   pure function turned(vector)
+      real(dp), intent(in) :: vector(2) !! the vector
+      real(dp) :: turned(2)
+
+      turned = [-vector(2), vector(1)]
+   end function turned
+
+   !> Adds the points of other rows behind those that are there.
+   pure subroutine contact_rows_add(self, others)
+      class(contact_rows_t), intent(inout) :: self !! the rows
+      type(contact_rows_t), intent(in) :: others !! the rows to add
+
+      self%start = [self%start, size(self%node) + others%start(2:)]
+      self%node = [self%node, others%node]
+      self%part = reshape([self%part, others%part], [2, size(self%node)])
+   end subroutine contact_rows_add
+
+   !> The rows of some of the points.
+   pure function contact_rows_picked(self, points) result(picked)
+      class(contact_rows_t), intent(in) :: self !! the rows
+      integer, intent(in) :: points(:) !! the points to pick
+      type(contact_rows_t) :: picked
+      integer, allocatable :: place(:)
+      integer :: i, k
+
+      place = [([(i, i=self%start(points(k)), self%start(points(k) + 1) - 1)], k=1, size(points))]
+      allocate (picked%start(size(points) + 1), source=1)
+      do k = 1, size(points)
+         picked%start(k + 1) = picked%start(k) + self%start(points(k) + 1) - self%start(points(k))
+      end do
+      picked%node = self%node(place)
+      picked%part = self%part(:, place)
+   end function contact_rows_picked
+
+   !> C u: normal displacements of all points, then the tangential ones (2m).
+   pure function contact_rows_displacement(self, field) result(displacement)
+      class(contact_rows_t), intent(in) :: self !! the rows
+      real(dp), intent(in) :: field(:, :) !! displacement of all nodes (2, n_nodes) [L]
+      real(dp) :: displacement(2*(size(self%start) - 1))
+      integer :: p, i, m
+
+      m = size(self%start) - 1
+      displacement = 0.0_dp
+      do p = 1, m
+         do i = self%start(p), self%start(p + 1) - 1
+            associate (u => field(:, self%node(i)))
+               displacement(p) = displacement(p) + dot_product(self%part(:, i), u)
+               displacement(p + m) = displacement(p + m) + dot_product(turned(self%part(:, i)), u)
+            end associate
+         end do
+      end do
+   end function contact_rows_displacement
+
+   !> -C^T lambda: the forces of the obstacle on the nodes (2, n_nodes) [F].
+   pure function contact_rows_forces(self, force, n_nodes) result(forces)
+      class(contact_rows_t), intent(in) :: self !! the rows
+      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
+      integer, intent(in) :: n_nodes !! number of nodes
+      real(dp), allocatable :: forces(:, :)
+      integer :: p, i, m
+
+      m = size(self%start) - 1
+      allocate (forces(2, n_nodes), source=0.0_dp)
+      do p = 1, m
+         do i = self%start(p), self%start(p + 1) - 1
+            associate (on_node => forces(:, self%node(i)))
+               on_node = on_node - force(p)*self%part(:, i) - force(p + m)*turned(self%part(:, i))
+            end associate
+         end do
+      end do
+   end function contact_rows_forces
+
+end module amontons_contact_rows

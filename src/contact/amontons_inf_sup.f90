@@ -1,0 +1,164 @@
+!> The discrete inf-sup constant of constant multipliers: whether the mesh can tell them apart.
+!>
+!> beta = min over multipliers mu of max over displacements v of (mu, C v) / (|mu| |v|), both norms those of L2 on the
+!> contact line: the least length that is left of a multiplier of length 1 when it is projected onto the traces of the
+!> body's displacements. It depends on mesh, cells and supports alone and lies between 0 and 1.
+module amontons_inf_sup
+   use amontons_constraints, only: constraints_t
+   use amontons_contact_rows, only: turned
+   use amontons_contact_zone, only: contact_zone_t
+   use amontons_dense, only: cholesky_factor, cholesky_solve
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_material, only: materials_t
+   use amontons_mesh, only: mesh_t
+   use amontons_side, only: new_side_geometry, side_geometry_t
+   implicit none (type, external)
+   private
+
+   public :: inf_sup_constant
+
+contains
+
+   !> The constant of one contact set; 0 where some multiplier does not act on the body at all [-].
+   pure real(dp) function inf_sup_constant(zone, number, set, mesh, materials, constraints) result(beta)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer, intent(in) :: number !! number of the contact set
+      character(*), intent(in) :: set !! name of its boundary set
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(constraints_t), intent(in) :: constraints !! the supports
+      integer :: place(2, mesh%n_nodes), n
+      real(dp), allocatable :: mass(:, :), rows(:, :), projected(:, :), gram(:, :)
+      integer :: info
+
+      beta = 0.0_dp
+      call trace_mass(mass, place, n, set, mesh, materials, constraints)
+      rows = scaled_rows(zone, number, constraints, place, n)
+      if (size(rows, 1) > n) return
+      call cholesky_factor(mass, info)
+      if (info /= 0) return
+      projected = transpose(rows)
+      call cholesky_solve(mass, projected)
+      gram = matmul(rows, projected)
+      call cholesky_factor(gram, info)
+      if (info == 0) beta = sqrt(smallest_eigenvalue(gram))
+   end function inf_sup_constant
+
+   !> The mass matrix of the free displacements on a contact line: (v, v) = |v|^2.
+   pure subroutine trace_mass(mass, place, n, set, mesh, materials, constraints)
+      real(dp), allocatable, intent(out) :: mass(:, :) !! the matrix (n, n) [L^2]
+      integer, intent(out) :: place(:, :) !! place of each displacement along e1, e2 in it, 0 for none (2, n_nodes)
+      integer, intent(out) :: n !! number of free displacements on the line
+      character(*), intent(in) :: set !! name of the boundary set
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(side_geometry_t) :: geometry
+      type(error_t), allocatable :: error
+      integer, allocatable :: sides(:, :)
+      real(dp) :: area
+      integer :: i, j, k, a, side, point
+
+      place = 0
+      n = 0
+      call mesh%set_sides(set, sides, error)
+      do side = 1, size(sides, 2)
+         do k = 1, count(sides(:3, side) > 0)
+            do a = 1, 2
+               associate (of_component => place(a, sides(k, side)))
+                  if (of_component > 0 .or. .not. constraints%is_free(a, sides(k, side))) cycle
+                  n = n + 1
+                  of_component = n
+               end associate
+            end do
+         end do
+      end do
+      allocate (mass(n, n), source=0.0_dp)
+      do side = 1, size(sides, 2)
+         call new_side_geometry(geometry, sides(:3, side), mesh%coordinates)
+         do point = 1, size(geometry%along, 2)
+            area = norm2(geometry%along(:, point)) &
+               *materials%list(materials%of_element(sides(4, side)))%depth(geometry%position(1, point))
+            do j = 1, count(sides(:3, side) > 0)
+               do i = 1, count(sides(:3, side) > 0)
+                  call add_pair(mass, place(:, sides(i, side)), place(:, sides(j, side)), &
+                     area*geometry%values(i, point)*geometry%values(j, point) &
+                     *matmul(transpose(constraints%frame(sides(i, side))), constraints%frame(sides(j, side))))
+               end do
+            end do
+         end do
+      end do
+   end subroutine trace_mass
+
+   !> Adds the block of two nodes to a matrix, where their displacements are free.
+   pure subroutine add_pair(matrix, rows, columns, block)
+      real(dp), intent(inout) :: matrix(:, :) !! the matrix
+      integer, intent(in) :: rows(2) !! rows of the one node, 0 for none
+      integer, intent(in) :: columns(2) !! columns of the other node, 0 for none
+      real(dp), intent(in) :: block(2, 2) !! the block
+      integer :: a, b
+
+      do b = 1, 2
+         do a = 1, 2
+            if (min(rows(a), columns(b)) > 0) matrix(rows(a), columns(b)) = matrix(rows(a), columns(b)) + block(a, b)
+         end do
+      end do
+   end subroutine add_pair
+
+   !> The rows of C of a contact set, each for a multiplier of norm 1; those of guided tangents are left out.
+   pure function scaled_rows(zone, number, constraints, place, n) result(rows)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer, intent(in) :: number !! number of the contact set
+      type(constraints_t), intent(in) :: constraints !! the supports
+      integer, intent(in) :: place(:, :) !! place of each displacement among the columns, 0 for none (2, n_nodes)
+      integer, intent(in) :: n !! number of columns
+      real(dp), allocatable :: rows(:, :)
+      real(dp) :: frame(2, 2), parts(2, 2), all_rows(2*zone%n_points, n)
+      logical :: is_active(2*zone%n_points)
+      integer :: p, i, a, k, row
+
+      all_rows = 0.0_dp
+      is_active = [zone%set == number, zone%set == number .and. .not. zone%is_guided]
+      do p = 1, zone%n_points
+         if (zone%set(p) /= number) cycle
+         do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+            frame = constraints%frame(zone%rows%node(i))
+            parts = reshape([zone%rows%part(:, i), turned(zone%rows%part(:, i))], [2, 2])
+            do k = 1, 2
+               row = p + (k - 1)*zone%n_points
+               do a = 1, 2
+                  associate (column => place(a, zone%rows%node(i)))
+                     if (column > 0) all_rows(row, column) = all_rows(row, column) &
+                        + sqrt(zone%area(p))*dot_product(parts(:, k), frame(:, a))
+                  end associate
+               end do
+            end do
+         end do
+      end do
+      rows = all_rows(pack([(i, i=1, size(is_active))], is_active), :)
+   end function scaled_rows
+
+   !> The smallest eigenvalue of a definite matrix, by inverse iteration from a vector that changes sign from entry to
+   !> entry; the estimate comes from above.
+   pure real(dp) function smallest_eigenvalue(factor) result(eigenvalue)
+      real(dp), intent(in) :: factor(:, :) !! Cholesky factor of the matrix
+      integer, parameter :: n_steps = 200
+      real(dp), parameter :: settled = 1.0e-6_dp
+      real(dp) :: x(size(factor, 1)), norm, last
+      integer :: i, step
+
+      x = [(sin(real(i, dp)**2), i=1, size(x))]
+      x = x/norm2(x)
+      eigenvalue = huge(eigenvalue)
+      do step = 1, n_steps
+         last = eigenvalue
+         call cholesky_solve(factor, x)
+         norm = norm2(x)
+         x = x/norm
+         eigenvalue = 1.0_dp/norm
+         if (abs(last - eigenvalue) <= settled*eigenvalue) return
+      end do
+   end function smallest_eigenvalue
+
+end module amontons_inf_sup
