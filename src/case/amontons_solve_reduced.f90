@@ -96,6 +96,11 @@ contains
       call result%timings%lap(phase_solve)
       associate (system => result%system)
          call system%set_solution(result%solution%force, system%length_unit()/system%compliance_unit())
+         if (.not. all(ieee_is_finite([system%r, system%u]))) then
+            call new_error(error, numerical_failure, 'the forces that solve it are too large for numbers of double '// &
+               'precision: count forces or lengths in another unit')
+            return
+         end if
          call new_reduced_check(result%check, system)
       end associate
       call result%timings%lap(phase_recover)

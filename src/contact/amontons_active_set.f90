@@ -44,12 +44,13 @@ contains
       real(dp), intent(in) :: rho(:) !! stiffness that turns displacements into forces (2m) [F/L]
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
       real(dp), intent(in) :: force(:) !! lambda (2m) [F]
-      real(dp), intent(out) :: violation !! the largest violation of the contact law [F]
-      real(dp) :: normal, tangential, bound, cut
+      real(dp), intent(out) :: violation !! the largest violation of the contact law, with its weight [F]
+      real(dp) :: weight(problem%n_points), normal, tangential, bound, cut
       integer :: p, t
 
       if (.not. allocated(self%sense)) allocate (self%is_closed(problem%n_points), self%sense(problem%n_points))
       violation = 0.0_dp
+      weight = problem%weight()
       do p = 1, problem%n_points
          t = p + problem%n_points
          normal = force(p) + rho(p)*(displacement(p) - problem%gap(p))
@@ -63,7 +64,7 @@ contains
             self%sense(p) = nint(sign(1.0_dp, tangential))
          end if
          cut = bounded(tangential, problem%slip_bound(p) + problem%friction(p)*max(0.0_dp, force(p)))
-         violation = max(violation, abs(force(p) - max(0.0_dp, normal)), abs(force(t) - cut))
+         violation = max(violation, weight(p)*abs(force(p) - max(0.0_dp, normal)), weight(p)*abs(force(t) - cut))
       end do
    end subroutine active_set_guess
 

@@ -44,6 +44,7 @@ module amontons_contact_problem
       procedure :: residual => contact_problem_residual
       procedure :: status => contact_problem_status
       procedure :: violation => contact_problem_violation
+      procedure :: weight => contact_problem_weight
    end type contact_problem_t
 
 contains
@@ -189,9 +190,25 @@ contains
       if (.not. scale > 0.0_dp) scale = 1.0_dp
    end function contact_problem_force_scale
 
+   !> What the violations of each point count by. In a reduced problem a violation is as large as its part of the force
+   !> scale or of the largest free displacement, whichever part is larger: else stiff points, whose forces are large,
+   !> would hide what is wrong at soft ones (m) [-].
+   pure function contact_problem_weight(self) result(weight)
+      class(contact_problem_t), intent(in) :: self !! the problem
+      real(dp), allocatable :: weight(:)
+      real(dp) :: rho(2*self%n_points), length
+
+      allocate (weight(self%n_points), source=1.0_dp)
+      if (.not. self%is_reduced()) return
+      length = maxval(abs(self%dual_load(self%free_displacement)))
+      if (.not. length > 0.0_dp) return
+      rho = self%augmentation()
+      weight = max(1.0_dp, self%force_scale()/(length*min(rho(:self%n_points), rho(self%n_points + 1:))))
+   end function contact_problem_weight
+
    !> The residual of a pair (v, lambda): largest violation of `S v = q - lambda`, or of `v = v_free - A lambda` turned
-   !> into forces, and of the contact law, over the force scale. It depends on no method and on no unit, and is zero at
-   !> a solution only; numbers that are not finite make it huge [-].
+   !> into forces, and of the contact law, over the force scale, all with their weights. It depends on no method and on
+   !> no unit, and is zero at a solution only; numbers that are not finite make it huge [-].
    pure real(dp) function contact_problem_residual(self, displacement, force) result(residual)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
@@ -200,7 +217,8 @@ contains
 
       if (self%is_reduced()) then
          call self%compliance%multiply(force, imbalance)
-         imbalance = self%augmentation()*(imbalance - self%free_displacement + displacement)
+         imbalance = [self%weight(), self%weight()]*self%augmentation()*(imbalance - self%free_displacement &
+            + displacement)
       else
          call symmetric_multiply(self%stiffness, displacement, imbalance)
          imbalance = imbalance - self%load + force
@@ -211,7 +229,7 @@ contains
       residual = max(maxval(abs(imbalance)), self%violation(displacement, force))/self%force_scale()
    end function contact_problem_residual
 
-   !> The largest violation of the contact law by a pair (v, lambda) [F].
+   !> The largest violation of the contact law by a pair (v, lambda), with its weight [F].
    pure real(dp) function contact_problem_violation(self, displacement, force) result(violation)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
@@ -221,7 +239,7 @@ contains
 
       m = self%n_points
       rho = self%augmentation()
-      violation = max(0.0_dp, maxval(law_violation(force(:m), displacement(:m) - self%gap, force(m + 1:), &
+      violation = max(0.0_dp, maxval(self%weight()*law_violation(force(:m), displacement(:m) - self%gap, force(m + 1:), &
          displacement(m + 1:), self%friction, self%slip_bound, rho(:m), rho(m + 1:))))
    end function contact_problem_violation
 
