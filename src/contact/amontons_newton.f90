@@ -26,6 +26,10 @@ module amontons_newton
    !> semidefinite problems, whose guesses then never settle.
    real(dp), parameter :: little = 3.0_dp, much = 90.0_dp
 
+   !> A residual that falls to a larger part of itself in a step with the least share falls slowly; the share may then go
+   !> below the least one, as far as this.
+   real(dp), parameter :: slow = 0.5_dp, no_share = 1.0e-12_dp
+
    !> The semismooth Newton method, in the displacements of a body and in the forces of a reduced problem.
    type, extends(contact_method_t) :: newton_t
       real(dp) :: most_share = 1.0_dp !! largest share of the diagonal that holds a step [-]
@@ -45,7 +49,7 @@ contains
       class(newton_system_t), allocatable :: system
       type(active_set_t) :: guess, last
       real(dp), dimension(2*problem%n_points) :: displacement, force, rho
-      real(dp) :: scale, share, residual, previous, violation, imbalance
+      real(dp) :: scale, share, least_share, residual, previous, violation, imbalance
       integer :: iteration, info
       logical :: may_continue
 
@@ -58,6 +62,7 @@ contains
       call guess%guess(problem, rho, displacement, force, violation)
       if (.not. any(force(:problem%n_points) > 0.0_dp)) call guess%guess_stick(problem, rho, scale)
       share = system%first_share
+      least_share = system%least_share
       previous = huge(previous)
       do iteration = 1, self%max_iterations
          call system%solve(problem, guess, share, displacement, force, imbalance, info)
@@ -81,8 +86,13 @@ contains
          end if
          if (residual > previous) then
             call grow(share, self%most_share)
+         else if (.not. guess%equals(last)) then
+            least_share = system%least_share
+            share = max(least_share, share/little)
          else
-            share = max(system%least_share, share/merge(much, little, guess%equals(last)))
+            ! The statuses are found, and only the share stands between them and their forces.
+            if (residual > slow*previous) least_share = min(least_share, max(no_share, least_share/much))
+            share = max(least_share, share/much)
          end if
          previous = residual
       end do
