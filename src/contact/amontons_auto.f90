@@ -48,7 +48,7 @@ contains
       call best%begin()
       allocate (history(0))
       call run(newton_t(self%tolerance, n_first_steps))
-      if (.not. is_done()) then
+      if (.not. is_done() .and. .not. is_sparse()) then
          call return_to_best()
          call run(splitting_t(max(coarse, self%tolerance), n_splitting_steps))
       end if
@@ -78,6 +78,13 @@ contains
       pure logical function is_done()
          is_done = best%residual <= self%tolerance .or. size(history) >= self%max_iterations
       end function is_done
+
+      !> Whether this is a reduced problem with a sparse compliance: its quadratic programs are large and, as in a pile of
+      !> grains, mostly singular, so that each takes seconds.
+      pure logical function is_sparse()
+         is_sparse = problem%is_reduced()
+         if (is_sparse) is_sparse = problem%compliance%is_sparse()
+      end function is_sparse
 
       !> Makes the best pair so far the start of the next method.
       subroutine return_to_best()
