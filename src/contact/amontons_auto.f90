@@ -15,6 +15,16 @@ module amontons_auto
 
    public :: auto_t
 
+   !> Steps of the first two stages, and the residual that ends the second.
+   integer, parameter :: n_first_steps = 20, n_splitting_steps = 40
+   real(dp), parameter :: coarse = 1.0e-6_dp
+   !> Semidefinite problems with strong friction take most of these steps, and sometimes more than one round of them.
+   integer, parameter :: n_newton_steps = 100, n_first_sweeps = 10, growth = 4
+   !> One path of Lemke's pivots then takes up to a second (0.2 s to 0.8 s measured at 200 to 300 points).
+   integer, parameter :: most_points = 300
+   !> Shares of the diagonal: more ends cycles of Newton's guesses, but is slow where there are none.
+   real(dp), parameter :: most_shares(2) = [1.0_dp, 30.0_dp]
+
    !> The default method.
    type, extends(contact_method_t) :: auto_t
    contains
@@ -31,27 +41,18 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
-      integer, parameter :: n_first_steps = 20, n_splitting_steps = 40
-      real(dp), parameter :: coarse = 1.0e-6_dp
-      ! Semidefinite problems with strong friction take most of these steps, and sometimes more than one round of them.
-      integer, parameter :: n_newton_steps = 100, n_first_sweeps = 10, growth = 4
       type(contact_solution_t) :: best
       type(effort_t) :: effort
       real(dp), allocatable :: history(:)
-      ! One path of Lemke's pivots then takes up to a second (0.2 s to 0.8 s measured at 200 to 300 points).
-      integer, parameter :: most_points = 300
-      ! Shares of the diagonal: more ends cycles of Newton's guesses, but is slow where there are none.
-      real(dp), parameter :: most_shares(2) = [1.0_dp, 30.0_dp]
-      integer :: n_sweeps, round
+      integer :: n_sweeps, n_steps, round
 
       best = solution
       call best%begin()
       allocate (history(0))
       call run(newton_t(self%tolerance, n_first_steps))
-      if (.not. is_done() .and. .not. is_sparse()) then
-         call return_to_best()
-         call run(splitting_t(max(coarse, self%tolerance), n_splitting_steps))
-      end if
+      call return_to_best()
+      n_steps = merge(0, n_splitting_steps, is_done() .or. is_sparse(problem))
+      if (n_steps > 0) call run(splitting_t(max(coarse, self%tolerance), n_steps))
       n_sweeps = n_first_sweeps
       round = 0
       do while (.not. is_done())
@@ -79,13 +80,6 @@ contains
          is_done = best%residual <= self%tolerance .or. size(history) >= self%max_iterations
       end function is_done
 
-      !> Whether this is a reduced problem with a sparse compliance: its quadratic programs are large and, as in a pile of
-      !> grains, mostly singular, so that each takes seconds.
-      pure logical function is_sparse()
-         is_sparse = problem%is_reduced()
-         if (is_sparse) is_sparse = problem%compliance%is_sparse()
-      end function is_sparse
-
       !> Makes the best pair so far the start of the next method.
       subroutine return_to_best()
          solution%force = best%force
@@ -106,5 +100,14 @@ contains
       end subroutine run
 
    end subroutine auto_solve
+
+   !> Whether a problem is a reduced one with a sparse compliance: its quadratic programs are large and, as in a pile of
+   !> grains, mostly singular, so that each takes seconds.
+   pure logical function is_sparse(problem)
+      type(contact_problem_t), intent(in) :: problem !! the problem
+
+      is_sparse = problem%is_reduced()
+      if (is_sparse) is_sparse = problem%compliance%is_sparse()
+   end function is_sparse
 
 end module amontons_auto

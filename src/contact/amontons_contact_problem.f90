@@ -207,8 +207,9 @@ contains
    end function contact_problem_weight
 
    !> The residual of a pair (v, lambda): largest violation of `S v = q - lambda`, or of `v = v_free - A lambda` turned
-   !> into forces, and of the contact law, over the force scale, all with their weights. It depends on no method and on
-   !> no unit, and is zero at a solution only; numbers that are not finite make it huge [-].
+   !> The residual of a pair (v, lambda): largest violation of `S v = q - lambda`, or of `v = v_free - A lambda` turned
+   !> into forces, and of the contact law, over the force scale, with weights. It depends on no method and on no unit,
+   !> and is zero at a solution only; numbers that are not finite make it huge [-].
    pure real(dp) function contact_problem_residual(self, displacement, force) result(residual)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
@@ -239,8 +240,8 @@ contains
 
       m = self%n_points
       rho = self%augmentation()
-      violation = max(0.0_dp, maxval(self%weight()*law_violation(force(:m), displacement(:m) - self%gap, force(m + 1:), &
-         displacement(m + 1:), self%friction, self%slip_bound, rho(:m), rho(m + 1:))))
+      violation = max(0.0_dp, maxval(self%weight()*law_violation(force(:m), displacement(:m) - self%gap, &
+         force(m + 1:), displacement(m + 1:), self%friction, self%slip_bound, rho(:m), rho(m + 1:))))
    end function contact_problem_violation
 
    !> Status of every point of a pair (v, lambda): which bound of the law is active (m).

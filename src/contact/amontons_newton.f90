@@ -26,8 +26,8 @@ module amontons_newton
    !> semidefinite problems, whose guesses then never settle.
    real(dp), parameter :: little = 3.0_dp, much = 90.0_dp
 
-   !> A residual that falls to a larger part of itself in a step with the least share falls slowly; the share may then go
-   !> below the least one, as far as this.
+   !> A residual that falls to a larger part of itself in a step that leaves the guess falls slowly; the share may then
+   !> go below the least one, as far as this.
    real(dp), parameter :: slow = 0.5_dp, no_share = 1.0e-12_dp
 
    !> The semismooth Newton method, in the displacements of a body and in the forces of a reduced problem.
@@ -84,16 +84,7 @@ contains
          else
             call note(solution, displacement, force, residual)
          end if
-         if (residual > previous) then
-            call grow(share, self%most_share)
-         else if (.not. guess%equals(last)) then
-            least_share = system%least_share
-            share = max(least_share, share/little)
-         else
-            ! The statuses are found, and only the share stands between them and their forces.
-            if (residual > slow*previous) least_share = min(least_share, max(no_share, least_share/much))
-            share = max(least_share, share/much)
-         end if
+         call adapt(share, least_share, system%least_share, self%most_share, residual/previous, guess%equals(last))
          previous = residual
       end do
       call judge(solution, problem)
@@ -110,6 +101,27 @@ contains
       call solution%effort%multiply(1.0_dp)
       solution%status = problem%status(solution%displacement, solution%force)
    end subroutine judge
+
+   !> Makes the share of the next step.
+   pure subroutine adapt(share, least, first_least, most, ratio, stays)
+      real(dp), intent(inout) :: share !! the share [-]
+      real(dp), intent(inout) :: least !! the least that it may be [-]
+      real(dp), intent(in) :: first_least !! the least that it may be as long as guesses change [-]
+      real(dp), intent(in) :: most !! the largest that it may be [-]
+      real(dp), intent(in) :: ratio !! residual after the step over the one before [-]
+      logical, intent(in) :: stays !! whether the step left the guess as it was
+
+      if (ratio > 1.0_dp) then
+         call grow(share, most)
+      else if (.not. stays) then
+         least = first_least
+         share = max(least, share/little)
+      else
+         ! The statuses are found, and only the share stands between them and their forces.
+         if (ratio > slow) least = min(least, max(no_share, least/much))
+         share = max(least, share/much)
+      end if
+   end subroutine adapt
 
    !> Makes a share of the diagonal larger.
    pure subroutine grow(share, most)
