@@ -50,7 +50,8 @@ contains
       call best%begin()
       allocate (history(0))
       call run(newton_t(self%tolerance, n_first_steps))
-      call return_to_best()
+      solution%force = best%force
+      solution%displacement = best%displacement
       n_steps = merge(0, n_splitting_steps, is_done() .or. is_sparse(problem))
       if (n_steps > 0) call run(splitting_t(max(coarse, self%tolerance), n_steps))
       n_sweeps = n_first_sweeps
@@ -63,7 +64,8 @@ contains
             call run(lemke_t(self%tolerance))
             cycle
          end if
-         call return_to_best()
+         solution%force = best%force
+         solution%displacement = best%displacement
          call run(psor_t(self%tolerance, n_sweeps, space=merge('dual  ', 'primal', problem%is_reduced())))
          n_sweeps = growth*n_sweeps
       end do
@@ -79,12 +81,6 @@ contains
       pure logical function is_done()
          is_done = best%residual <= self%tolerance .or. size(history) >= self%max_iterations
       end function is_done
-
-      !> Makes the best pair so far the start of the next method.
-      subroutine return_to_best()
-         solution%force = best%force
-         solution%displacement = best%displacement
-      end subroutine return_to_best
 
       !> Runs one method from the present solution, as far as iterations are left, and appends its record.
       subroutine run(method)

@@ -207,7 +207,6 @@ contains
    end function contact_problem_weight
 
    !> The residual of a pair (v, lambda): largest violation of `S v = q - lambda`, or of `v = v_free - A lambda` turned
-   !> The residual of a pair (v, lambda): largest violation of `S v = q - lambda`, or of `v = v_free - A lambda` turned
    !> into forces, and of the contact law, over the force scale, with weights. It depends on no method and on no unit,
    !> and is zero at a solution only; numbers that are not finite make it huge [-].
    pure real(dp) function contact_problem_residual(self, displacement, force) result(residual)
