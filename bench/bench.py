@@ -150,7 +150,7 @@ def print_reduced(program, work, sizes, rates):
         ours = summary["seconds"]["solve"]
         peers = {}
         if version_of("python3-siconos"):
-            output = run([PYTHON, BENCH / "siconos_reduced.py", problem, 120], threads=1, check=False)[0]
+            output = run([PYTHON, BENCH / "siconos_reduced.py", problem, 20], threads=1, check=False)[0]
             peers = dict(line.split(": ", 1) for line in output.splitlines() if ": " in line)
         rows.append([str(n + 1), seconds(ours), f"{summary['residual']:.0e}"]
                     + [peers.get(name, "not installed") for name in ("Newton", "Lemke", "Gauss-Seidel")])

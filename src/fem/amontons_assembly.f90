@@ -1,6 +1,6 @@
 !> The stiffness matrix of the unknowns, assembled from the elements, and the nodal forces of a displacement.
 module amontons_assembly
-   use amontons_coloring, only: coloring_t
+   use amontons_coloring, only: coloring_t, worth_threads
    use amontons_constraints, only: constraints_t
    use amontons_dof_map, only: dof_map_t
    use amontons_elasticity, only: element_forces, element_geometry_t, element_stiffness, new_element_geometry
@@ -37,7 +37,8 @@ contains
       call place_unknowns(stiffness, mesh, dof_map)
       do color = 1, coloring%n_colors
          !$omp parallel do default(none) schedule(static) private(geometry, block, unknowns, k, n) &
-         !$omp shared(stiffness, mesh, materials, coloring, constraints, dof_map, color)
+         !$omp shared(stiffness, mesh, materials, coloring, constraints, dof_map, color) &
+         !$omp if (mesh%n_elements >= worth_threads)
          do i = coloring%start(color), coloring%start(color + 1) - 1
             associate (material => materials%list(materials%of_element(coloring%element(i))))
                call new_element_geometry(geometry, mesh, coloring%element(i), material)
@@ -119,7 +120,8 @@ contains
       allocate (forces(2, mesh%n_nodes), source=0.0_dp)
       do color = 1, coloring%n_colors
          !$omp parallel do default(none) schedule(static) private(geometry, element, k) &
-         !$omp shared(forces, mesh, materials, coloring, displacement, color)
+         !$omp shared(forces, mesh, materials, coloring, displacement, color) &
+         !$omp if (mesh%n_elements >= worth_threads)
          do i = coloring%start(color), coloring%start(color + 1) - 1
             associate (material => materials%list(materials%of_element(coloring%element(i))))
                call new_element_geometry(geometry, mesh, coloring%element(i), material)

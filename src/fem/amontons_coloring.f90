@@ -5,7 +5,10 @@ module amontons_coloring
    implicit none (type, external)
    private
 
-   public :: coloring_t, new_coloring
+   public :: coloring_t, new_coloring, worth_threads
+
+   !> Fewest elements whose work outweighs waking other threads, which takes up to some ten milliseconds.
+   integer, parameter :: worth_threads = 10000
 
    !> Elements sorted by colour. Sums over the elements of a mesh taken colour by colour are the same for any
    !> number of threads.

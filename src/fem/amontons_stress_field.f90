@@ -1,5 +1,6 @@
 !> Stresses and strain energy density of a whole body, as result files show them.
 module amontons_stress_field
+   use amontons_coloring, only: worth_threads
    use amontons_dense, only: cholesky_factor, cholesky_solve
    use amontons_elasticity, only: element_geometry_t, element_strain, new_element_geometry
    use amontons_element, only: element_names, is_triangle, max_nodes, max_points, n_element_nodes, n_element_points, &
@@ -37,7 +38,7 @@ contains
       end do
       allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements), &
          at_nodes(4, size(mesh%node)))
-      !$omp parallel do schedule(static)
+      !$omp parallel do schedule(static) if (mesh%n_elements >= worth_threads)
       do element = 1, mesh%n_elements
          call evaluate_element(mesh, materials, element, displacement, to_nodes(:, :, mesh%element_kind(element)), &
             field%element(:, element), field%energy_density(element), &
