@@ -2,7 +2,7 @@
 module amontons_auto
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_effort, only: effort_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
@@ -15,8 +15,8 @@ module amontons_auto
 
    public :: auto_t
 
-   !> Steps of the first two stages, and the residual that ends the second.
-   integer, parameter :: n_first_steps = 20, n_splitting_steps = 40
+   !> Steps of the first stages, and the residual that ends the splitting.
+   integer, parameter :: n_warm_steps = 8, n_first_steps = 20, n_splitting_steps = 40
    real(dp), parameter :: coarse = 1.0e-6_dp
    !> Semidefinite problems with strong friction take most of these steps, and sometimes more than one round of them.
    integer, parameter :: n_newton_steps = 100, n_first_sweeps = 10, growth = 4
@@ -33,9 +33,10 @@ module amontons_auto
 
 contains
 
-   !> A few steps of Newton from the start; the splitting to a coarse tolerance, which gets close where friction is
-   !> moderate. Then, until the iterations are used up, Newton at length and sweeps from the best pair so far, each time
-   !> four times as many as before. Lemke's pivoting, where it is quick, has its turn once.
+   !> A few steps of Newton from the start, and from rest if that is another one; the splitting to a coarse tolerance,
+   !> which gets close where friction is moderate. Then, until the iterations are used up, Newton at length and sweeps
+   !> from the best pair so far, each time four times as many as before. Lemke's pivoting, where it is quick, has its turn
+   !> once.
    subroutine auto_solve(self, problem, solution, error)
       class(auto_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
@@ -49,9 +50,10 @@ contains
       best = solution
       call best%begin()
       allocate (history(0))
-      call run(newton_t(self%tolerance, n_first_steps))
-      solution%force = best%force
-      solution%displacement = best%displacement
+      if (any(solution%force > 0.0_dp)) call run(newton_t(self%tolerance, n_warm_steps))
+      call new_contact_solution(solution, problem%n_points)
+      if (.not. is_done()) call run(newton_t(self%tolerance, n_first_steps))
+      solution = best
       n_steps = merge(0, n_splitting_steps, is_done() .or. is_sparse(problem))
       if (n_steps > 0) call run(splitting_t(max(coarse, self%tolerance), n_steps))
       n_sweeps = n_first_sweeps
@@ -64,8 +66,7 @@ contains
             call run(lemke_t(self%tolerance))
             cycle
          end if
-         solution%force = best%force
-         solution%displacement = best%displacement
+         solution = best
          call run(psor_t(self%tolerance, n_sweeps, space=merge('dual  ', 'primal', problem%is_reduced())))
          n_sweeps = growth*n_sweeps
       end do
