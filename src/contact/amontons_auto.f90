@@ -35,8 +35,8 @@ contains
 
    !> A few steps of Newton from the start, and from rest if that is another one; the splitting to a coarse tolerance,
    !> which gets close where friction is moderate. Then, until the iterations are used up, Newton at length and sweeps
-   !> from the best pair so far, each time four times as many as before. Lemke's pivoting, where it is quick, has its turn
-   !> once.
+   !> from the best pair so far, each time four times as many as before. Lemke's pivoting, where it is quick, has its
+   !> turn once.
    subroutine auto_solve(self, problem, solution, error)
       class(auto_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
