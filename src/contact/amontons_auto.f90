@@ -45,23 +45,21 @@ contains
       type(contact_solution_t) :: best
       type(effort_t) :: effort
       real(dp), allocatable :: history(:)
-      integer :: n_sweeps, n_steps, round
+      integer :: n_sweeps, round
 
       best = solution
       call best%begin()
       allocate (history(0))
       if (any(solution%force > 0.0_dp)) call run(newton_t(self%tolerance, n_warm_steps))
       call new_contact_solution(solution, problem%n_points)
-      if (.not. is_done()) call run(newton_t(self%tolerance, n_first_steps))
+      call run(newton_t(self%tolerance, n_first_steps))
       solution = best
-      n_steps = merge(0, n_splitting_steps, is_done() .or. is_sparse(problem))
-      if (n_steps > 0) call run(splitting_t(max(coarse, self%tolerance), n_steps))
+      if (.not. is_sparse(problem)) call run(splitting_t(max(coarse, self%tolerance), n_splitting_steps))
       n_sweeps = n_first_sweeps
       round = 0
       do while (.not. is_done())
          round = round + 1
          call run(newton_t(self%tolerance, n_newton_steps, most_shares(1 + modulo(round - 1, 2))))
-         if (is_done()) exit
          if (round == 2 .and. problem%n_points <= most_points) then
             call run(lemke_t(self%tolerance))
             cycle
@@ -83,11 +81,13 @@ contains
          is_done = best%residual <= self%tolerance .or. size(history) >= self%max_iterations
       end function is_done
 
-      !> Runs one method from the present solution, as far as iterations are left, and appends its record.
+      !> Runs one method from the present solution, as far as there is need and iterations are left, and appends its
+      !> record.
       subroutine run(method)
          class(contact_method_t), intent(in) :: method !! the method
          class(contact_method_t), allocatable :: limited
 
+         if (is_done()) return
          allocate (limited, source=method)
          limited%max_iterations = min(method%max_iterations, self%max_iterations - size(history))
          call limited%solve(problem, solution, error)
