@@ -3,7 +3,7 @@ module amontons_help
    use, intrinsic :: iso_fortran_env, only: compiler_version
    use amontons_fclib_file, only: has_fclib
    use amontons_libraries, only: blas_text, suitesparse_text
-   use amontons_text, only: to_text
+   use amontons_text, only: newline, to_text
    use amontons_threads, only: n_threads, openmp_date
    use amontons_version, only: build_type, version
    implicit none (type, external)
@@ -11,7 +11,6 @@ module amontons_help
 
    public :: help_text, version_text
 
-   character, parameter :: newline = new_line('a')
    !> Most characters of a line of help.
    integer, parameter :: width = 82
 

@@ -2,7 +2,7 @@
 module amontons_number_table
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_text, only: read_real, to_text
+   use amontons_text, only: newline, read_real, to_text
    use amontons_text_file, only: read_text_file
    implicit none (type, external)
    private
@@ -42,7 +42,7 @@ contains
       may_be_headings = .true.
       do while (first <= len(text))
          line = line + 1
-         last = first + index(text(first:)//new_line('a'), new_line('a')) - 2
+         last = first + index(text(first:)//newline, newline) - 2
          start = first
          call read_pair(text(first:min(last, len(text))), pair, is_pair, is_empty)
          first = last + 2
@@ -73,7 +73,7 @@ contains
 
       count_lines = 1
       do i = 1, len(text)
-         if (text(i:i) == new_line('a')) count_lines = count_lines + 1
+         if (text(i:i) == newline) count_lines = count_lines + 1
       end do
    end function count_lines
 

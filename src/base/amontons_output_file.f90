@@ -8,7 +8,7 @@ module amontons_output_file
    implicit none (type, external)
    private
 
-   public :: commit_files, new_foreign_file, new_output_file, output_file_t
+   public :: commit_files, new_foreign_file, new_output_file, output_file_t, write_text_file
 
    !> A file being written. Until `commit` the final name is untouched.
    type :: output_file_t
@@ -44,6 +44,20 @@ contains
       call file%discard()
       call new_error(error, system_failure, path//': cannot write this file: '//trim(reason))
    end subroutine new_output_file
+
+   !> Writes a text, lines with their ends, under a temporary name beside the final one.
+   subroutine write_text_file(file, path, text, error)
+      type(output_file_t), intent(out) :: file !! the finished file
+      character(*), intent(in) :: path !! final name
+      character(*), intent(in) :: text !! the text
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
+      integer :: status
+
+      call new_output_file(file, path, .true., error)
+      if (allocated(error)) return
+      write (file%unit, iostat=status) text
+      call file%finish(status, error)
+   end subroutine write_text_file
 
    !> Makes a file that a foreign library writes whole, and closes, under the temporary name.
    subroutine new_foreign_file(file, path, error)

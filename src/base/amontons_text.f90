@@ -5,7 +5,11 @@ module amontons_text
    implicit none (type, external)
    private
 
-   public :: lower_case, nearest_word, quoted, read_integer, read_real, to_text, to_text_17
+   public :: as_lines, comma_separated, lower_case, nearest_word, newline, quoted, read_integer, read_real, to_text, &
+      to_text_17
+
+   !> The end of a line.
+   character(*), parameter :: newline = new_line('a')
 
    !> Shortest text that reads back as the same value.
    interface to_text
@@ -87,6 +91,34 @@ contains
       write (buffer, '(es24.16e3)') value
       text = trim(adjustl(buffer))
    end function to_text_17
+
+   !> Reals with 17 significant digits and commas between them, as the tables hold them.
+   pure function comma_separated(values) result(text)
+      real(dp), intent(in) :: values(:) !! the numbers, one at the least
+      character(:), allocatable :: text
+      integer :: i
+
+      text = to_text_17(values(1))
+      do i = 2, size(values)
+         text = text//','//to_text_17(values(i))
+      end do
+   end function comma_separated
+
+   !> Lines one behind the other, without the blanks that pad them, each with its end.
+   pure function as_lines(lines) result(text)
+      character(*), intent(in) :: lines(:) !! the lines, blank padded
+      character(:), allocatable :: text
+      integer :: i, first, last
+
+      allocate (character((len(lines) + 1)*size(lines)) :: text)
+      last = 0
+      do i = 1, size(lines)
+         first = last + 1
+         last = last + len_trim(lines(i)) + 1
+         text(first:last) = trim(lines(i))//newline
+      end do
+      text = text(:last)
+   end function as_lines
 
    !> A logical as a namelist writes it.
    pure function logical_to_text(value) result(text)

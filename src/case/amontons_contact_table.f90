@@ -2,16 +2,14 @@
 module amontons_contact_table
    use amontons_body, only: body_t
    use amontons_contact_rows, only: contact_rows_t
-   use amontons_error, only: error_t
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
-   use amontons_output_file, only: new_output_file, output_file_t
    use amontons_result, only: result_t
-   use amontons_text, only: to_text, to_text_17
+   use amontons_text, only: as_lines, comma_separated, newline, to_text
    implicit none (type, external)
    private
 
-   public :: contact_point_t, new_contact_point, write_contact_table
+   public :: contact_point_t, contact_table_text, new_contact_point
 
    !> What is known of one contact point, a node or a cell of constant multipliers.
    type :: contact_point_t
@@ -57,33 +55,23 @@ contains
       point%status = trim(status_names(result%solution%status(p)))
    end subroutine new_contact_point
 
-   !> Writes the table under its temporary name.
-   subroutine write_contact_table(file, path, body, result, error)
-      type(output_file_t), intent(out) :: file !! the finished file
-      character(*), intent(in) :: path !! name of the file
+   !> The whole table.
+   pure function contact_table_text(body, result) result(text)
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
-      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
+      character(:), allocatable :: text
+      character(300) :: rows(body%zone%n_points)
       type(contact_point_t) :: point
-      character(:), allocatable :: row
-      real(dp), allocatable :: numbers(:)
-      integer :: p, i, status
+      integer :: p
 
-      call new_output_file(file, path, .false., error)
-      if (allocated(error)) return
-      write (file%unit, '(a)', iostat=status) 'point,x,y,normal_x,normal_y,weight,gap,slip,normal_force,'// &
-         'tangential_force,normal_stress,tangential_stress,status'
       do p = 1, body%zone%n_points
          call new_contact_point(point, body, result, p)
-         numbers = [point%position, point%normal, point%weight, point%gap, point%slip, point%normal_force, &
-            point%tangential_force, point%normal_stress, point%tangential_stress]
-         row = to_text(p)
-         do i = 1, size(numbers)
-            row = row//','//to_text_17(numbers(i))
-         end do
-         if (status == 0) write (file%unit, '(a)', iostat=status) row//','//point%status
+         rows(p) = to_text(p)//','//comma_separated([point%position, point%normal, point%weight, point%gap, &
+            point%slip, point%normal_force, point%tangential_force, point%normal_stress, point%tangential_stress]) &
+            //','//point%status
       end do
-      call file%finish(status, error)
-   end subroutine write_contact_table
+      text = 'point,x,y,normal_x,normal_y,weight,gap,slip,normal_force,tangential_force,normal_stress,'// &
+         'tangential_stress,status'//newline//as_lines(rows)
+   end function contact_table_text
 
 end module amontons_contact_table

@@ -4,7 +4,7 @@
 !> table, key by key, word by word and default by default.
 module amontons_deck_reference
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_text, only: lower_case, nearest_word
+   use amontons_text, only: lower_case, nearest_word, newline
    implicit none (type, external)
    private
 
@@ -187,7 +187,7 @@ contains
       text = ''
       do i = 1, size(group_names)
          if (len(wanted) > 0 .and. group_names(i) /= wanted) cycle
-         if (len(text) > 0) text = text//new_line('a')//new_line('a')
+         if (len(text) > 0) text = text//newline//newline
          text = text//group_text(group_names(i))
       end do
       if (len(text) > 0) return
@@ -200,7 +200,6 @@ contains
    pure function group_text(group) result(text)
       character(*), intent(in) :: group !! name of the group
       character(:), allocatable :: text
-      character(*), parameter :: newline = new_line('a')
       integer :: i
 
       text = '### `&'//trim(group)//'`'

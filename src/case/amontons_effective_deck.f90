@@ -7,13 +7,11 @@ module amontons_effective_deck
    use amontons_line_field, only: line_field_t
    use amontons_loads, only: load_on_nodes, load_on_sides
    use amontons_sweep, only: quantity_names, swept_load
-   use amontons_text, only: quoted, to_text
+   use amontons_text, only: newline, quoted, to_text
    implicit none (type, external)
    private
 
    public :: body_text, effective_deck
-
-   character(*), parameter :: newline = new_line('a')
 
 contains
 

@@ -1,7 +1,7 @@
 !> The faults of an input file, collected so that one run reports them all.
 module amontons_fault_list
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_text, only: to_text
+   use amontons_text, only: newline, to_text
    implicit none (type, external)
    private
 
@@ -73,12 +73,12 @@ contains
       if (self%n_found == 0) return
       message = ''
       do i = 1, min(self%n_found, most_told)
-         if (i > 1) message = message//new_line('a')
+         if (i > 1) message = message//newline
          message = message//file//':'
          if (self%faults(i)%line > 0) message = message//to_text(self%faults(i)%line)//':'
          message = message//' '//self%faults(i)%sentence
       end do
-      if (self%n_found > most_told) message = message//new_line('a')//file//': '// &
+      if (self%n_found > most_told) message = message//newline//file//': '// &
          to_text(self%n_found - most_told)//' more faults follow'
       call new_error(error, input_refused, message)
    end subroutine fault_list_finish

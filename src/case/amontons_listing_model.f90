@@ -4,9 +4,9 @@ module amontons_listing_model
    use amontons_config, only: config_t
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
-   use amontons_listing_text, only: heading, line, newline, pair, short
+   use amontons_listing_text, only: heading, line, pair, short
    use amontons_loads, only: load_on_nodes, load_on_sides
-   use amontons_text, only: to_text
+   use amontons_text, only: newline, to_text
    implicit none (type, external)
    private
 

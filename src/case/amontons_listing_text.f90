@@ -1,14 +1,11 @@
 !> The form of a listing: headings, labelled lines, numbers for reading.
 module amontons_listing_text
    use amontons_kinds, only: dp
-   use amontons_text, only: to_text
+   use amontons_text, only: newline, to_text
    implicit none (type, external)
    private
 
-   public :: heading, line, newline, pair, right, scientific, short
-
-   !> The end of a line.
-   character(*), parameter :: newline = new_line('a')
+   public :: heading, line, pair, right, scientific, short
 
 contains
 

@@ -2,22 +2,22 @@
 module amontons_report
    use amontons_body, only: body_t
    use amontons_config, only: config_t
-   use amontons_contact_table, only: write_contact_table
+   use amontons_contact_table, only: contact_table_text
    use amontons_contact_vtu, only: write_contact_vtu
    use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
-   use amontons_listing, only: write_listing
-   use amontons_output_file, only: commit_files, new_output_file, output_file_t
+   use amontons_listing, only: listing_text
+   use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_result, only: result_t
-   use amontons_solutions_report, only: write_solutions
-   use amontons_summary, only: write_summary
+   use amontons_solutions_report, only: solutions_table_text
+   use amontons_summary, only: summary_text
    use amontons_system, only: make_directory
    use amontons_timings, only: phase_write
    use amontons_vtu, only: write_vtu
    implicit none (type, external)
    private
 
-   public :: write_deck, write_report
+   public :: write_report
 
    !> Number of files that every case leaves.
    integer, parameter :: n_files = 6
@@ -49,37 +49,23 @@ contains
       type(result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
 
-      call write_listing(files(1), stem//'.lst', config, body, result, error)
+      call write_text_file(files(1), stem//'.lst', listing_text(config, body, result), error)
       if (allocated(error)) return
-      call write_contact_table(files(2), stem//'.contact.csv', body, result, error)
+      call write_text_file(files(2), stem//'.contact.csv', contact_table_text(body, result), error)
       if (allocated(error)) return
       call write_vtu(files(3), stem//'.vtu', body, result, error)
       if (allocated(error)) return
       call write_contact_vtu(files(4), stem//'.contact.vtu', body, result, error)
       if (allocated(error)) return
-      call write_deck(files(5), stem//'.deck.nml', config, error)
+      call write_text_file(files(5), stem//'.deck.nml', effective_deck(config), error)
       if (allocated(error)) return
       if (allocated(result%all_solutions)) then
-         call write_solutions(files(n_files + 1), stem//'.solutions.csv', result%all_solutions, &
-            body%problem%gap, error)
+         call write_text_file(files(n_files + 1), stem//'.solutions.csv', solutions_table_text(result%all_solutions, &
+            body%problem%gap), error)
          if (allocated(error)) return
       end if
       call result%timings%lap(phase_write)
-      call write_summary(files(6), stem//'.summary.json', config, body, result, error)
+      call write_text_file(files(6), stem//'.summary.json', summary_text(config, body, result), error)
    end subroutine write_files
-
-   !> Writes the effective deck under its temporary name.
-   subroutine write_deck(file, path, config, error)
-      type(output_file_t), intent(out) :: file !! the finished file
-      character(*), intent(in) :: path !! name of the file
-      type(config_t), intent(in) :: config !! the case
-      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
-      integer :: status
-
-      call new_output_file(file, path, .false., error)
-      if (allocated(error)) return
-      write (file%unit, '(a)', iostat=status) effective_deck(config)
-      call file%finish(status, error)
-   end subroutine write_deck
 
 end module amontons_report

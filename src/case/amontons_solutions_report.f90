@@ -1,17 +1,15 @@
 !> What is told of the uniqueness of a solution and of other solutions: lines of the listing, and NAME.solutions.csv.
 module amontons_solutions_report
    use amontons_all_solutions, only: all_solutions_t
-   use amontons_error, only: error_t
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
    use amontons_listing_text, only: heading, line, short
-   use amontons_output_file, only: new_output_file, output_file_t
-   use amontons_text, only: to_text, to_text_17
+   use amontons_text, only: as_lines, comma_separated, newline, to_text
    use amontons_uniqueness, only: uniqueness_t
    implicit none (type, external)
    private
 
-   public :: solutions_text, uniqueness_text, write_solutions
+   public :: solutions_table_text, solutions_text, uniqueness_text
 
 contains
 
@@ -74,29 +72,26 @@ contains
 
    end function solutions_text
 
-   !> Writes NAME.solutions.csv: one row for each point of each solution, 17 significant digits.
-   subroutine write_solutions(file, path, solutions, gap, error)
-      type(output_file_t), intent(out) :: file !! the finished file
-      character(*), intent(in) :: path !! name of the file
+   !> NAME.solutions.csv: one row for each point of each solution, 17 significant digits.
+   pure function solutions_table_text(solutions, gap) result(text)
       type(all_solutions_t), intent(in) :: solutions !! all solutions
       real(dp), intent(in) :: gap(:) !! initial distance to the obstacle along the normal (m) [L]
-      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
-      integer :: i, p, status
+      character(:), allocatable :: text
+      character(150) :: rows(size(gap), solutions%n)
+      integer :: i, p, m
 
-      call new_output_file(file, path, .false., error)
-      if (allocated(error)) return
-      write (file%unit, '(a)', iostat=status) 'solution,isolated,point,gap,slip,normal_force,tangential_force,status'
+      m = size(gap)
       do i = 1, solutions%n
-         associate (v => solutions%displacement(:, i), force => solutions%force(:, i), m => size(gap))
+         associate (v => solutions%displacement(:, i), force => solutions%force(:, i))
             do p = 1, m
-               if (status == 0) write (file%unit, '(a)', iostat=status) to_text(i)//','// &
-                  trim(merge('yes', 'no ', solutions%is_isolated(i)))//','//to_text(p)//','// &
-                  to_text_17(gap(p) - v(p))//','//to_text_17(v(m + p))//','//to_text_17(force(p))//','// &
-                  to_text_17(force(m + p))//','//trim(status_names(solutions%status(p, i)))
+               rows(p, i) = to_text(i)//','//trim(merge('yes', 'no ', solutions%is_isolated(i)))//','//to_text(p)//','// &
+                  comma_separated([gap(p) - v(p), v(m + p), force(p), force(m + p)])//','// &
+                  status_names(solutions%status(p, i))
             end do
          end associate
       end do
-      call file%finish(status, error)
-   end subroutine write_solutions
+      text = 'solution,isolated,point,gap,slip,normal_force,tangential_force,status'//newline &
+         //as_lines(reshape(rows, [size(rows)]))
+   end function solutions_table_text
 
 end module amontons_solutions_report

@@ -22,7 +22,7 @@ module amontons_solve_sweep
    use amontons_sweep_table, only: sweep_header
    use amontons_sweep_tally, only: sweep_tally_t
    use amontons_system, only: make_directory, wall_seconds
-   use amontons_text, only: to_text
+   use amontons_text, only: newline, to_text
    use amontons_threads, only: n_threads
    use amontons_timings, only: phase_condense, phase_recover, phase_solve
    use amontons_version, only: version
@@ -90,7 +90,6 @@ contains
       type(config_t), intent(in) :: config !! the deck
       type(sweep_model_t), intent(in) :: model !! its contact problems
       character(:), allocatable :: key
-      character(*), parameter :: newline = new_line('a')
 
       key = '! Amontons '//version//', a sweep under way; contact problem '//to_text(model%fingerprint())//newline// &
          effective_deck(config)

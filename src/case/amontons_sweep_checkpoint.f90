@@ -9,14 +9,13 @@ module amontons_sweep_checkpoint
    use amontons_kinds, only: int64
    use amontons_sweep_tally, only: sweep_tally_t
    use amontons_system, only: cut_file, remove_file, rename_file, synchronize_file
-   use amontons_text, only: to_text
+   use amontons_text, only: newline, to_text
    use amontons_text_file, only: read_text_file
    implicit none (type, external)
    private
 
    public :: open_sweep_checkpoint, sweep_checkpoint_t
 
-   character(*), parameter :: newline = new_line('a')
    !> What a whole line ends with.
    character(*), parameter :: line_end = ' rows'//newline
 

@@ -2,12 +2,11 @@
 module amontons_sweep_listing
    use amontons_body, only: body_t
    use amontons_config, only: config_t
-   use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_listing, only: certificate_text, factorization_text, head_text, method_text, times_text
+   use amontons_listing, only: certificate_text, factorization_text, listed_phases
    use amontons_listing_model, only: loads_text, model_text
+   use amontons_listing_parts, only: head_text, method_text, times_text
    use amontons_listing_text, only: heading, line, right, scientific, short
-   use amontons_output_file, only: new_output_file, output_file_t
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep, only: sweep_axis_t, swept_load
    use amontons_sweep_tally, only: case_converged, outcome_names, quantity_labels, sweep_tally_t
@@ -15,30 +14,24 @@ module amontons_sweep_listing
    implicit none (type, external)
    private
 
-   public :: write_sweep_listing
+   public :: sweep_listing_text
 
 contains
 
-   !> Writes the listing under its temporary name.
-   subroutine write_sweep_listing(file, path, config, body, result, error)
-      type(output_file_t), intent(out) :: file !! the finished file
-      character(*), intent(in) :: path !! name of the file
+   !> The whole listing.
+   function sweep_listing_text(config, body, result) result(text)
       type(config_t), intent(in) :: config !! the deck
       type(body_t), intent(in) :: body !! the body
       type(sweep_result_t), intent(in) :: result !! the result
-      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
-      integer :: status
+      character(:), allocatable :: text
 
-      call new_output_file(file, path, .false., error)
-      if (allocated(error)) return
-      write (file%unit, '(a)', iostat=status, advance='no') head_text(config)//model_text(config, body) &
-         //loads_text(config)//sweep_text(config)//solution_text(config, body, result)
-      if (result%tally%residual_case > 0 .and. status == 0) write (file%unit, '(a)', iostat=status, advance='no') &
-         extremes_text(result%tally)//certificate_text(config, result%certified%certificate)// &
-         line('Case certified', to_text(result%tally%residual_case)//', which has the largest residual')
-      if (status == 0) write (file%unit, '(a)', iostat=status) times_text(result%certified)
-      call file%finish(status, error)
-   end subroutine write_sweep_listing
+      text = head_text(config)//model_text(config, body)//loads_text(config)//sweep_text(config) &
+         //solution_text(config, body, result)
+      if (result%tally%residual_case > 0) text = text//extremes_text(result%tally) &
+         //certificate_text(config, result%certified%certificate) &
+         //line('Case certified', to_text(result%tally%residual_case)//', which has the largest residual')
+      text = text//times_text(result%certified%timings, listed_phases)
+   end function sweep_listing_text
 
    !> What varies, and in which combination.
    pure function sweep_text(config) result(text)

@@ -2,12 +2,12 @@
 module amontons_sweep_report
    use amontons_body, only: body_t
    use amontons_config, only: config_t
+   use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
-   use amontons_output_file, only: commit_files, output_file_t
-   use amontons_report, only: write_deck
+   use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_solve_sweep, only: sweep_result_t
-   use amontons_sweep_listing, only: write_sweep_listing
-   use amontons_sweep_summary, only: write_sweep_summary
+   use amontons_sweep_listing, only: sweep_listing_text
+   use amontons_sweep_summary, only: sweep_summary_text
    use amontons_temporary_file, only: hold_signals, release_signals
    use amontons_timings, only: phase_write
    implicit none (type, external)
@@ -49,12 +49,12 @@ contains
       type(sweep_result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
 
-      call write_sweep_listing(files(1), stem//'.lst', config, body, result, error)
+      call write_text_file(files(1), stem//'.lst', sweep_listing_text(config, body, result), error)
       if (allocated(error)) return
-      call write_deck(files(2), stem//'.deck.nml', config, error)
+      call write_text_file(files(2), stem//'.deck.nml', effective_deck(config), error)
       if (allocated(error)) return
       call result%certified%timings%lap(phase_write)
-      call write_sweep_summary(files(3), stem//'.summary.json', config, body, result, error)
+      call write_text_file(files(3), stem//'.summary.json', sweep_summary_text(config, body, result), error)
    end subroutine write_files
 
 end module amontons_sweep_report

@@ -2,70 +2,39 @@
 module amontons_sweep_summary
    use amontons_body, only: body_t
    use amontons_config, only: config_t
-   use amontons_error, only: error_t
-   use amontons_output_file, only: new_output_file, output_file_t
+   use amontons_json, only: number, string, truth
    use amontons_solve_sweep, only: sweep_result_t
-   use amontons_summary, only: certificate_text, number, seconds_text, string, truth
+   use amontons_summary, only: certificate_text
+   use amontons_summary_members, only: head_members, last_members, member, size_counts
    use amontons_sweep, only: sweep_t
    use amontons_sweep_tally, only: case_converged, outcome_names, quantity_labels, sweep_tally_t
-   use amontons_system, only: peak_memory_mb
    use amontons_text, only: to_text
-   use amontons_version, only: version
    implicit none (type, external)
    private
 
-   public :: write_sweep_summary
-
-   character(*), parameter :: newline = new_line('a')
+   public :: sweep_summary_text
 
 contains
 
-   !> Writes the summary under its temporary name.
-   subroutine write_sweep_summary(file, path, config, body, result, error)
-      type(output_file_t), intent(out) :: file !! the finished file
-      character(*), intent(in) :: path !! name of the file
-      type(config_t), intent(in) :: config !! the deck
-      type(body_t), intent(in) :: body !! the body
-      type(sweep_result_t), intent(in) :: result !! the result
-      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
-      integer :: status
-
-      call new_output_file(file, path, .false., error)
-      if (allocated(error)) return
-      write (file%unit, '(a)', iostat=status) summary_text(config, body, result)
-      call file%finish(status, error)
-   end subroutine write_sweep_summary
-
-   !> The summary as JSON.
-   function summary_text(config, body, result) result(text)
+   !> The whole summary.
+   function sweep_summary_text(config, body, result) result(text)
       type(config_t), intent(in) :: config !! the deck
       type(body_t), intent(in) :: body !! the body
       type(sweep_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
       associate (tally => result%tally)
-         text = '{'//newline// &
-            '  "case": '//string(config%name)//','//newline// &
-            '  "title": '//string(config%title)//','//newline// &
-            '  "version": '//string(version)//','//newline// &
-            '  "method": '//string(config%method%method)//','//newline// &
-            '  "converged": '//truth(tally%n_outcomes(case_converged) == tally%n_cases)//','//newline// &
-            '  "iterations": '//to_text(tally%n_iterations)//','//newline// &
-            '  "sweep": {'//sweep_text(result)//'},'//newline// &
-            '  "quantities": ['//quantities_text(config%sweep)//'],'//newline
-         if (tally%residual_case > 0) text = text// &
-            '  "residual": '//number(tally%residual)//','//newline// &
-            '  "extremes": {'//extremes_text(tally)//'},'//newline// &
-            '  "certificate": {"case": '//to_text(tally%residual_case)//', '// &
-            certificate_text(result%certified%certificate, config%method%tolerance)//'},'//newline
-         text = text// &
-            '  "counts": {"nodes": '//to_text(body%mesh%n_nodes)//', "elements": '//to_text(body%mesh%n_elements)// &
-            ', "dofs": '//to_text(body%dof_map%n_dofs)//', "contact_points": '//to_text(body%zone%n_points)// &
-            '},'//newline// &
-            '  "seconds": {'//seconds_text(result%certified%timings)//'},'//newline// &
-            '  "peak_memory_mb": '//number(peak_memory_mb())//newline//'}'
+         text = head_members(config, tally%n_outcomes(case_converged) == tally%n_cases) &
+            //member('iterations', to_text(tally%n_iterations)) &
+            //member('sweep', '{'//sweep_text(result)//'}') &
+            //member('quantities', '['//quantities_text(config%sweep)//']')
+         if (tally%residual_case > 0) text = text//member('residual', number(tally%residual)) &
+            //member('extremes', '{'//extremes_text(tally)//'}') &
+            //member('certificate', '{"case": '//to_text(tally%residual_case)//', ' &
+            //certificate_text(result%certified%certificate, config%method%tolerance)//'}')
+         text = text//member('counts', '{'//size_counts(body)//'}')//last_members(result%certified%timings)
       end associate
-   end function summary_text
+   end function sweep_summary_text
 
    !> Counts of the cases, and how fast they were solved.
    pure function sweep_text(result) result(text)

@@ -5,12 +5,11 @@
 module amontons_sweep_table
    use amontons_sweep, only: sweep_t
    use amontons_sweep_tally, only: case_result_t, outcome_names, quantity_labels
+   use amontons_text, only: newline
    implicit none (type, external)
    private
 
    public :: append_row, status_runs, sweep_header
-
-   character(*), parameter :: newline = new_line('a')
 
 contains
 

@@ -6,13 +6,11 @@ module amontons_vtk_file
    use amontons_error, only: error_t
    use amontons_kinds, only: dp, int32, int64
    use amontons_output_file, only: new_output_file, output_file_t
-   use amontons_text, only: to_text
+   use amontons_text, only: newline, to_text
    implicit none (type, external)
    private
 
    public :: new_vtk_file, vtk_file_t
-
-   character(*), parameter :: newline = new_line('a')
 
    !> A grid being written.
    type :: vtk_file_t

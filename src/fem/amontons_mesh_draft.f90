@@ -4,7 +4,7 @@ module amontons_mesh_draft
    use amontons_integer_list, only: integer_list_t
    use amontons_kinds, only: dp
    use amontons_mesh_source, only: mesh_source_t, printable
-   use amontons_text, only: lower_case, to_text
+   use amontons_text, only: lower_case, newline, to_text
    implicit none (type, external)
    private
 
@@ -96,10 +96,10 @@ contains
       if (.not. allocated(self%notes)) then
          self%notes = printable(sentence)
       else if (self%n_notes == most_notes) then
-         self%notes = self%notes//new_line('a')//'there is more to note'
+         self%notes = self%notes//newline//'there is more to note'
       else if (self%n_notes < most_notes) then
          if (index(self%notes, printable(sentence)) > 0) return
-         self%notes = self%notes//new_line('a')//printable(sentence)
+         self%notes = self%notes//newline//printable(sentence)
       end if
       self%n_notes = self%n_notes + 1
    end subroutine mesh_draft_add_note

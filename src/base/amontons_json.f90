@@ -1,0 +1,66 @@
+!> Values as JSON writes them.
+module amontons_json
+   use amontons_kinds, only: dp
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: number, numbers, string, truth
+
+contains
+
+   !> A finite real as a JSON number; null otherwise.
+   pure function number(value) result(text)
+      real(dp), intent(in) :: value !! the number
+      character(:), allocatable :: text
+
+      if (abs(value) <= huge(value)) then
+         text = to_text(value)
+      else
+         text = 'null'
+      end if
+   end function number
+
+   !> Reals as the elements of a JSON array.
+   pure function numbers(values) result(text)
+      real(dp), intent(in) :: values(:) !! the numbers
+      character(:), allocatable :: text
+      ! A separator, and the longest number: '-1.2345678901234567e-308'.
+      integer, parameter :: longest = 26
+      integer :: i, length
+
+      allocate (character(longest*size(values)) :: text)
+      length = 0
+      do i = 1, size(values)
+         associate (element => ', '//number(values(i)))
+            text(length + 1:length + len(element)) = element
+            length = length + len(element)
+         end associate
+      end do
+      text = text(3:length)
+   end function numbers
+
+   !> A logical as JSON.
+   pure function truth(value) result(text)
+      logical, intent(in) :: value !! the value
+      character(:), allocatable :: text
+
+      text = trim(merge('true ', 'false', value))
+   end function truth
+
+   !> A text as a JSON string. Of the control characters only tabs can stand in a deck.
+   pure function string(value) result(text)
+      character(*), intent(in) :: value !! the text
+      character(:), allocatable :: text
+      character, parameter :: tab = achar(9)
+      integer :: i
+
+      text = '"'
+      do i = 1, len(value)
+         if (scan(value(i:i), '"\'//tab) > 0) text = text//'\'
+         text = text//merge('t', value(i:i), value(i:i) == tab)
+      end do
+      text = text//'"'
+   end function string
+
+end module amontons_json

@@ -1,0 +1,127 @@
+!> What the listings of decks, sweeps and reduced problems have in common: the head, the method and what became of it,
+!> the verdict, the times.
+module amontons_listing_parts
+   use amontons_config, only: config_t
+   use amontons_contact_solution, only: contact_solution_t
+   use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
+   use amontons_kinds, only: dp
+   use amontons_listing_text, only: heading, line, right, scientific, short
+   use amontons_text, only: newline, to_text
+   use amontons_timings, only: phase_names, timings_t
+   use amontons_version, only: version
+   implicit none (type, external)
+   private
+
+   public :: head_text, method_text, outcome_text, residual_text, status_counts, times_text, verdict_line, &
+      violation_line
+
+contains
+
+   !> Program, case and deck.
+   pure function head_text(config) result(text)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: text
+
+      text = 'Amontons '//version//': plane contact with Coulomb friction by the dual method'//newline//newline// &
+         line('Case', config%name)//line('Title', config%title)//line('Deck', config%file)
+   end function head_text
+
+   !> The method with the options that it uses.
+   pure function method_text(config) result(text)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: text
+
+      associate (method => config%method)
+         text = method%method
+         select case (text)
+         case ('splitting')
+            text = text//', variant '//method%variant//', quadratic programs by '//method%box
+         case ('fixed_point')
+            text = text//', quadratic programs by '//method%box
+         case ('psor')
+            text = text//', omega '//short(method%omega)//', '//method%space//' space, local '//method%local// &
+               ', acceleration '//method%acceleration
+         case default
+            continue
+         end select
+      end associate
+   end function method_text
+
+   !> Whether the method converged, and what its answer is worth if it did not.
+   pure function outcome_text(solution) result(text)
+      type(contact_solution_t), intent(in) :: solution !! the solution and its record
+      character(:), allocatable :: text
+
+      if (solution%is_converged) then
+         text = line('Converged', 'yes, in '//to_text(solution%n_iterations)//' iterations')
+         return
+      end if
+      text = line('Converged', 'NO: stopped after '//to_text(solution%n_iterations)// &
+         ' iterations; the results below are not the solution')
+      if (solution%is_at_rest) text = text// &
+         line('Note', 'the forces came to rest at a wrong answer: they do not fulfil the contact law')
+   end function outcome_text
+
+   !> The residual, at the end and after each iteration; of many iterations about twenty.
+   pure function residual_text(solution, tolerance) result(text)
+      type(contact_solution_t), intent(in) :: solution !! the solution and its record
+      real(dp), intent(in) :: tolerance !! tolerance of the contact method [-]
+      character(:), allocatable :: text
+      integer, parameter :: n_lines = 20
+      integer :: i, stride
+
+      text = line('Residual', scientific(solution%residual)//', tolerance '//scientific(tolerance))// &
+         line('Residual history', 'iteration, residual')
+      stride = max(1, solution%n_iterations/n_lines)
+      do i = 1, solution%n_iterations
+         if (i /= 1 .and. i /= solution%n_iterations .and. mod(i, stride) /= 0) cycle
+         text = text//line('', right(to_text(i), len('iteration'))//'  '//scientific(solution%history(i)))
+      end do
+   end function residual_text
+
+   !> How many points have each status.
+   pure function status_counts(status) result(text)
+      integer, intent(in) :: status(:) !! statuses of the points
+      character(:), allocatable :: text
+
+      text = to_text(count(status == open_point))//' open, '//to_text(count(status == slip_plus))//' slip+, '// &
+         to_text(count(status == slip_minus))//' slip-, '//to_text(count(status == stick_point))//' stick'
+   end function status_counts
+
+   !> A line on one violation.
+   pure function violation_line(name, value, limit) result(text)
+      character(*), intent(in) :: name !! what is violated
+      real(dp), intent(in) :: value !! the violation, over its natural scale [-]
+      real(dp), intent(in) :: limit !! what it may be at most [-]
+      character(:), allocatable :: text
+
+      text = line(name, scientific(value)//trim(merge('        ', '  FAILED', value <= limit)))
+   end function violation_line
+
+   !> The line on all violations together.
+   pure function verdict_line(largest, limit) result(text)
+      real(dp), intent(in) :: largest !! the largest violation, over its natural scale [-]
+      real(dp), intent(in) :: limit !! what it may be at most [-]
+      character(:), allocatable :: text
+
+      text = line('Verdict', trim(merge('passed', 'FAILED', largest <= limit))// &
+         ': every violation must be at most '//scientific(limit))
+   end function verdict_line
+
+   !> Where the time went, and the end of the listing.
+   pure function times_text(timings, phases) result(text)
+      type(timings_t), intent(in) :: timings !! the times
+      integer, intent(in) :: phases(:) !! the phases to be listed
+      character(:), allocatable :: text
+      character(10) :: seconds
+      integer :: i
+
+      text = heading('Time [s]')
+      do i = 1, size(phases)
+         write (seconds, '(f10.4)') timings%seconds(phases(i))
+         text = text//line(trim(phase_names(phases(i))), seconds)
+      end do
+      text = text//newline//'End of listing'//newline
+   end function times_text
+
+end module amontons_listing_parts
