@@ -1,37 +1,32 @@
 !> Newton's linear system in the forces, on a dense compliance A.
 !>
-!> Each force has one row: a normal force of a closed point and a tangential one of a sticking point have a row of
-!> `A lambda = B` each, of no distance and of no slip; the others have the row of the law that gives them. A guess that
-!> differs from the factorised one in few rows is solved by that factorisation and a small system of the changed rows.
+!> Each force has one row: an unknown one that of `A lambda = B`, the others that of the law which gives them. A guess
+!> that differs from the factorised one in few rows is solved by that factorisation and a small system of these rows.
 module amontons_compliance_system
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_active_set, only: active_set_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_dense, only: add_product, cholesky_factor, cholesky_solve, lu_factor, lu_solve, lu_solve_transposed, &
       transposed_product
+   use amontons_force_system, only: force_system_t
    use amontons_kinds, only: dp
-   use amontons_newton_system, only: newton_system_t
    implicit none (type, external)
    private
 
    public :: compliance_system_t
 
    !> The system, its factorisation and what has changed since.
-   type, extends(newton_system_t) :: compliance_system_t
+   type, extends(force_system_t) :: compliance_system_t
       private
-      type(active_set_t) :: base !! The guess that is factorised.
-      real(dp) :: share = -1.0_dp !! Share of the diagonal in the factorisation.
-      integer, allocatable :: unknown(:) !! The forces that are unknown in it.
       logical :: is_symmetric = .false. !! Whether no point slides with friction, so that its matrix is symmetric.
       real(dp), allocatable :: factor(:, :) !! Cholesky factor, or triangular factors of the transposed matrix.
       integer, allocatable :: pivots(:) !! Their row exchanges.
-      real(dp), allocatable :: diagonal(:) !! Diagonal of A, where it is zero the largest of all (2m).
       integer :: n_changed = 0 !! Number of rows that have changed since.
       integer, allocatable :: changed(:) !! These rows.
       real(dp), allocatable :: response(:, :) !! Solutions of the factorised system for a unit in each of these rows.
       real(dp), allocatable :: row(:, :) !! These rows of A.
    contains
-      procedure, public :: solve => compliance_system_solve
+      procedure, public :: prepare => compliance_system_prepare
+      procedure, public :: solve_forces => compliance_system_solve_forces
       procedure :: apply => compliance_system_apply
       procedure :: factorize => compliance_system_factorize
       procedure :: update => compliance_system_update
@@ -44,34 +39,35 @@ module amontons_compliance_system
 
 contains
 
-   !> Solves for the forces, then takes the displacements from them.
-   subroutine compliance_system_solve(self, problem, guess, share, displacement, force, imbalance, info)
+   !> Factorises the system of a guess, unless few rows have changed since another one was factorised.
+   subroutine compliance_system_prepare(self, problem, guess, share, info)
       class(compliance_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem, with a dense compliance
       type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: share !! share of the diagonal of A [-]
-      real(dp), intent(inout) :: displacement(:) !! v before the step, and after it (2m) [L]
-      real(dp), intent(inout) :: force(:) !! lambda before the step, and after it (2m) [F]
-      real(dp), intent(out) :: imbalance !! 0: the displacements are those of the forces [F]
+      real(dp), intent(in) :: share !! share of the diagonal of A that is wanted [-]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
-      real(dp) :: load(size(force)), solution(size(force))
       logical :: is_updated
 
-      imbalance = 0.0_dp
       info = 0
       call self%update(problem, guess, share, is_updated)
       if (.not. is_updated) call self%factorize(problem, guess, share, info)
-      if (info /= 0) return
-      load = problem%dual_load(displacement)
-      call base_solution(self, problem, load, force, solution)
+   end subroutine compliance_system_prepare
+
+   !> Solves the factorised system, then corrects its forces for the rows that have changed since.
+   subroutine compliance_system_solve_forces(self, problem, guess, load, center, force, info)
+      class(compliance_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem, with a dense compliance
+      type(active_set_t), intent(in) :: guess !! state of each point
+      real(dp), intent(in) :: load(:) !! dual load B (2m) [L]
+      real(dp), intent(in) :: center(:) !! lambda before the step (2m) [F]
+      real(dp), intent(out) :: force(:) !! lambda after it (2m) [F]
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+
+      info = 0
+      call base_solution(self, problem, load, center, force)
       if (any(abs(self%base%sense*problem%slip_bound) > 0.0_dp)) call self%effort%multiply(1.0_dp)
-      if (self%n_changed > 0) call correct(self, problem, guess, load, force, solution, info)
-      if (.not. all(ieee_is_finite(solution))) info = 1
-      if (info /= 0) return
-      force = solution
-      displacement = problem%displacement(load, force)
-      call self%effort%multiply(1.0_dp)
-   end subroutine compliance_system_solve
+      if (self%n_changed > 0) call correct(self, problem, guess, load, center, force, info)
+   end subroutine compliance_system_solve_forces
 
    !> Factorises the system of a guess.
    subroutine compliance_system_factorize(self, problem, guess, share, info)
@@ -80,17 +76,12 @@ contains
       type(active_set_t), intent(in) :: guess !! state of each point
       real(dp), intent(in) :: share !! share of the diagonal of A [-]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
-      integer :: i, m, n
+      integer :: n
 
-      m = problem%n_points
-      if (.not. allocated(self%diagonal)) then
-         self%diagonal = 1.0_dp/problem%augmentation()
-         allocate (self%changed(2*m), self%response(2*m, 0), self%row(2*m, 0))
-      end if
-      self%base = guess
-      self%share = share
+      n = 2*problem%n_points
+      if (.not. allocated(self%changed)) allocate (self%changed(n), self%response(n, 0), self%row(n, 0))
+      call self%begin(problem, guess, share)
       self%n_changed = 0
-      self%unknown = pack([(i, i=1, 2*m)], [guess%is_closed, guess%sense == 0])
       n = size(self%unknown)
       if (allocated(self%factor)) deallocate (self%factor)
       allocate (self%factor(n, n))

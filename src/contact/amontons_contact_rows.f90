@@ -5,6 +5,7 @@
 !> contact point itself has one part, its normal; a cell of constant multipliers has one for each node of its sides.
 module amontons_contact_rows
    use amontons_kinds, only: dp
+   use amontons_point_ranges, only: picked_places, picked_start
    implicit none (type, external)
    private
 
@@ -47,16 +48,12 @@ contains
       class(contact_rows_t), intent(in) :: self !! the rows
       integer, intent(in) :: points(:) !! the points to pick
       type(contact_rows_t) :: picked
-      integer, allocatable :: place(:)
-      integer :: i, k
+      integer, allocatable :: places(:)
 
-      place = [([(i, i=self%start(points(k)), self%start(points(k) + 1) - 1)], k=1, size(points))]
-      allocate (picked%start(size(points) + 1), source=1)
-      do k = 1, size(points)
-         picked%start(k + 1) = picked%start(k) + self%start(points(k) + 1) - self%start(points(k))
-      end do
-      picked%node = self%node(place)
-      picked%part = self%part(:, place)
+      places = picked_places(self%start, points)
+      picked%start = picked_start(self%start, points)
+      picked%node = self%node(places)
+      picked%part = self%part(:, places)
    end function contact_rows_picked
 
    !> C u: normal displacements of all points, then the tangential ones (2m).

@@ -2,6 +2,7 @@
 !> points.
 module amontons_contact_samples
    use amontons_kinds, only: dp
+   use amontons_point_ranges, only: picked_places, picked_start
    implicit none (type, external)
    private
 
@@ -40,18 +41,14 @@ contains
       class(contact_samples_t), intent(in) :: self !! the samples
       integer, intent(in) :: points(:) !! the points to pick
       type(contact_samples_t) :: picked
-      integer, allocatable :: place(:)
-      integer :: i, k
+      integer, allocatable :: places(:)
 
-      place = [([(i, i=self%start(points(k)), self%start(points(k) + 1) - 1)], k=1, size(points))]
-      allocate (picked%start(size(points) + 1), source=1)
-      do k = 1, size(points)
-         picked%start(k + 1) = picked%start(k) + self%start(points(k) + 1) - self%start(points(k))
-      end do
-      picked%position = self%position(:, place)
-      picked%normal = self%normal(:, place)
-      picked%station = self%station(place)
-      picked%share = self%share(place)
+      places = picked_places(self%start, points)
+      picked%start = picked_start(self%start, points)
+      picked%position = self%position(:, places)
+      picked%normal = self%normal(:, places)
+      picked%station = self%station(places)
+      picked%share = self%share(places)
    end function contact_samples_picked
 
 end module amontons_contact_samples

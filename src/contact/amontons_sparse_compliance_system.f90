@@ -1,66 +1,62 @@
 !> Newton's linear system in the forces, on a sparse compliance A, which stays sparse.
 module amontons_sparse_compliance_system
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_active_set, only: active_set_t
    use amontons_contact_problem, only: contact_problem_t
+   use amontons_force_system, only: force_system_t
    use amontons_kinds, only: dp
-   use amontons_newton_system, only: newton_system_t
    use amontons_sparse_lu, only: sparse_lu_t
    implicit none (type, external)
    private
 
    public :: sparse_compliance_system_t
 
-   !> The rows of `A lambda = B` that hold no distance and no slip, with the unknown forces: the normal ones of closed
-   !> points and the tangential ones of sticking points.
-   type, extends(newton_system_t) :: sparse_compliance_system_t
+   !> The rows of `A lambda = B` of the unknown forces.
+   type, extends(force_system_t) :: sparse_compliance_system_t
       private
-      type(active_set_t) :: base !! The guess that is factorised.
-      real(dp) :: share = -1.0_dp !! Share of the diagonal in the factorisation.
-      integer, allocatable :: unknown(:) !! The forces that are unknown in it.
-      real(dp), allocatable :: diagonal(:) !! Diagonal of A, where it is zero the largest of all (2m).
       type(sparse_lu_t) :: factors !! Triangular factors of its transposed matrix.
    contains
-      procedure, public :: solve => sparse_compliance_system_solve
+      procedure, public :: prepare => sparse_compliance_system_prepare
+      procedure, public :: solve_forces => sparse_compliance_system_solve_forces
       procedure :: factorize => sparse_compliance_system_factorize
       procedure :: serves => sparse_compliance_system_serves
    end type sparse_compliance_system_t
 
 contains
 
-   !> Solves for the forces, then takes the displacements from them.
-   subroutine sparse_compliance_system_solve(self, problem, guess, share, displacement, force, imbalance, info)
+   !> Factorises the system of a guess, unless it is the one that is factorised.
+   subroutine sparse_compliance_system_prepare(self, problem, guess, share, info)
       class(sparse_compliance_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem, with a sparse compliance
       type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: share !! share of the diagonal of A [-]
-      real(dp), intent(inout) :: displacement(:) !! v before the step, and after it (2m) [L]
-      real(dp), intent(inout) :: force(:) !! lambda before the step, and after it (2m) [F]
-      real(dp), intent(out) :: imbalance !! 0: the displacements are those of the forces [F]
+      real(dp), intent(in) :: share !! share of the diagonal of A that is wanted [-]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
-      real(dp) :: load(size(force)), solution(size(force))
-      real(dp), allocatable :: right(:)
 
-      imbalance = 0.0_dp
       info = 0
       if (.not. self%serves(guess, share)) call self%factorize(problem, guess, share, info)
-      if (info /= 0) return
-      load = problem%dual_load(displacement)
+   end subroutine sparse_compliance_system_prepare
+
+   !> Solves the factorised system.
+   subroutine sparse_compliance_system_solve_forces(self, problem, guess, load, center, force, info)
+      class(sparse_compliance_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem, with a sparse compliance
+      type(active_set_t), intent(in) :: guess !! state of each point
+      real(dp), intent(in) :: load(:) !! dual load B (2m) [L]
+      real(dp), intent(in) :: center(:) !! lambda before the step (2m) [F]
+      real(dp), intent(out) :: force(:) !! lambda after it (2m) [F]
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      real(dp), allocatable :: right(:)
+
+      info = 0
       associate (m => problem%n_points, unknown => self%unknown)
-         solution = 0.0_dp
-         solution(m + 1:) = guess%sense*problem%slip_bound
-         right = load(unknown) + self%share*self%diagonal(unknown)*force(unknown)
-         if (any(abs(solution) > 0.0_dp)) right = right - product_rows(problem, unknown, solution)
+         force(:m) = 0.0_dp
+         force(m + 1:) = guess%sense*problem%slip_bound
+         right = load(unknown) + self%share*self%diagonal(unknown)*center(unknown)
+         if (any(abs(force) > 0.0_dp)) right = right - product_rows(problem, unknown, force)
          if (size(right) > 0) call self%factors%solve_transposed(right, info)
-         solution(unknown) = right
-         solution(m + 1:) = solution(m + 1:) + guess%sense*problem%friction*solution(:m)
+         force(unknown) = right
+         force(m + 1:) = force(m + 1:) + guess%sense*problem%friction*force(:m)
       end associate
-      if (.not. all(ieee_is_finite(solution))) info = 1
-      if (info /= 0) return
-      force = solution
-      displacement = problem%displacement(load, force)
-      call self%effort%multiply(1.0_dp)
-   end subroutine sparse_compliance_system_solve
+   end subroutine sparse_compliance_system_solve_forces
 
    !> Some rows of the product A x [L].
    pure function product_rows(problem, rows, x) result(product)
@@ -97,10 +93,7 @@ contains
       integer :: place(2*problem%n_points), i, k, m, n, point
 
       m = problem%n_points
-      if (.not. allocated(self%diagonal)) self%diagonal = 1.0_dp/problem%augmentation()
-      self%base = guess
-      self%share = share
-      self%unknown = pack([(i, i=1, 2*m)], [guess%is_closed, guess%sense == 0])
+      call self%begin(problem, guess, share)
       place = 0
       place(self%unknown) = [(i, i=1, size(self%unknown))]
       ! The entries of a sliding point's tangential row go where its normal force stands.

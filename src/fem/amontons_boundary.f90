@@ -40,9 +40,8 @@ contains
       call link_sides(sides, after, before, set, error)
       if (allocated(error)) return
       call order_nodes(line, sides, after, before)
-      call measure_sides(line, sides, mesh%coordinates, set, error)
-      if (allocated(error)) return
-      if (present(materials)) call measure_areas(line, sides, mesh%coordinates, materials)
+      call measure_sides(line, sides, mesh%coordinates, materials)
+      call normalize_normals(line, mesh%coordinates, set, error)
    end subroutine new_boundary_line
 
    !> Notes for each node which node follows it and which comes before it.
@@ -113,34 +112,50 @@ contains
       end do
    end subroutine follow_piece
 
-   !> Normals and weights of the nodes: integrals of their shape functions times the normal, and alone.
-   pure subroutine measure_sides(line, sides, coordinates, set, error)
-      type(boundary_line_t), intent(inout) :: line !! the line, its nodes in order
+   !> Integrals of the nodes' shape functions: alone, times the normal and, where there are materials, times the depth.
+   pure subroutine measure_sides(line, sides, coordinates, materials)
+      type(boundary_line_t), intent(inout) :: line !! the line, its nodes in order; its normals are no unit vectors yet
       integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      type(materials_t), intent(in), optional :: materials !! materials of the elements, for the areas
+      type(side_geometry_t) :: geometry
+      integer :: place(size(coordinates, 2)), i, k, point, p
+      real(dp) :: length, area
+
+      place = 0
+      place(line%node) = [(i, i=1, line%n_nodes)]
+      allocate (line%normal(2, line%n_nodes), line%weight(line%n_nodes), source=0.0_dp)
+      if (present(materials)) allocate (line%area(line%n_nodes), source=0.0_dp)
+      do i = 1, size(sides, 2)
+         call new_side_geometry(geometry, sides(:3, i), coordinates)
+         do point = 1, size(geometry%along, 2)
+            length = norm2(geometry%along(:, point))
+            area = 0.0_dp
+            if (present(materials)) area = length &
+               *materials%list(materials%of_element(sides(4, i)))%depth(geometry%position(1, point))
+            do k = 1, count(sides(:3, i) > 0)
+               p = place(sides(k, i))
+               associate (value => geometry%values(k, point), along => geometry%along(:, point))
+                  line%weight(p) = line%weight(p) + value*length
+                  line%normal(:, p) = line%normal(:, p) + value*[along(2), -along(1)]
+                  if (present(materials)) line%area(p) = line%area(p) + value*area
+               end associate
+            end do
+         end do
+      end do
+   end subroutine measure_sides
+
+   !> Gives the normals of the nodes the length 1.
+   pure subroutine normalize_normals(line, coordinates, set, error)
+      type(boundary_line_t), intent(inout) :: line !! the line, measured
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
       character(*), intent(in) :: set !! name of the set, for the message
       type(error_t), allocatable, intent(out) :: error !! a node has no normal: its sides fold back on each other
       ! What is left of two normals that cancel but for the digits of a mesh file.
       real(dp), parameter :: negligible = 1.0e-6_dp
-      type(side_geometry_t) :: geometry
       real(dp) :: length
-      integer :: place(size(coordinates, 2)), i, k, point, p
+      integer :: i
 
-      place = 0
-      place(line%node) = [(i, i=1, line%n_nodes)]
-      allocate (line%normal(2, line%n_nodes), line%weight(line%n_nodes), source=0.0_dp)
-      do i = 1, size(sides, 2)
-         call new_side_geometry(geometry, sides(:3, i), coordinates)
-         do k = 1, count(sides(:3, i) > 0)
-            p = place(sides(k, i))
-            do point = 1, size(geometry%along, 2)
-               associate (value => geometry%values(k, point), along => geometry%along(:, point))
-                  line%weight(p) = line%weight(p) + value*norm2(along)
-                  line%normal(:, p) = line%normal(:, p) + value*[along(2), -along(1)]
-               end associate
-            end do
-         end do
-      end do
       do i = 1, line%n_nodes
          length = norm2(line%normal(:, i))
          if (.not. length > negligible*line%weight(i)) then
@@ -152,31 +167,6 @@ contains
          end if
          line%normal(:, i) = line%normal(:, i)/length
       end do
-   end subroutine measure_sides
-
-   !> Tributary areas of the nodes: integrals of their shape functions times the depth.
-   pure subroutine measure_areas(line, sides, coordinates, materials)
-      type(boundary_line_t), intent(inout) :: line !! the line, its nodes in order
-      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
-      type(materials_t), intent(in) :: materials !! materials of the elements
-      type(side_geometry_t) :: geometry
-      integer :: place(size(coordinates, 2)), i, k, point
-      real(dp) :: area
-
-      place = 0
-      place(line%node) = [(i, i=1, line%n_nodes)]
-      allocate (line%area(line%n_nodes), source=0.0_dp)
-      do i = 1, size(sides, 2)
-         call new_side_geometry(geometry, sides(:3, i), coordinates)
-         do point = 1, size(geometry%along, 2)
-            area = norm2(geometry%along(:, point)) &
-               *materials%list(materials%of_element(sides(4, i)))%depth(geometry%position(1, point))
-            do k = 1, count(sides(:3, i) > 0)
-               line%area(place(sides(k, i))) = line%area(place(sides(k, i))) + geometry%values(k, point)*area
-            end do
-         end do
-      end do
-   end subroutine measure_areas
+   end subroutine normalize_normals
 
 end module amontons_boundary
