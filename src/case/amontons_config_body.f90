@@ -1,6 +1,6 @@
 !> The materials, supports and loads that a deck asks for.
 module amontons_config_body
-   use amontons_constraints, only: support_t
+   use amontons_constraints, only: support_t, supported_components
    use amontons_deck, only: deck_t
    use amontons_deck_rules, only: origin_of, require
    use amontons_error, only: error_t
@@ -67,7 +67,6 @@ contains
    subroutine read_supports(supports, deck)
       type(support_t), allocatable, intent(out) :: supports(:) !! the supports
       type(deck_t), intent(inout) :: deck !! the deck
-      character(2), parameter :: keys(4) = ['ux', 'uy', 'un', 'ut']
       integer, allocatable :: groups(:)
       logical :: has_set, has_point, has_spring(2)
       integer :: i, k
@@ -79,8 +78,8 @@ contains
          supports(i)%origin = origin_of(deck, groups(i), 'set')
          call deck%get(groups(i), 'set', supports(i)%set, has_set)
          call deck%get(groups(i), 'point', supports(i)%point, has_point)
-         do k = 1, 4
-            call deck%get(groups(i), keys(k), supports(i)%displacement(k), supports(i)%is_held(k))
+         do k = 1, size(supported_components)
+            call deck%get(groups(i), supported_components(k), supports(i)%displacement(k), supports(i)%is_held(k))
          end do
          call deck%get(groups(i), 'spring_n', supports(i)%spring(1), has_spring(1))
          call deck%get(groups(i), 'spring_t', supports(i)%spring(2), has_spring(2))

@@ -3,6 +3,7 @@
 module amontons_effective_deck
    use amontons_cell_partition, only: cell_partition_t, multiplier_names
    use amontons_config, only: config_t
+   use amontons_constraints, only: supported_components
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
    use amontons_loads, only: load_on_nodes, load_on_sides
@@ -111,7 +112,6 @@ contains
       type(config_t), intent(in) :: config !! the case
       integer, intent(in) :: i !! which support
       character(:), allocatable :: text
-      character(2), parameter :: keys(4) = ['ux', 'uy', 'un', 'ut']
       integer :: k
 
       associate (support => config%supports(i))
@@ -120,8 +120,9 @@ contains
          else
             text = '&support point = '//pair(support%point)
          end if
-         do k = 1, 4
-            if (support%is_held(k)) text = text//'  '//keys(k)//' = '//to_text(support%displacement(k))
+         do k = 1, size(supported_components)
+            if (support%is_held(k)) text = text//'  '//supported_components(k)//' = '// &
+               to_text(support%displacement(k))
          end do
          if (any(support%spring > 0.0_dp)) text = text//'  spring_n = '//to_text(support%spring(1))//'  spring_t = ' &
             //to_text(support%spring(2))

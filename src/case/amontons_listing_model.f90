@@ -2,6 +2,7 @@
 module amontons_listing_model
    use amontons_body, only: body_t, poor_inf_sup
    use amontons_config, only: config_t
+   use amontons_constraints, only: supported_components
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
    use amontons_listing_text, only: heading, line, pair, short
@@ -63,7 +64,6 @@ contains
       type(config_t), intent(in) :: config !! the case
       integer, intent(in) :: i !! which support
       character(:), allocatable :: text
-      character(2), parameter :: keys(4) = ['ux', 'uy', 'un', 'ut']
       integer :: k
 
       associate (support => config%supports(i))
@@ -72,8 +72,9 @@ contains
          else
             text = 'point '//pair(support%point)
          end if
-         do k = 1, 4
-            if (support%is_held(k)) text = text//', '//keys(k)//' = '//short(support%displacement(k))
+         do k = 1, size(supported_components)
+            if (support%is_held(k)) text = text//', '//supported_components(k)//' = '// &
+               short(support%displacement(k))
          end do
          if (any(support%spring > 0.0_dp)) text = text//', springs '//pair(support%spring)//' along normal and tangent'
       end associate

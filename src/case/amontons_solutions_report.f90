@@ -84,9 +84,9 @@ contains
       do i = 1, solutions%n
          associate (v => solutions%displacement(:, i), force => solutions%force(:, i))
             do p = 1, m
-               rows(p, i) = to_text(i)//','//trim(merge('yes', 'no ', solutions%is_isolated(i)))//','//to_text(p)//','// &
-                  comma_separated([gap(p) - v(p), v(m + p), force(p), force(m + p)])//','// &
-                  status_names(solutions%status(p, i))
+               rows(p, i) = to_text(i)//','//trim(merge('yes', 'no ', solutions%is_isolated(i)))//','//to_text(p) &
+                  //','//comma_separated([gap(p) - v(p), v(m + p), force(p), force(m + p)]) &
+                  //','//status_names(solutions%status(p, i))
             end do
          end associate
       end do

@@ -8,15 +8,18 @@ module amontons_constraints
    implicit none (type, external)
    private
 
-   public :: constraints_t, new_constraints, new_support, support_t
+   public :: constraints_t, new_constraints, new_support, support_t, supported_components
+
+   !> The components of a displacement that a support may prescribe: x, y, outward normal, tangent.
+   character(2), parameter :: supported_components(4) = ['ux', 'uy', 'un', 'ut']
 
    !> A prescribed displacement or an elastic foundation of a boundary set, or a prescribed displacement of the node at
    !> a point.
    type :: support_t
       character(:), allocatable :: set !! name of the boundary set; empty for a support at a point
       real(dp) :: point(2) = 0.0_dp !! coordinates of the node [L]; read when `set` is empty
-      logical :: is_held(4) = .false. !! which components are prescribed: x, y, outward normal, tangent
-      real(dp) :: displacement(4) = 0.0_dp !! their values [L]
+      logical :: is_held(size(supported_components)) = .false. !! which components are prescribed
+      real(dp) :: displacement(size(supported_components)) = 0.0_dp !! their values [L]
       real(dp) :: spring(2) = 0.0_dp !! stress per displacement along normal and tangent of the set [F/L^3]
       character(:), allocatable :: origin !! where the support was specified, for messages: 'deck.nml:12: '
    end type support_t
