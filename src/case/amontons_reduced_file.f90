@@ -2,7 +2,7 @@
 module amontons_reduced_file
    use amontons_error, only: error_t
    use amontons_fclib_file, only: has_fclib, read_fclib_file, write_fclib_file
-   use amontons_mesh_source, only: mesh_source_t, new_mesh_source
+   use amontons_input_file, only: input_file_t, new_input_file
    use amontons_output_file, only: commit_files, new_foreign_file, output_file_t
    use amontons_reduced_system, only: reduced_system_t
    use amontons_siconos_text, only: read_siconos_text, write_siconos_text
@@ -22,15 +22,15 @@ contains
       type(reduced_system_t), intent(out) :: system !! the reduced problem
       character(*), intent(in) :: file !! name of the file
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
-      type(mesh_source_t) :: source
+      type(input_file_t) :: input
 
-      call new_mesh_source(source, file, error)
+      call new_input_file(input, file, error)
       if (allocated(error)) return
-      if (index(source%text, hdf5_signature) == 1) then
+      if (index(input%text, hdf5_signature) == 1) then
          call read_fclib_file(system, file, error)
       else
-         call read_siconos_text(system, source)
-         call move_alloc(source%error, error)
+         call read_siconos_text(system, input)
+         call move_alloc(input%error, error)
       end if
    end subroutine read_reduced_file
 

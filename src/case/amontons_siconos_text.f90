@@ -5,8 +5,8 @@
 module amontons_siconos_text
    use amontons_csparse_text, only: read_csparse, write_csparse
    use amontons_error, only: error_t
+   use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp, int64
-   use amontons_mesh_source, only: mesh_source_t
    use amontons_numeral, only: scan_integer
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_reduced_system, only: entries_t, new_reduced_system, reduced_system_t
@@ -27,74 +27,74 @@ module amontons_siconos_text
 contains
 
    !> Reads a file that is in memory already; its first fault stays with it.
-   subroutine read_siconos_text(system, source)
+   subroutine read_siconos_text(system, input)
       type(reduced_system_t), intent(out) :: system !! the reduced problem
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       type(entries_t) :: entries
       real(dp), allocatable :: q(:), friction(:)
       character(:), allocatable :: form, sentence
       integer :: dimension, n_contacts, storage, place
 
-      call take_choice(source, dimension, 'the dimension 2', [2])
-      call take_number(source, n_contacts, 'the number of contacts')
-      if (n_contacts < 0) call refuse_word(source, 'expected a number of contacts that is not negative, found '// &
+      call take_choice(input, dimension, 'the dimension 2', [2])
+      call take_number(input, n_contacts, 'the number of contacts')
+      if (n_contacts < 0) call refuse_word(input, 'expected a number of contacts that is not negative, found '// &
          to_text(n_contacts))
-      call source%check_count(n_contacts, 2, 'contacts')
-      call take_choice(source, storage, 'the storage of W: 0 (dense), 1 (sparse block) or 2 (CSparse)', &
+      call input%check_count(n_contacts, 2, 'contacts')
+      call take_choice(input, storage, 'the storage of W: 0 (dense), 1 (sparse block) or 2 (CSparse)', &
          [storage_dense, storage_blocks, storage_csparse])
-      call take_size(source, n_contacts)
-      if (allocated(source%error)) return
+      call take_size(input, n_contacts)
+      if (allocated(input%error)) return
       select case (storage)
       case (storage_dense)
          form = 'Siconos text, dense'
-         call read_dense(entries, source, 2*n_contacts)
+         call read_dense(entries, input, 2*n_contacts)
       case (storage_blocks)
          form = 'Siconos text, sparse block'
-         call read_blocks(entries, source, 2*n_contacts)
+         call read_blocks(entries, input, 2*n_contacts)
       case default
-         call read_csparse(entries, source, 2*n_contacts, form)
+         call read_csparse(entries, input, 2*n_contacts, form)
       end select
-      call read_vectors(q, friction, source, n_contacts)
-      call check_end(source)
-      if (allocated(source%error)) return
+      call read_vectors(q, friction, input, n_contacts)
+      call check_end(input)
+      if (allocated(input%error)) return
       if (entries%n == 0) allocate (entries%row(0), entries%column(0), entries%value(0), entries%place(0))
       call new_reduced_system(system, entries, q, friction, sentence, place)
       system%form = form
-      if (allocated(sentence)) call source%refuse(sentence, place)
+      if (allocated(sentence)) call input%refuse(sentence, place)
    end subroutine read_siconos_text
 
    !> Takes the number of rows and that of columns.
-   pure subroutine take_size(source, n_contacts)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine take_size(input, n_contacts)
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n_contacts !! number of contacts
       integer :: size, i
 
       do i = 1, 2
-         call take_number(source, size, 'the number of '//trim(merge('rows   ', 'columns', i == 1))//' of W')
-         if (size /= 2*n_contacts) call refuse_word(source, 'expected '//to_text(2*n_contacts)//' '// &
+         call take_number(input, size, 'the number of '//trim(merge('rows   ', 'columns', i == 1))//' of W')
+         if (size /= 2*n_contacts) call refuse_word(input, 'expected '//to_text(2*n_contacts)//' '// &
             trim(merge('rows   ', 'columns', i == 1))//' of W, two for each contact, found '//to_text(size))
       end do
    end subroutine take_size
 
    !> Reads the numbers of a full matrix, column by column; zeros are left out.
-   pure subroutine read_dense(entries, source, n)
+   pure subroutine read_dense(entries, input, n)
       type(entries_t), intent(out) :: entries !! the matrix
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n !! number of rows
       integer :: again
 
-      call take_choice(source, again, 'the number of rows of W again, '//to_text(n), [n])
-      call take_choice(source, again, 'the number of columns of W again, '//to_text(n), [n])
-      if (int(n, int64)**2 > (len(source%text) - source%position)/2 + 1) call source%refuse(to_text(n)//' x '// &
+      call take_choice(input, again, 'the number of rows of W again, '//to_text(n), [n])
+      call take_choice(input, again, 'the number of columns of W again, '//to_text(n), [n])
+      if (int(n, int64)**2 > (len(input%text) - input%position)/2 + 1) call input%refuse(to_text(n)//' x '// &
          to_text(n)//' numbers of W are announced, but the file ends after '// &
-         to_text(len(source%text) - source%position + 1)//' more bytes')
-      call read_columns(entries, source, 0, 0, n, n)
+         to_text(len(input%text) - input%position + 1)//' more bytes')
+      call read_columns(entries, input, 0, 0, n, n)
    end subroutine read_dense
 
    !> Reads the numbers of a block, column by column; zeros are left out.
-   pure subroutine read_columns(entries, source, rows_before, columns_before, n_rows, n_columns)
+   pure subroutine read_columns(entries, input, rows_before, columns_before, n_rows, n_columns)
       type(entries_t), intent(inout) :: entries !! the matrix
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: rows_before !! number of rows above the block
       integer, intent(in) :: columns_before !! number of columns to the left of the block
       integer, intent(in) :: n_rows !! number of its rows
@@ -104,46 +104,46 @@ contains
 
       do j = 1, n_columns
          do i = 1, n_rows
-            call source%skip_white()
-            place = source%position
-            call source%take_real(value, 'a number of W')
-            if (allocated(source%error)) return
+            call input%skip_white()
+            place = input%position
+            call input%take_real(value, 'a number of W')
+            if (allocated(input%error)) return
             if (abs(value) > 0.0_dp) call entries%append(rows_before + i, columns_before + j, value, place)
          end do
       end do
    end subroutine read_columns
 
    !> Reads a matrix of blocks.
-   pure subroutine read_blocks(entries, source, n)
+   pure subroutine read_blocks(entries, input, n)
       type(entries_t), intent(out) :: entries !! the matrix
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n !! number of rows
       integer, allocatable :: row_end(:), column_end(:), first(:), block_column(:)
       integer :: n_blocks, n_block_rows, n_block_columns, number, i, k
 
-      call take_count(source, n_blocks, 'blocks', least=0)
-      call take_count(source, n_block_rows, 'block rows', least=min(1, n))
-      call take_count(source, n_block_columns, 'block columns', least=min(1, n))
-      call take_ends(row_end, source, n_block_rows, n, 'row')
-      call take_ends(column_end, source, n_block_columns, n, 'column')
-      call take_choice(source, number, 'the number of block row pointers, '//to_text(n_block_rows + 1), &
+      call take_count(input, n_blocks, 'blocks', least=0)
+      call take_count(input, n_block_rows, 'block rows', least=min(1, n))
+      call take_count(input, n_block_columns, 'block columns', least=min(1, n))
+      call take_ends(row_end, input, n_block_rows, n, 'row')
+      call take_ends(column_end, input, n_block_columns, n, 'column')
+      call take_choice(input, number, 'the number of block row pointers, '//to_text(n_block_rows + 1), &
          [n_block_rows + 1])
-      call take_choice(source, number, 'the number of blocks again, '//to_text(n_blocks), [n_blocks])
-      call source%check_count(n_blocks, 2, 'blocks')
-      if (allocated(source%error)) return
+      call take_choice(input, number, 'the number of blocks again, '//to_text(n_blocks), [n_blocks])
+      call input%check_count(n_blocks, 2, 'blocks')
+      if (allocated(input%error)) return
       allocate (first(0:n_block_rows), block_column(n_blocks))
-      call take_pointers(first, source, n_blocks)
+      call take_pointers(first, input, n_blocks)
       do k = 1, n_blocks
-         call take_number(source, block_column(k), 'the block column of a block')
-         if (block_column(k) < 0 .or. block_column(k) >= n_block_columns) call refuse_word(source, &
+         call take_number(input, block_column(k), 'the block column of a block')
+         if (block_column(k) < 0 .or. block_column(k) >= n_block_columns) call refuse_word(input, &
             'expected a block column from 0 to '//to_text(n_block_columns - 1)//', found '//to_text(block_column(k)))
       end do
       do i = 1, n_block_rows
          do k = first(i - 1) + 1, first(i)
-            call take_choice(source, number, 'the number of the block, '//to_text(k - 1), [k - 1])
-            if (allocated(source%error)) return
+            call take_choice(input, number, 'the number of the block, '//to_text(k - 1), [k - 1])
+            if (allocated(input%error)) return
             associate (j => block_column(k) + 1)
-               call read_columns(entries, source, row_end(i - 1), column_end(j - 1), row_end(i) - row_end(i - 1), &
+               call read_columns(entries, input, row_end(i - 1), column_end(j - 1), row_end(i) - row_end(i - 1), &
                   column_end(j) - column_end(j - 1))
             end associate
          end do
@@ -151,92 +151,92 @@ contains
    end subroutine read_blocks
 
    !> Takes a number of things.
-   pure subroutine take_count(source, n_things, things, least)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine take_count(input, n_things, things, least)
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: n_things !! the number, at least 0 where there is no fault
       character(*), intent(in) :: things !! what the things are
       integer, intent(in) :: least !! the least number that is right
 
-      call take_number(source, n_things, 'the number of '//things)
-      if (n_things < least) call refuse_word(source, 'expected a number of '//things//' of at least '// &
+      call take_number(input, n_things, 'the number of '//things)
+      if (n_things < least) call refuse_word(input, 'expected a number of '//things//' of at least '// &
          to_text(least)//', found '//to_text(n_things))
    end subroutine take_count
 
    !> Takes where the block rows or columns end.
-   pure subroutine take_ends(ends, source, n_blocks, n, what)
+   pure subroutine take_ends(ends, input, n_blocks, n, what)
       integer, allocatable, intent(out) :: ends(:) !! number of rows up to the end of each block row (0:n_blocks)
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n_blocks !! number of block rows
       integer, intent(in) :: n !! number of rows
       character(*), intent(in) :: what !! 'row' or 'column'
       integer :: i
 
-      call source%check_count(n_blocks, 2, 'block '//what//'s')
-      if (allocated(source%error)) return
+      call input%check_count(n_blocks, 2, 'block '//what//'s')
+      if (allocated(input%error)) return
       allocate (ends(0:n_blocks), source=0)
       do i = 1, n_blocks
-         call take_number(source, ends(i), 'the '//what//' that a block '//what//' ends with')
-         if (ends(i) <= ends(i - 1) .or. ends(i) > n .or. i == n_blocks .and. ends(i) /= n) call refuse_word(source, &
+         call take_number(input, ends(i), 'the '//what//' that a block '//what//' ends with')
+         if (ends(i) <= ends(i - 1) .or. ends(i) > n .or. i == n_blocks .and. ends(i) /= n) call refuse_word(input, &
             'expected the ends of the block '//what//'s to ascend to '//to_text(n)//', found '//to_text(ends(i)))
-         if (allocated(source%error)) return
+         if (allocated(input%error)) return
       end do
    end subroutine take_ends
 
    !> Takes where the blocks of each block row begin, and their end.
-   pure subroutine take_pointers(first, source, n_blocks)
+   pure subroutine take_pointers(first, input, n_blocks)
       integer, intent(inout) :: first(0:) !! number of blocks in the block rows before each
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n_blocks !! number of blocks
       integer :: i, least, most
 
       first = 0
       least = 0
       do i = 0, ubound(first, 1)
-         call take_number(source, first(i), 'a block row pointer')
+         call take_number(input, first(i), 'a block row pointer')
          most = merge(0, n_blocks, i == 0)
          if (i == ubound(first, 1)) least = n_blocks
-         if (first(i) < least .or. first(i) > most) call refuse_word(source, 'expected block row pointers that '// &
+         if (first(i) < least .or. first(i) > most) call refuse_word(input, 'expected block row pointers that '// &
             'ascend from 0 to '//to_text(n_blocks)//', found '//to_text(first(i)))
-         if (allocated(source%error)) return
+         if (allocated(input%error)) return
          least = first(i)
       end do
    end subroutine take_pointers
 
    !> Reads q and mu.
-   pure subroutine read_vectors(q, friction, source, n_contacts)
+   pure subroutine read_vectors(q, friction, input, n_contacts)
       real(dp), allocatable, intent(out) :: q(:) !! u without forces (2m) [L]
       real(dp), allocatable, intent(out) :: friction(:) !! mu (m) [-]
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n_contacts !! number m of contacts
       integer :: i
 
       allocate (q(2*n_contacts), friction(n_contacts), source=0.0_dp)
       do i = 1, size(q)
-         call source%skip_white()
-         call source%take_real(q(i), 'a number of q')
-         if (allocated(source%error)) return
+         call input%skip_white()
+         call input%take_real(q(i), 'a number of q')
+         if (allocated(input%error)) return
       end do
       do i = 1, size(friction)
-         call source%skip_white()
-         call source%take_real(friction(i), 'a coefficient of friction mu')
-         if (friction(i) < 0.0_dp) call refuse_word(source, 'mu of contact '//to_text(i)//' is '// &
+         call input%skip_white()
+         call input%take_real(friction(i), 'a coefficient of friction mu')
+         if (friction(i) < 0.0_dp) call refuse_word(input, 'mu of contact '//to_text(i)//' is '// &
             to_text(friction(i))//': expected a number that is not negative')
-         if (allocated(source%error)) return
+         if (allocated(input%error)) return
       end do
    end subroutine read_vectors
 
    !> Refuses what follows the last coefficient, but for the 1 that Siconos writes there.
-   pure subroutine check_end(source)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine check_end(input)
+      type(input_file_t), intent(inout) :: input !! the file
       integer :: flag
       logical :: ok
 
-      if (allocated(source%error)) return
-      call source%skip_white()
-      call scan_integer(source%text, source%position, flag, ok)
-      call source%skip_white()
-      if (source%position <= len(source%text)) call source%refuse('expected the end of the file behind the last '// &
-         'mu, found '//source%word())
+      if (allocated(input%error)) return
+      call input%skip_white()
+      call scan_integer(input%text, input%position, flag, ok)
+      call input%skip_white()
+      if (input%position <= len(input%text)) call input%refuse('expected the end of the file behind the last '// &
+         'mu, found '//input%word())
    end subroutine check_end
 
    !> Writes a reduced problem under its temporary name: dense, or as CSparse's columns where W is sparse.

@@ -3,9 +3,9 @@ module amontons_abaqus
    use amontons_abaqus_line, only: find_parameter, is_at_line_end, next_data_line, next_keyword, take_comma
    use amontons_abaqus_sets, only: abaqus_scope_t, get_set, read_set, read_surface, resolve_elements
    use amontons_element, only: quad4, quad8, tri3, tri6
+   use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
    use amontons_mesh_draft, only: counted, line2, line3, mesh_draft_t, n_cell_nodes, no_cell
-   use amontons_mesh_source, only: mesh_source_t
    use amontons_text, only: lower_case
    implicit none (type, external)
    private
@@ -14,10 +14,10 @@ module amontons_abaqus
 
 contains
 
-   !> Reads nodes, elements and sets. Faults go to the source.
-   pure subroutine read_abaqus(draft, source)
+   !> Reads nodes, elements and sets. Faults go to the input.
+   pure subroutine read_abaqus(draft, input)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(mesh_source_t), intent(inout) :: source !! the file, at its first keyword
+      type(input_file_t), intent(inout) :: input !! the file, at its first keyword
       type(abaqus_scope_t) :: scope
       character(:), allocatable :: keyword, line
       integer :: n_skipped
@@ -26,36 +26,36 @@ contains
       draft%ignores_case = .true.
       n_skipped = 0
       do
-         call next_keyword(source, keyword, line)
-         if (keyword == '' .or. allocated(source%error)) exit
+         call next_keyword(input, keyword, line)
+         if (keyword == '' .or. allocated(input%error)) exit
          select case (keyword)
          case ('node')
             if (scope%in_assembly) n_skipped = n_skipped + 1
-            if (.not. scope%in_assembly) call read_nodes(draft, source, scope, line)
+            if (.not. scope%in_assembly) call read_nodes(draft, input, scope, line)
          case ('element')
-            call read_elements(draft, source, scope, line)
+            call read_elements(draft, input, scope, line)
          case ('nset', 'elset')
-            call read_set(draft, source, scope, line, keyword)
+            call read_set(draft, input, scope, line, keyword)
          case ('surface')
-            call read_surface(draft, source, scope, line)
+            call read_surface(draft, input, scope, line)
          case ('part', 'instance', 'assembly', 'endassembly')
-            call enter_scope(scope, draft, source, keyword)
+            call enter_scope(scope, draft, input, keyword)
          case ('include', 'system', 'ngen', 'nfill', 'nmap', 'ncopy', 'elgen', 'elcopy')
-            call source%refuse('*'//keyword//' is not read: write the nodes and elements out', source%position - 1)
+            call input%refuse('*'//keyword//' is not read: write the nodes and elements out', input%position - 1)
          case default
             n_skipped = n_skipped + 1
          end select
       end do
       if (n_skipped > 0) call draft%add_note(counted(n_skipped, 'keyword')//' of no matter to the mesh skipped')
-      if (.not. allocated(source%error)) call resolve_elements(draft, source)
+      if (.not. allocated(input%error)) call resolve_elements(draft, input)
    end subroutine read_abaqus
 
    !> Enters a part, an instance or the assembly, or leaves the assembly. There may be one part, in one instance, not
    !> moved.
-   pure subroutine enter_scope(scope, draft, source, keyword)
+   pure subroutine enter_scope(scope, draft, input, keyword)
       type(abaqus_scope_t), intent(inout) :: scope !! where the file is
       type(mesh_draft_t), intent(in) :: draft !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       character(*), intent(in) :: keyword !! the keyword in small letters
       logical :: is_moved
 
@@ -64,22 +64,22 @@ contains
          scope%n_parts = scope%n_parts + 1
       case ('instance')
          scope%n_instances = scope%n_instances + 1
-         call next_data_line(source, is_moved)
-         if (is_moved) call source%refuse('an instance that is moved from where its part is')
+         call next_data_line(input, is_moved)
+         if (is_moved) call input%refuse('an instance that is moved from where its part is')
       case ('assembly')
          scope%in_assembly = .true.
          scope%n_part_groups = draft%n_groups
       case default
          scope%in_assembly = .false.
       end select
-      if (max(scope%n_parts, scope%n_instances) > 1) call source%refuse( &
-         'a second part or instance: only one body is read', source%position - 1)
+      if (max(scope%n_parts, scope%n_instances) > 1) call input%refuse( &
+         'a second part or instance: only one body is read', input%position - 1)
    end subroutine enter_scope
 
    !> Reads nodes: number and up to three coordinates, absent ones being 0.
-   pure subroutine read_nodes(draft, source, scope, line)
+   pure subroutine read_nodes(draft, input, scope, line)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(mesh_source_t), intent(inout) :: source !! the file, behind the keyword line
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
       character(:), allocatable :: value
@@ -88,26 +88,26 @@ contains
       logical :: is_there
 
       call find_parameter(line, 'input', value, is_there)
-      if (is_there) call source%refuse('*NODE with INPUT= is not read: write the nodes out', source%position - 1)
+      if (is_there) call input%refuse('*NODE with INPUT= is not read: write the nodes out', input%position - 1)
       call find_parameter(line, 'system', value, is_there)
-      if (is_there .and. lower_case(value) /= 'r') call source%refuse( &
-         'nodes in other than rectangular coordinates', source%position - 1)
-      call get_set(draft, source, scope, line, 'nset', group)
+      if (is_there .and. lower_case(value) /= 'r') call input%refuse( &
+         'nodes in other than rectangular coordinates', input%position - 1)
+      call get_set(draft, input, scope, line, 'nset', group)
       do
-         call next_data_line(source, is_there)
+         call next_data_line(input, is_there)
          if (.not. is_there) exit
-         place = source%position
-         call source%take_integer(tag, 'the number of a node')
-         call take_coordinates(source, x)
-         if (allocated(source%error)) exit
+         place = input%position
+         call input%take_integer(tag, 'the number of a node')
+         call take_coordinates(input, x)
+         if (allocated(input%error)) exit
          call draft%add_node(tag, place, x)
          if (group > 0) call draft%groups(group)%node%append(tag)
       end do
    end subroutine read_nodes
 
    !> Takes the coordinates of a node; more numbers, as the normals of shells, are skipped.
-   pure subroutine take_coordinates(source, x)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine take_coordinates(input, x)
+      type(input_file_t), intent(inout) :: input !! the file
       real(dp), intent(out) :: x(3) !! the coordinates [L]
       integer, parameter :: most_numbers = 6
       integer :: i
@@ -116,20 +116,20 @@ contains
 
       numbers = 0.0_dp
       do i = 1, most_numbers
-         call take_comma(source, is_there)
+         call take_comma(input, is_there)
          if (.not. is_there) exit
-         if (is_at_line_end(source)) exit
-         if (source%text(source%position:source%position) == ',') cycle
-         call source%take_real(numbers(i), 'a coordinate')
+         if (is_at_line_end(input)) exit
+         if (input%text(input%position:input%position) == ',') cycle
+         call input%take_real(numbers(i), 'a coordinate')
       end do
       x = numbers(:3)
-      call source%end_line()
+      call input%end_line()
    end subroutine take_coordinates
 
    !> Reads elements of one type.
-   pure subroutine read_elements(draft, source, scope, line)
+   pure subroutine read_elements(draft, input, scope, line)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(mesh_source_t), intent(inout) :: source !! the file, behind the keyword line
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
       character(:), allocatable :: value
@@ -137,21 +137,21 @@ contains
       logical :: is_there
 
       call find_parameter(line, 'input', value, is_there)
-      if (is_there) call source%refuse('*ELEMENT with INPUT= is not read: write the elements out', source%position - 1)
+      if (is_there) call input%refuse('*ELEMENT with INPUT= is not read: write the elements out', input%position - 1)
       call find_parameter(line, 'type', value, is_there)
-      call find_kind(source, value, kind)
+      call find_kind(input, value, kind)
       if (kind == line2 .or. kind == line3) call draft%add_note('elements of type '//value// &
          ' are taken for names of the boundary, not for bars')
       if (kind > 0 .and. len(value) > 4) call draft%add_note('elements of type '//value// &
          ' are taken for '//value(:4)//': compatible and fully integrated')
-      call get_set(draft, source, scope, line, 'elset', group)
+      call get_set(draft, input, scope, line, 'elset', group)
       do
-         call next_data_line(source, is_there)
+         call next_data_line(input, is_there)
          if (.not. is_there) exit
-         place = source%position
-         call source%take_integer(tag, 'the number of an element')
-         call take_nodes(draft, source, kind, tag, place)
-         if (allocated(source%error)) exit
+         place = input%position
+         call input%take_integer(tag, 'the number of an element')
+         call take_nodes(draft, input, kind, tag, place)
+         if (allocated(input%error)) exit
          if (group == 0) cycle
          call draft%groups(group)%cell%append(tag)
          call draft%groups(group)%side%append(0)
@@ -159,9 +159,9 @@ contains
    end subroutine read_elements
 
    !> Takes the nodes of an element; a comma at the end of a line continues it on the next one.
-   pure subroutine take_nodes(draft, source, kind, tag, place)
+   pure subroutine take_nodes(draft, input, kind, tag, place)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(mesh_source_t), intent(inout) :: source !! the file, behind the number of the element
+      type(input_file_t), intent(inout) :: input !! the file, behind the number of the element
       integer, intent(in) :: kind !! kind of the element
       integer, intent(in) :: tag !! its number
       integer, intent(in) :: place !! where the file gives it
@@ -169,22 +169,22 @@ contains
       logical :: is_there
 
       do i = 1, size(nodes)
-         call take_comma(source, is_there)
-         if (.not. is_there) call source%refuse('expected a comma and a node of an element, found '//source%word())
-         if (is_at_line_end(source)) call next_data_line(source, is_there)
-         call source%take_integer(nodes(i), 'a node of an element')
+         call take_comma(input, is_there)
+         if (.not. is_there) call input%refuse('expected a comma and a node of an element, found '//input%word())
+         if (is_at_line_end(input)) call next_data_line(input, is_there)
+         call input%take_integer(nodes(i), 'a node of an element')
       end do
-      call take_comma(source, is_there)
-      call source%end_line()
-      if (allocated(source%error)) return
+      call take_comma(input, is_there)
+      call input%end_line()
+      if (allocated(input%error)) return
       ! A line over three nodes is given from end to end here.
       if (kind == line3) nodes = nodes([1, 3, 2])
       call draft%add_cell(kind, tag, place, nodes)
    end subroutine take_nodes
 
    !> Finds the kind of elements of a type.
-   pure subroutine find_kind(source, type, kind)
-      type(mesh_source_t), intent(inout) :: source !! the file, behind the keyword line
+   pure subroutine find_kind(input, type, kind)
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: type !! name of the type
       integer, intent(out) :: kind !! kind of the elements, `no_cell` where there is a fault
       character(:), allocatable :: name
@@ -209,11 +209,11 @@ contains
       if (verify(trim(name(5:)), 'rhimt') > 0) kind = no_cell
       if (kind /= no_cell) return
       if (name(:3) == 'c3d') then
-         call source%refuse('elements of type '//type//': a 3-D mesh, where a plane one is expected', &
-            source%position - 1)
+         call input%refuse('elements of type '//type//': a 3-D mesh, where a plane one is expected', &
+            input%position - 1)
       else
-         call source%refuse("elements of type '"//type//"', which are not read: expected CPE3, CPE4, CPE6, CPE8 or "// &
-            'the same of CPS and CAX', source%position - 1)
+         call input%refuse("elements of type '"//type//"', which are not read: expected CPE3, CPE4, CPE6, CPE8 or "// &
+            'the same of CPS and CAX', input%position - 1)
       end if
    end subroutine find_kind
 

@@ -1,6 +1,6 @@
 !> Lines of the input format of Abaqus and CalculiX: keywords with parameters, data lines with fields.
 module amontons_abaqus_line
-   use amontons_mesh_source, only: mesh_source_t
+   use amontons_input_file, only: input_file_t
    use amontons_text, only: lower_case, to_text
    implicit none (type, external)
    private
@@ -14,56 +14,56 @@ module amontons_abaqus_line
 contains
 
    !> Whether nothing but blanks is left on the line.
-   pure logical function is_at_line_end(source)
-      type(mesh_source_t), intent(in) :: source !! the file, behind blanks
+   pure logical function is_at_line_end(input)
+      type(input_file_t), intent(in) :: input !! the file, behind blanks
 
-      is_at_line_end = source%position > len(source%text)
-      if (.not. is_at_line_end) is_at_line_end = source%text(source%position:source%position) == line_feed
+      is_at_line_end = input%position > len(input%text)
+      if (.not. is_at_line_end) is_at_line_end = input%text(input%position:input%position) == line_feed
    end function is_at_line_end
 
    !> Whether a text begins at the position.
-   pure logical function stands_here(source, text)
-      type(mesh_source_t), intent(in) :: source !! the file
+   pure logical function stands_here(input, text)
+      type(input_file_t), intent(in) :: input !! the file
       character(*), intent(in) :: text !! the text
 
-      stands_here = source%position + len(text) - 1 <= len(source%text)
-      if (stands_here) stands_here = source%text(source%position:source%position + len(text) - 1) == text
+      stands_here = input%position + len(text) - 1 <= len(input%text)
+      if (stands_here) stands_here = input%text(input%position:input%position + len(text) - 1) == text
    end function stands_here
 
    !> Moves to the next line that is no comment and not empty.
-   pure subroutine skip_comments(source)
-      type(mesh_source_t), intent(inout) :: source !! the file, at the beginning of a line
+   pure subroutine skip_comments(input)
+      type(input_file_t), intent(inout) :: input !! the file, at the beginning of a line
 
       do
-         call source%skip_white()
-         if (.not. stands_here(source, '**')) return
-         call skip_line(source)
+         call input%skip_white()
+         if (.not. stands_here(input, '**')) return
+         call skip_line(input)
       end do
    end subroutine skip_comments
 
    !> Moves to the next line.
-   pure subroutine skip_line(source)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine skip_line(input)
+      type(input_file_t), intent(inout) :: input !! the file
 
-      do while (.not. is_at_line_end(source))
-         source%position = source%position + 1
+      do while (.not. is_at_line_end(input))
+         input%position = input%position + 1
       end do
-      source%position = source%position + 1
+      input%position = input%position + 1
    end subroutine skip_line
 
    !> Moves to the next data line; there is none where a keyword or the end of the file follows.
-   pure subroutine next_data_line(source, is_there)
-      type(mesh_source_t), intent(inout) :: source !! the file, at the beginning of a line
+   pure subroutine next_data_line(input, is_there)
+      type(input_file_t), intent(inout) :: input !! the file, at the beginning of a line
       logical, intent(out) :: is_there !! whether there is a data line
 
-      call skip_comments(source)
-      is_there = source%position <= len(source%text) .and. .not. stands_here(source, '*') &
-         .and. .not. allocated(source%error)
+      call skip_comments(input)
+      is_there = input%position <= len(input%text) .and. .not. stands_here(input, '*') &
+         .and. .not. allocated(input%error)
    end subroutine next_data_line
 
    !> Moves over data lines to the next keyword and takes its line and those that continue it.
-   pure subroutine next_keyword(source, keyword, line)
-      type(mesh_source_t), intent(inout) :: source !! the file, at the beginning of a line
+   pure subroutine next_keyword(input, keyword, line)
+      type(input_file_t), intent(inout) :: input !! the file, at the beginning of a line
       character(:), allocatable, intent(out) :: keyword
          !! the keyword in small letters, without `*` and blanks; empty at the end of the file
       character(:), allocatable, intent(out) :: line !! the whole line, behind the `*`
@@ -73,13 +73,13 @@ contains
       keyword = ''
       line = ''
       do
-         call next_data_line(source, is_there)
+         call next_data_line(input, is_there)
          if (.not. is_there) exit
-         call skip_line(source)
+         call skip_line(input)
       end do
-      if (.not. stands_here(source, '*')) return
-      call take_keyword_line(source, line)
-      if (allocated(source%error)) return
+      if (.not. stands_here(input, '*')) return
+      call take_keyword_line(input, line)
+      if (allocated(input%error)) return
       do i = 1, len(line)
          if (line(i:i) == ',') exit
          if (line(i:i) /= ' ') keyword = keyword//lower_case(line(i:i))
@@ -87,23 +87,23 @@ contains
    end subroutine next_keyword
 
    !> Takes a keyword line and the lines that continue it.
-   pure subroutine take_keyword_line(source, line)
-      type(mesh_source_t), intent(inout) :: source !! the file, at the `*` of the line
+   pure subroutine take_keyword_line(input, line)
+      type(input_file_t), intent(inout) :: input !! the file, at the `*` of the line
       character(:), allocatable, intent(out) :: line !! the whole line, behind the `*`
       character(:), allocatable :: more
       integer :: place
       logical :: is_there
 
-      place = source%position
-      source%position = source%position + 1
-      call source%take_line(line)
+      place = input%position
+      input%position = input%position + 1
+      call input%take_line(line)
       do while (len(line) > 0 .and. len(line) <= longest_line .and. index(line, ',', back=.true.) == len(line))
-         call next_data_line(source, is_there)
+         call next_data_line(input, is_there)
          if (.not. is_there) exit
-         call source%take_line(more)
+         call input%take_line(more)
          line = line//more
       end do
-      if (len(line) > longest_line) call source%refuse( &
+      if (len(line) > longest_line) call input%refuse( &
          'a keyword line of more than '//to_text(longest_line)//' characters', place)
    end subroutine take_keyword_line
 
@@ -141,29 +141,29 @@ contains
    end function unquoted
 
    !> Moves over a comma and the blanks around it.
-   pure subroutine take_comma(source, is_there)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine take_comma(input, is_there)
+      type(input_file_t), intent(inout) :: input !! the file
       logical, intent(out) :: is_there !! whether there is a comma
 
-      call source%skip_blanks()
-      is_there = stands_here(source, ',')
+      call input%skip_blanks()
+      is_there = stands_here(input, ',')
       if (.not. is_there) return
-      source%position = source%position + 1
-      call source%skip_blanks()
+      input%position = input%position + 1
+      call input%skip_blanks()
    end subroutine take_comma
 
    !> Takes a field of a data line as a text.
-   pure subroutine take_field(source, field)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine take_field(input, field)
+      type(input_file_t), intent(inout) :: input !! the file
       character(:), allocatable, intent(out) :: field !! the text, without quotes, blanks and the comma behind it
       integer :: first
 
-      first = source%position
-      do while (.not. is_at_line_end(source))
-         if (stands_here(source, ',')) exit
-         source%position = source%position + 1
+      first = input%position
+      do while (.not. is_at_line_end(input))
+         if (stands_here(input, ',')) exit
+         input%position = input%position + 1
       end do
-      field = source%text(first:source%position - 1)
+      field = input%text(first:input%position - 1)
       if (len(field) == 0) return
       if (field(len(field):) == achar(13)) field = field(:len(field) - 1)
       field = unquoted(trim(field))

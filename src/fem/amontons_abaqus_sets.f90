@@ -2,9 +2,9 @@
 module amontons_abaqus_sets
    use amontons_abaqus_line, only: find_parameter, is_at_line_end, next_data_line, take_comma, take_field
    use amontons_element, only: n_corners
+   use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t
    use amontons_mesh_draft, only: draft_group_t, mesh_draft_t
-   use amontons_mesh_source, only: mesh_source_t
    use amontons_tag_map, only: new_tag_map, tag_map_t
    use amontons_text, only: lower_case, read_integer, to_text
    implicit none (type, external)
@@ -28,9 +28,9 @@ module amontons_abaqus_sets
 contains
 
    !> The set that a keyword line names, a new one if need be.
-   pure subroutine get_set(draft, source, scope, line, parameter, group)
+   pure subroutine get_set(draft, input, scope, line, parameter, group)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(mesh_source_t), intent(inout) :: source !! the file, behind the keyword line
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
       character(*), intent(in) :: parameter !! name of the parameter, in small letters
@@ -47,13 +47,13 @@ contains
             name = assembly_prefix//name
          end if
       end if
-      call draft%get_group(source, name, group)
+      call draft%get_group(input, name, group)
    end subroutine get_set
 
    !> Reads a set of nodes or elements.
-   pure subroutine read_set(draft, source, scope, line, keyword)
+   pure subroutine read_set(draft, input, scope, line, keyword)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(mesh_source_t), intent(inout) :: source !! the file, behind the keyword line
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
       character(*), intent(in) :: keyword !! 'nset' or 'elset', which is also the parameter that names the set
@@ -70,10 +70,10 @@ contains
       else if (scope%in_assembly .and. .not. is_in_instance) then
          call draft%add_note('a set outside the instance left out: '//line)
       else
-         call get_set(draft, source, scope, line, keyword, group)
-         if (group == 0) call source%refuse('expected '//keyword//'= and a name', source%position - 1)
-         if (is_range) call take_ranges(draft, source, members)
-         if (.not. is_range) call take_members(draft, source, keyword == 'nset', members)
+         call get_set(draft, input, scope, line, keyword, group)
+         if (group == 0) call input%refuse('expected '//keyword//'= and a name', input%position - 1)
+         if (is_range) call take_ranges(draft, input, members)
+         if (.not. is_range) call take_members(draft, input, keyword == 'nset', members)
          if (group > 0) call put(draft%groups(group), keyword == 'nset', members%items())
       end if
    end subroutine read_set
@@ -93,58 +93,58 @@ contains
    end subroutine put
 
    !> Takes ranges: first number, last number, and an increment that is 1 where it is absent.
-   pure subroutine take_ranges(draft, source, members)
+   pure subroutine take_ranges(draft, input, members)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       type(integer_list_t), intent(inout) :: members !! the numbers in the ranges
       integer :: first, i, increment, last, n
       logical :: is_there
 
       do
-         call next_data_line(source, is_there)
+         call next_data_line(input, is_there)
          if (.not. is_there) exit
-         call source%take_integer(first, 'the first number of a range')
-         call take_comma(source, is_there)
-         call source%take_integer(last, 'the last number of a range')
-         call take_comma(source, is_there)
+         call input%take_integer(first, 'the first number of a range')
+         call take_comma(input, is_there)
+         call input%take_integer(last, 'the last number of a range')
+         call take_comma(input, is_there)
          increment = 1
-         if (.not. is_at_line_end(source)) call source%take_integer(increment, 'the increment of a range')
-         call take_comma(source, is_there)
-         if (first < 1 .or. last < first .or. increment < 1) call source%refuse( &
+         if (.not. is_at_line_end(input)) call input%take_integer(increment, 'the increment of a range')
+         call take_comma(input, is_there)
+         if (first < 1 .or. last < first .or. increment < 1) call input%refuse( &
             'expected a range: two positive numbers, the second not the smaller one, and a positive increment')
          n = (last - first)/max(1, increment)
-         call draft%expect_members(source, n)
-         call source%end_line()
-         if (allocated(source%error)) exit
+         call draft%expect_members(input, n)
+         call input%end_line()
+         if (allocated(input%error)) exit
          call members%append_all([(first + i*increment, i=0, n)])
       end do
    end subroutine take_ranges
 
    !> Takes the members of a set: numbers and names of sets above.
-   pure subroutine take_members(draft, source, of_nodes, members)
+   pure subroutine take_members(draft, input, of_nodes, members)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       logical, intent(in) :: of_nodes !! whether the members are nodes rather than elements
       type(integer_list_t), intent(inout) :: members !! their numbers
       character(:), allocatable :: field
       logical :: is_there
 
       do
-         call next_data_line(source, is_there)
+         call next_data_line(input, is_there)
          if (.not. is_there) exit
          do
-            call take_field(source, field)
-            call add_members(draft, source, of_nodes, field, members)
-            call take_comma(source, is_there)
-            if (is_at_line_end(source) .or. allocated(source%error)) exit
+            call take_field(input, field)
+            call add_members(draft, input, of_nodes, field, members)
+            call take_comma(input, is_there)
+            if (is_at_line_end(input) .or. allocated(input%error)) exit
          end do
       end do
    end subroutine take_members
 
    !> Adds what a field names: one thing by its number, or the things of a set.
-   pure subroutine add_members(draft, source, of_nodes, field, members)
+   pure subroutine add_members(draft, input, of_nodes, field, members)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       logical, intent(in) :: of_nodes !! whether the things are nodes rather than elements
       character(*), intent(in) :: field !! the field, perhaps with the name of an instance and a point before
       type(integer_list_t), intent(inout) :: members !! numbers of the things
@@ -162,22 +162,22 @@ contains
       group = draft%find_group(assembly_prefix//name)
       if (group == 0) group = draft%find_group(name)
       if (group == 0) then
-         call source%refuse("there is no set '"//name//"' above")
+         call input%refuse("there is no set '"//name//"' above")
       else if (of_nodes) then
-         call draft%expect_members(source, draft%groups(group)%node%n)
-         if (.not. allocated(source%error)) call members%append_all(draft%groups(group)%node%items())
+         call draft%expect_members(input, draft%groups(group)%node%n)
+         if (.not. allocated(input%error)) call members%append_all(draft%groups(group)%node%items())
       else
          associate (cells => draft%groups(group)%cell%items(), sides => draft%groups(group)%side%items())
-            call draft%expect_members(source, size(cells))
-            if (.not. allocated(source%error)) call members%append_all(pack(cells, sides == 0))
+            call draft%expect_members(input, size(cells))
+            if (.not. allocated(input%error)) call members%append_all(pack(cells, sides == 0))
          end associate
       end if
    end subroutine add_members
 
    !> Reads a surface: sides of elements, or nodes. One that names anything else is left out.
-   pure subroutine read_surface(draft, source, scope, line)
+   pure subroutine read_surface(draft, input, scope, line)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(mesh_source_t), intent(inout) :: source !! the file, behind the keyword line
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
       character(:), allocatable :: type, value
@@ -192,10 +192,10 @@ contains
          call draft%add_note('a surface of other things than sides and nodes left out: '//line)
          return
       end if
-      call get_set(draft, source, scope, line, 'name', group)
-      if (group == 0) call source%refuse('expected NAME= and a name', source%position - 1)
-      call take_sides(draft, source, of_nodes, members, sides)
-      if (allocated(source%error)) return
+      call get_set(draft, input, scope, line, 'name', group)
+      if (group == 0) call input%refuse('expected NAME= and a name', input%position - 1)
+      call take_sides(draft, input, of_nodes, members, sides)
+      if (allocated(input%error)) return
       if (of_nodes) then
          call draft%groups(group)%node%append_all(members%items())
       else
@@ -205,9 +205,9 @@ contains
    end subroutine read_surface
 
    !> Takes the lines of a surface: an element, or a set, and a side of it; of a surface of nodes, nodes.
-   pure subroutine take_sides(draft, source, of_nodes, members, sides)
+   pure subroutine take_sides(draft, input, of_nodes, members, sides)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       logical, intent(in) :: of_nodes !! whether the surface is one of nodes
       type(integer_list_t), intent(inout) :: members !! numbers of the elements or nodes
       type(integer_list_t), intent(inout) :: sides !! side of each element, 0 for nodes
@@ -216,27 +216,27 @@ contains
       logical :: is_there
 
       do
-         call next_data_line(source, is_there)
+         call next_data_line(input, is_there)
          if (.not. is_there) exit
-         call take_field(source, field)
-         call add_members(draft, source, of_nodes, field, members)
-         call take_comma(source, is_there)
-         call take_field(source, field)
+         call take_field(input, field)
+         call add_members(draft, input, of_nodes, field, members)
+         call take_comma(input, is_there)
+         call take_field(input, field)
          side = 0
          if (.not. of_nodes) then
             side = findloc(side_names, lower_case(field), dim=1)
-            if (side == 0) call source%refuse("expected one of the sides S1 to S4, found '"//field//"'")
+            if (side == 0) call input%refuse("expected one of the sides S1 to S4, found '"//field//"'")
          end if
          call sides%append_all(spread(side, 1, members%n - sides%n))
-         call take_comma(source, is_there)
-         call source%end_line()
+         call take_comma(input, is_there)
+         call input%end_line()
       end do
    end subroutine take_sides
 
    !> Replaces the numbers of elements in the sets by places in the list of cells.
-   pure subroutine resolve_elements(draft, source)
+   pure subroutine resolve_elements(draft, input)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       type(tag_map_t) :: map
       integer :: cell, group, i, tag
 
@@ -246,13 +246,13 @@ contains
             tag = draft%groups(group)%cell%item(i)
             cell = map%find(tag)
             if (cell == 0) then
-               call source%refuse("the set '"//draft%groups(group)%name//"' names element "//to_text(tag)// &
+               call input%refuse("the set '"//draft%groups(group)%name//"' names element "//to_text(tag)// &
                   ', which the file does not give', draft%groups(group)%place)
             else if (draft%groups(group)%side%item(i) > n_sides(draft%cell_kind%item(cell))) then
-               call source%refuse("the surface '"//draft%groups(group)%name//"' names a side that element "// &
+               call input%refuse("the surface '"//draft%groups(group)%name//"' names a side that element "// &
                   to_text(tag)//' has not', draft%groups(group)%place)
             end if
-            if (allocated(source%error)) return
+            if (allocated(input%error)) return
             draft%groups(group)%cell%item(i) = cell
          end do
       end do

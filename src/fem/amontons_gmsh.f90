@@ -3,9 +3,9 @@ module amontons_gmsh
    use amontons_gmsh_2, only: read_elements_2, read_nodes_2
    use amontons_gmsh_4, only: read_elements_4, read_entities_4, read_nodes_4
    use amontons_gmsh_groups, only: gmsh_groups_t
+   use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
    use amontons_mesh_draft, only: mesh_draft_t
-   use amontons_mesh_source, only: mesh_source_t
    use amontons_numeral, only: ends_word
    use amontons_tag_map, only: new_tag_map, tag_map_t
    implicit none (type, external)
@@ -15,10 +15,10 @@ module amontons_gmsh
 
 contains
 
-   !> Reads a mesh section by section. Faults go to the source.
-   pure subroutine read_gmsh(draft, source)
+   !> Reads a mesh section by section. Faults go to the input.
+   pure subroutine read_gmsh(draft, input)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(mesh_source_t), intent(inout) :: source !! the file, at its first section
+      type(input_file_t), intent(inout) :: input !! the file, at its first section
       type(gmsh_groups_t) :: groups
       character(:), allocatable :: name, seen
       integer :: version
@@ -26,184 +26,184 @@ contains
       version = 0
       seen = ' '
       do
-         call source%skip_white()
-         if (source%position > len(source%text) .or. allocated(source%error)) exit
-         call take_section_name(source, name)
-         if (version == 0) call check_first(source, name)
+         call input%skip_white()
+         if (input%position > len(input%text) .or. allocated(input%error)) exit
+         call take_section_name(input, name)
+         if (version == 0) call check_first(input, name)
          select case (name)
          case ('MeshFormat', 'PhysicalNames', 'Entities', 'Nodes', 'ParametricNodes', 'Elements')
-            if (index(seen, ' '//name//' ') > 0) call source%refuse('a second section $'//name)
+            if (index(seen, ' '//name//' ') > 0) call input%refuse('a second section $'//name)
             seen = seen//name//' '
-            call read_section(draft, groups, source, name, version)
-            call end_section(source, name)
+            call read_section(draft, groups, input, name, version)
+            call end_section(input, name)
          case ('PartitionedEntities')
-            call source%refuse('a partitioned mesh; save it as one')
+            call input%refuse('a partitioned mesh; save it as one')
          case default
-            call skip_section(source, name)
+            call skip_section(input, name)
          end select
       end do
-      if (draft%node_tag%n == 0) call source%refuse('the file has no section $Nodes with nodes in it')
-      if (draft%cell_tag%n == 0) call source%refuse('the file has no section $Elements with elements in it')
-      if (all(draft%cell_kind%items() < 0)) call source%refuse( &
+      if (draft%node_tag%n == 0) call input%refuse('the file has no section $Nodes with nodes in it')
+      if (draft%cell_tag%n == 0) call input%refuse('the file has no section $Elements with elements in it')
+      if (all(draft%cell_kind%items() < 0)) call input%refuse( &
          'no triangles and no quadrilaterals: where there are physical groups, only surfaces in one are saved')
-      if (.not. allocated(source%error)) call groups%put(draft, source)
+      if (.not. allocated(input%error)) call groups%put(draft, input)
    end subroutine read_gmsh
 
    !> Refuses everything but comments before the format; older versions of it begin otherwise.
-   pure subroutine check_first(source, name)
-      type(mesh_source_t), intent(inout) :: source !! the file, behind the name
+   pure subroutine check_first(input, name)
+      type(input_file_t), intent(inout) :: input !! the file, behind the name
       character(*), intent(in) :: name !! name of a section
 
-      if (name /= 'MeshFormat' .and. name /= 'Comments') call source%refuse( &
+      if (name /= 'MeshFormat' .and. name /= 'Comments') call input%refuse( &
          'expected $MeshFormat before $'//name//'; save the mesh as version 2.2 or 4.1')
    end subroutine check_first
 
    !> Takes the name of a section.
-   pure subroutine take_section_name(source, name)
-      type(mesh_source_t), intent(inout) :: source !! the file, at the beginning of a line
+   pure subroutine take_section_name(input, name)
+      type(input_file_t), intent(inout) :: input !! the file, at the beginning of a line
       character(:), allocatable, intent(out) :: name !! the name, without its `$`
       integer, parameter :: longest_name = 80
       integer :: last
 
-      last = source%position
-      do while (.not. ends_word(source%text, last + 1) .and. last < source%position + longest_name)
+      last = input%position
+      do while (.not. ends_word(input%text, last + 1) .and. last < input%position + longest_name)
          last = last + 1
       end do
-      name = source%text(source%position + 1:last)
-      if (source%text(source%position:source%position) /= '$') call source%refuse( &
-         'expected a section such as $Nodes, found '//source%word())
-      source%position = last + 1
+      name = input%text(input%position + 1:last)
+      if (input%text(input%position:input%position) /= '$') call input%refuse( &
+         'expected a section such as $Nodes, found '//input%word())
+      input%position = last + 1
    end subroutine take_section_name
 
    !> Moves behind the end of a section.
-   pure subroutine end_section(source, name)
-      type(mesh_source_t), intent(inout) :: source !! the file, behind the contents of the section
+   pure subroutine end_section(input, name)
+      type(input_file_t), intent(inout) :: input !! the file, behind the contents of the section
       character(*), intent(in) :: name !! name of the section
       integer :: behind
 
-      if (allocated(source%error)) return
-      call source%skip_white()
-      behind = source%position + len('$End'//name)
-      if (index(source%text(source%position:min(behind - 1, len(source%text))), '$End'//name) == 1 &
-         .and. ends_word(source%text, behind)) then
-         source%position = behind
+      if (allocated(input%error)) return
+      call input%skip_white()
+      behind = input%position + len('$End'//name)
+      if (index(input%text(input%position:min(behind - 1, len(input%text))), '$End'//name) == 1 &
+         .and. ends_word(input%text, behind)) then
+         input%position = behind
       else
-         call source%refuse('expected $End'//name//' after the numbers announced, found '//source%word())
+         call input%refuse('expected $End'//name//' after the numbers announced, found '//input%word())
       end if
    end subroutine end_section
 
    !> Moves behind the end of a section that does not matter here.
-   pure subroutine skip_section(source, name)
-      type(mesh_source_t), intent(inout) :: source !! the file, behind the name of the section
+   pure subroutine skip_section(input, name)
+      type(input_file_t), intent(inout) :: input !! the file, behind the name of the section
       character(*), intent(in) :: name !! name of the section
       integer :: at
 
-      if (allocated(source%error)) return
-      at = index(source%text(source%position:), new_line('a')//'$End'//name)
+      if (allocated(input%error)) return
+      at = index(input%text(input%position:), new_line('a')//'$End'//name)
       if (at == 0) then
-         call source%refuse('the section $'//name//' has no end $End'//name)
+         call input%refuse('the section $'//name//' has no end $End'//name)
       else
-         source%position = source%position + at
-         call end_section(source, name)
+         input%position = input%position + at
+         call end_section(input, name)
       end if
    end subroutine skip_section
 
    !> Reads the contents of a section.
-   pure subroutine read_section(draft, groups, source, name, version)
+   pure subroutine read_section(draft, groups, input, name, version)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
-      type(mesh_source_t), intent(inout) :: source !! the file, behind the name of the section
+      type(input_file_t), intent(inout) :: input !! the file, behind the name of the section
       character(*), intent(in) :: name !! name of the section
       integer, intent(inout) :: version !! 2 or 4
 
-      call source%end_line()
+      call input%end_line()
       select case (name)
       case ('MeshFormat')
-         call read_format(source, version)
+         call read_format(input, version)
          groups%has_entities = version == 4
       case ('PhysicalNames')
-         call read_names(draft, groups, source)
+         call read_names(draft, groups, input)
       case ('Entities')
-         call read_entities_4(groups, source)
+         call read_entities_4(groups, input)
       case ('Nodes', 'ParametricNodes')
-         if (version == 4) call read_nodes_4(draft, source)
-         if (version == 2) call read_nodes_2(draft, source, name == 'ParametricNodes')
+         if (version == 4) call read_nodes_4(draft, input)
+         if (version == 2) call read_nodes_2(draft, input, name == 'ParametricNodes')
       case default
-         if (version == 4) call read_elements_4(draft, groups, source)
-         if (version == 2) call read_elements_2(draft, groups, source)
+         if (version == 4) call read_elements_4(draft, groups, input)
+         if (version == 2) call read_elements_2(draft, groups, input)
       end select
    end subroutine read_section
 
    !> Reads the version, whether the file is binary, and in which order the bytes of a number stand.
-   pure subroutine read_format(source, version)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine read_format(input, version)
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: version !! 2 or 4
       integer, parameter :: swapped_one = 2**24
       real(dp) :: full_version
       integer :: binary, n_bytes, one, place
 
-      call source%skip_white()
-      call source%take_real(full_version, 'the version of the format')
+      call input%skip_white()
+      call input%take_real(full_version, 'the version of the format')
       version = 0
       if (nint(10*full_version) == 22) version = 2
       if (nint(10*full_version) == 41) version = 4
-      if (version == 0) call source%refuse('a version of the format that is not read; save the mesh as 2.2 or 4.1')
-      call source%take_numeral(binary, 'the type of the file')
-      call source%take_numeral(n_bytes, 'the number of bytes of a number')
-      if (binary < 0 .or. binary > 1) call source%refuse('the type of the file must be 0 (text) or 1 (binary)')
-      if (n_bytes /= 8) call source%refuse('a number of the file must have 8 bytes')
-      call source%end_line()
-      source%is_binary = binary == 1
-      if (binary /= 1 .or. allocated(source%error)) return
-      place = source%position
-      call source%take_integer(one, 'the number 1')
-      source%is_swapped = one == swapped_one
-      if (one /= 1 .and. one /= swapped_one) call source%refuse('expected the number 1 in four bytes', place)
+      if (version == 0) call input%refuse('a version of the format that is not read; save the mesh as 2.2 or 4.1')
+      call input%take_numeral(binary, 'the type of the file')
+      call input%take_numeral(n_bytes, 'the number of bytes of a number')
+      if (binary < 0 .or. binary > 1) call input%refuse('the type of the file must be 0 (text) or 1 (binary)')
+      if (n_bytes /= 8) call input%refuse('a number of the file must have 8 bytes')
+      call input%end_line()
+      input%is_binary = binary == 1
+      if (binary /= 1 .or. allocated(input%error)) return
+      place = input%position
+      call input%take_integer(one, 'the number 1')
+      input%is_swapped = one == swapped_one
+      if (one /= 1 .and. one /= swapped_one) call input%refuse('expected the number 1 in four bytes', place)
    end subroutine read_format
 
    !> Reads the names of the physical groups.
-   pure subroutine read_names(draft, groups, source)
+   pure subroutine read_names(draft, groups, input)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
       type(gmsh_groups_t), intent(inout) :: groups !! the groups
-      type(mesh_source_t), intent(inout) :: source !! the file, at the number of names
+      type(input_file_t), intent(inout) :: input !! the file, at the number of names
       type(tag_map_t) :: map
       integer :: dimension, i, n
 
-      call source%take_count(n, 'names')
+      call input%take_count(n, 'names')
       do i = 1, n
-         call read_name(draft, groups, source)
-         if (allocated(source%error)) return
+         call read_name(draft, groups, input)
+         if (allocated(input%error)) return
       end do
       do dimension = 0, 2
          call new_tag_map(map, groups%of_dimension(dimension)%named_tag%items())
-         if (map%repeated() > 0) call source%refuse('a physical group is named twice', source%position - 1)
+         if (map%repeated() > 0) call input%refuse('a physical group is named twice', input%position - 1)
       end do
    end subroutine read_names
 
    !> Reads the name of a physical group.
-   pure subroutine read_name(draft, groups, source)
+   pure subroutine read_name(draft, groups, input)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
       type(gmsh_groups_t), intent(inout) :: groups !! the groups
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       character(:), allocatable :: name
       integer :: dimension, group, place, tag
 
-      call source%skip_white()
-      call source%take_numeral(dimension, 'the dimension of a physical group')
-      call source%take_numeral(tag, 'the number of a physical group')
-      if (dimension < 0 .or. dimension > 3 .or. tag < 1) call source%refuse( &
+      call input%skip_white()
+      call input%take_numeral(dimension, 'the dimension of a physical group')
+      call input%take_numeral(tag, 'the number of a physical group')
+      if (dimension < 0 .or. dimension > 3 .or. tag < 1) call input%refuse( &
          'expected the dimension of a physical group, 0 to 3, and its number, which is positive')
-      place = source%position
-      call source%take_line(name)
+      place = input%position
+      call input%take_line(name)
       if (len(name) < 2) then
-         call source%refuse('expected the name of a physical group in double quotes', place)
+         call input%refuse('expected the name of a physical group in double quotes', place)
       else if (name(1:1)//name(len(name):) /= '""') then
-         call source%refuse('expected the name of a physical group in double quotes', place)
+         call input%refuse('expected the name of a physical group in double quotes', place)
       end if
-      if (allocated(source%error) .or. dimension == 3) return
+      if (allocated(input%error) .or. dimension == 3) return
       name = trim(adjustl(name(2:len(name) - 1)))
       if (len(name) == 0) return
-      call draft%get_group(source, name, group)
+      call draft%get_group(input, name, group)
       call groups%add_name(dimension, tag, group)
    end subroutine read_name
 

@@ -2,9 +2,9 @@
 module amontons_gmsh_2
    use amontons_gmsh_cell, only: dimension_of, take_cell_kind
    use amontons_gmsh_groups, only: gmsh_groups_t
+   use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
    use amontons_mesh_draft, only: mesh_draft_t, n_cell_nodes
-   use amontons_mesh_source, only: mesh_source_t
    implicit none (type, external)
    private
 
@@ -29,115 +29,115 @@ module amontons_gmsh_2
 contains
 
    !> Reads the section of the nodes.
-   pure subroutine read_nodes_2(draft, source, is_parametric)
+   pure subroutine read_nodes_2(draft, input, is_parametric)
       type(mesh_draft_t), intent(inout) :: draft !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file, at the number of nodes
+      type(input_file_t), intent(inout) :: input !! the file, at the number of nodes
       logical, intent(in) :: is_parametric !! whether entity and parameters follow the coordinates
       integer :: i, n, node, tag, place
       real(dp) :: x(3)
 
-      call source%take_count(n, 'nodes')
-      call source%check_count(n, merge(least_node_bytes, least_node_text, source%is_binary), 'nodes')
-      if (allocated(source%error)) return
+      call input%take_count(n, 'nodes')
+      call input%check_count(n, merge(least_node_bytes, least_node_text, input%is_binary), 'nodes')
+      if (allocated(input%error)) return
       call draft%expect_nodes(n)
       do node = 1, n
-         call source%start_record()
-         place = source%position
-         call source%take_integer(tag, 'the number of a node')
+         call input%start_record()
+         place = input%position
+         call input%take_integer(tag, 'the number of a node')
          do i = 1, 3
-            call source%take_real(x(i), 'a coordinate')
+            call input%take_real(x(i), 'a coordinate')
          end do
-         if (is_parametric) call skip_parameters(source)
-         call source%end_record()
-         if (allocated(source%error)) return
+         if (is_parametric) call skip_parameters(input)
+         call input%end_record()
+         if (allocated(input%error)) return
          call draft%add_node(tag, place, x)
       end do
    end subroutine read_nodes_2
 
    !> Moves over the entity of a node and the parameters of the node on it.
-   pure subroutine skip_parameters(source)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine skip_parameters(input)
+      type(input_file_t), intent(inout) :: input !! the file
       real(dp) :: parameter
       integer :: dimension, entity, i
 
-      call source%take_integer(dimension, "the dimension of a node's entity")
-      call source%take_integer(entity, "the number of a node's entity")
+      call input%take_integer(dimension, "the dimension of a node's entity")
+      call input%take_integer(entity, "the number of a node's entity")
       ! Nodes in volumes have no parameters here.
       if (dimension > 2) return
       do i = 1, dimension
-         call source%take_real(parameter, 'a parameter of a node')
+         call input%take_real(parameter, 'a parameter of a node')
       end do
    end subroutine skip_parameters
 
    !> Reads the section of the elements.
-   pure subroutine read_elements_2(draft, groups, source)
+   pure subroutine read_elements_2(draft, groups, input)
       type(mesh_draft_t), intent(inout) :: draft !! the draft
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
-      type(mesh_source_t), intent(inout) :: source !! the file, at the number of elements
+      type(input_file_t), intent(inout) :: input !! the file, at the number of elements
       type(element_header_t) :: header
       integer :: element, group, n, place, tag
 
-      call source%take_count(n, 'elements')
-      call source%check_count(n, least_element, 'elements')
-      if (allocated(source%error)) return
+      call input%take_count(n, 'elements')
+      call input%check_count(n, least_element, 'elements')
+      if (allocated(input%error)) return
       call draft%expect_cells(n)
       do element = 1, n
-         call source%start_record()
-         place = source%position
-         if (source%is_binary) then
-            if (header%n_left == 0) call take_header(source, header, n - element + 1)
-            call source%take_integer(tag, 'the number of an element')
+         call input%start_record()
+         place = input%position
+         if (input%is_binary) then
+            if (header%n_left == 0) call take_header(input, header, n - element + 1)
+            call input%take_integer(tag, 'the number of an element')
          else
-            call source%take_integer(tag, 'the number of an element')
-            call take_header(source, header, n - element + 1)
+            call input%take_integer(tag, 'the number of an element')
+            call take_header(input, header, n - element + 1)
          end if
          header%n_left = header%n_left - 1
-         call take_tags(source, header%n_tags, group)
-         call take_element(draft, groups, source, header%kind, tag, group, place)
-         call source%end_record()
-         if (allocated(source%error)) return
+         call take_tags(input, header%n_tags, group)
+         call take_element(draft, groups, input, header%kind, tag, group, place)
+         call input%end_record()
+         if (allocated(input%error)) return
       end do
    end subroutine read_elements_2
 
    !> Takes the type, in a binary file the number of elements of it, and the number of tags.
-   pure subroutine take_header(source, header, n_left)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine take_header(input, header, n_left)
+      type(input_file_t), intent(inout) :: input !! the file
       type(element_header_t), intent(inout) :: header !! the header
       integer, intent(in) :: n_left !! number of elements that are still to come
       integer :: place
 
-      call take_cell_kind(source, header%kind)
+      call take_cell_kind(input, header%kind)
       header%n_left = 1
-      place = source%position
-      if (source%is_binary) call source%take_integer(header%n_left, 'the number of elements of a type')
-      if (header%n_left < 1 .or. header%n_left > n_left) call source%refuse( &
+      place = input%position
+      if (input%is_binary) call input%take_integer(header%n_left, 'the number of elements of a type')
+      if (header%n_left < 1 .or. header%n_left > n_left) call input%refuse( &
          'the elements of this type are more than those announced, or none', place)
-      place = source%position
-      call source%take_integer(header%n_tags, 'the number of tags of an element')
-      if (header%n_tags < 0 .or. header%n_tags > most_tags) call source%refuse( &
+      place = input%position
+      call input%take_integer(header%n_tags, 'the number of tags of an element')
+      if (header%n_tags < 0 .or. header%n_tags > most_tags) call input%refuse( &
          'the number of tags of an element is out of range', place)
-      if (allocated(source%error)) header%n_tags = 0
+      if (allocated(input%error)) header%n_tags = 0
    end subroutine take_header
 
    !> Takes the tags of an element, of which the first is its physical group; reversed ones have a minus.
-   pure subroutine take_tags(source, n_tags, group)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine take_tags(input, n_tags, group)
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n_tags !! number of tags
       integer, intent(out) :: group !! number of the physical group, 0 for none
       integer :: i, tag
 
       group = 0
       do i = 1, n_tags
-         call source%take_integer(tag, 'a tag of an element')
+         call input%take_integer(tag, 'a tag of an element')
          if (i == 1) group = abs(tag)
       end do
    end subroutine take_tags
 
    !> Takes the nodes of an element.
-   pure subroutine take_element(draft, groups, source, kind, tag, group, place)
+   pure subroutine take_element(draft, groups, input, kind, tag, group, place)
       type(mesh_draft_t), intent(inout) :: draft !! the draft
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: kind !! kind of the element
       integer, intent(in) :: tag !! its number
       integer, intent(in) :: group !! its physical group, 0 for none
@@ -145,9 +145,9 @@ contains
       integer :: nodes(n_cell_nodes(kind)), cell, i
 
       do i = 1, size(nodes)
-         call source%take_integer(nodes(i), 'a node of an element')
+         call input%take_integer(nodes(i), 'a node of an element')
       end do
-      if (allocated(source%error)) return
+      if (allocated(input%error)) return
       cell = draft%cell_tag%n
       if (.not. is_twin(draft, cell, kind, nodes)) then
          cell = cell + 1

@@ -2,9 +2,9 @@
 module amontons_gmsh_4
    use amontons_gmsh_cell, only: dimension_of, take_cell_kind
    use amontons_gmsh_groups, only: gmsh_groups_t
+   use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
    use amontons_mesh_draft, only: mesh_draft_t, n_cell_nodes
-   use amontons_mesh_source, only: mesh_source_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -19,206 +19,206 @@ module amontons_gmsh_4
 contains
 
    !> Reads the section of the entities, of which only their physical groups matter.
-   pure subroutine read_entities_4(groups, source)
+   pure subroutine read_entities_4(groups, input)
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
-      type(mesh_source_t), intent(inout) :: source !! the file, at the numbers of entities
+      type(input_file_t), intent(inout) :: input !! the file, at the numbers of entities
       integer :: n(0:3), dimension, entity
 
-      call source%start_record()
+      call input%start_record()
       do dimension = 0, 3
-         call source%take_size(n(dimension), 'the number of entities of dimension '//to_text(dimension))
+         call input%take_size(n(dimension), 'the number of entities of dimension '//to_text(dimension))
       end do
       do dimension = 0, 3
-         call source%check_count(n(dimension), least_bytes, 'entities')
+         call input%check_count(n(dimension), least_bytes, 'entities')
       end do
-      call source%end_record()
+      call input%end_record()
       do dimension = 0, 3
          do entity = 1, n(dimension)
-            call read_entity(groups, source, dimension)
-            if (allocated(source%error)) return
+            call read_entity(groups, input, dimension)
+            if (allocated(input%error)) return
          end do
       end do
    end subroutine read_entities_4
 
    !> Reads an entity: its number, its place or box, its physical groups, and what it is bounded by.
-   pure subroutine read_entity(groups, source, dimension)
+   pure subroutine read_entity(groups, input, dimension)
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: dimension !! dimension of the entity
       integer :: entity, group, i, n
       real(dp) :: x
 
-      call source%start_record()
-      call source%take_integer(entity, 'the number of an entity')
-      if (entity < 0) call source%refuse('the number of an entity is negative')
+      call input%start_record()
+      call input%take_integer(entity, 'the number of an entity')
+      if (entity < 0) call input%refuse('the number of an entity is negative')
       do i = 1, merge(3, 6, dimension == 0)
-         call source%take_real(x, 'a coordinate of an entity')
+         call input%take_real(x, 'a coordinate of an entity')
       end do
-      call source%take_size(n, 'the number of physical groups of an entity')
-      call source%check_count(n, least_bytes, 'physical groups')
+      call input%take_size(n, 'the number of physical groups of an entity')
+      call input%check_count(n, least_bytes, 'physical groups')
       do i = 1, n
-         call source%take_integer(group, 'a physical group')
-         if (allocated(source%error)) return
+         call input%take_integer(group, 'a physical group')
+         if (allocated(input%error)) return
          if (dimension < 3 .and. group /= 0) call groups%add_entity(dimension, entity, abs(group))
       end do
       if (dimension > 0) then
-         call source%take_size(n, 'the number of entities that bound an entity')
-         call source%check_count(n, least_bytes, 'bounding entities')
+         call input%take_size(n, 'the number of entities that bound an entity')
+         call input%check_count(n, least_bytes, 'bounding entities')
          do i = 1, n
-            call source%take_integer(entity, 'a bounding entity')
-            if (allocated(source%error)) return
+            call input%take_integer(entity, 'a bounding entity')
+            if (allocated(input%error)) return
          end do
       end if
-      call source%end_record()
+      call input%end_record()
    end subroutine read_entity
 
    !> Reads the section of the nodes.
-   pure subroutine read_nodes_4(draft, source)
+   pure subroutine read_nodes_4(draft, input)
       type(mesh_draft_t), intent(inout) :: draft !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file, at the number of blocks
+      type(input_file_t), intent(inout) :: input !! the file, at the number of blocks
       integer :: block, n_blocks, n_left
 
-      call take_section_header(source, n_blocks, n_left, 'nodes')
-      if (allocated(source%error)) return
+      call take_section_header(input, n_blocks, n_left, 'nodes')
+      if (allocated(input%error)) return
       call draft%expect_nodes(n_left)
       do block = 1, n_blocks
-         call read_node_block(draft, source, n_left)
-         if (allocated(source%error)) return
+         call read_node_block(draft, input, n_left)
+         if (allocated(input%error)) return
       end do
-      call check_none_left(source, n_left, 'nodes')
+      call check_none_left(input, n_left, 'nodes')
    end subroutine read_nodes_4
 
    !> Takes the numbers of blocks and of things in a section, and the least and the greatest number of the things.
-   pure subroutine take_section_header(source, n_blocks, n, things)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine take_section_header(input, n_blocks, n, things)
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: n_blocks !! number of blocks
       integer, intent(out) :: n !! number of things
       character(*), intent(in) :: things !! what the things are
       integer :: least, greatest
 
-      call source%start_record()
-      call source%take_size(n_blocks, 'the number of blocks of '//things)
-      call source%take_size(n, 'the number of '//things)
-      call source%take_size(least, 'the least number of all '//things)
-      call source%take_size(greatest, 'the greatest number of all '//things)
-      call source%check_count(n_blocks, 4*least_bytes, 'blocks of '//things)
-      call source%check_count(n, 2*least_bytes, things)
-      call source%end_record()
+      call input%start_record()
+      call input%take_size(n_blocks, 'the number of blocks of '//things)
+      call input%take_size(n, 'the number of '//things)
+      call input%take_size(least, 'the least number of all '//things)
+      call input%take_size(greatest, 'the greatest number of all '//things)
+      call input%check_count(n_blocks, 4*least_bytes, 'blocks of '//things)
+      call input%check_count(n, 2*least_bytes, things)
+      call input%end_record()
    end subroutine take_section_header
 
    !> Refuses a section whose blocks hold fewer things than it announced.
-   pure subroutine check_none_left(source, n_left, things)
-      type(mesh_source_t), intent(inout) :: source !! the file, behind the section
+   pure subroutine check_none_left(input, n_left, things)
+      type(input_file_t), intent(inout) :: input !! the file, behind the section
       integer, intent(in) :: n_left !! number of things announced that no block held
       character(*), intent(in) :: things !! what the things are
 
-      if (n_left > 0) call source%refuse('the blocks hold '//to_text(n_left)//' fewer '//things//' than announced', &
-         source%position - 1)
+      if (n_left > 0) call input%refuse('the blocks hold '//to_text(n_left)//' fewer '//things//' than announced', &
+         input%position - 1)
    end subroutine check_none_left
 
    !> Takes the number of things in a block, the last of its header.
-   pure subroutine take_block_size(source, n, n_left, things)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine take_block_size(input, n, n_left, things)
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(out) :: n !! number of things in the block
       integer, intent(inout) :: n_left !! number of things that the section still has to hold
       character(*), intent(in) :: things !! what the things are
 
-      call source%take_size(n, 'the number of '//things//' of a block')
-      if (n > n_left) call source%refuse('the blocks hold more '//things//' than the section announced')
-      call source%end_record()
-      if (allocated(source%error)) n = 0
+      call input%take_size(n, 'the number of '//things//' of a block')
+      if (n > n_left) call input%refuse('the blocks hold more '//things//' than the section announced')
+      call input%end_record()
+      if (allocated(input%error)) n = 0
       n_left = n_left - n
    end subroutine take_block_size
 
    !> Reads a block of nodes: their numbers, then their coordinates and the parameters on their entity.
-   pure subroutine read_node_block(draft, source, n_left)
+   pure subroutine read_node_block(draft, input, n_left)
       type(mesh_draft_t), intent(inout) :: draft !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file, at the block's header
+      type(input_file_t), intent(inout) :: input !! the file, at the block's header
       integer, intent(inout) :: n_left !! number of nodes that the section still has to hold
       integer, allocatable :: tags(:), places(:)
       integer :: dimension, entity, i, has_parameters, n, n_numbers, node
       real(dp) :: x(most_numbers)
 
-      call source%start_record()
-      call source%take_integer(dimension, 'the dimension of an entity')
-      call source%take_integer(entity, 'the number of an entity')
-      call source%take_integer(has_parameters, 'whether nodes have parameters, 0 or 1')
-      if (dimension < 0 .or. dimension > 3 .or. has_parameters < 0 .or. has_parameters > 1) call source%refuse( &
+      call input%start_record()
+      call input%take_integer(dimension, 'the dimension of an entity')
+      call input%take_integer(entity, 'the number of an entity')
+      call input%take_integer(has_parameters, 'whether nodes have parameters, 0 or 1')
+      if (dimension < 0 .or. dimension > 3 .or. has_parameters < 0 .or. has_parameters > 1) call input%refuse( &
          'expected a dimension from 0 to 3 and whether nodes have parameters, 0 or 1')
-      call take_block_size(source, n, n_left, 'nodes')
+      call take_block_size(input, n, n_left, 'nodes')
       n_numbers = 3 + merge(dimension, 0, has_parameters == 1)
       allocate (tags(n), places(n))
       do node = 1, n
-         call source%start_record()
-         places(node) = source%position
-         call source%take_size(tags(node), 'the number of a node')
+         call input%start_record()
+         places(node) = input%position
+         call input%take_size(tags(node), 'the number of a node')
       end do
       do node = 1, n
-         call source%start_record()
+         call input%start_record()
          do i = 1, n_numbers
-            call source%take_real(x(i), 'a coordinate or parameter of a node')
+            call input%take_real(x(i), 'a coordinate or parameter of a node')
          end do
-         call source%end_record()
-         if (allocated(source%error)) return
+         call input%end_record()
+         if (allocated(input%error)) return
          call draft%add_node(tags(node), places(node), x(:3))
       end do
    end subroutine read_node_block
 
    !> Reads the section of the elements.
-   pure subroutine read_elements_4(draft, groups, source)
+   pure subroutine read_elements_4(draft, groups, input)
       type(mesh_draft_t), intent(inout) :: draft !! the draft
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
-      type(mesh_source_t), intent(inout) :: source !! the file, at the number of blocks
+      type(input_file_t), intent(inout) :: input !! the file, at the number of blocks
       integer :: block, n_blocks, n_left
 
-      call take_section_header(source, n_blocks, n_left, 'elements')
-      if (allocated(source%error)) return
+      call take_section_header(input, n_blocks, n_left, 'elements')
+      if (allocated(input%error)) return
       call draft%expect_cells(n_left)
       do block = 1, n_blocks
-         call read_element_block(draft, groups, source, n_left)
-         if (allocated(source%error)) return
+         call read_element_block(draft, groups, input, n_left)
+         if (allocated(input%error)) return
       end do
-      call check_none_left(source, n_left, 'elements')
+      call check_none_left(input, n_left, 'elements')
    end subroutine read_elements_4
 
    !> Reads a block of elements of one type on one entity.
-   pure subroutine read_element_block(draft, groups, source, n_left)
+   pure subroutine read_element_block(draft, groups, input, n_left)
       type(mesh_draft_t), intent(inout) :: draft !! the draft
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
-      type(mesh_source_t), intent(inout) :: source !! the file, at the block's header
+      type(input_file_t), intent(inout) :: input !! the file, at the block's header
       integer, intent(inout) :: n_left !! number of elements that the section still has to hold
       integer :: dimension, element, entity, first, kind, n
 
-      call source%start_record()
-      call source%take_integer(dimension, 'the dimension of an entity')
-      call source%take_integer(entity, 'the number of an entity')
-      call take_cell_kind(source, kind)
-      if (dimension /= dimension_of(kind)) call source%refuse('elements on an entity of dimension '// &
+      call input%start_record()
+      call input%take_integer(dimension, 'the dimension of an entity')
+      call input%take_integer(entity, 'the number of an entity')
+      call take_cell_kind(input, kind)
+      if (dimension /= dimension_of(kind)) call input%refuse('elements on an entity of dimension '// &
          to_text(dimension)//', which is not their own')
-      call take_block_size(source, n, n_left, 'elements')
+      call take_block_size(input, n, n_left, 'elements')
       first = draft%cell_tag%n + 1
       do element = 1, n
-         call read_element(draft, source, kind)
-         if (allocated(source%error)) return
+         call read_element(draft, input, kind)
+         if (allocated(input%error)) return
       end do
       if (n > 0) call groups%add_run(dimension, entity, first, draft%cell_tag%n)
    end subroutine read_element_block
 
    !> Reads an element: its number and its nodes.
-   pure subroutine read_element(draft, source, kind)
+   pure subroutine read_element(draft, input, kind)
       type(mesh_draft_t), intent(inout) :: draft !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: kind !! kind of the element
       integer :: i, nodes(n_cell_nodes(kind)), place, tag
 
-      call source%start_record()
-      place = source%position
-      call source%take_size(tag, 'the number of an element')
+      call input%start_record()
+      place = input%position
+      call input%take_size(tag, 'the number of an element')
       do i = 1, size(nodes)
-         call source%take_size(nodes(i), 'a node of an element')
+         call input%take_size(nodes(i), 'a node of an element')
       end do
-      call source%end_record()
-      if (.not. allocated(source%error)) call draft%add_cell(kind, tag, place, nodes)
+      call input%end_record()
+      if (.not. allocated(input%error)) call draft%add_cell(kind, tag, place, nodes)
    end subroutine read_element
 
 end module amontons_gmsh_4

@@ -1,8 +1,8 @@
 !> Types of Gmsh's elements, and which of them are read.
 module amontons_gmsh_cell
    use amontons_element, only: quad4, quad8, quad9, tri3, tri6
+   use amontons_input_file, only: input_file_t
    use amontons_mesh_draft, only: line2, line3, no_cell, point1
-   use amontons_mesh_source, only: mesh_source_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -12,13 +12,13 @@ module amontons_gmsh_cell
 contains
 
    !> Takes the type of an element; refuses those that are not read.
-   pure subroutine take_cell_kind(source, kind)
-      type(mesh_source_t), intent(inout) :: source !! the file, at the type
+   pure subroutine take_cell_kind(input, kind)
+      type(input_file_t), intent(inout) :: input !! the file, at the type
       integer, intent(out) :: kind !! kind of the cell, `no_cell` where there is a fault
       integer :: type, place
 
-      place = source%position
-      call source%take_integer(type, 'the type of an element')
+      place = input%position
+      call input%take_integer(type, 'the type of an element')
       kind = no_cell
       select case (type)
       case (1)
@@ -38,9 +38,9 @@ contains
       case (16)
          kind = quad8
       case (4:7, 11:14, 17:19, 29:33)
-         call source%refuse('an element of type '//to_text(type)//': a 3-D mesh, where a plane one is expected', place)
+         call input%refuse('an element of type '//to_text(type)//': a 3-D mesh, where a plane one is expected', place)
       case default
-         call source%refuse('an element of type '//to_text(type)// &
+         call input%refuse('an element of type '//to_text(type)// &
             ', which is not read: expected points (15), lines (1, 8), triangles (2, 9), quadrilaterals (3, 10, 16)', &
             place)
       end select

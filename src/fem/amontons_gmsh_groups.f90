@@ -1,8 +1,8 @@
 !> Physical groups of a Gmsh mesh: which cells belong to which, and what they are called.
 module amontons_gmsh_groups
+   use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t
    use amontons_mesh_draft, only: counted, mesh_draft_t, no_cell
-   use amontons_mesh_source, only: mesh_source_t
    use amontons_tag_map, only: new_tag_map, tag_map_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -78,32 +78,32 @@ contains
    end subroutine gmsh_groups_add_run
 
    !> Makes the groups sets of a draft. Where there are physical surfaces, the body consists of them.
-   pure subroutine gmsh_groups_put(self, draft, source)
+   pure subroutine gmsh_groups_put(self, draft, input)
       class(gmsh_groups_t), intent(inout) :: self !! the groups
       type(mesh_draft_t), intent(inout) :: draft !! the draft, its cells complete
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer :: dimension
       logical :: has_surfaces
 
       has_surfaces = .false.
       do dimension = 0, 2
-         call put_dimension(self%of_dimension(dimension), self%has_entities, draft, source, has_surfaces)
+         call put_dimension(self%of_dimension(dimension), self%has_entities, draft, input, has_surfaces)
       end do
       if (has_surfaces) call drop_others(draft)
    end subroutine gmsh_groups_put
 
    !> Makes the groups of one dimension sets of a draft.
-   pure subroutine put_dimension(groups, has_entities, draft, source, has_any)
+   pure subroutine put_dimension(groups, has_entities, draft, input, has_any)
       type(dimension_t), intent(in) :: groups !! the groups
       logical, intent(in) :: has_entities !! whether runs belong to entities, and those to groups
       type(mesh_draft_t), intent(inout) :: draft !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       logical, intent(out) :: has_any !! whether any cell belongs to a group
       type(integer_list_t) :: tag, run
       type(tag_map_t) :: map, names
       integer :: cell, first, group, i, place, named
 
-      call list_pairs(groups, has_entities, draft, source, tag, run)
+      call list_pairs(groups, has_entities, draft, input, tag, run)
       call new_tag_map(map, tag%items())
       call new_tag_map(names, groups%named_tag%items())
       has_any = tag%n > 0
@@ -113,11 +113,11 @@ contains
             first = map%tag(place)
             named = names%find(first)
             if (named > 0) group = groups%named_group%item(named)
-            if (named == 0) call draft%get_group(source, to_text(first), group)
+            if (named == 0) call draft%get_group(input, to_text(first), group)
          end if
          i = run%item(map%item(place))
-         call draft%expect_members(source, groups%run_last%item(i) - groups%run_first%item(i) + 1)
-         if (allocated(source%error)) return
+         call draft%expect_members(input, groups%run_last%item(i) - groups%run_first%item(i) + 1)
+         if (allocated(input%error)) return
          do cell = groups%run_first%item(i), groups%run_last%item(i)
             call draft%groups(group)%cell%append(cell)
             call draft%groups(group)%side%append(0)
@@ -126,11 +126,11 @@ contains
    end subroutine put_dimension
 
    !> Lists the physical groups and the runs that belong to them.
-   pure subroutine list_pairs(groups, has_entities, draft, source, tag, run)
+   pure subroutine list_pairs(groups, has_entities, draft, input, tag, run)
       type(dimension_t), intent(in) :: groups !! the groups
       logical, intent(in) :: has_entities !! whether runs belong to entities, and those to groups
       type(mesh_draft_t), intent(inout) :: draft !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       type(integer_list_t), intent(out) :: tag !! numbers of physical groups
       type(integer_list_t), intent(out) :: run !! a run that belongs to each
       type(tag_map_t) :: entities
@@ -147,8 +147,8 @@ contains
             if (entities%tag(place) /= groups%run_owner%item(i)) exit
             call tag%append(groups%entity_tag%item(entities%item(place)))
             call run%append(i)
-            call draft%expect_members(source, 1)
-            if (allocated(source%error)) return
+            call draft%expect_members(input, 1)
+            if (allocated(input%error)) return
          end do
       end do
    end subroutine list_pairs

@@ -1,11 +1,11 @@
 !> Makes a mesh of a draft: what can be put right is, with a note; the rest is refused.
 module amontons_mesh_cleanup
    use amontons_element, only: n_corners, n_element_nodes
+   use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
    use amontons_mesh_draft, only: counted, mesh_draft_t, n_cell_nodes
    use amontons_mesh_sets, only: name_sets, translation_t
-   use amontons_mesh_source, only: mesh_source_t
    use amontons_seams, only: find_hanging_node, find_slits
    use amontons_side_table, only: new_side_table, side_element, side_place, side_table_t
    use amontons_tag_map, only: new_tag_map, tag_map_t
@@ -22,40 +22,40 @@ module amontons_mesh_cleanup
 
 contains
 
-   !> Makes a mesh of a draft. Faults go to the source, notes to the draft.
-   pure subroutine new_clean_mesh(mesh, draft, source)
+   !> Makes a mesh of a draft. Faults go to the input, notes to the draft.
+   pure subroutine new_clean_mesh(mesh, draft, input)
       type(mesh_t), intent(out) :: mesh !! the mesh
       type(mesh_draft_t), intent(inout) :: draft !! the draft; its cells name their nodes by place on return
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       type(translation_t) :: translation
       type(side_table_t) :: table
       integer, allocatable :: cell_of(:)
       integer :: element
 
-      call check_tags(source, 'node', draft%node_tag%items(), draft%node_place%items())
-      call check_tags(source, 'element', draft%cell_tag%items(), draft%cell_place%items())
-      if (allocated(source%error)) return
+      call check_tags(input, 'node', draft%node_tag%items(), draft%node_place%items())
+      call check_tags(input, 'element', draft%cell_tag%items(), draft%cell_place%items())
+      if (allocated(input%error)) return
       call new_tag_map(translation%place, draft%node_tag%items())
-      call find_nodes(draft, translation%place, source)
-      if (allocated(source%error)) return
-      call connect_elements(mesh, draft, source, cell_of)
-      if (allocated(source%error)) return
-      call place_nodes(mesh, draft, source, translation%node)
-      if (allocated(source%error)) return
-      call turn_elements(mesh, draft, source, cell_of, translation%is_turned)
-      if (allocated(source%error)) return
-      call check_neighbours(mesh, draft, source, cell_of, table)
-      if (allocated(source%error)) return
+      call find_nodes(draft, translation%place, input)
+      if (allocated(input%error)) return
+      call connect_elements(mesh, draft, input, cell_of)
+      if (allocated(input%error)) return
+      call place_nodes(mesh, draft, input, translation%node)
+      if (allocated(input%error)) return
+      call turn_elements(mesh, draft, input, cell_of, translation%is_turned)
+      if (allocated(input%error)) return
+      call check_neighbours(mesh, draft, input, cell_of, table)
+      if (allocated(input%error)) return
       call note_pieces(mesh, draft)
       call note_slits(mesh, draft, table)
       allocate (translation%element(draft%cell_tag%n), source=0)
       translation%element(cell_of) = [(element, element=1, mesh%n_elements)]
-      call name_sets(mesh, draft, source, table, translation)
+      call name_sets(mesh, draft, input, table, translation)
    end subroutine new_clean_mesh
 
    !> Refuses numbers of nodes or of cells that are not positive or given twice.
-   pure subroutine check_tags(source, thing, tags, places)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine check_tags(input, thing, tags, places)
+      type(input_file_t), intent(inout) :: input !! the file
       character(*), intent(in) :: thing !! what the things are
       integer, intent(in) :: tags(:) !! their numbers
       integer, intent(in) :: places(:) !! where the file gives them
@@ -63,28 +63,28 @@ contains
       integer :: item
 
       item = findloc(tags < 1, .true., dim=1)
-      if (item > 0) call source%refuse(thing//' '//to_text(tags(item))//': its number must be positive', places(item))
-      if (allocated(source%error)) return
+      if (item > 0) call input%refuse(thing//' '//to_text(tags(item))//': its number must be positive', places(item))
+      if (allocated(input%error)) return
       call new_tag_map(map, tags)
       item = map%repeated()
-      if (item > 0) call source%refuse(thing//' '//to_text(tags(item))//' is given a second time', places(item))
+      if (item > 0) call input%refuse(thing//' '//to_text(tags(item))//' is given a second time', places(item))
    end subroutine check_tags
 
    !> Refuses a cell.
-   pure subroutine refuse_cell(source, draft, cell, sentence)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine refuse_cell(input, draft, cell, sentence)
+      type(input_file_t), intent(inout) :: input !! the file
       type(mesh_draft_t), intent(in) :: draft !! the draft
       integer, intent(in) :: cell !! the cell
       character(*), intent(in) :: sentence !! what is wrong with it, behind its number
 
-      call source%refuse('element '//to_text(draft%cell_tag%item(cell))//' '//sentence, draft%cell_place%item(cell))
+      call input%refuse('element '//to_text(draft%cell_tag%item(cell))//' '//sentence, draft%cell_place%item(cell))
    end subroutine refuse_cell
 
    !> Replaces the numbers of the cells' nodes by places in the list of nodes.
-   pure subroutine find_nodes(draft, node_map, source)
+   pure subroutine find_nodes(draft, node_map, input)
       type(mesh_draft_t), intent(inout) :: draft !! the draft
       type(tag_map_t), intent(in) :: node_map !! from the numbers of the nodes to their places
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer :: cell, first, i, node, tag
 
       do cell = 1, draft%cell_tag%n
@@ -93,21 +93,21 @@ contains
             tag = draft%node%item(i)
             node = node_map%find(tag)
             if (node == 0) then
-               call refuse_cell(source, draft, cell, 'names node '//to_text(tag)//', which the file does not give')
+               call refuse_cell(input, draft, cell, 'names node '//to_text(tag)//', which the file does not give')
             else if (any(draft%node%item(first:i - 1) == node)) then
-               call refuse_cell(source, draft, cell, 'names node '//to_text(tag)//' twice')
+               call refuse_cell(input, draft, cell, 'names node '//to_text(tag)//' twice')
             end if
-            if (allocated(source%error)) return
+            if (allocated(input%error)) return
             draft%node%item(i) = node
          end do
       end do
    end subroutine find_nodes
 
    !> Makes elements of the cells that are no points and no lines; their nodes are places in the list of nodes still.
-   pure subroutine connect_elements(mesh, draft, source, cell_of)
+   pure subroutine connect_elements(mesh, draft, input, cell_of)
       type(mesh_t), intent(inout) :: mesh !! the mesh
       type(mesh_draft_t), intent(in) :: draft !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer, allocatable, intent(out) :: cell_of(:) !! cell of each element (n_elements)
       integer :: cell, element, first, n
 
@@ -118,7 +118,7 @@ contains
       end if
       mesh%n_elements = size(cell_of)
       if (mesh%n_elements == 0) then
-         call source%refuse('the file holds no triangles and no quadrilaterals', len(source%text))
+         call input%refuse('the file holds no triangles and no quadrilaterals', len(input%text))
          return
       end if
       allocate (mesh%node_start(mesh%n_elements + 1))
@@ -136,10 +136,10 @@ contains
    end subroutine connect_elements
 
    !> Keeps the nodes that elements have, which must lie in a plane z = constant.
-   pure subroutine place_nodes(mesh, draft, source, node_of)
+   pure subroutine place_nodes(mesh, draft, input, node_of)
       type(mesh_t), intent(inout) :: mesh !! the mesh, its elements connected; they get the mesh's node numbers
       type(mesh_draft_t), intent(inout) :: draft !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer, allocatable, intent(out) :: node_of(:) !! node of the mesh of each node of the draft, 0 for none
       integer, allocatable :: kept(:)
       integer :: node
@@ -152,15 +152,15 @@ contains
          counted(size(node_of) - mesh%n_nodes, 'node')//' without an element left out')
       node_of(kept) = [(node, node=1, mesh%n_nodes)]
       mesh%node = node_of(mesh%node)
-      call check_plane(draft, kept, source)
+      call check_plane(draft, kept, input)
       mesh%coordinates = draft%coordinates(:2, kept)
    end subroutine place_nodes
 
    !> Refuses nodes that are out of range or out of the plane of the first.
-   pure subroutine check_plane(draft, kept, source)
+   pure subroutine check_plane(draft, kept, input)
       type(mesh_draft_t), intent(in) :: draft !! the draft
       integer, intent(in) :: kept(:) !! the nodes to look at
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       real(dp) :: lowest(3), highest(3), x(3), allowed
       integer :: i, node
 
@@ -169,7 +169,7 @@ contains
       do i = 1, size(kept)
          x = draft%coordinates(:, kept(i))
          if (any(abs(x) > largest_coordinate)) then
-            call source%refuse('the coordinates of node '//to_text(draft%node_tag%item(kept(i)))//' are out of range', &
+            call input%refuse('the coordinates of node '//to_text(draft%node_tag%item(kept(i)))//' are out of range', &
                draft%node_place%item(kept(i)))
             return
          end if
@@ -179,17 +179,17 @@ contains
       allowed = flatness*maxval(highest(:2) - lowest(:2))
       if (highest(3) - lowest(3) <= allowed) return
       node = findloc(abs(draft%coordinates(3, kept) - draft%coordinates(3, kept(1))) > 0.5_dp*allowed, .true., dim=1)
-      call source%refuse('node '//to_text(draft%node_tag%item(kept(node)))//' lies at z = '// &
+      call input%refuse('node '//to_text(draft%node_tag%item(kept(node)))//' lies at z = '// &
          to_text(draft%coordinates(3, kept(node)))//', node '//to_text(draft%node_tag%item(kept(1)))//' at z = '// &
          to_text(draft%coordinates(3, kept(1)))//': the body must lie in a plane z = constant', &
          draft%node_place%item(kept(node)))
    end subroutine check_plane
 
    !> Turns the clockwise elements round; refuses those whose map from the reference element is not one to one.
-   pure subroutine turn_elements(mesh, draft, source, cell_of, is_turned)
+   pure subroutine turn_elements(mesh, draft, input, cell_of, is_turned)
       type(mesh_t), intent(inout) :: mesh !! the mesh
       type(mesh_draft_t), intent(inout) :: draft !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: cell_of(:) !! cell of each element (n_elements)
       logical, allocatable, intent(out) :: is_turned(:) !! whether an element was turned (n_elements)
       real(dp) :: x(2, 4)
@@ -207,13 +207,13 @@ contains
          end if
          if (.not. doubled_area(x(:, :n)) > 0.0_dp .or. (n == n_element_nodes(mesh%element_kind(element)) &
             .and. .not. is_convex(x(:, :n)))) then
-            call refuse_cell(source, draft, cell_of(element), &
+            call refuse_cell(input, draft, cell_of(element), &
                'is degenerate: its corners must go round a convex area')
             return
          end if
          if (n == n_element_nodes(mesh%element_kind(element))) cycle
          if (mesh%is_turned_over(element)) then
-            call refuse_cell(source, draft, cell_of(element), 'is folded: its corners must go round a convex area, '// &
+            call refuse_cell(input, draft, cell_of(element), 'is folded: its corners must go round a convex area, '// &
                'and the nodes in the middle of its sides lie near the middle')
             return
          end if
@@ -264,23 +264,23 @@ contains
 
    !> Refuses elements that lie one over the other, hanging nodes, and neighbours that differ about the middle of their
    !> side.
-   pure subroutine check_neighbours(mesh, draft, source, cell_of, table)
+   pure subroutine check_neighbours(mesh, draft, input, cell_of, table)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(mesh_draft_t), intent(in) :: draft !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: cell_of(:) !! cell of each element (n_elements)
       type(side_table_t), intent(out) :: table !! the sides of the elements
       integer :: element, elements(2), node, numbers(2), one(3), other(3), overlapping(2), side
 
       call new_side_table(table, mesh, overlapping)
       if (overlapping(1) > 0) then
-         call refuse_cell(source, draft, cell_of(overlapping(2)), 'lies over element '// &
+         call refuse_cell(input, draft, cell_of(overlapping(2)), 'lies over element '// &
             to_text(draft%cell_tag%item(cell_of(overlapping(1)))))
          return
       end if
       call find_hanging_node(mesh, table, element, node)
       if (element > 0) then
-         call refuse_cell(source, draft, cell_of(element), 'has a hanging node in one of its sides, at '// &
+         call refuse_cell(input, draft, cell_of(element), 'has a hanging node in one of its sides, at '// &
             to_text(mesh%coordinates(1, node))//', '//to_text(mesh%coordinates(2, node))// &
             ': neighbours must share whole sides')
          return
@@ -293,7 +293,7 @@ contains
          other = mesh%side(side_element(numbers(2)), side_place(numbers(2)))
          if (one(3) == other(3)) cycle
          elements = side_element([minval(numbers), maxval(numbers)])
-         call refuse_cell(source, draft, cell_of(elements(2)), 'shares a side with element '// &
+         call refuse_cell(input, draft, cell_of(elements(2)), 'shares a side with element '// &
             to_text(draft%cell_tag%item(cell_of(elements(1))))//' but not the node in its middle')
          return
       end do

@@ -1,9 +1,9 @@
 !> What a mesh file says, before it is checked and made a mesh: nodes and cells by their numbers in the file.
 module amontons_mesh_draft
    use amontons_element, only: n_element_nodes
+   use amontons_input_file, only: input_file_t, printable
    use amontons_integer_list, only: integer_list_t
    use amontons_kinds, only: dp
-   use amontons_mesh_source, only: mesh_source_t, printable
    use amontons_text, only: lower_case, newline, to_text
    implicit none (type, external)
    private
@@ -215,9 +215,9 @@ contains
    end function mesh_draft_find_group
 
    !> The named set of a name; a new one where there is none.
-   pure subroutine mesh_draft_get_group(self, source, name, group)
+   pure subroutine mesh_draft_get_group(self, input, name, group)
       class(mesh_draft_t), intent(inout) :: self !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       character(*), intent(in) :: name !! the name
       integer, intent(out) :: group !! the set
       integer :: place
@@ -225,10 +225,10 @@ contains
       if (.not. allocated(self%groups)) allocate (self%groups(most_groups), self%sorted(most_groups))
       group = self%find_group(name)
       if (group > 0) return
-      if (printable(name) /= name) call source%refuse("the name '"//name//"' holds a control character", &
-         source%position - 1)
+      if (printable(name) /= name) call input%refuse("the name '"//name//"' holds a control character", &
+         input%position - 1)
       if (self%n_groups == most_groups) then
-         call source%refuse('more than '//to_text(most_groups)//' named sets', source%position - 1)
+         call input%refuse('more than '//to_text(most_groups)//' named sets', input%position - 1)
          group = most_groups
          return
       end if
@@ -239,18 +239,18 @@ contains
       self%sorted(place) = group
       self%groups(group)%name = name
       self%groups(group)%key = key_of(self, name)
-      self%groups(group)%place = source%position - 1
+      self%groups(group)%place = input%position - 1
    end subroutine mesh_draft_get_group
 
    !> Must be asked before sets get things that are not all written out: a range or another set. Refuses more than a
    !> file of this length may name.
-   pure subroutine mesh_draft_expect_members(self, source, n_more)
+   pure subroutine mesh_draft_expect_members(self, input, n_more)
       class(mesh_draft_t), intent(inout) :: self !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n_more !! number of things to come
 
-      if (n_more > free_members + len(source%text) - self%n_members) then
-         call source%refuse('the sets name more things than a file of this size can mean')
+      if (n_more > free_members + len(input%text) - self%n_members) then
+         call input%refuse('the sets name more things than a file of this size can mean')
       else
          self%n_members = self%n_members + n_more
       end if

@@ -3,10 +3,10 @@ module amontons_mesh_file
    use amontons_abaqus, only: read_abaqus
    use amontons_error, only: error_t
    use amontons_gmsh, only: read_gmsh
+   use amontons_input_file, only: input_file_t, new_input_file
    use amontons_mesh, only: mesh_t
    use amontons_mesh_cleanup, only: new_clean_mesh
    use amontons_mesh_draft, only: mesh_draft_t
-   use amontons_mesh_source, only: mesh_source_t, new_mesh_source
    implicit none (type, external)
    private
 
@@ -21,23 +21,23 @@ contains
       character(:), allocatable, intent(out) :: notes
          !! what was put right or left out, a line of text for each
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
-      type(mesh_source_t) :: source
+      type(input_file_t) :: input
       type(mesh_draft_t) :: draft
 
-      call new_mesh_source(source, file, error)
+      call new_input_file(input, file, error)
       if (allocated(error)) return
-      call source%skip_white()
-      select case (source%text(min(source%position, len(source%text)):min(source%position, len(source%text))))
+      call input%skip_white()
+      select case (input%text(min(input%position, len(input%text)):min(input%position, len(input%text))))
       case ('$')
-         call read_gmsh(draft, source)
+         call read_gmsh(draft, input)
       case ('*')
-         call read_abaqus(draft, source)
+         call read_abaqus(draft, input)
       case default
-         call source%refuse('neither a Gmsh mesh, which begins with $MeshFormat, nor an Abaqus one, which begins '// &
+         call input%refuse('neither a Gmsh mesh, which begins with $MeshFormat, nor an Abaqus one, which begins '// &
             'with a keyword such as *NODE')
       end select
-      if (.not. allocated(source%error)) call new_clean_mesh(mesh, draft, source)
-      call move_alloc(source%error, error)
+      if (.not. allocated(input%error)) call new_clean_mesh(mesh, draft, input)
+      call move_alloc(input%error, error)
       notes = ''
       if (allocated(draft%notes)) notes = draft%notes
    end subroutine read_mesh_file

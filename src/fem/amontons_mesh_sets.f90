@@ -1,10 +1,10 @@
 !> The named sets of a mesh, from the groups of a draft: boundary sets, sets of nodes, regions.
 module amontons_mesh_sets
    use amontons_element, only: n_corners
+   use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t
    use amontons_mesh, only: boundary_set_t, mesh_t, node_set_t, region_t
    use amontons_mesh_draft, only: counted, draft_group_t, mesh_draft_t, point1
-   use amontons_mesh_source, only: mesh_source_t
    use amontons_side_table, only: side_element, side_number, side_place, side_table_t, &
       sides_per_element
    use amontons_tag_map, only: tag_map_t
@@ -62,11 +62,11 @@ contains
       call self%members%append(thing)
    end subroutine collection_put
 
-   !> Gives a mesh the named sets of a draft. Faults go to the source, notes to the draft.
-   pure subroutine name_sets(mesh, draft, source, table, translation)
+   !> Gives a mesh the named sets of a draft. Faults go to the input, notes to the draft.
+   pure subroutine name_sets(mesh, draft, input, table, translation)
       type(mesh_t), intent(inout) :: mesh !! the mesh, complete but for its sets
       type(mesh_draft_t), intent(inout) :: draft !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       type(side_table_t), intent(in) :: table !! the sides of the elements
       type(translation_t), intent(in) :: translation !! from the draft to the mesh
       type(boundary_set_t), allocatable :: sets(:)
@@ -82,8 +82,8 @@ contains
       n_node_sets = 0
       n_regions = 0
       do group = 1, draft%n_groups
-         call collect(things, mesh, draft, draft%groups(group), source, table, translation)
-         if (allocated(source%error)) return
+         call collect(things, mesh, draft, draft%groups(group), input, table, translation)
+         if (allocated(input%error)) return
          associate (name => draft%groups(group)%name, sides => things%sides%members%items())
             if (size(sides) > 0) then
                n_sets = n_sets + 1
@@ -106,12 +106,12 @@ contains
    end subroutine name_sets
 
    !> Collects everything that a group names.
-   pure subroutine collect(things, mesh, draft, group, source, table, translation)
+   pure subroutine collect(things, mesh, draft, group, input, table, translation)
       type(named_things_t), intent(inout) :: things !! what it names
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(mesh_draft_t), intent(in) :: draft !! the draft
       type(draft_group_t), intent(in) :: group !! the group
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       type(side_table_t), intent(in) :: table !! the sides of the elements
       type(translation_t), intent(in) :: translation !! from the draft to the mesh
       integer :: i, cell, node
@@ -131,13 +131,13 @@ contains
          else if (draft%cell_kind%item(cell) == point1) then
             call put_node(things, translation%node(draft%node%item(draft%cell_start%item(cell))))
          else
-            call put_line(things, mesh, draft, source, table, translation, cell)
+            call put_line(things, mesh, draft, input, table, translation, cell)
          end if
       end do
       do i = 1, group%node%n
          node = translation%place%find(group%node%item(i))
          if (node == 0) then
-            call source%refuse("the set '"//group%name//"' names node "//to_text(group%node%item(i))// &
+            call input%refuse("the set '"//group%name//"' names node "//to_text(group%node%item(i))// &
                ', which the file does not give', group%place)
             return
          end if
@@ -183,11 +183,11 @@ contains
    end subroutine put_side
 
    !> Puts the side that a line carries into a set, if it belongs to the boundary.
-   pure subroutine put_line(things, mesh, draft, source, table, translation, cell)
+   pure subroutine put_line(things, mesh, draft, input, table, translation, cell)
       type(named_things_t), intent(inout) :: things !! the set
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(mesh_draft_t), intent(in) :: draft !! the draft
-      type(mesh_source_t), intent(inout) :: source !! the file
+      type(input_file_t), intent(inout) :: input !! the file
       type(side_table_t), intent(in) :: table !! the sides of the elements
       type(translation_t), intent(in) :: translation !! from the draft to the mesh
       integer, intent(in) :: cell !! the line
@@ -208,7 +208,7 @@ contains
          call things%sides%put(max(left, right))
          side = mesh%side(side_element(max(left, right)), side_place(max(left, right)))
          if (size(nodes) == 3 .and. side(3) > 0) then
-            if (nodes(3) /= side(3)) call source%refuse('line '//to_text(draft%cell_tag%item(cell))// &
+            if (nodes(3) /= side(3)) call input%refuse('line '//to_text(draft%cell_tag%item(cell))// &
                ' has another middle node than the element at its side', draft%cell_place%item(cell))
          end if
       end associate

@@ -1,7 +1,7 @@
-!> A mesh file in memory, read from its beginning to its end: numbers, lines and the place of the first fault.
+!> A file in memory, read from its beginning to its end: numbers, lines and the place of the first fault.
 !>
-!> The first fault stays with the source, and every number taken after it is 0: a reader need not ask after each.
-module amontons_mesh_source
+!> The first fault stays with the file, and every number taken after it is 0: a reader need not ask after each.
+module amontons_input_file
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp, int64
@@ -10,7 +10,7 @@ module amontons_mesh_source
    implicit none (type, external)
    private
 
-   public :: mesh_source_t, new_mesh_source, printable
+   public :: input_file_t, new_input_file, printable
 
    character, parameter :: line_feed = achar(10)
    !> Longer words are cut in messages.
@@ -19,8 +19,8 @@ module amontons_mesh_source
    !> Larger files are refused: their bytes and the things they name are counted by default integers.
    integer, parameter :: most_bytes = 2000000000
 
-   !> A mesh file and a position in it.
-   type :: mesh_source_t
+   !> A file and a position in it.
+   type :: input_file_t
       character(:), allocatable :: file !! name of the file
       character(:), allocatable :: text !! every byte of it
       integer :: position = 1 !! where to read next
@@ -28,27 +28,27 @@ module amontons_mesh_source
       logical :: is_swapped = .false. !! whether the bytes of a number stand in the other order than this machine's
       type(error_t), allocatable :: error !! the first fault, once there is one
    contains
-      procedure :: check_count => mesh_source_check_count
-      procedure :: end_line => mesh_source_end_line
-      procedure :: end_record => mesh_source_end_record
-      procedure :: refuse => mesh_source_refuse
-      procedure :: skip_blanks => mesh_source_skip_blanks
-      procedure :: skip_white => mesh_source_skip_white
-      procedure :: start_record => mesh_source_start_record
-      procedure :: take_count => mesh_source_take_count
-      procedure :: take_integer => mesh_source_take_integer
-      procedure :: take_line => mesh_source_take_line
-      procedure :: take_real => mesh_source_take_real
-      procedure :: take_numeral => mesh_source_take_numeral
-      procedure :: take_size => mesh_source_take_size
-      procedure :: word => mesh_source_word
-   end type mesh_source_t
+      procedure :: check_count => input_file_check_count
+      procedure :: end_line => input_file_end_line
+      procedure :: end_record => input_file_end_record
+      procedure :: refuse => input_file_refuse
+      procedure :: skip_blanks => input_file_skip_blanks
+      procedure :: skip_white => input_file_skip_white
+      procedure :: start_record => input_file_start_record
+      procedure :: take_count => input_file_take_count
+      procedure :: take_integer => input_file_take_integer
+      procedure :: take_line => input_file_take_line
+      procedure :: take_real => input_file_take_real
+      procedure :: take_numeral => input_file_take_numeral
+      procedure :: take_size => input_file_take_size
+      procedure :: word => input_file_word
+   end type input_file_t
 
 contains
 
    !> Reads a file into memory.
-   subroutine new_mesh_source(source, file, error)
-      type(mesh_source_t), intent(out) :: source !! the file in memory
+   subroutine new_input_file(input, file, error)
+      type(input_file_t), intent(out) :: input !! the file in memory
       character(*), intent(in) :: file !! name of the file
       type(error_t), allocatable, intent(out) :: error !! the file cannot be read, is empty or is too large
       character(*), parameter :: no_text = ': this file is empty, or no plain file'
@@ -57,7 +57,7 @@ contains
       integer(int64) :: n_bytes
       integer :: unit, status, at_cause
 
-      source%file = file
+      input%file = file
       reason = ''
       ! The size is asked for first: to open a pipe could take for ever.
       inquire (file=file, size=n_bytes)
@@ -74,18 +74,18 @@ contains
       at_cause = index(reason, "': ", back=.true.)
       if (at_cause > 0) reason = reason(at_cause + 3:)
       if (status == 0) then
-         allocate (character(n_bytes) :: source%text, stat=status, errmsg=reason)
-         if (status == 0) read (unit, iostat=status, iomsg=reason) source%text
+         allocate (character(n_bytes) :: input%text, stat=status, errmsg=reason)
+         if (status == 0) read (unit, iostat=status, iomsg=reason) input%text
          close (unit)
       end if
       if (status /= 0) then
          call new_error(error, input_refused, file//': cannot read this file: '//trim(reason))
-      else if (len(source%text) == 0) then
+      else if (len(input%text) == 0) then
          call new_error(error, input_refused, file//no_text)
-      else if (index(source%text(:min(3, len(source%text))), byte_order_mark) == 1) then
-         source%position = 4
+      else if (index(input%text(:min(3, len(input%text))), byte_order_mark) == 1) then
+         input%position = 4
       end if
-   end subroutine new_mesh_source
+   end subroutine new_input_file
 
    !> A text without control characters, which have no place in a message.
    pure function printable(text)
@@ -100,8 +100,8 @@ contains
    end function printable
 
    !> Notes a fault, if it is the first: `file:line: sentence`, or `file: sentence (byte n)` in a binary file.
-   pure subroutine mesh_source_refuse(self, sentence, place)
-      class(mesh_source_t), intent(inout) :: self !! the file
+   pure subroutine input_file_refuse(self, sentence, place)
+      class(input_file_t), intent(inout) :: self !! the file
       character(*), intent(in) :: sentence !! what is wrong
       integer, intent(in), optional :: place !! where; default: here
       integer :: at, line, i
@@ -118,11 +118,11 @@ contains
          if (self%text(i:i) == line_feed) line = line + 1
       end do
       call new_error(self%error, input_refused, self%file//':'//to_text(line)//': '//printable(sentence))
-   end subroutine mesh_source_refuse
+   end subroutine input_file_refuse
 
    !> The word at the position, as messages quote it.
-   pure function mesh_source_word(self) result(word)
-      class(mesh_source_t), intent(in) :: self !! the file
+   pure function input_file_word(self) result(word)
+      class(input_file_t), intent(in) :: self !! the file
       character(:), allocatable :: word
       integer :: last, i
 
@@ -140,11 +140,11 @@ contains
       end do
       if (last < self%position) word = 'the end of the line'
       if (self%text(self%position:self%position) == ',') word = 'a comma'
-   end function mesh_source_word
+   end function input_file_word
 
    !> Moves over blanks.
-   pure subroutine mesh_source_skip_blanks(self)
-      class(mesh_source_t), intent(inout) :: self !! the file
+   pure subroutine input_file_skip_blanks(self)
+      class(input_file_t), intent(inout) :: self !! the file
 
       do while (self%position <= len(self%text))
          select case (iachar(self%text(self%position:self%position)))
@@ -154,11 +154,11 @@ contains
             return
          end select
       end do
-   end subroutine mesh_source_skip_blanks
+   end subroutine input_file_skip_blanks
 
    !> Moves over blanks and ends of lines.
-   pure subroutine mesh_source_skip_white(self)
-      class(mesh_source_t), intent(inout) :: self !! the file
+   pure subroutine input_file_skip_white(self)
+      class(input_file_t), intent(inout) :: self !! the file
 
       do
          call self%skip_blanks()
@@ -166,25 +166,25 @@ contains
          if (self%text(self%position:self%position) /= line_feed) return
          self%position = self%position + 1
       end do
-   end subroutine mesh_source_skip_white
+   end subroutine input_file_skip_white
 
    !> Moves to the first number of a record: in text, over blanks and empty lines.
-   pure subroutine mesh_source_start_record(self)
-      class(mesh_source_t), intent(inout) :: self !! the file
+   pure subroutine input_file_start_record(self)
+      class(input_file_t), intent(inout) :: self !! the file
 
       if (.not. self%is_binary) call self%skip_white()
-   end subroutine mesh_source_start_record
+   end subroutine input_file_start_record
 
    !> Moves behind a record; in text, it must end with its line.
-   pure subroutine mesh_source_end_record(self)
-      class(mesh_source_t), intent(inout) :: self !! the file
+   pure subroutine input_file_end_record(self)
+      class(input_file_t), intent(inout) :: self !! the file
 
       if (.not. self%is_binary) call self%end_line()
-   end subroutine mesh_source_end_record
+   end subroutine input_file_end_record
 
    !> Moves to the next line of text; only blanks may be left on this one.
-   pure subroutine mesh_source_end_line(self)
-      class(mesh_source_t), intent(inout) :: self !! the file
+   pure subroutine input_file_end_line(self)
+      class(input_file_t), intent(inout) :: self !! the file
 
       if (allocated(self%error)) return
       call self%skip_blanks()
@@ -194,11 +194,11 @@ contains
       else
          call self%refuse('expected the end of the line, found '//self%word())
       end if
-   end subroutine mesh_source_end_line
+   end subroutine input_file_end_line
 
    !> Takes the rest of a line of text, without blanks at its ends, and moves to the next line.
-   pure subroutine mesh_source_take_line(self, line)
-      class(mesh_source_t), intent(inout) :: self !! the file
+   pure subroutine input_file_take_line(self, line)
+      class(input_file_t), intent(inout) :: self !! the file
       character(:), allocatable, intent(out) :: line !! the rest of the line
       integer :: first
 
@@ -212,11 +212,11 @@ contains
       self%position = self%position + 1
       if (len(line) == 0) return
       if (line(len(line):) == achar(13)) line = trim(line(:len(line) - 1))
-   end subroutine mesh_source_take_line
+   end subroutine input_file_take_line
 
    !> Takes an integer: four bytes, or a word of text.
-   pure subroutine mesh_source_take_integer(self, value, what)
-      class(mesh_source_t), intent(inout) :: self !! the file
+   pure subroutine input_file_take_integer(self, value, what)
+      class(input_file_t), intent(inout) :: self !! the file
       integer, intent(out) :: value !! the number, 0 where there is a fault
       character(*), intent(in) :: what !! what it means, for the message
       character(8) :: bytes
@@ -232,11 +232,11 @@ contains
       else
          call self%take_numeral(value, what)
       end if
-   end subroutine mesh_source_take_integer
+   end subroutine input_file_take_integer
 
    !> Takes a word of text as an integer, even in a binary file.
-   pure subroutine mesh_source_take_numeral(self, value, what)
-      class(mesh_source_t), intent(inout) :: self !! the file
+   pure subroutine input_file_take_numeral(self, value, what)
+      class(input_file_t), intent(inout) :: self !! the file
       integer, intent(out) :: value !! the number, 0 where there is a fault
       character(*), intent(in) :: what !! what it means, for the message
       character(:), allocatable :: found
@@ -250,11 +250,11 @@ contains
       found = self%word()
       if (verify(found, "'0123456789") == 0) found = found//', which is out of range'
       call self%refuse('expected '//what//', found '//found)
-   end subroutine mesh_source_take_numeral
+   end subroutine input_file_take_numeral
 
    !> Takes a number of things, which stands alone on a line of text, even in a binary file.
-   pure subroutine mesh_source_take_count(self, n, things)
-      class(mesh_source_t), intent(inout) :: self !! the file
+   pure subroutine input_file_take_count(self, n, things)
+      class(input_file_t), intent(inout) :: self !! the file
       integer, intent(out) :: n !! the number, not negative
       character(*), intent(in) :: things !! what the things are
 
@@ -265,11 +265,11 @@ contains
       if (n < 0) call self%refuse('the number of '//things//' is negative: '//to_text(n))
       call self%end_line()
       if (allocated(self%error)) n = 0
-   end subroutine mesh_source_take_count
+   end subroutine input_file_take_count
 
    !> Takes an integer that is not negative: eight bytes, or a word of text.
-   pure subroutine mesh_source_take_size(self, value, what)
-      class(mesh_source_t), intent(inout) :: self !! the file
+   pure subroutine input_file_take_size(self, value, what)
+      class(input_file_t), intent(inout) :: self !! the file
       integer, intent(out) :: value !! the number, 0 where there is a fault
       character(*), intent(in) :: what !! what it means, for the message
       character(8) :: bytes
@@ -288,11 +288,11 @@ contains
          'expected '//what//', found the number '//to_text(long)//', which is out of range', place)
       value = 0
       if (.not. allocated(self%error)) value = int(long)
-   end subroutine mesh_source_take_size
+   end subroutine input_file_take_size
 
    !> Takes a finite real: eight bytes, or a word of text.
-   pure subroutine mesh_source_take_real(self, value, what)
-      class(mesh_source_t), intent(inout) :: self !! the file
+   pure subroutine input_file_take_real(self, value, what)
+      class(input_file_t), intent(inout) :: self !! the file
       real(dp), intent(out) :: value !! the number, 0 where there is a fault
       character(*), intent(in) :: what !! what it means, for the message
       character(8) :: bytes
@@ -312,34 +312,34 @@ contains
          call scan_real(self%text, self%position, value, ok)
          if (.not. ok) call self%refuse('expected '//what//', found '//self%word())
       end if
-   end subroutine mesh_source_take_real
+   end subroutine input_file_take_real
 
    !> Takes the bytes of a number, in this machine's order.
-   pure subroutine take_bytes(source, n, bytes, what)
-      type(mesh_source_t), intent(inout) :: source !! the file
+   pure subroutine take_bytes(input, n, bytes, what)
+      type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n !! number of bytes
       character(8), intent(out) :: bytes !! the bytes, all zero where there is a fault
       character(*), intent(in) :: what !! what the number means, for the message
       integer :: i
 
       bytes = repeat(achar(0), len(bytes))
-      if (allocated(source%error)) return
-      if (source%position > len(source%text) - n + 1) then
-         call source%refuse('expected '//what//', found the end of the file')
+      if (allocated(input%error)) return
+      if (input%position > len(input%text) - n + 1) then
+         call input%refuse('expected '//what//', found the end of the file')
          return
       end if
-      bytes(:n) = source%text(source%position:source%position + n - 1)
-      if (source%is_swapped) then
+      bytes(:n) = input%text(input%position:input%position + n - 1)
+      if (input%is_swapped) then
          do i = 1, n
-            bytes(i:i) = source%text(source%position + n - i:source%position + n - i)
+            bytes(i:i) = input%text(input%position + n - i:input%position + n - i)
          end do
       end if
-      source%position = source%position + n
+      input%position = input%position + n
    end subroutine take_bytes
 
    !> Refuses a number of things that the rest of the file cannot hold.
-   pure subroutine mesh_source_check_count(self, n, least_bytes, things)
-      class(mesh_source_t), intent(inout) :: self !! the file, behind the number
+   pure subroutine input_file_check_count(self, n, least_bytes, things)
+      class(input_file_t), intent(inout) :: self !! the file, behind the number
       integer, intent(in) :: n !! number of things announced, not negative
       integer, intent(in) :: least_bytes !! number of bytes that one takes at least
       character(*), intent(in) :: things !! what they are, for the message
@@ -349,6 +349,6 @@ contains
       n_left = len(self%text) - self%position + 1
       if (n > n_left/least_bytes) call self%refuse(to_text(n)//' '//things// &
          ' are announced, but the file ends after '//to_text(n_left)//' more bytes')
-   end subroutine mesh_source_check_count
+   end subroutine input_file_check_count
 
-end module amontons_mesh_source
+end module amontons_input_file
