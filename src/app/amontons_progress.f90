@@ -9,7 +9,7 @@ module amontons_progress
    implicit none (type, external)
    private
 
-   public :: new_progress, progress_t, progress_text
+   public :: new_progress, progress_t
 
    !> Watches a sweep. From the first report until `finish`, SIGINT and SIGTERM stop it after the cases under way; a
    !> line on standard error, if that is a terminal, is written anew with each report.

@@ -18,7 +18,7 @@ module amontons_run
    implicit none (type, external)
    private
 
-   public :: run_decks, status_interrupted
+   public :: run_decks
 
    !> Exit status of a sweep that a signal interrupted; the same command goes on with it.
    integer, parameter :: status_interrupted = 5

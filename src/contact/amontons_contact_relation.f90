@@ -11,7 +11,7 @@ module amontons_contact_relation
    implicit none (type, external)
    private
 
-   public :: contact_relation_t, new_contact_relation, new_dual_relation, new_primal_relation, point_states_t
+   public :: contact_relation_t, new_contact_relation, point_states_t
 
    !> Which conditions are in force at every point. Closed: u_N = d; open: lambda_N = 0. Sense 0: u_T = 0; sense +1 or
    !> -1: lambda_T = +-(g + phi lambda_N).
@@ -44,52 +44,43 @@ contains
       real(dp) :: bound(2*problem%n_points), force(2*problem%n_points)
       integer :: all_rows(2*problem%n_points), i
 
-      if (problem%is_reduced()) then
+      relation%is_dual = problem%is_reduced()
+      if (relation%is_dual) then
          all_rows = [(i, i=1, 2*problem%n_points)]
-         call new_dual_relation(relation, problem%compliance%block(all_rows, all_rows), &
+         call scale_relation(relation, problem%compliance%block(all_rows, all_rows), &
             problem%dual_load(problem%free_displacement), problem%friction, problem%slip_bound)
       else
          bound = 0.0_dp
          bound(:problem%n_points) = problem%gap
          call symmetric_multiply(problem%stiffness, bound, force)
-         call new_primal_relation(relation, problem%stiffness, problem%load - force, problem%friction, &
-            problem%slip_bound)
+         call scale_relation(relation, problem%stiffness, problem%load - force, problem%friction, problem%slip_bound)
       end if
    end subroutine new_contact_relation
 
-   !> The relation `w = B - A lambda`.
-   pure subroutine new_dual_relation(relation, a, b, friction, slip_bound)
-      type(contact_relation_t), intent(out) :: relation !! the relation
-      real(dp), intent(in) :: a(:, :) !! A, positive semidefinite (2m, 2m) [L/F]
-      real(dp), intent(in) :: b(:) !! B (2m) [L]
+   !> Scales a relation `y = h - H x` to the diagonal 1.
+   pure subroutine scale_relation(relation, matrix, vector, friction, slip_bound)
+      type(contact_relation_t), intent(inout) :: relation !! the relation; whether it is dual is known
+      real(dp), intent(in) :: matrix(:, :) !! H, positive semidefinite (2m, 2m) [unit of y over that of x]
+      real(dp), intent(in) :: vector(:) !! h (2m) [unit of y]
       real(dp), intent(in) :: friction(:) !! Coulomb coefficient phi (m) [-]
       real(dp), intent(in) :: slip_bound(:) !! given slip bound g (m) [F]
-      real(dp) :: unit(size(b)), amount
+      real(dp) :: unit(size(vector)), amount
+      integer :: j, m
 
-      unit = sqrt(diagonal_units(a))
-      amount = magnitude(b/unit)
-      relation%is_dual = .true.
-      relation%distance_unit = amount*unit
-      relation%force_unit = amount/unit
-      call fill(relation, a, b/relation%distance_unit, unit, friction, slip_bound)
-   end subroutine new_dual_relation
-
-   !> The relation `lambda = r - S w` with the forces r that hold every point at the obstacle without slip.
-   pure subroutine new_primal_relation(relation, s, r, friction, slip_bound)
-      type(contact_relation_t), intent(out) :: relation !! the relation
-      real(dp), intent(in) :: s(:, :) !! S, positive semidefinite (2m, 2m) [F/L]
-      real(dp), intent(in) :: r(:) !! q - S (d; 0) (2m) [F]
-      real(dp), intent(in) :: friction(:) !! Coulomb coefficient phi (m) [-]
-      real(dp), intent(in) :: slip_bound(:) !! given slip bound g (m) [F]
-      real(dp) :: unit(size(r)), amount
-
-      unit = sqrt(diagonal_units(s))
-      amount = magnitude(r/unit)
-      relation%is_dual = .false.
-      relation%force_unit = amount*unit
-      relation%distance_unit = amount/unit
-      call fill(relation, s, r/relation%force_unit, unit, friction, slip_bound)
-   end subroutine new_primal_relation
+      unit = sqrt(diagonal_units(matrix))
+      amount = magnitude(vector/unit)
+      relation%distance_unit = merge(amount*unit, amount/unit, relation%is_dual)
+      relation%force_unit = merge(amount/unit, amount*unit, relation%is_dual)
+      relation%vector = vector/(amount*unit)
+      m = size(friction)
+      relation%n_points = m
+      allocate (relation%matrix(2*m, 2*m))
+      do j = 1, 2*m
+         relation%matrix(:, j) = matrix(:, j)/(unit*unit(j))
+      end do
+      relation%friction = friction*relation%force_unit(:m)/relation%force_unit(m + 1:)
+      relation%slip_bound = slip_bound/relation%force_unit(m + 1:)
+   end subroutine scale_relation
 
    !> The diagonal as it scales; where it is not positive, its largest entry, or 1 if there is none.
    pure function diagonal_units(matrix) result(unit)
@@ -109,27 +100,6 @@ contains
       magnitude = maxval(abs(vector))
       if (.not. magnitude > 0.0_dp) magnitude = 1.0_dp
    end function magnitude
-
-   !> Fills in the numbers that have lost their units.
-   pure subroutine fill(relation, matrix, vector, unit, friction, slip_bound)
-      type(contact_relation_t), intent(inout) :: relation !! the relation, its units set
-      real(dp), intent(in) :: matrix(:, :) !! H with units (2m, 2m)
-      real(dp), intent(in) :: vector(:) !! h without units (2m)
-      real(dp), intent(in) :: unit(:) !! square roots of the diagonal of H (2m)
-      real(dp), intent(in) :: friction(:) !! Coulomb coefficient phi (m) [-]
-      real(dp), intent(in) :: slip_bound(:) !! given slip bound g (m) [F]
-      integer :: j, m
-
-      m = size(friction)
-      relation%n_points = m
-      allocate (relation%matrix(2*m, 2*m))
-      do j = 1, 2*m
-         relation%matrix(:, j) = matrix(:, j)/(unit*unit(j))
-      end do
-      relation%vector = vector
-      relation%friction = friction*relation%force_unit(:m)/relation%force_unit(m + 1:)
-      relation%slip_bound = slip_bound/relation%force_unit(m + 1:)
-   end subroutine fill
 
    !> The forces and distances that given states lead to, without units: 2m linear equations for the 2m of them that the
    !> states leave open.

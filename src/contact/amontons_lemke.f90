@@ -20,7 +20,7 @@ module amontons_lemke
    implicit none (type, external)
    private
 
-   public :: lemke_t, solve_relation
+   public :: lemke_t
 
    !> Most points: the tableau of 3m x 3m numbers is gone through once for each pivot.
    integer, parameter :: max_points = 1000

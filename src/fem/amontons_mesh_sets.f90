@@ -5,8 +5,7 @@ module amontons_mesh_sets
    use amontons_integer_list, only: integer_list_t
    use amontons_mesh, only: boundary_set_t, mesh_t, node_set_t, region_t
    use amontons_mesh_draft, only: counted, draft_group_t, mesh_draft_t, point1
-   use amontons_side_table, only: side_element, side_number, side_place, side_table_t, &
-      sides_per_element
+   use amontons_side_table, only: side_element, side_place, side_table_t, sides_per_element
    use amontons_tag_map, only: tag_map_t
    use amontons_text, only: to_text
    implicit none (type, external)
