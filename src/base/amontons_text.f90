@@ -165,10 +165,7 @@ contains
       integer :: first, status
 
       value = 0
-      first = 1
-      if (len(word) > 0) then
-         if (scan(word(1:1), '+-') == 1) first = 2
-      end if
+      first = first_digit(word)
       ok = len(word) >= first .and. verify(word(first:), '0123456789') == 0
       if (.not. ok) return
       read (word, '(i32)', iostat=status) value
@@ -200,15 +197,20 @@ contains
       if (.not. ok) value = 0.0_dp
    end subroutine read_real
 
+   !> Where the digits of a number begin: behind its sign, if it has one.
+   pure integer function first_digit(text)
+      character(*), intent(in) :: text !! the number
+
+      first_digit = 1
+      if (index(text, '+') == 1 .or. index(text, '-') == 1) first_digit = 2
+   end function first_digit
+
    !> Whether text is a sign, digits and at most one point, with at least one digit.
    pure logical function is_mantissa(text)
       character(*), intent(in) :: text !! text before the exponent letter
       integer :: first
 
-      first = 1
-      if (len(text) > 0) then
-         if (scan(text(1:1), '+-') == 1) first = 2
-      end if
+      first = first_digit(text)
       is_mantissa = verify(text(first:), '0123456789.') == 0 .and. scan(text(first:), '0123456789') > 0 &
          .and. index(text, '.') == index(text, '.', back=.true.)
    end function is_mantissa
@@ -218,10 +220,7 @@ contains
       character(*), intent(in) :: text !! text after the exponent letter
       integer :: first
 
-      first = 1
-      if (len(text) > 0) then
-         if (scan(text(1:1), '+-') == 1) first = 2
-      end if
+      first = first_digit(text)
       is_exponent = len(text) >= first .and. len(text) <= first + 3 .and. verify(text(first:), '0123456789') == 0
    end function is_exponent
 

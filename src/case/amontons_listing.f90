@@ -7,7 +7,7 @@ module amontons_listing
    use amontons_kinds, only: dp
    use amontons_listing_model, only: loads_text, model_text
    use amontons_listing_parts, only: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
-      verdict_line, violation_line
+      violations_text
    use amontons_listing_text, only: heading, line, pair, scientific, short
    use amontons_result, only: certificate_limit, result_t
    use amontons_solutions_report, only: solutions_text, uniqueness_text
@@ -106,32 +106,17 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(certificate_t), intent(in) :: certificate !! the certificate
       character(:), allocatable :: text
-      real(dp) :: limit
+      character(*), parameter :: names(*) = [character(17) :: 'Equilibrium', 'Penetration', 'Tension', &
+         'Friction excess', 'Complementarity', 'Wrong dissipation', 'Resultant', 'Moment', 'Energy balance', &
+         'Duality gap']
+      real(dp), allocatable :: violations(:)
 
-      limit = certificate_limit(config%method%tolerance)
-      text = heading('Certificate on the full model (violations, each over its natural scale)')
-      call check('Equilibrium', certificate%equilibrium)
-      call check('Penetration', certificate%penetration)
-      call check('Tension', certificate%tension)
-      call check('Friction excess', certificate%friction_excess)
-      call check('Complementarity', certificate%complementarity)
-      call check('Wrong dissipation', certificate%wrong_dissipation)
-      call check('Resultant', certificate%resultant)
-      call check('Moment', certificate%moment)
-      call check('Energy balance', certificate%energy)
-      if (certificate%has_duality_gap) call check('Duality gap', certificate%duality_gap)
-      text = text//verdict_line(certificate%largest(), limit)
-
-   contains
-
-      !> Adds a line on one violation.
-      pure subroutine check(name, value)
-         character(*), intent(in) :: name !! what is checked
-         real(dp), intent(in) :: value !! the violation [-]
-
-         text = text//violation_line(name, value, limit)
-      end subroutine check
-
+      violations = [certificate%equilibrium, certificate%penetration, certificate%tension, &
+         certificate%friction_excess, certificate%complementarity, certificate%wrong_dissipation, &
+         certificate%resultant, certificate%moment, certificate%energy]
+      if (certificate%has_duality_gap) violations = [violations, certificate%duality_gap]
+      text = heading('Certificate on the full model (violations, each over its natural scale)') &
+         //violations_text(names, violations, certificate_limit(config%method%tolerance))
    end function certificate_text
 
    !> The table of contact points.

@@ -12,8 +12,8 @@ module amontons_listing_parts
    implicit none (type, external)
    private
 
-   public :: head_text, method_text, outcome_text, residual_text, status_counts, times_text, verdict_line, &
-      violation_line
+   public :: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
+      violations_text
 
 contains
 
@@ -88,25 +88,22 @@ contains
          to_text(count(status == slip_minus))//' slip-, '//to_text(count(status == stick_point))//' stick'
    end function status_counts
 
-   !> A line on one violation.
-   pure function violation_line(name, value, limit) result(text)
-      character(*), intent(in) :: name !! what is violated
-      real(dp), intent(in) :: value !! the violation, over its natural scale [-]
-      real(dp), intent(in) :: limit !! what it may be at most [-]
+   !> What a solution must fulfil, a line on each violation, and the verdict.
+   pure function violations_text(names, violations, limit) result(text)
+      character(*), intent(in) :: names(:) !! what may be violated
+      real(dp), intent(in) :: violations(:) !! the violations, each over its natural scale [-]
+      real(dp), intent(in) :: limit !! what each may be at most [-]
       character(:), allocatable :: text
+      integer :: i
 
-      text = line(name, scientific(value)//trim(merge('        ', '  FAILED', value <= limit)))
-   end function violation_line
-
-   !> The line on all violations together.
-   pure function verdict_line(largest, limit) result(text)
-      real(dp), intent(in) :: largest !! the largest violation, over its natural scale [-]
-      real(dp), intent(in) :: limit !! what it may be at most [-]
-      character(:), allocatable :: text
-
-      text = line('Verdict', trim(merge('passed', 'FAILED', largest <= limit))// &
+      text = ''
+      do i = 1, size(violations)
+         text = text//line(names(i), scientific(violations(i))//trim(merge('        ', '  FAILED', &
+            violations(i) <= limit)))
+      end do
+      text = text//line('Verdict', trim(merge('passed', 'FAILED', all(violations <= limit)))// &
          ': every violation must be at most '//scientific(limit))
-   end function verdict_line
+   end function violations_text
 
    !> Where the time went, and the end of the listing.
    pure function times_text(timings, phases) result(text)

@@ -4,7 +4,7 @@ module amontons_reduced_listing
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
    use amontons_listing_parts, only: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
-      verdict_line, violation_line
+      violations_text
    use amontons_listing_text, only: heading, line, scientific, short
    use amontons_reduced_check, only: reduced_check_t
    use amontons_reduced_system, only: reduced_system_t
@@ -77,28 +77,12 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(reduced_check_t), intent(in) :: check !! the violations
       character(:), allocatable :: text
-      real(dp) :: limit
+      character(*), parameter :: names(*) = [character(17) :: 'Penetration', 'Tension', 'Friction excess', &
+         'Complementarity', 'Slip below bound', 'Wrong dissipation']
 
-      limit = certificate_limit(config%method%tolerance)
-      text = heading('Check on the problem as read (violations, each over its natural scale)')
-      call add('Penetration', check%penetration)
-      call add('Tension', check%tension)
-      call add('Friction excess', check%friction_excess)
-      call add('Complementarity', check%complementarity)
-      call add('Slip below bound', check%slip_below_bound)
-      call add('Wrong dissipation', check%wrong_dissipation)
-      text = text//verdict_line(check%largest(), limit)
-
-   contains
-
-      !> Adds a line on one violation.
-      pure subroutine add(name, value)
-         character(*), intent(in) :: name !! what is checked
-         real(dp), intent(in) :: value !! the violation [-]
-
-         text = text//violation_line(name, value, limit)
-      end subroutine add
-
+      text = heading('Check on the problem as read (violations, each over its natural scale)')// &
+         violations_text(names, [check%penetration, check%tension, check%friction_excess, check%complementarity, &
+         check%slip_below_bound, check%wrong_dissipation], certificate_limit(config%method%tolerance))
    end function check_text
 
    !> The table of contacts.
