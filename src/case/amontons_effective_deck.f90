@@ -3,10 +3,12 @@
 module amontons_effective_deck
    use amontons_cell_partition, only: cell_partition_t, multiplier_names
    use amontons_config, only: config_t
-   use amontons_constraints, only: supported_components
+   use amontons_constraints, only: support_t, supported_components
+   use amontons_contact_zone, only: contact_t
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
-   use amontons_loads, only: load_on_nodes, load_on_sides
+   use amontons_loads, only: load_on_nodes, load_on_sides, load_t
+   use amontons_material, only: material_t
    use amontons_sweep, only: quantity_names, swept_load
    use amontons_text, only: newline, quoted, to_text
    implicit none (type, external)
@@ -27,18 +29,12 @@ contains
          text = text//problem_text(config)//solver_text(config)//'&output /'//newline
          return
       end if
-      text = text//mesh_text(config)
-      do i = 1, size(config%materials)
-         text = text//material_text(config, i)
-      end do
-      do i = 1, size(config%supports)
-         text = text//support_text(config, i)
-      end do
+      text = text//model_text(config)
       do i = 1, size(config%loads)
-         text = text//load_text(config, i)
+         text = text//load_text(config%loads(i))
       end do
       do i = 1, size(config%contacts)
-         text = text//contact_text(config, i)
+         text = text//contact_text(config%contacts(i))
       end do
       if (config%sweep%is_given()) then
          do i = 1, size(config%sweep%axes)
@@ -54,18 +50,27 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = mesh_text(config)//config%factorization
-      do i = 1, size(config%materials)
-         text = text//material_text(config, i)
-      end do
-      do i = 1, size(config%supports)
-         text = text//support_text(config, i)
-      end do
+      text = model_text(config)//config%factorization
       do i = 1, size(config%contacts)
          text = text//quoted(config%contacts(i)%set)//pair(config%contacts(i)%direction) &
             //multipliers_text(config%contacts(i)%partition)
       end do
    end function body_text
+
+   !> Mesh, materials and supports.
+   pure function model_text(config) result(text)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: text
+      integer :: i
+
+      text = mesh_text(config)
+      do i = 1, size(config%materials)
+         text = text//material_text(config%materials(i))
+      end do
+      do i = 1, size(config%supports)
+         text = text//support_text(config%supports(i))
+      end do
+   end function model_text
 
    !> `&problem`.
    pure function problem_text(config) result(text)
@@ -94,75 +99,64 @@ contains
    end function mesh_text
 
    !> One `&material`.
-   pure function material_text(config, i) result(text)
-      type(config_t), intent(in) :: config !! the case
-      integer, intent(in) :: i !! which material
+   pure function material_text(material) result(text)
+      type(material_t), intent(in) :: material !! the material
       character(:), allocatable :: text
 
-      associate (m => config%materials(i))
-         text = '&material young = '//to_text(m%young)//'  poisson = '//to_text(m%poisson)//'  hypothesis = ' &
-            //quoted(m%hypothesis)//'  thickness = '//to_text(m%thickness)
-         if (len(m%region) > 0) text = text//'  region = '//quoted(m%region)
-         text = text//' /'//newline
-      end associate
+      text = '&material young = '//to_text(material%young)//'  poisson = '//to_text(material%poisson) &
+         //'  hypothesis = '//quoted(material%hypothesis)//'  thickness = '//to_text(material%thickness)
+      if (len(material%region) > 0) text = text//'  region = '//quoted(material%region)
+      text = text//' /'//newline
    end function material_text
 
    !> One `&support`.
-   pure function support_text(config, i) result(text)
-      type(config_t), intent(in) :: config !! the case
-      integer, intent(in) :: i !! which support
+   pure function support_text(support) result(text)
+      type(support_t), intent(in) :: support !! the support
       character(:), allocatable :: text
       integer :: k
 
-      associate (support => config%supports(i))
-         if (len(support%set) > 0) then
-            text = '&support set = '//quoted(support%set)
-         else
-            text = '&support point = '//pair(support%point)
-         end if
-         do k = 1, size(supported_components)
-            if (support%is_held(k)) text = text//'  '//supported_components(k)//' = '// &
-               to_text(support%displacement(k))
-         end do
-         if (any(support%spring > 0.0_dp)) text = text//'  spring_n = '//to_text(support%spring(1))//'  spring_t = ' &
-            //to_text(support%spring(2))
-      end associate
+      if (len(support%set) > 0) then
+         text = '&support set = '//quoted(support%set)
+      else
+         text = '&support point = '//pair(support%point)
+      end if
+      do k = 1, size(supported_components)
+         if (support%is_held(k)) text = text//'  '//supported_components(k)//' = '//to_text(support%displacement(k))
+      end do
+      if (any(support%spring > 0.0_dp)) text = text//'  spring_n = '//to_text(support%spring(1))//'  spring_t = ' &
+         //to_text(support%spring(2))
       text = text//' /'//newline
    end function support_text
 
    !> One `&load`.
-   pure function load_text(config, i) result(text)
-      type(config_t), intent(in) :: config !! the case
-      integer, intent(in) :: i !! which load
+   pure function load_text(load) result(text)
+      type(load_t), intent(in) :: load !! the load
       character(:), allocatable :: text
 
-      associate (load => config%loads(i))
-         text = '&load'
-         if (len(load%name) > 0) text = text//' name = '//quoted(load%name)
-         if (len(load%set) > 0) text = text//' set = '//quoted(load%set)
-         if (len(load%region) > 0) text = text//' region = '//quoted(load%region)
-         select case (load%target)
-         case (load_on_sides)
-            text = text//'  traction = '//pair(load%traction)//'  traction_slope = '//pair(load%traction_slope(:, 1)) &
-               //', '//pair(load%traction_slope(:, 2))//'  pressure = '//to_text(load%pressure) &
-               //'  pressure_slope = '//pair(load%pressure_slope)
-         case (load_on_nodes)
-            if (len(load%set) == 0) text = text//' point = '//pair(load%point)
-            text = text//'  force = '//pair(load%force)
-         case default
-            text = text//'  body_force = '//pair(load%body_force)
-         end select
-      end associate
+      text = '&load'
+      if (len(load%name) > 0) text = text//' name = '//quoted(load%name)
+      if (len(load%set) > 0) text = text//' set = '//quoted(load%set)
+      if (len(load%region) > 0) text = text//' region = '//quoted(load%region)
+      select case (load%target)
+      case (load_on_sides)
+         text = text//'  traction = '//pair(load%traction)//'  traction_slope = '//pair(load%traction_slope(:, 1)) &
+            //', '//pair(load%traction_slope(:, 2))//'  pressure = '//to_text(load%pressure) &
+            //'  pressure_slope = '//pair(load%pressure_slope)
+      case (load_on_nodes)
+         if (len(load%set) == 0) text = text//' point = '//pair(load%point)
+         text = text//'  force = '//pair(load%force)
+      case default
+         text = text//'  body_force = '//pair(load%body_force)
+      end select
       text = text//' /'//newline
    end function load_text
 
    !> One `&contact`.
-   pure function contact_text(config, i) result(text)
-      type(config_t), intent(in) :: config !! the case
-      integer, intent(in) :: i !! which contact set
+   pure function contact_text(contact) result(text)
+      type(contact_t), intent(in) :: contact !! the contact set
       character(:), allocatable :: text
 
-      associate (contact => config%contacts(i), obstacle => config%contacts(i)%obstacle)
+      associate (obstacle => contact%obstacle)
          text = '&contact set = '//quoted(contact%set)//field_text('friction', contact%friction) &
             //field_text('slip_bound', contact%slip_bound)//newline//'   obstacle = '//quoted(obstacle%kind) &
             //'  point = '//pair(obstacle%point)//'  normal = '//pair(obstacle%normal)

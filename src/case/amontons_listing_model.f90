@@ -2,11 +2,13 @@
 module amontons_listing_model
    use amontons_body, only: body_t, poor_inf_sup
    use amontons_config, only: config_t
-   use amontons_constraints, only: supported_components
+   use amontons_constraints, only: support_t, supported_components
+   use amontons_contact_zone, only: contact_t
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
    use amontons_listing_text, only: heading, line, pair, short
-   use amontons_loads, only: load_on_nodes, load_on_sides
+   use amontons_loads, only: load_on_nodes, load_on_sides, load_t
+   use amontons_material, only: material_t
    use amontons_text, only: newline, to_text
    implicit none (type, external)
    private
@@ -34,59 +36,51 @@ contains
          line('Unknowns', to_text(body%dof_map%n_dofs)//', of them '//to_text(body%dof_map%n_trailing)// &
          ' on the contact line')
       do i = 1, size(config%materials)
-         text = text//line('Material', material_text(config, i))
+         text = text//line('Material', material_text(config%materials(i)))
       end do
       do i = 1, size(config%supports)
-         text = text//line('Support', support_text(config, i))
+         text = text//line('Support', support_text(config%supports(i)))
       end do
       do i = 1, size(config%contacts)
-         text = text//line('Contact', contact_text(config, i))
+         text = text//line('Contact', contact_text(config%contacts(i)))
          if (config%contacts(i)%partition%is_constant) text = text//cells_text(body, i)
       end do
       text = text//line('Contact points', to_text(body%zone%n_points))//mesh_notes_text(body)//notes_text(body)
    end function model_text
 
    !> What a material is.
-   pure function material_text(config, i) result(text)
-      type(config_t), intent(in) :: config !! the case
-      integer, intent(in) :: i !! which material
+   pure function material_text(material) result(text)
+      type(material_t), intent(in) :: material !! the material
       character(:), allocatable :: text
 
-      associate (material => config%materials(i))
-         text = material%hypothesis//', Young '//short(material%young)//', Poisson '//short(material%poisson)
-         if (.not. material%is_axisymmetric) text = text//', thickness '//short(material%thickness)
-         if (len(material%region) > 0) text = text//", region '"//material%region//"'"
-      end associate
+      text = material%hypothesis//', Young '//short(material%young)//', Poisson '//short(material%poisson)
+      if (.not. material%is_axisymmetric) text = text//', thickness '//short(material%thickness)
+      if (len(material%region) > 0) text = text//", region '"//material%region//"'"
    end function material_text
 
    !> What a support holds.
-   pure function support_text(config, i) result(text)
-      type(config_t), intent(in) :: config !! the case
-      integer, intent(in) :: i !! which support
+   pure function support_text(support) result(text)
+      type(support_t), intent(in) :: support !! the support
       character(:), allocatable :: text
       integer :: k
 
-      associate (support => config%supports(i))
-         if (len(support%set) > 0) then
-            text = "set '"//support%set//"'"
-         else
-            text = 'point '//pair(support%point)
-         end if
-         do k = 1, size(supported_components)
-            if (support%is_held(k)) text = text//', '//supported_components(k)//' = '// &
-               short(support%displacement(k))
-         end do
-         if (any(support%spring > 0.0_dp)) text = text//', springs '//pair(support%spring)//' along normal and tangent'
-      end associate
+      if (len(support%set) > 0) then
+         text = "set '"//support%set//"'"
+      else
+         text = 'point '//pair(support%point)
+      end if
+      do k = 1, size(supported_components)
+         if (support%is_held(k)) text = text//', '//supported_components(k)//' = '//short(support%displacement(k))
+      end do
+      if (any(support%spring > 0.0_dp)) text = text//', springs '//pair(support%spring)//' along normal and tangent'
    end function support_text
 
    !> What a contact set may touch, and how it rubs.
-   pure function contact_text(config, i) result(text)
-      type(config_t), intent(in) :: config !! the case
-      integer, intent(in) :: i !! which contact set
+   pure function contact_text(contact) result(text)
+      type(contact_t), intent(in) :: contact !! the contact set
       character(:), allocatable :: text
 
-      associate (contact => config%contacts(i), obstacle => config%contacts(i)%obstacle)
+      associate (obstacle => contact%obstacle)
          text = "set '"//contact%set//"'"//field_text('friction', contact%friction) &
             //field_text('slip bound', contact%slip_bound)//', '//obstacle%kind//' at '//pair(obstacle%point) &
             //' with normal '//pair(obstacle%normal)
@@ -183,34 +177,31 @@ contains
 
       text = ''
       do i = 1, size(config%loads)
-         text = text//line('Load', load_text(config, i))
+         text = text//line('Load', load_text(config%loads(i)))
       end do
    end function loads_text
 
    !> What a load is.
-   pure function load_text(config, i) result(text)
-      type(config_t), intent(in) :: config !! the case
-      integer, intent(in) :: i !! which load
+   pure function load_text(load) result(text)
+      type(load_t), intent(in) :: load !! the load
       character(:), allocatable :: text
 
-      associate (load => config%loads(i))
-         text = ''
-         if (len(load%name) > 0) text = load%name//': '
-         if (len(load%set) > 0) text = text//"set '"//load%set//"', "
-         if (len(load%region) > 0) text = text//"region '"//load%region//"', "
-         select case (load%target)
-         case (load_on_sides)
-            text = text//'traction '//pair(load%traction)//', pressure '//short(load%pressure)
-            if (any(abs(load%traction_slope) > 0.0_dp)) text = text//', traction slope '// &
-               pair(load%traction_slope(:, 1))//' along x, '//pair(load%traction_slope(:, 2))//' along y'
-            if (any(abs(load%pressure_slope) > 0.0_dp)) text = text//', pressure slope '//pair(load%pressure_slope)
-         case (load_on_nodes)
-            if (len(load%set) == 0) text = text//'point '//pair(load%point)//', '
-            text = text//'force '//pair(load%force)
-         case default
-            text = text//'body force '//pair(load%body_force)
-         end select
-      end associate
+      text = ''
+      if (len(load%name) > 0) text = load%name//': '
+      if (len(load%set) > 0) text = text//"set '"//load%set//"', "
+      if (len(load%region) > 0) text = text//"region '"//load%region//"', "
+      select case (load%target)
+      case (load_on_sides)
+         text = text//'traction '//pair(load%traction)//', pressure '//short(load%pressure)
+         if (any(abs(load%traction_slope) > 0.0_dp)) text = text//', traction slope '// &
+            pair(load%traction_slope(:, 1))//' along x, '//pair(load%traction_slope(:, 2))//' along y'
+         if (any(abs(load%pressure_slope) > 0.0_dp)) text = text//', pressure slope '//pair(load%pressure_slope)
+      case (load_on_nodes)
+         if (len(load%set) == 0) text = text//'point '//pair(load%point)//', '
+         text = text//'force '//pair(load%force)
+      case default
+         text = text//'body force '//pair(load%body_force)
+      end select
    end function load_text
 
 end module amontons_listing_model
