@@ -5,7 +5,7 @@ module amontons_json
    implicit none (type, external)
    private
 
-   public :: number, numbers, string, truth
+   public :: number, number_members, numbers, string, truth
 
 contains
 
@@ -39,6 +39,20 @@ contains
       end do
       text = text(3:length)
    end function numbers
+
+   !> Numbers as the members of a JSON object.
+   pure function number_members(names, values) result(text)
+      character(*), intent(in) :: names(:) !! the names, blank padded
+      real(dp), intent(in) :: values(:) !! the numbers, one for each name
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(names)
+         if (i > 1) text = text//', '
+         text = text//'"'//trim(names(i))//'": '//number(values(i))
+      end do
+   end function number_members
 
    !> A logical as JSON.
    pure function truth(value) result(text)

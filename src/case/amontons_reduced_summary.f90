@@ -1,7 +1,7 @@
 !> NAME.summary.json of a reduced problem: the members of a deck's summary that it has, and those of the problem.
 module amontons_reduced_summary
    use amontons_config, only: config_t
-   use amontons_json, only: number, string, truth
+   use amontons_json, only: number, number_members, string, truth
    use amontons_result, only: certificate_limit
    use amontons_solve_reduced, only: reduced_result_t
    use amontons_summary_members, only: effort_members, head_members, last_members, member, resultants_member, &
@@ -39,13 +39,10 @@ contains
       character(:), allocatable :: text
 
       associate (check => result%check, limit => certificate_limit(config%method%tolerance))
-         text = '"passed": '//truth(check%largest() <= limit)//', "limit": '//number(limit)// &
-            ', "penetration": '//number(check%penetration)// &
-            ', "tension": '//number(check%tension)// &
-            ', "friction_excess": '//number(check%friction_excess)// &
-            ', "complementarity": '//number(check%complementarity)// &
-            ', "slip_below_bound": '//number(check%slip_below_bound)// &
-            ', "wrong_dissipation": '//number(check%wrong_dissipation)
+         text = '"passed": '//truth(check%largest() <= limit)//', '// &
+            number_members([character(17) :: 'limit', 'penetration', 'tension', 'friction_excess', 'complementarity', &
+            'slip_below_bound', 'wrong_dissipation'], [limit, check%penetration, check%tension, &
+            check%friction_excess, check%complementarity, check%slip_below_bound, check%wrong_dissipation])
       end associate
    end function certificate_text
 

@@ -3,7 +3,7 @@ module amontons_summary
    use amontons_body, only: body_t
    use amontons_certificate, only: certificate_t
    use amontons_config, only: config_t
-   use amontons_json, only: number, truth
+   use amontons_json, only: number, number_members, truth
    use amontons_kinds, only: dp, int64
    use amontons_result, only: certificate_limit, result_t
    use amontons_summary_members, only: effort_members, head_members, last_members, member, resultants_member, &
@@ -32,34 +32,28 @@ contains
             //member('counts', '{'//size_counts(body)//', '//status_counts(solution%status) &
             //', "factor_entries": '//to_text(factorization%n_factor_entries()) &
             //', "factor_flops": '//to_text(nint(factorization%n_flops, int64))//'}') &
-            //member('lengths', '{"separated": '//number(result%lengths%separated) &
-            //', "sliding": '//number(result%lengths%sliding)//', "sticking": '//number(result%lengths%sticking)//'}') &
+            //member('lengths', '{'//number_members([character(9) :: 'separated', 'sliding', 'sticking'], &
+            [result%lengths%separated, result%lengths%sliding, result%lengths%sticking])//'}') &
             //resultants_member(solution%force(:body%zone%n_points), solution%force(body%zone%n_points + 1:)) &
             //last_members(result%timings)
       end associate
    end function summary_text
 
    !> The members of the certificate.
-   function certificate_text(certificate, tolerance) result(text)
+   pure function certificate_text(certificate, tolerance) result(text)
       type(certificate_t), intent(in) :: certificate !! the certificate
       real(dp), intent(in) :: tolerance !! tolerance of the contact method [-]
       character(:), allocatable :: text
 
-      text = '"passed": '//truth(certificate%largest() <= certificate_limit(tolerance))// &
-         ', "limit": '//number(certificate_limit(tolerance))// &
-         ', "equilibrium": '//number(certificate%equilibrium)// &
-         ', "penetration": '//number(certificate%penetration)// &
-         ', "tension": '//number(certificate%tension)// &
-         ', "friction_excess": '//number(certificate%friction_excess)// &
-         ', "complementarity": '//number(certificate%complementarity)// &
-         ', "wrong_dissipation": '//number(certificate%wrong_dissipation)// &
-         ', "resultant": '//number(certificate%resultant)// &
-         ', "moment": '//number(certificate%moment)// &
-         ', "energy": '//number(certificate%energy)
+      text = '"passed": '//truth(certificate%largest() <= certificate_limit(tolerance))//', '// &
+         number_members([character(17) :: 'limit', 'equilibrium', 'penetration', 'tension', 'friction_excess', &
+         'complementarity', 'wrong_dissipation', 'resultant', 'moment', 'energy'], &
+         [certificate_limit(tolerance), certificate%equilibrium, certificate%penetration, certificate%tension, &
+         certificate%friction_excess, certificate%complementarity, certificate%wrong_dissipation, &
+         certificate%resultant, certificate%moment, certificate%energy])
       if (certificate%has_duality_gap) text = text//', "duality_gap": '//number(certificate%duality_gap)
-      text = text// &
-         ', "strain_energy": '//number(certificate%strain_energy)// &
-         ', "dissipation": '//number(certificate%dissipation)
+      text = text//', '//number_members([character(13) :: 'strain_energy', 'dissipation'], &
+         [certificate%strain_energy, certificate%dissipation])
    end function certificate_text
 
 end module amontons_summary

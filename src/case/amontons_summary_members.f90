@@ -4,7 +4,7 @@ module amontons_summary_members
    use amontons_config, only: config_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
-   use amontons_json, only: number, numbers, string, truth
+   use amontons_json, only: number, number_members, numbers, string, truth
    use amontons_kinds, only: dp
    use amontons_system, only: peak_memory_mb
    use amontons_text, only: newline, to_text
@@ -86,20 +86,17 @@ contains
       real(dp), intent(in) :: tangential(:) !! tangential forces [F]
       character(:), allocatable :: text
 
-      text = member('resultants', '{"normal": '//number(sum(normal))//', "tangential": '//number(sum(tangential))//'}')
+      text = member('resultants', '{'//number_members([character(10) :: 'normal', 'tangential'], &
+         [sum(normal), sum(tangential)])//'}')
    end function resultants_member
 
    !> Times and memory, and the end of the object.
    function last_members(timings) result(text)
       type(timings_t), intent(in) :: timings !! the times
-      character(:), allocatable :: text, seconds
-      integer :: i
+      character(:), allocatable :: text
 
-      seconds = ''
-      do i = 1, size(phase_names)
-         seconds = seconds//'"'//trim(phase_names(i))//'": '//number(timings%seconds(i))//', '
-      end do
-      text = member('seconds', '{'//seconds//'"total": '//number(sum(timings%seconds))//'}') &
+      text = member('seconds', '{'//number_members(phase_names, timings%seconds)//', "total": ' &
+         //number(sum(timings%seconds))//'}') &
          //'  "peak_memory_mb": '//number(peak_memory_mb())//newline//'}'//newline
    end function last_members
 
