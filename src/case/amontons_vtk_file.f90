@@ -73,11 +73,14 @@ contains
       character(*), intent(in) :: section !! 'PointData', 'CellData', 'Points' or 'Cells', in this order
       character(*), intent(in) :: name !! name of the quantity
       integer, intent(in) :: values(:) !! the values
+      integer(int32), allocatable :: raw(:)
 
       if (.not. self%has_head) call self%announce(section, 'Int32', name, 1, 4_int64*size(values, kind=int64))
       if (.not. self%has_head .or. self%state /= 0) return
+      ! An expression in the list would be written number by number.
+      raw = int(values, int32)
       ! allow(C181): `finish` checks the state
-      write (self%file%unit, iostat=self%state) 4_int64*size(values, kind=int64), int(values, int32)
+      write (self%file%unit, iostat=self%state) 4_int64*size(values, kind=int64), raw
    end subroutine vtk_file_put_integers
 
    !> Hands over plane vectors, as vectors in space.

@@ -4,7 +4,7 @@ module amontons_elasticity
       shape_functions
    use amontons_kinds, only: dp
    use amontons_material, only: material_t
-   use amontons_mesh, only: element_jacobian, mesh_t
+   use amontons_mesh, only: mesh_t
    implicit none (type, external)
    private
 
@@ -13,12 +13,16 @@ module amontons_elasticity
 
    !> Shape functions and their gradients at the quadrature points of one element.
    type :: element_geometry_t
+      ! What belongs to the reference element alone serves the next element of its kind too.
+      integer, private :: kind = 0 !! kind of element
+      integer :: n_points = 0 !! number of quadrature points
+      real(dp) :: values(max_nodes, max_points) !! shape functions (node, point) [-]
+      real(dp), private :: derivatives(2, max_nodes, max_points) !! derivatives by the reference coordinates [-]
+      real(dp), private :: weight(max_points) !! weights of the quadrature [-]
       ! No defaults here: setting them would take as long as all the rest, once for each element.
       integer :: n_nodes !! number of nodes
-      integer :: n_points !! number of quadrature points
       integer :: node(max_nodes) !! numbers of the nodes in the mesh
-      real(dp) :: values(max_nodes, max_points) !! shape functions (node, point) [-]
-      real(dp) :: gradient(2, max_nodes, max_points) !! their gradients (x and y, node, point) [1/L]
+      real(dp) :: gradient(2, max_nodes, max_points) !! gradients of the functions (x and y, node, point) [1/L]
       real(dp) :: position(2, max_points) !! coordinates of the points [L]
       real(dp) :: volume(max_points) !! quadrature weight, Jacobian and depth of each point, 0 past the last [L^3]
    end type element_geometry_t
@@ -27,33 +31,62 @@ contains
 
    !> Evaluates the shape functions of an element.
    pure subroutine new_element_geometry(geometry, mesh, element, material)
-      type(element_geometry_t), intent(out) :: geometry !! the shape functions at the quadrature points
+      type(element_geometry_t), intent(inout) :: geometry
+         !! the shape functions at the quadrature points; on entry anything, best those of an element of the same kind
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       integer, intent(in) :: element !! number of the element
       type(material_t), intent(in) :: material !! its material, for the depth
-      real(dp) :: xi(2), weight, derivatives(2, max_nodes), jacobian(2, 2), inverse(2, 2), determinant
-      integer :: kind, point, n
+      real(dp) :: x(2, max_nodes), dx(2), dy(2), determinant
+      integer :: i, first, point
 
-      kind = mesh%element_kind(element)
-      n = n_element_nodes(kind)
-      geometry%n_nodes = n
-      geometry%n_points = n_element_points(kind, material%is_axisymmetric)
-      geometry%volume = 0.0_dp
-      geometry%node(:n) = mesh%node(mesh%node_start(element):mesh%node_start(element) + n - 1)
-      associate (coordinates => mesh%coordinates(:, geometry%node(:n)))
-         do point = 1, geometry%n_points
-            call quadrature_point(kind, geometry%n_points, point, xi, weight)
-            call shape_functions(kind, xi, geometry%values(:, point), derivatives)
-            jacobian = element_jacobian(coordinates, derivatives)
-            determinant = jacobian(1, 1)*jacobian(2, 2) - jacobian(1, 2)*jacobian(2, 1)
-            inverse(:, 1) = [jacobian(2, 2), -jacobian(2, 1)]/determinant
-            inverse(:, 2) = [-jacobian(1, 2), jacobian(1, 1)]/determinant
-            geometry%gradient(:, :n, point) = matmul(transpose(inverse), derivatives(:, :n))
-            geometry%position(:, point) = matmul(coordinates, geometry%values(:n, point))
-            geometry%volume(point) = weight*determinant*material%depth(geometry%position(1, point))
+      call choose_reference(geometry, mesh%element_kind(element), material%is_axisymmetric)
+      first = mesh%node_start(element)
+      do i = 1, geometry%n_nodes
+         geometry%node(i) = mesh%node(first + i - 1)
+         x(:, i) = mesh%coordinates(:, geometry%node(i))
+      end do
+      do point = 1, geometry%n_points
+         ! The derivatives of x and of y by the reference coordinates are the rows of the Jacobian.
+         dx = 0.0_dp
+         dy = 0.0_dp
+         geometry%position(:, point) = 0.0_dp
+         do i = 1, geometry%n_nodes
+            dx = dx + x(1, i)*geometry%derivatives(:, i, point)
+            dy = dy + x(2, i)*geometry%derivatives(:, i, point)
+            geometry%position(:, point) = geometry%position(:, point) + geometry%values(i, point)*x(:, i)
          end do
-      end associate
+         determinant = dx(1)*dy(2) - dx(2)*dy(1)
+         geometry%volume(point) = geometry%weight(point)*determinant*material%depth(geometry%position(1, point))
+         dx = dx/determinant
+         dy = dy/determinant
+         do i = 1, geometry%n_nodes
+            associate (derivative => geometry%derivatives(:, i, point))
+               geometry%gradient(1, i, point) = dy(2)*derivative(1) - dy(1)*derivative(2)
+               geometry%gradient(2, i, point) = dx(1)*derivative(2) - dx(2)*derivative(1)
+            end associate
+         end do
+      end do
    end subroutine new_element_geometry
+
+   !> Evaluates the shape functions of a kind of element at its quadrature points, unless they are at hand.
+   pure subroutine choose_reference(geometry, kind, is_axisymmetric)
+      type(element_geometry_t), intent(inout) :: geometry !! what belongs to the reference element is set
+      integer, intent(in) :: kind !! kind of element
+      logical, intent(in) :: is_axisymmetric !! whether it belongs to a body of revolution
+      real(dp) :: xi(2)
+      integer :: n_points, point
+
+      n_points = n_element_points(kind, is_axisymmetric)
+      if (geometry%kind == kind .and. geometry%n_points == n_points) return
+      geometry%kind = kind
+      geometry%n_nodes = n_element_nodes(kind)
+      geometry%n_points = n_points
+      geometry%volume = 0.0_dp
+      do point = 1, n_points
+         call quadrature_point(kind, n_points, point, xi, geometry%weight(point))
+         call shape_functions(kind, xi, geometry%values(:, point), geometry%derivatives(:, :, point))
+      end do
+   end subroutine choose_reference
 
    !> Stiffness of an element: sum over the points of volume times
    !> lambda g_i g_j^T + mu (g_j g_i^T + (g_i . g_j) I), g the gradients, and in a body of revolution the hoop strain's
@@ -126,16 +159,19 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
       integer, intent(in) :: point !! number of the quadrature point
       real(dp) :: strain(4)
-      real(dp) :: g(2), u(2)
       integer :: i
 
       strain = 0.0_dp
       do i = 1, geometry%n_nodes
-         g = geometry%gradient(:, i, point)
-         u = displacement(:, geometry%node(i))
-         strain(:3) = strain(:3) + [g(1)*u(1), g(2)*u(2), g(2)*u(1) + g(1)*u(2)]
-         if (material%is_axisymmetric) strain(4) = strain(4) &
-            + geometry%values(i, point)*u(1)/geometry%position(1, point)
+         associate (g => geometry%gradient(:, i, point), u => displacement(:, geometry%node(i)))
+            strain(1) = strain(1) + g(1)*u(1)
+            strain(2) = strain(2) + g(2)*u(2)
+            strain(3) = strain(3) + (g(2)*u(1) + g(1)*u(2))
+         end associate
+      end do
+      if (.not. material%is_axisymmetric) return
+      do i = 1, geometry%n_nodes
+         strain(4) = strain(4) + geometry%values(i, point)*displacement(1, geometry%node(i))/geometry%position(1, point)
       end do
    end function element_strain
 
@@ -145,15 +181,17 @@ contains
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
       real(dp) :: forces(2, max_nodes)
-      real(dp) :: s(4), g(2)
+      real(dp) :: s(4)
       integer :: i, point
 
       forces = 0.0_dp
       do point = 1, geometry%n_points
          s = element_stress(geometry, material, displacement, point)*geometry%volume(point)
          do i = 1, geometry%n_nodes
-            g = geometry%gradient(:, i, point)
-            forces(:, i) = forces(:, i) + [s(1)*g(1) + s(3)*g(2), s(3)*g(1) + s(2)*g(2)]
+            associate (g => geometry%gradient(:, i, point))
+               forces(1, i) = forces(1, i) + (s(1)*g(1) + s(3)*g(2))
+               forces(2, i) = forces(2, i) + (s(3)*g(1) + s(2)*g(2))
+            end associate
             if (material%is_axisymmetric) forces(1, i) = forces(1, i) &
                + s(4)*geometry%values(i, point)/geometry%position(1, point)
          end do

@@ -6,7 +6,7 @@ module amontons_stress_field
    use amontons_element, only: element_names, is_triangle, max_nodes, max_points, n_element_nodes, n_element_points, &
       node_coordinates, quadrature_point
    use amontons_kinds, only: dp
-   use amontons_material, only: materials_t
+   use amontons_material, only: material_t, materials_t
    use amontons_mesh, only: mesh_t
    implicit none (type, external)
    private
@@ -29,6 +29,7 @@ contains
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      type(element_geometry_t) :: geometry
       real(dp), allocatable :: at_nodes(:, :)
       real(dp) :: to_nodes(max_nodes, max_points, size(element_names))
       integer :: element, kind
@@ -38,45 +39,47 @@ contains
       end do
       allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements), &
          at_nodes(4, size(mesh%node)))
-      !$omp parallel do schedule(static) if (mesh%n_elements >= worth_threads)
+      !$omp parallel do schedule(static) firstprivate(geometry) if (mesh%n_elements >= worth_threads)
       do element = 1, mesh%n_elements
-         call evaluate_element(mesh, materials, element, displacement, to_nodes(:, :, mesh%element_kind(element)), &
-            field%element(:, element), field%energy_density(element), &
-            at_nodes(:, mesh%node_start(element):mesh%node_start(element + 1) - 1))
+         associate (material => materials%list(materials%of_element(element)))
+            call new_element_geometry(geometry, mesh, element, material)
+            call evaluate_element(geometry, material, displacement, to_nodes(:, :, mesh%element_kind(element)), &
+               field%element(:, element), field%energy_density(element), &
+               at_nodes(:, mesh%node_start(element):mesh%node_start(element + 1) - 1))
+         end associate
       end do
       !$omp end parallel do
       call average(mesh%n_nodes, mesh%node, at_nodes, field%node)
    end subroutine new_stress_field
 
    !> Evaluates one element: means over its volume, and stresses at its nodes.
-   pure subroutine evaluate_element(mesh, materials, element, displacement, to_nodes, mean, energy_density, at_nodes)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! its materials
-      integer, intent(in) :: element !! number of the element
+   pure subroutine evaluate_element(geometry, material, displacement, to_nodes, mean, energy_density, at_nodes)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: to_nodes(:, :) !! weights of the quadrature points at each node (node, point) [-]
+      real(dp), intent(in) :: to_nodes(max_nodes, max_points)
+         !! weights of the quadrature points at each node (node, point) [-]
       real(dp), intent(out) :: mean(4) !! mean stress [F/L^2]
       real(dp), intent(out) :: energy_density !! mean strain energy density [F/L^2]
-      real(dp), intent(out) :: at_nodes(:, :) !! stress at the element's nodes (4, nodes) [F/L^2]
-      type(element_geometry_t) :: geometry
-      real(dp) :: strain(4), stress(4, max_points), volume
-      integer :: point
+      real(dp), contiguous, intent(out) :: at_nodes(:, :) !! stress at the element's nodes (4, nodes) [F/L^2]
+      real(dp) :: strain(4), stress(4), volume
+      integer :: i, point
 
-      associate (material => materials%list(materials%of_element(element)))
-         call new_element_geometry(geometry, mesh, element, material)
-         mean = 0.0_dp
-         energy_density = 0.0_dp
-         do point = 1, geometry%n_points
-            strain = element_strain(geometry, material, displacement, point)
-            stress(:, point) = material%stress(strain)
-            mean = mean + geometry%volume(point)*stress(:, point)
-            energy_density = energy_density + 0.5_dp*geometry%volume(point)*dot_product(strain, stress(:, point))
+      mean = 0.0_dp
+      energy_density = 0.0_dp
+      at_nodes = 0.0_dp
+      do point = 1, geometry%n_points
+         strain = element_strain(geometry, material, displacement, point)
+         stress = material%stress(strain)
+         mean = mean + geometry%volume(point)*stress
+         energy_density = energy_density + 0.5_dp*geometry%volume(point)*dot_product(strain, stress)
+         do i = 1, geometry%n_nodes
+            at_nodes(:, i) = at_nodes(:, i) + to_nodes(i, point)*stress
          end do
-      end associate
+      end do
       volume = sum(geometry%volume(:geometry%n_points))
       mean = mean/volume
       energy_density = energy_density/volume
-      at_nodes = matmul(stress(:, :geometry%n_points), transpose(to_nodes(:geometry%n_nodes, :geometry%n_points)))
    end subroutine evaluate_element
 
    !> Weights that carry values from the quadrature points of a kind of element to its nodes: through the polynomial
