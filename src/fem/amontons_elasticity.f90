@@ -95,49 +95,55 @@ contains
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(out) :: stiffness(2*max_nodes, 2*max_nodes) !! in the first 2 nodes rows and columns [F/L]
-      real(dp) :: lambda, mu, a(2), b(2), along
+      real(dp) :: xx, xy, yx, yy, block(2, 2)
       integer :: i, j, point
 
-      stiffness(:2*geometry%n_nodes, :2*geometry%n_nodes) = 0.0_dp
-      do point = 1, geometry%n_points
-         lambda = material%lambda*geometry%volume(point)
-         mu = material%mu*geometry%volume(point)
-         do j = 1, geometry%n_nodes
-            b = geometry%gradient(:, j, point)
-            do i = 1, geometry%n_nodes
-               a = geometry%gradient(:, i, point)
-               along = mu*(a(1)*b(1) + a(2)*b(2))
-               stiffness(2*i - 1, 2*j - 1) = stiffness(2*i - 1, 2*j - 1) + (lambda + mu)*a(1)*b(1) + along
-               stiffness(2*i, 2*j - 1) = stiffness(2*i, 2*j - 1) + lambda*a(2)*b(1) + mu*a(1)*b(2)
-               stiffness(2*i - 1, 2*j) = stiffness(2*i - 1, 2*j) + lambda*a(1)*b(2) + mu*a(2)*b(1)
-               stiffness(2*i, 2*j) = stiffness(2*i, 2*j) + (lambda + mu)*a(2)*b(2) + along
+      do j = 1, geometry%n_nodes
+         do i = j, geometry%n_nodes
+            xx = 0.0_dp
+            xy = 0.0_dp
+            yx = 0.0_dp
+            yy = 0.0_dp
+            do point = 1, geometry%n_points
+               associate (a => geometry%gradient(:, i, point), b => geometry%gradient(:, j, point), &
+                  volume => geometry%volume(point))
+                  xx = xx + volume*a(1)*b(1)
+                  xy = xy + volume*a(1)*b(2)
+                  yx = yx + volume*a(2)*b(1)
+                  yy = yy + volume*a(2)*b(2)
+               end associate
             end do
+            associate (lambda => material%lambda, mu => material%mu)
+               block(:, 1) = [(lambda + 2.0_dp*mu)*xx + mu*yy, lambda*yx + mu*xy]
+               block(:, 2) = [lambda*xy + mu*yx, (lambda + 2.0_dp*mu)*yy + mu*xx]
+            end associate
+            if (material%is_axisymmetric) call add_hoop_stiffness(geometry, material, i, j, block)
+            stiffness(2*i - 1:2*i, 2*j - 1:2*j) = block
+            stiffness(2*j - 1:2*j, 2*i - 1:2*i) = transpose(block)
          end do
-         if (material%is_axisymmetric) call add_hoop_stiffness(geometry, point, lambda, mu, stiffness)
       end do
    end subroutine element_stiffness
 
-   !> Adds what the hoop strain u_r / r contributes to the stiffness at one point.
-   pure subroutine add_hoop_stiffness(geometry, point, lambda, mu, stiffness)
+   !> Adds what the hoop strain u_r / r contributes to the stiffness between two nodes.
+   pure subroutine add_hoop_stiffness(geometry, material, i, j, block)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
-      integer, intent(in) :: point !! number of the quadrature point
-      real(dp), intent(in) :: lambda !! first Lame coefficient times volume [F L]
-      real(dp), intent(in) :: mu !! shear modulus times volume [F L]
-      real(dp), intent(inout) :: stiffness(:, :) !! stiffness (2 nodes, 2 nodes) [F/L]
-      real(dp) :: a(2), b(2), hoop_a, hoop_b
-      integer :: i, j
+      type(material_t), intent(in) :: material !! its material
+      integer, intent(in) :: i !! node of the rows
+      integer, intent(in) :: j !! node of the columns
+      real(dp), intent(inout) :: block(2, 2) !! stiffness between the nodes [F/L]
+      real(dp) :: lambda, mu, hoop_i, hoop_j
+      integer :: point
 
-      do j = 1, geometry%n_nodes
-         b = geometry%gradient(:, j, point)
-         hoop_b = geometry%values(j, point)/geometry%position(1, point)
-         do i = 1, geometry%n_nodes
-            a = geometry%gradient(:, i, point)
-            hoop_a = geometry%values(i, point)/geometry%position(1, point)
-            stiffness(2*i - 1, 2*j - 1) = stiffness(2*i - 1, 2*j - 1) + lambda*(a(1)*hoop_b + hoop_a*b(1)) &
-               + (lambda + 2.0_dp*mu)*hoop_a*hoop_b
-            stiffness(2*i, 2*j - 1) = stiffness(2*i, 2*j - 1) + lambda*a(2)*hoop_b
-            stiffness(2*i - 1, 2*j) = stiffness(2*i - 1, 2*j) + lambda*hoop_a*b(2)
-         end do
+      do point = 1, geometry%n_points
+         lambda = material%lambda*geometry%volume(point)
+         mu = material%mu*geometry%volume(point)
+         hoop_i = geometry%values(i, point)/geometry%position(1, point)
+         hoop_j = geometry%values(j, point)/geometry%position(1, point)
+         associate (a => geometry%gradient(:, i, point), b => geometry%gradient(:, j, point))
+            block(1, 1) = block(1, 1) + lambda*(a(1)*hoop_j + hoop_i*b(1)) + (lambda + 2.0_dp*mu)*hoop_i*hoop_j
+            block(2, 1) = block(2, 1) + lambda*a(2)*hoop_j
+            block(1, 2) = block(1, 2) + lambda*hoop_i*b(2)
+         end associate
       end do
    end subroutine add_hoop_stiffness
 
