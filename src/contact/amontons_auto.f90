@@ -52,8 +52,7 @@ contains
       best = solution
       call best%begin()
       allocate (history(0))
-      if (any(solution%force > 0.0_dp)) &
-         call run(newton_t(self%tolerance, n_first_steps, patience=patience))
+      if (any(solution%force > 0.0_dp)) call run(newton_t(self%tolerance, n_first_steps, patience=patience))
       call new_contact_solution(solution, problem%n_points)
       call run(newton_t(self%tolerance, n_first_steps))
       solution = best
