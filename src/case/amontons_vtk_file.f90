@@ -27,6 +27,7 @@ module amontons_vtk_file
       procedure, public :: put_cells => vtk_file_put_cells
       procedure, public :: put_integers => vtk_file_put_integers
       procedure, public :: put_reals => vtk_file_put_reals
+      procedure, public :: put_stresses => vtk_file_put_stresses
       procedure, public :: put_vectors => vtk_file_put_vectors
       procedure :: announce => vtk_file_announce
       procedure :: enter => vtk_file_enter
@@ -58,11 +59,12 @@ contains
       integer, intent(in) :: n_components !! numbers per point or cell
       real(dp), intent(in) :: values(:) !! the values, those of one point or cell together
 
-      if (.not. self%has_head) call self%announce(section, 'Float64', name, n_components, &
-         8_int64*size(values, kind=int64))
-      if (.not. self%has_head .or. self%state /= 0) return
-      ! allow(C181): `finish` checks the state
-      write (self%file%unit, iostat=self%state) 8_int64*size(values, kind=int64), values
+      if (.not. self%has_head) then
+         call self%announce(section, 'Float64', name, n_components, 8_int64*size(values, kind=int64))
+      else if (self%state == 0) then
+         ! allow(C181): `finish` checks the state
+         write (self%file%unit, iostat=self%state) 8_int64*size(values, kind=int64), values
+      end if
    end subroutine vtk_file_put_reals
 
    !> Hands over an array of integers.
@@ -71,11 +73,16 @@ contains
       character(*), intent(in) :: section !! 'PointData', 'CellData', 'Points' or 'Cells', in this order
       character(*), intent(in) :: name !! name of the quantity
       integer, intent(in) :: values(:) !! the values
+      integer(int32), allocatable :: raw(:)
 
-      if (.not. self%has_head) call self%announce(section, 'Int32', name, 1, 4_int64*size(values, kind=int64))
-      if (.not. self%has_head .or. self%state /= 0) return
-      ! allow(C181): `finish` checks the state
-      write (self%file%unit, iostat=self%state) 4_int64*size(values, kind=int64), int(values, int32)
+      if (.not. self%has_head) then
+         call self%announce(section, 'Int32', name, 1, 4_int64*size(values, kind=int64))
+      else if (self%state == 0) then
+         ! An expression in the list would be written number by number.
+         raw = int(values, int32)
+         ! allow(C181): `finish` checks the state
+         write (self%file%unit, iostat=self%state) 4_int64*size(values, kind=int64), raw
+      end if
    end subroutine vtk_file_put_integers
 
    !> Hands over plane vectors, as vectors in space.
@@ -84,15 +91,41 @@ contains
       character(*), intent(in) :: section !! 'PointData', 'CellData' or 'Points', in this order
       character(*), intent(in) :: name !! name of the quantity
       real(dp), intent(in) :: vectors(:, :) !! the vectors (2, any)
-      real(dp), allocatable :: values(:)
-      integer :: i
 
-      allocate (values(3*size(vectors, 2)))
-      do i = 1, size(vectors, 2)
-         values(3*i - 2:3*i) = [vectors(1, i), vectors(2, i), 0.0_dp]
-      end do
-      call self%put_reals(section, name, 3, values)
+      call put_spread(self, section, name, vectors, [1, 2, 0])
    end subroutine vtk_file_put_vectors
+
+   !> Hands over stresses xx, yy, xy, zz as VTK orders them: xx, yy, zz, xy, yz, xz.
+   subroutine vtk_file_put_stresses(self, section, name, stresses)
+      class(vtk_file_t), intent(inout) :: self !! the grid
+      character(*), intent(in) :: section !! 'PointData' or 'CellData', in this order
+      character(*), intent(in) :: name !! name of the quantity
+      real(dp), intent(in) :: stresses(:, :) !! the stresses (4, any)
+
+      call put_spread(self, section, name, stresses, [1, 2, 4, 3, 0, 0])
+   end subroutine vtk_file_put_stresses
+
+   !> Hands over an array whose components stand in another order, with zeros between them.
+   subroutine put_spread(vtk, section, name, values, component)
+      type(vtk_file_t), intent(inout) :: vtk !! the grid
+      character(*), intent(in) :: section !! 'PointData', 'CellData' or 'Points', in this order
+      character(*), intent(in) :: name !! name of the quantity
+      real(dp), intent(in) :: values(:, :) !! the values (components, any)
+      integer, intent(in) :: component(:) !! which component each number is, 0 for a zero
+      real(dp), allocatable :: spread_out(:)
+      integer :: i, k
+
+      ! What is only announced need not be made; its size counts.
+      allocate (spread_out(size(component, kind=int64)*size(values, 2)))
+      if (vtk%has_head) then
+         do i = 1, size(values, 2)
+            do k = 1, size(component)
+               spread_out((i - 1)*size(component) + k) = merge(values(max(1, component(k)), i), 0.0_dp, component(k) > 0)
+            end do
+         end do
+      end if
+      call vtk%put_reals(section, name, size(component), spread_out)
+   end subroutine put_spread
 
    !> Hands over the points and the cells.
    subroutine vtk_file_put_cells(self, coordinates, connectivity, ends, types)

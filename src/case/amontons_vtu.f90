@@ -32,7 +32,7 @@ contains
       real(dp), allocatable :: contact(:, :)
       integer, allocatable :: status(:)
 
-      call new_stress_field(stress, body%mesh, body%materials, result%displacement)
+      call new_stress_field(stress, body%mesh, body%materials, body%coloring, result%displacement)
       call spread_contact(body, result, contact, status)
       call new_vtk_file(vtk, path, body%mesh%n_nodes, body%mesh%n_elements, error)
       if (allocated(error)) return
@@ -57,31 +57,26 @@ contains
       call vtk%put_reals('PointData', 'contact_normal_stress', 1, contact(:, 3))
       call vtk%put_reals('PointData', 'contact_tangential_stress', 1, contact(:, 4))
       call vtk%put_integers('PointData', 'contact_status', status)
-      call put_stress(vtk, 'PointData', 'nodal_', stress%node)
-      call put_stress(vtk, 'CellData', '', stress%element)
+      call vtk%put_stresses('PointData', 'nodal_stress', stress%node)
+      call vtk%put_reals('PointData', 'nodal_von_mises', 1, all_von_mises(stress%node))
+      call vtk%put_stresses('CellData', 'stress', stress%element)
+      call vtk%put_reals('CellData', 'von_mises', 1, all_von_mises(stress%element))
       call vtk%put_reals('CellData', 'strain_energy_density', 1, stress%energy_density)
       call vtk%put_integers('CellData', 'material', body%materials%of_element)
       call vtk%put_cells(body%mesh%coordinates, body%mesh%node, body%mesh%node_start(2:) - 1, &
          vtk_cell_type(body%mesh%element_kind))
    end subroutine put_arrays
 
-   !> Hands over stresses, as VTK orders them (xx, yy, zz, xy, yz, xz), and their von Mises stress.
-   subroutine put_stress(vtk, section, prefix, stress)
-      type(vtk_file_t), intent(inout) :: vtk !! the file
-      character(*), intent(in) :: section !! 'PointData' or 'CellData'
-      character(*), intent(in) :: prefix !! what the names begin with
+   !> Von Mises stresses [F/L^2].
+   pure function all_von_mises(stress) result(mises)
       real(dp), intent(in) :: stress(:, :) !! the stresses xx, yy, xy, zz (4, any) [F/L^2]
-      real(dp), allocatable :: tensor(:), mises(:)
+      real(dp) :: mises(size(stress, 2))
       integer :: i
 
-      allocate (tensor(6*size(stress, 2)), mises(size(stress, 2)))
       do i = 1, size(stress, 2)
-         tensor(6*i - 5:6*i) = [stress(1, i), stress(2, i), stress(4, i), stress(3, i), 0.0_dp, 0.0_dp]
          mises(i) = von_mises(stress(:, i))
       end do
-      call vtk%put_reals(section, prefix//'stress', 6, tensor)
-      call vtk%put_reals(section, prefix//'von_mises', 1, mises)
-   end subroutine put_stress
+   end function all_von_mises
 
    !> Contact quantities of all nodes: 0 at those that are no contact points. A node of cells of constant multipliers
    !> has the mean of theirs, by its shares in them, and the status of the one where its share is largest.

@@ -16,7 +16,9 @@ module amontons_auto
    public :: auto_t
 
    !> Steps of the first stages, and the residual that ends the splitting.
-   integer, parameter :: n_warm_steps = 8, n_first_steps = 20, n_splitting_steps = 40
+   integer, parameter :: n_first_steps = 20, n_splitting_steps = 40
+   !> Another case's solution is a start worth keeping only if Newton's steps from it soon lead on.
+   integer, parameter :: patience = 3
    real(dp), parameter :: coarse = 1.0e-6_dp
    !> Semidefinite problems with strong friction take most of these steps, and sometimes more than one round of them.
    integer, parameter :: n_newton_steps = 100, n_first_sweeps = 10, growth = 4
@@ -50,7 +52,7 @@ contains
       best = solution
       call best%begin()
       allocate (history(0))
-      if (any(solution%force > 0.0_dp)) call run(newton_t(self%tolerance, n_warm_steps))
+      if (any(solution%force > 0.0_dp)) call run(newton_t(self%tolerance, n_first_steps, patience=patience))
       call new_contact_solution(solution, problem%n_points)
       call run(newton_t(self%tolerance, n_first_steps))
       solution = best

@@ -82,16 +82,25 @@ contains
       real(dp), intent(inout) :: reaction(:, :)
          !! what is missing, and then its part along held directions (2, n_nodes) [F]
       real(dp), intent(out) :: imbalance !! norm of the part along free directions [F]
-      real(dp) :: frame(2, 2), part(2)
+      real(dp) :: along, across
       integer :: node
 
       imbalance = 0.0_dp
       do node = 1, size(reaction, 2)
-         if (.not. any(constraints%is_free(:, node))) cycle
-         frame = constraints%frame(node)
-         part = matmul(reaction(:, node), frame)
-         imbalance = imbalance + sum(part**2, mask=constraints%is_free(:, node))
-         reaction(:, node) = matmul(frame, merge(0.0_dp, part, constraints%is_free(:, node)))
+         associate (axis => constraints%axis(:, node), is_free => constraints%is_free(:, node))
+            along = axis(1)*reaction(1, node) + axis(2)*reaction(2, node)
+            across = axis(1)*reaction(2, node) - axis(2)*reaction(1, node)
+            if (is_free(1)) then
+               imbalance = imbalance + along**2
+               along = 0.0_dp
+            end if
+            if (is_free(2)) then
+               imbalance = imbalance + across**2
+               across = 0.0_dp
+            end if
+            reaction(1, node) = along*axis(1) - across*axis(2)
+            reaction(2, node) = along*axis(2) + across*axis(1)
+         end associate
       end do
       imbalance = sqrt(imbalance)
    end subroutine split_imbalance

@@ -39,6 +39,7 @@ contains
       work = 0.0_dp
       scale = 0.0_dp
       do node = 1, mesh%n_nodes
+         if (.not. any(abs(forces(:, node)) > 0.0_dp)) cycle
          motion = motions%displacement(mesh%coordinates(:, node))
          work = work + matmul(forces(:, node), motion)
          scale = scale + maxval(abs(matmul(forces(:, node), motion)))

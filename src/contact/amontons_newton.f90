@@ -33,6 +33,7 @@ module amontons_newton
    !> The semismooth Newton method, in the displacements of a body and in the forces of a reduced problem.
    type, extends(contact_method_t) :: newton_t
       real(dp) :: most_share = 1.0_dp !! largest share of the diagonal that holds a step [-]
+      integer :: patience = huge(1) !! how many steps without a better pair end the iteration
    contains
       procedure :: solve => newton_solve
    end type newton_t
@@ -86,9 +87,20 @@ contains
          end if
          call adapt(share, least_share, system%least_share, self%most_share, residual/previous, guess%equals(last))
          previous = residual
+         if (is_stuck(solution, self%patience)) exit
       end do
       call judge(solution, problem)
    end subroutine newton_solve
+
+   !> Whether the last steps brought no better pair.
+   pure logical function is_stuck(solution, patience)
+      type(contact_solution_t), intent(in) :: solution !! the solution
+      integer, intent(in) :: patience !! how many steps that may be
+
+      is_stuck = solution%n_iterations > patience
+      if (is_stuck) is_stuck = all(solution%history(solution%n_iterations - patience + 1:solution%n_iterations) &
+         > solution%residual)
+   end function is_stuck
 
    !> Measures the best pair anew, by the problem alone.
    pure subroutine judge(solution, problem)

@@ -1,7 +1,8 @@
 !> A sufficient bound of the friction below which a contact problem has one solution: an estimate of what friction can
 !> gain from the coupling of normal and tangential directions; section 5 of doc/theory.md has the proof.
 module amontons_uniqueness_estimate
-   use amontons_dense, only: cholesky_factor, cholesky_inverse, cholesky_solve, symmetric_multiply
+   use amontons_dense, only: cholesky_factor, cholesky_inverse, cholesky_solve, symmetric_multiply, &
+      transposed_product, triangular_solve
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -43,7 +44,7 @@ contains
       logical, intent(out) :: is_definite !! whether G is positive definite beyond rounding
       ! Free rigid motions along the normals are in the kernel of S_11 and of S_21: any small number holds them.
       real(dp), parameter :: hold = 1.0e-11_dp, least_root = 1.0e-4_dp
-      real(dp), allocatable :: factor(:, :), mixed(:, :)
+      real(dp), allocatable :: factor(:, :), cross(:, :), mixed(:, :)
       integer :: i, info, m
 
       m = size(s, 1)/2
@@ -55,9 +56,11 @@ contains
       call cholesky_factor(factor, info)
       is_definite = info == 0
       if (.not. is_definite) return
-      mixed = s(:m, m + 1:)
+      cross = s(:m, m + 1:)
+      mixed = cross
       call cholesky_solve(factor, mixed)
-      coupling%difference = matmul(s(m + 1:, :m), mixed)
+      allocate (coupling%difference(m, m))
+      call transposed_product(cross, mixed, coupling%difference)
       coupling%factor = s(m + 1:, m + 1:) - coupling%difference
       call cholesky_factor(coupling%factor, info)
       is_definite = info == 0
@@ -93,25 +96,11 @@ contains
       real(dp), intent(in) :: x(:, :) !! X (n, n)
       real(dp), allocatable :: y(:, :)
 
-      y = forward(l, transpose(forward(l, x)))
-   end function transformed
-
-   !> The product L^-1 X.
-   pure function forward(l, x) result(y)
-      real(dp), intent(in) :: l(:, :) !! L in the lower triangle (n, n)
-      real(dp), intent(in) :: x(:, :) !! X (n, n)
-      real(dp), allocatable :: y(:, :)
-      integer :: i, j, n
-
       y = x
-      n = size(l, 1)
-      do j = 1, size(x, 2)
-         do i = 1, n
-            y(i, j) = y(i, j)/l(i, i)
-            y(i + 1:, j) = y(i + 1:, j) - y(i, j)*l(i + 1:, i)
-         end do
-      end do
-   end function forward
+      call triangular_solve(l, y)
+      y = transpose(y)
+      call triangular_solve(l, y)
+   end function transformed
 
    !> The largest eigenvalue of a positive semidefinite matrix, from above: a Cholesky factor proves that no eigenvalue
    !> is larger. Power iterations tell where to look.

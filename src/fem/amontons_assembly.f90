@@ -36,7 +36,7 @@ contains
       if (allocated(error)) return
       call place_unknowns(stiffness, mesh, dof_map)
       do color = 1, coloring%n_colors
-         !$omp parallel do default(none) schedule(static) private(geometry, block, unknowns, k, n) &
+         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(block, unknowns, k, n) &
          !$omp shared(stiffness, mesh, materials, coloring, constraints, dof_map, color) &
          !$omp if (mesh%n_elements >= worth_threads)
          do i = coloring%start(color), coloring%start(color + 1) - 1
@@ -119,7 +119,7 @@ contains
 
       allocate (forces(2, mesh%n_nodes), source=0.0_dp)
       do color = 1, coloring%n_colors
-         !$omp parallel do default(none) schedule(static) private(geometry, element, k) &
+         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(element, k) &
          !$omp shared(forces, mesh, materials, coloring, displacement, color) &
          !$omp if (mesh%n_elements >= worth_threads)
          do i = coloring%start(color), coloring%start(color + 1) - 1

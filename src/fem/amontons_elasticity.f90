@@ -4,7 +4,7 @@ module amontons_elasticity
       shape_functions
    use amontons_kinds, only: dp
    use amontons_material, only: material_t
-   use amontons_mesh, only: element_jacobian, mesh_t
+   use amontons_mesh, only: mesh_t
    implicit none (type, external)
    private
 
@@ -13,12 +13,16 @@ module amontons_elasticity
 
    !> Shape functions and their gradients at the quadrature points of one element.
    type :: element_geometry_t
+      ! What belongs to the reference element alone serves the next element of its kind too.
+      integer, private :: kind = 0 !! kind of element
+      integer :: n_points = 0 !! number of quadrature points
+      real(dp) :: values(max_nodes, max_points) !! shape functions (node, point) [-]
+      real(dp), private :: derivatives(2, max_nodes, max_points) !! derivatives by the reference coordinates [-]
+      real(dp), private :: weight(max_points) !! weights of the quadrature [-]
       ! No defaults here: setting them would take as long as all the rest, once for each element.
       integer :: n_nodes !! number of nodes
-      integer :: n_points !! number of quadrature points
       integer :: node(max_nodes) !! numbers of the nodes in the mesh
-      real(dp) :: values(max_nodes, max_points) !! shape functions (node, point) [-]
-      real(dp) :: gradient(2, max_nodes, max_points) !! their gradients (x and y, node, point) [1/L]
+      real(dp) :: gradient(2, max_nodes, max_points) !! gradients of the functions (x and y, node, point) [1/L]
       real(dp) :: position(2, max_points) !! coordinates of the points [L]
       real(dp) :: volume(max_points) !! quadrature weight, Jacobian and depth of each point, 0 past the last [L^3]
    end type element_geometry_t
@@ -27,33 +31,62 @@ contains
 
    !> Evaluates the shape functions of an element.
    pure subroutine new_element_geometry(geometry, mesh, element, material)
-      type(element_geometry_t), intent(out) :: geometry !! the shape functions at the quadrature points
+      type(element_geometry_t), intent(inout) :: geometry
+         !! the shape functions at the quadrature points; on entry anything, best those of an element of the same kind
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       integer, intent(in) :: element !! number of the element
       type(material_t), intent(in) :: material !! its material, for the depth
-      real(dp) :: xi(2), weight, derivatives(2, max_nodes), jacobian(2, 2), inverse(2, 2), determinant
-      integer :: kind, point, n
+      real(dp) :: x(2, max_nodes), dx(2), dy(2), determinant
+      integer :: i, first, point
 
-      kind = mesh%element_kind(element)
-      n = n_element_nodes(kind)
-      geometry%n_nodes = n
-      geometry%n_points = n_element_points(kind, material%is_axisymmetric)
-      geometry%volume = 0.0_dp
-      geometry%node(:n) = mesh%node(mesh%node_start(element):mesh%node_start(element) + n - 1)
-      associate (coordinates => mesh%coordinates(:, geometry%node(:n)))
-         do point = 1, geometry%n_points
-            call quadrature_point(kind, geometry%n_points, point, xi, weight)
-            call shape_functions(kind, xi, geometry%values(:, point), derivatives)
-            jacobian = element_jacobian(coordinates, derivatives)
-            determinant = jacobian(1, 1)*jacobian(2, 2) - jacobian(1, 2)*jacobian(2, 1)
-            inverse(:, 1) = [jacobian(2, 2), -jacobian(2, 1)]/determinant
-            inverse(:, 2) = [-jacobian(1, 2), jacobian(1, 1)]/determinant
-            geometry%gradient(:, :n, point) = matmul(transpose(inverse), derivatives(:, :n))
-            geometry%position(:, point) = matmul(coordinates, geometry%values(:n, point))
-            geometry%volume(point) = weight*determinant*material%depth(geometry%position(1, point))
+      call choose_reference(geometry, mesh%element_kind(element), material%is_axisymmetric)
+      first = mesh%node_start(element)
+      do i = 1, geometry%n_nodes
+         geometry%node(i) = mesh%node(first + i - 1)
+         x(:, i) = mesh%coordinates(:, geometry%node(i))
+      end do
+      do point = 1, geometry%n_points
+         ! The derivatives of x and of y by the reference coordinates are the rows of the Jacobian.
+         dx = 0.0_dp
+         dy = 0.0_dp
+         geometry%position(:, point) = 0.0_dp
+         do i = 1, geometry%n_nodes
+            dx = dx + x(1, i)*geometry%derivatives(:, i, point)
+            dy = dy + x(2, i)*geometry%derivatives(:, i, point)
+            geometry%position(:, point) = geometry%position(:, point) + geometry%values(i, point)*x(:, i)
          end do
-      end associate
+         determinant = dx(1)*dy(2) - dx(2)*dy(1)
+         geometry%volume(point) = geometry%weight(point)*determinant*material%depth(geometry%position(1, point))
+         dx = dx/determinant
+         dy = dy/determinant
+         do i = 1, geometry%n_nodes
+            associate (derivative => geometry%derivatives(:, i, point))
+               geometry%gradient(1, i, point) = dy(2)*derivative(1) - dy(1)*derivative(2)
+               geometry%gradient(2, i, point) = dx(1)*derivative(2) - dx(2)*derivative(1)
+            end associate
+         end do
+      end do
    end subroutine new_element_geometry
+
+   !> Evaluates the shape functions of a kind of element at its quadrature points, unless they are at hand.
+   pure subroutine choose_reference(geometry, kind, is_axisymmetric)
+      type(element_geometry_t), intent(inout) :: geometry !! what belongs to the reference element is set
+      integer, intent(in) :: kind !! kind of element
+      logical, intent(in) :: is_axisymmetric !! whether it belongs to a body of revolution
+      real(dp) :: xi(2)
+      integer :: n_points, point
+
+      n_points = n_element_points(kind, is_axisymmetric)
+      if (geometry%kind == kind .and. geometry%n_points == n_points) return
+      geometry%kind = kind
+      geometry%n_nodes = n_element_nodes(kind)
+      geometry%n_points = n_points
+      geometry%volume = 0.0_dp
+      do point = 1, n_points
+         call quadrature_point(kind, n_points, point, xi, geometry%weight(point))
+         call shape_functions(kind, xi, geometry%values(:, point), geometry%derivatives(:, :, point))
+      end do
+   end subroutine choose_reference
 
    !> Stiffness of an element: sum over the points of volume times
    !> lambda g_i g_j^T + mu (g_j g_i^T + (g_i . g_j) I), g the gradients, and in a body of revolution the hoop strain's
@@ -62,49 +95,55 @@ contains
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(out) :: stiffness(2*max_nodes, 2*max_nodes) !! in the first 2 nodes rows and columns [F/L]
-      real(dp) :: lambda, mu, a(2), b(2), along
+      real(dp) :: xx, xy, yx, yy, block(2, 2)
       integer :: i, j, point
 
-      stiffness(:2*geometry%n_nodes, :2*geometry%n_nodes) = 0.0_dp
-      do point = 1, geometry%n_points
-         lambda = material%lambda*geometry%volume(point)
-         mu = material%mu*geometry%volume(point)
-         do j = 1, geometry%n_nodes
-            b = geometry%gradient(:, j, point)
-            do i = 1, geometry%n_nodes
-               a = geometry%gradient(:, i, point)
-               along = mu*(a(1)*b(1) + a(2)*b(2))
-               stiffness(2*i - 1, 2*j - 1) = stiffness(2*i - 1, 2*j - 1) + (lambda + mu)*a(1)*b(1) + along
-               stiffness(2*i, 2*j - 1) = stiffness(2*i, 2*j - 1) + lambda*a(2)*b(1) + mu*a(1)*b(2)
-               stiffness(2*i - 1, 2*j) = stiffness(2*i - 1, 2*j) + lambda*a(1)*b(2) + mu*a(2)*b(1)
-               stiffness(2*i, 2*j) = stiffness(2*i, 2*j) + (lambda + mu)*a(2)*b(2) + along
+      do j = 1, geometry%n_nodes
+         do i = j, geometry%n_nodes
+            xx = 0.0_dp
+            xy = 0.0_dp
+            yx = 0.0_dp
+            yy = 0.0_dp
+            do point = 1, geometry%n_points
+               associate (a => geometry%gradient(:, i, point), b => geometry%gradient(:, j, point), &
+                  volume => geometry%volume(point))
+                  xx = xx + volume*a(1)*b(1)
+                  xy = xy + volume*a(1)*b(2)
+                  yx = yx + volume*a(2)*b(1)
+                  yy = yy + volume*a(2)*b(2)
+               end associate
             end do
+            associate (lambda => material%lambda, mu => material%mu)
+               block(:, 1) = [(lambda + 2.0_dp*mu)*xx + mu*yy, lambda*yx + mu*xy]
+               block(:, 2) = [lambda*xy + mu*yx, (lambda + 2.0_dp*mu)*yy + mu*xx]
+            end associate
+            if (material%is_axisymmetric) call add_hoop_stiffness(geometry, material, i, j, block)
+            stiffness(2*i - 1:2*i, 2*j - 1:2*j) = block
+            stiffness(2*j - 1:2*j, 2*i - 1:2*i) = transpose(block)
          end do
-         if (material%is_axisymmetric) call add_hoop_stiffness(geometry, point, lambda, mu, stiffness)
       end do
    end subroutine element_stiffness
 
-   !> Adds what the hoop strain u_r / r contributes to the stiffness at one point.
-   pure subroutine add_hoop_stiffness(geometry, point, lambda, mu, stiffness)
+   !> Adds what the hoop strain u_r / r contributes to the stiffness between two nodes.
+   pure subroutine add_hoop_stiffness(geometry, material, i, j, block)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
-      integer, intent(in) :: point !! number of the quadrature point
-      real(dp), intent(in) :: lambda !! first Lame coefficient times volume [F L]
-      real(dp), intent(in) :: mu !! shear modulus times volume [F L]
-      real(dp), intent(inout) :: stiffness(:, :) !! stiffness (2 nodes, 2 nodes) [F/L]
-      real(dp) :: a(2), b(2), hoop_a, hoop_b
-      integer :: i, j
+      type(material_t), intent(in) :: material !! its material
+      integer, intent(in) :: i !! node of the rows
+      integer, intent(in) :: j !! node of the columns
+      real(dp), intent(inout) :: block(2, 2) !! stiffness between the nodes [F/L]
+      real(dp) :: lambda, mu, hoop_i, hoop_j
+      integer :: point
 
-      do j = 1, geometry%n_nodes
-         b = geometry%gradient(:, j, point)
-         hoop_b = geometry%values(j, point)/geometry%position(1, point)
-         do i = 1, geometry%n_nodes
-            a = geometry%gradient(:, i, point)
-            hoop_a = geometry%values(i, point)/geometry%position(1, point)
-            stiffness(2*i - 1, 2*j - 1) = stiffness(2*i - 1, 2*j - 1) + lambda*(a(1)*hoop_b + hoop_a*b(1)) &
-               + (lambda + 2.0_dp*mu)*hoop_a*hoop_b
-            stiffness(2*i, 2*j - 1) = stiffness(2*i, 2*j - 1) + lambda*a(2)*hoop_b
-            stiffness(2*i - 1, 2*j) = stiffness(2*i - 1, 2*j) + lambda*hoop_a*b(2)
-         end do
+      do point = 1, geometry%n_points
+         lambda = material%lambda*geometry%volume(point)
+         mu = material%mu*geometry%volume(point)
+         hoop_i = geometry%values(i, point)/geometry%position(1, point)
+         hoop_j = geometry%values(j, point)/geometry%position(1, point)
+         associate (a => geometry%gradient(:, i, point), b => geometry%gradient(:, j, point))
+            block(1, 1) = block(1, 1) + lambda*(a(1)*hoop_j + hoop_i*b(1)) + (lambda + 2.0_dp*mu)*hoop_i*hoop_j
+            block(2, 1) = block(2, 1) + lambda*a(2)*hoop_j
+            block(1, 2) = block(1, 2) + lambda*hoop_i*b(2)
+         end associate
       end do
    end subroutine add_hoop_stiffness
 
@@ -126,16 +165,19 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
       integer, intent(in) :: point !! number of the quadrature point
       real(dp) :: strain(4)
-      real(dp) :: g(2), u(2)
       integer :: i
 
       strain = 0.0_dp
       do i = 1, geometry%n_nodes
-         g = geometry%gradient(:, i, point)
-         u = displacement(:, geometry%node(i))
-         strain(:3) = strain(:3) + [g(1)*u(1), g(2)*u(2), g(2)*u(1) + g(1)*u(2)]
-         if (material%is_axisymmetric) strain(4) = strain(4) &
-            + geometry%values(i, point)*u(1)/geometry%position(1, point)
+         associate (g => geometry%gradient(:, i, point), u => displacement(:, geometry%node(i)))
+            strain(1) = strain(1) + g(1)*u(1)
+            strain(2) = strain(2) + g(2)*u(2)
+            strain(3) = strain(3) + (g(2)*u(1) + g(1)*u(2))
+         end associate
+      end do
+      if (.not. material%is_axisymmetric) return
+      do i = 1, geometry%n_nodes
+         strain(4) = strain(4) + geometry%values(i, point)*displacement(1, geometry%node(i))/geometry%position(1, point)
       end do
    end function element_strain
 
@@ -145,15 +187,17 @@ contains
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
       real(dp) :: forces(2, max_nodes)
-      real(dp) :: s(4), g(2)
+      real(dp) :: s(4)
       integer :: i, point
 
       forces = 0.0_dp
       do point = 1, geometry%n_points
          s = element_stress(geometry, material, displacement, point)*geometry%volume(point)
          do i = 1, geometry%n_nodes
-            g = geometry%gradient(:, i, point)
-            forces(:, i) = forces(:, i) + [s(1)*g(1) + s(3)*g(2), s(3)*g(1) + s(2)*g(2)]
+            associate (g => geometry%gradient(:, i, point))
+               forces(1, i) = forces(1, i) + (s(1)*g(1) + s(3)*g(2))
+               forces(2, i) = forces(2, i) + (s(3)*g(1) + s(2)*g(2))
+            end associate
             if (material%is_axisymmetric) forces(1, i) = forces(1, i) &
                + s(4)*geometry%values(i, point)/geometry%position(1, point)
          end do

@@ -22,6 +22,7 @@ module amontons_material
       character(:), allocatable :: region !! the region it fills; empty for all that no other material fills
       real(dp) :: lambda = 0.0_dp !! first Lame coefficient of the hypothesis [F/L^2]
       real(dp) :: mu = 0.5_dp !! shear modulus [F/L^2]
+      logical :: is_plane_stress = .false. !! whether the hypothesis is 'plane stress'
       logical :: is_axisymmetric = .false. !! whether the hypothesis is 'axisymmetric'
       character(:), allocatable :: origin !! where the material was specified, for messages: 'deck.nml:12: '
    contains
@@ -63,9 +64,10 @@ contains
       material%hypothesis = hypothesis
       material%region = ''
       material%origin = ''
+      material%is_plane_stress = hypothesis == 'plane stress'
       material%is_axisymmetric = hypothesis == 'axisymmetric'
       material%mu = young/(2.0_dp*(1.0_dp + poisson))
-      if (hypothesis == 'plane stress') then
+      if (material%is_plane_stress) then
          material%lambda = young*poisson/(1.0_dp - poisson**2)
       else
          material%lambda = young*poisson/((1.0_dp + poisson)*(1.0_dp - 2.0_dp*poisson))
@@ -154,7 +156,7 @@ contains
       stress(1:2) = mean + 2.0_dp*self%mu*strain(1:2)
       stress(3) = self%mu*strain(3)
       stress(4) = mean + 2.0_dp*self%mu*strain(4)
-      if (self%hypothesis == 'plane stress') stress(4) = 0.0_dp
+      if (self%is_plane_stress) stress(4) = 0.0_dp
    end function material_stress
 
    !> What an area of the plane is multiplied by: the thickness, or the circumference at a radius [L].

@@ -1,6 +1,6 @@
 !> The mesh: nodes, elements, named sets of sides, nodes and elements, and the checks every mesh must pass.
 module amontons_mesh
-   use amontons_element, only: max_nodes, n_corners, n_element_points, node_coordinates, quadrature_point, &
+   use amontons_element, only: max_nodes, n_corners, n_element_nodes, n_element_points, node_coordinates, quadrature_point, &
       shape_functions, side_nodes, tri6
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
@@ -87,14 +87,15 @@ contains
       integer :: kind, corner
 
       kind = self%element_kind(element)
-      is_turned_over = .not. is_positive(self, element, n_element_points(kind, .false.))
-      ! The Jacobian of the other kind with two rules, the linear triangle, is constant.
-      if (kind == tri6) is_turned_over = is_turned_over &
-         .or. .not. is_positive(self, element, n_element_points(kind, .true.))
+      is_turned_over = .false.
       do corner = 1, n_corners(kind)
          is_turned_over = is_turned_over &
             .or. .not. determinant(self, element, node_coordinates(kind, corner)) > 0.0_dp
       end do
+      ! The Jacobian of a linear element has its least value at a corner.
+      if (n_element_nodes(kind) == n_corners(kind)) return
+      is_turned_over = is_turned_over .or. .not. is_positive(self, element, n_element_points(kind, .false.)) &
+         .or. .not. is_positive(self, element, n_element_points(kind, .true.))
    end function mesh_is_turned_over
 
    !> Whether the Jacobian of an element is positive at all points of a quadrature rule.
@@ -117,13 +118,15 @@ contains
       class(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! number of the element
       real(dp), intent(in) :: xi(2) !! reference coordinates [-]
-      real(dp) :: values(max_nodes), derivatives(2, max_nodes), jacobian(2, 2)
-      integer :: kind, first
+      real(dp) :: values(max_nodes), derivatives(2, max_nodes), jacobian(2, 2), coordinates(2, max_nodes)
+      integer :: kind, i
 
       kind = mesh%element_kind(element)
-      first = mesh%node_start(element)
       call shape_functions(kind, xi, values, derivatives)
-      jacobian = element_jacobian(mesh%coordinates(:, mesh%node(first:mesh%node_start(element + 1) - 1)), derivatives)
+      do i = 1, n_element_nodes(kind)
+         coordinates(:, i) = mesh%coordinates(:, mesh%node(mesh%node_start(element) + i - 1))
+      end do
+      jacobian = element_jacobian(coordinates(:, :n_element_nodes(kind)), derivatives)
       determinant = jacobian(1, 1)*jacobian(2, 2) - jacobian(1, 2)*jacobian(2, 1)
    end function determinant
 

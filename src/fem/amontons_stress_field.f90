@@ -1,12 +1,12 @@
 !> Stresses and strain energy density of a whole body, as result files show them.
 module amontons_stress_field
-   use amontons_coloring, only: worth_threads
+   use amontons_coloring, only: coloring_t, worth_threads
    use amontons_dense, only: cholesky_factor, cholesky_solve
    use amontons_elasticity, only: element_geometry_t, element_strain, new_element_geometry
    use amontons_element, only: element_names, is_triangle, max_nodes, max_points, n_element_nodes, n_element_points, &
       node_coordinates, quadrature_point
    use amontons_kinds, only: dp
-   use amontons_material, only: materials_t
+   use amontons_material, only: material_t, materials_t
    use amontons_mesh, only: mesh_t
    implicit none (type, external)
    private
@@ -24,59 +24,74 @@ module amontons_stress_field
 contains
 
    !> Evaluates the stresses of a displacement field.
-   subroutine new_stress_field(field, mesh, materials, displacement)
+   subroutine new_stress_field(field, mesh, materials, coloring, displacement)
       type(stress_field_t), intent(out) :: field !! the stresses
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
+      type(coloring_t), intent(in) :: coloring !! colours of the elements
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), allocatable :: at_nodes(:, :)
-      real(dp) :: to_nodes(max_nodes, max_points, size(element_names))
-      integer :: element, kind
+      type(element_geometry_t) :: geometry
+      real(dp) :: to_nodes(max_nodes, max_points, size(element_names)), at_nodes(4, max_nodes)
+      integer, allocatable :: n_elements(:)
+      integer :: color, element, i, k, kind
 
       do kind = 1, size(element_names)
          to_nodes(:, :, kind) = extrapolation(kind, n_element_points(kind, materials%list(1)%is_axisymmetric))
       end do
-      allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements), &
-         at_nodes(4, size(mesh%node)))
-      !$omp parallel do schedule(static) if (mesh%n_elements >= worth_threads)
-      do element = 1, mesh%n_elements
-         call evaluate_element(mesh, materials, element, displacement, to_nodes(:, :, mesh%element_kind(element)), &
-            field%element(:, element), field%energy_density(element), &
-            at_nodes(:, mesh%node_start(element):mesh%node_start(element + 1) - 1))
+      allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements))
+      allocate (field%node(4, mesh%n_nodes), source=0.0_dp)
+      allocate (n_elements(mesh%n_nodes), source=0)
+      do color = 1, coloring%n_colors
+         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(element, at_nodes, k) &
+         !$omp shared(field, mesh, materials, coloring, displacement, to_nodes, n_elements, color) &
+         !$omp if (mesh%n_elements >= worth_threads)
+         do i = coloring%start(color), coloring%start(color + 1) - 1
+            element = coloring%element(i)
+            associate (material => materials%list(materials%of_element(element)))
+               call new_element_geometry(geometry, mesh, element, material)
+               call evaluate_element(geometry, material, displacement, to_nodes(:, :, mesh%element_kind(element)), &
+                  field%element(:, element), field%energy_density(element), at_nodes)
+            end associate
+            do k = 1, geometry%n_nodes
+               field%node(:, geometry%node(k)) = field%node(:, geometry%node(k)) + at_nodes(:, k)
+               n_elements(geometry%node(k)) = n_elements(geometry%node(k)) + 1
+            end do
+         end do
+         !$omp end parallel do
       end do
-      !$omp end parallel do
-      call average(mesh%n_nodes, mesh%node, at_nodes, field%node)
+      do i = 1, mesh%n_nodes
+         field%node(:, i) = field%node(:, i)/max(1, n_elements(i))
+      end do
    end subroutine new_stress_field
 
    !> Evaluates one element: means over its volume, and stresses at its nodes.
-   pure subroutine evaluate_element(mesh, materials, element, displacement, to_nodes, mean, energy_density, at_nodes)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! its materials
-      integer, intent(in) :: element !! number of the element
+   pure subroutine evaluate_element(geometry, material, displacement, to_nodes, mean, energy_density, at_nodes)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: to_nodes(:, :) !! weights of the quadrature points at each node (node, point) [-]
+      real(dp), intent(in) :: to_nodes(max_nodes, max_points)
+         !! weights of the quadrature points at each node (node, point) [-]
       real(dp), intent(out) :: mean(4) !! mean stress [F/L^2]
       real(dp), intent(out) :: energy_density !! mean strain energy density [F/L^2]
-      real(dp), intent(out) :: at_nodes(:, :) !! stress at the element's nodes (4, nodes) [F/L^2]
-      type(element_geometry_t) :: geometry
-      real(dp) :: strain(4), stress(4, max_points), volume
-      integer :: point
+      real(dp), intent(out) :: at_nodes(4, max_nodes) !! stress at the element's nodes [F/L^2]
+      real(dp) :: strain(4), stress(4), volume
+      integer :: i, point
 
-      associate (material => materials%list(materials%of_element(element)))
-         call new_element_geometry(geometry, mesh, element, material)
-         mean = 0.0_dp
-         energy_density = 0.0_dp
-         do point = 1, geometry%n_points
-            strain = element_strain(geometry, material, displacement, point)
-            stress(:, point) = material%stress(strain)
-            mean = mean + geometry%volume(point)*stress(:, point)
-            energy_density = energy_density + 0.5_dp*geometry%volume(point)*dot_product(strain, stress(:, point))
+      mean = 0.0_dp
+      energy_density = 0.0_dp
+      at_nodes = 0.0_dp
+      do point = 1, geometry%n_points
+         strain = element_strain(geometry, material, displacement, point)
+         stress = material%stress(strain)
+         mean = mean + geometry%volume(point)*stress
+         energy_density = energy_density + 0.5_dp*geometry%volume(point)*dot_product(strain, stress)
+         do i = 1, geometry%n_nodes
+            at_nodes(:, i) = at_nodes(:, i) + to_nodes(i, point)*stress
          end do
-      end associate
+      end do
       volume = sum(geometry%volume(:geometry%n_points))
       mean = mean/volume
       energy_density = energy_density/volume
-      at_nodes = matmul(stress(:, :geometry%n_points), transpose(to_nodes(:geometry%n_nodes, :geometry%n_points)))
    end subroutine evaluate_element
 
    !> Weights that carry values from the quadrature points of a kind of element to its nodes: through the polynomial
@@ -116,25 +131,6 @@ contains
       all_terms = [1.0_dp, xi(1), xi(2), xi(1)*xi(2)]
       terms = all_terms(:n_terms)
    end function terms
-
-   !> Means at each node of the values that its elements have there.
-   pure subroutine average(n_nodes, node, values, mean)
-      integer, intent(in) :: n_nodes !! number of nodes
-      integer, intent(in) :: node(:) !! node that each value belongs to (n_values)
-      real(dp), intent(in) :: values(:, :) !! the values (any, n_values)
-      real(dp), allocatable, intent(out) :: mean(:, :) !! the means, 0 where there is no value (any, n_nodes)
-      integer :: n_values(n_nodes), i
-
-      allocate (mean(size(values, 1), n_nodes), source=0.0_dp)
-      n_values = 0
-      do i = 1, size(node)
-         mean(:, node(i)) = mean(:, node(i)) + values(:, i)
-         n_values(node(i)) = n_values(node(i)) + 1
-      end do
-      do i = 1, n_nodes
-         mean(:, i) = mean(:, i)/max(1, n_values(i))
-      end do
-   end subroutine average
 
    !> Von Mises stress [F/L^2].
    pure real(dp) function von_mises(stress)

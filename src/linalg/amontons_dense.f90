@@ -9,7 +9,7 @@ module amontons_dense
 
    public :: add_product, cholesky_factor, cholesky_factor_softly, cholesky_factor_tiled, cholesky_inverse, &
       cholesky_solve, fill_upper, lu_factor, lu_solve, lu_solve_transposed, symmetric_eigenvectors, &
-      symmetric_multiply, transposed_product
+      symmetric_multiply, transposed_product, triangular_solve
 
    !> Solves L L^T x = b in place, for one right-hand side or for the columns of a matrix.
    interface cholesky_solve
@@ -114,6 +114,14 @@ contains
 
       call dpotrs('L', size(l, 1), size(b, 2), l, max(1, size(l, 1)), b, max(1, size(b, 1)), info)
    end subroutine cholesky_solve_matrix
+
+   !> Solves L X = B.
+   pure subroutine triangular_solve(l, b)
+      real(dp), contiguous, intent(in) :: l(:, :) !! L in the lower triangle (n, n)
+      real(dp), contiguous, intent(inout) :: b(:, :) !! right-hand sides (n, any), the solutions on return
+
+      call dtrsm('L', 'L', 'N', 'N', size(b, 1), size(b, 2), 1.0_dp, l, max(1, size(l, 1)), b, max(1, size(b, 1)))
+   end subroutine triangular_solve
 
    !> Replaces the Cholesky factor L by the full symmetric inverse (L L^T)^-1.
    pure subroutine cholesky_inverse(l)

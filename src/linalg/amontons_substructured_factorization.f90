@@ -14,7 +14,7 @@ module amontons_substructured_factorization
    use amontons_lapack, only: dgemv, dtrsv
    use amontons_sparse_factorization, only: sparse_factorization_t
    use amontons_sparse_matrix, only: sparse_matrix_t
-   use amontons_substructures, only: cut_matrix, part_unknowns, n_parts
+   use amontons_substructures, only: cut_t, n_parts, new_cut, part_unknowns
    use amontons_text, only: to_text
    use amontons_threads, only: hold_threads, n_threads, release_threads, thread_state_t
    implicit none (type, external)
@@ -63,11 +63,12 @@ contains
       integer, intent(in) :: n_trailing !! how many unknowns, the last ones, are eliminated last
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       type(thread_state_t) :: threads
-      integer, allocatable :: part_of(:), top(:)
+      type(cut_t) :: cut
+      integer, allocatable :: top(:)
       integer :: p, k
 
-      call cut_matrix(matrix, n_trailing, part_of)
-      top = pack([(k, k=1, matrix%n)], part_of == 0)
+      call new_cut(cut, matrix, n_trailing)
+      top = pack([(k, k=1, matrix%n)], cut%part_of == 0)
       self%n_top = size(top)
       if (allocated(self%top)) deallocate (self%top)
       if (allocated(self%parts)) deallocate (self%parts)
@@ -75,9 +76,9 @@ contains
 
       call hold_threads(threads, 1)
       !$omp parallel do default(none) schedule(static, 1) num_threads(min(n_parts, n_threads())) &
-      !$omp shared(self, matrix, part_of, top)
+      !$omp shared(self, matrix, cut, top)
       do p = 1, n_parts
-         call analyze_part(self%parts(p), p, matrix, part_of, top)
+         call analyze_part(self%parts(p), p, matrix, cut, top)
       end do
       !$omp end parallel do
       call release_threads(threads)
@@ -86,21 +87,21 @@ contains
          error = self%parts(p)%error
          return
       end do
-      call order_parts(self, matrix, n_trailing, part_of, top)
+      call order_parts(self, matrix, n_trailing, cut, top)
       call prepare_top(self, matrix, top)
    end subroutine substructured_analyze
 
    !> Analyses a part.
-   subroutine analyze_part(part, p, matrix, part_of, top)
+   subroutine analyze_part(part, p, matrix, cut, top)
       type(part_t), intent(inout) :: part !! the part
       integer, intent(in) :: p !! its number
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-      integer, intent(in) :: part_of(:) !! the part of each unknown, 0 for the top (n)
+      type(cut_t), intent(in) :: cut !! the cut
       integer, intent(in) :: top(:) !! the unknowns of the top
       type(sparse_matrix_t) :: own_matrix
       integer, allocatable :: own(:)
 
-      call part_unknowns(matrix, part_of, p, top, own, part%boundary)
+      call part_unknowns(cut, p, top, own, part%boundary)
       part%n_own = size(own)
       call matrix%extract([own, top(part%boundary)], own_matrix, part%error)
       if (allocated(part%error)) return
@@ -109,11 +110,11 @@ contains
    end subroutine analyze_part
 
    !> Sets the order of elimination, which is that of the parts, and adds up what they need.
-   subroutine order_parts(self, matrix, n_trailing, part_of, top)
+   subroutine order_parts(self, matrix, n_trailing, cut, top)
       class(substructured_factorization_t), intent(inout) :: self !! the factorisation, its parts analysed
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
       integer, intent(in) :: n_trailing !! number of trailing unknowns
-      integer, intent(in) :: part_of(:) !! the part of each unknown, 0 for the top (n)
+      type(cut_t), intent(in) :: cut !! the cut
       integer, intent(in) :: top(:) !! the unknowns of the top
       integer, allocatable :: order(:), own(:)
       integer(int64) :: n_work_entries
@@ -124,7 +125,7 @@ contains
       n_work_entries = 0
       do p = 1, n_parts
          associate (part => self%parts(p))
-            own = pack([(k, k=1, matrix%n)], part_of == p)
+            own = pack([(k, k=1, matrix%n)], cut%part_of == p)
             part%first = first
             order(first:first + part%n_own - 1) = own(part%factorization%order(:part%n_own))
             first = first + part%n_own

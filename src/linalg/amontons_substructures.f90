@@ -4,24 +4,32 @@ module amontons_substructures
    use amontons_kinds, only: dp, int64
    use amontons_ordering, only: positions, reverse_cuthill_mckee
    use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_threads, only: n_threads
    implicit none (type, external)
    private
 
-   public :: cut_matrix, n_parts, part_unknowns
+   public :: cut_t, n_parts, new_cut, part_unknowns
 
    !> Number of parts. It is the same for any number of threads, since results depend on it.
    integer, parameter :: n_parts = 2
 
+   !> A cut. The interface and the trailing unknowns are the top.
+   type :: cut_t
+      integer, allocatable :: part_of(:) !! the part of each unknown, 0 for the top (n)
+      logical, allocatable :: is_boundary(:, :)
+         !! whether each unknown belongs to the top and couples to each part (n, n_parts)
+      real(dp), private :: cost = 0.0_dp !! operations, roughly, of one thread for each part
+   end type cut_t
+
 contains
 
    !> Cuts a matrix across one of the axes, whichever promises less work.
-   subroutine cut_matrix(matrix, n_trailing, part_of)
+   subroutine new_cut(cut, matrix, n_trailing)
+      type(cut_t), intent(out) :: cut !! the cut
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix
       integer, intent(in) :: n_trailing !! number of trailing unknowns, which belong to no part
-      integer, allocatable, intent(out) :: part_of(:) !! the part of each unknown, 0 for interface and trailing ones (n)
-      integer, allocatable :: candidate(:)
+      type(cut_t) :: across(2)
       real(dp), allocatable :: place(:, :)
-      real(dp) :: cost, least
       integer :: axis
 
       if (allocated(matrix%place)) then
@@ -29,14 +37,15 @@ contains
       else
          place = graph_places(matrix, n_trailing)
       end if
-      least = huge(least)
+      !$omp parallel do default(none) schedule(static, 1) num_threads(min(2, n_threads())) shared(matrix, place, across)
       do axis = 1, 2
-         call cut_across(matrix, place, axis, candidate, cost)
-         if (cost >= least) cycle
-         least = cost
-         call move_alloc(candidate, part_of)
+         call cut_across(matrix, place, axis, across(axis)%part_of)
+         call find_boundaries(matrix, across(axis))
+         across(axis)%cost = cut_cost(across(axis))
       end do
-   end subroutine cut_matrix
+      !$omp end parallel do
+      cut = across(minloc(across%cost, dim=1))
+   end subroutine new_cut
 
    !> Stands in for places that nobody knows: neighbours in the matrix get neighbouring numbers.
    function graph_places(matrix, n_trailing) result(place)
@@ -53,12 +62,11 @@ contains
    end function graph_places
 
    !> Cuts a matrix at the median of one coordinate.
-   pure subroutine cut_across(matrix, place, axis, part_of, cost)
+   pure subroutine cut_across(matrix, place, axis, part_of)
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix
       real(dp), intent(in) :: place(:, :) !! where each unknown but the trailing ones sits (2, n - n_trailing)
       integer, intent(in) :: axis !! which coordinate
       integer, allocatable, intent(out) :: part_of(:) !! the part of each unknown, 0 for the top (n)
-      real(dp), intent(out) :: cost !! operations, roughly, of two threads
       logical, allocatable :: is_before(:)
       integer(int64) :: at
       integer :: i, j
@@ -75,62 +83,49 @@ contains
             part_of(merge(j, i, is_before(i))) = 0
          end do
       end do
-      cost = cut_cost(matrix, part_of)
    end subroutine cut_across
 
-   !> What a cut costs: the slower part, its boundary as a dense block, and the top.
-   pure real(dp) function cut_cost(matrix, part_of)
+   !> Finds the unknowns of the top that couple to each part.
+   pure subroutine find_boundaries(matrix, cut)
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer, intent(in) :: part_of(:) !! the part of each unknown, 0 for the top (n)
-      ! Counted on squares of 256 to 1024 cells: so many operations times the power 3/2 of the number of unknowns.
-      real(dp), parameter :: operations_per_unknown = 70.0_dp
-      real(dp) :: operations(n_parts)
-      logical, allocatable :: is_boundary(:)
-      integer :: p
-
-      do p = 1, n_parts
-         allocate (is_boundary, source=boundary_of(matrix, part_of, p))
-         operations(p) = operations_per_unknown*real(count(part_of == p), dp)**1.5_dp &
-            + 2.0_dp/3.0_dp*real(count(is_boundary), dp)**3
-         deallocate (is_boundary)
-      end do
-      cut_cost = maxval(operations) + real(count(part_of == 0), dp)**3/3.0_dp
-   end function cut_cost
-
-   !> Which unknowns of the top couple to a part.
-   pure function boundary_of(matrix, part_of, p) result(is_boundary)
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer, intent(in) :: part_of(:) !! the part of each unknown, 0 for the top (n)
-      integer, intent(in) :: p !! number of the part
-      logical, allocatable :: is_boundary(:)
+      type(cut_t), intent(inout) :: cut !! the cut, its parts known; gains the boundaries
       integer(int64) :: at
-      integer :: i, j
+      integer :: j, p, q
 
-      allocate (is_boundary(matrix%n), source=.false.)
+      allocate (cut%is_boundary(matrix%n, n_parts), source=.false.)
       do j = 1, matrix%n
-         if (part_of(j) /= 0 .and. part_of(j) /= p) cycle
+         p = cut%part_of(j)
          do at = matrix%column_start(j) + 1, matrix%column_start(j + 1) - 1
-            i = matrix%row(at)
-            if (part_of(i) == p .and. part_of(j) == 0) is_boundary(j) = .true.
-            if (part_of(j) == p .and. part_of(i) == 0) is_boundary(i) = .true.
+            q = cut%part_of(matrix%row(at))
+            if (p == 0 .and. q > 0) cut%is_boundary(j, q) = .true.
+            if (q == 0 .and. p > 0) cut%is_boundary(matrix%row(at), p) = .true.
          end do
       end do
-   end function boundary_of
+   end subroutine find_boundaries
+
+   !> What a cut costs: the slower part, its boundary as a dense block, and the top.
+   pure real(dp) function cut_cost(cut)
+      type(cut_t), intent(in) :: cut !! the cut
+      ! Counted on squares of 256 to 1024 cells: so many operations times the power 3/2 of the number of unknowns.
+      real(dp), parameter :: operations_per_unknown = 70.0_dp
+      integer :: p
+
+      cut_cost = maxval([(operations_per_unknown*real(count(cut%part_of == p), dp)**1.5_dp &
+         + 2.0_dp/3.0_dp*real(count(cut%is_boundary(:, p)), dp)**3, p=1, n_parts)]) &
+         + real(count(cut%part_of == 0), dp)**3/3.0_dp
+   end function cut_cost
 
    !> Lists the unknowns of a part and its boundary, both ascending.
-   pure subroutine part_unknowns(matrix, part_of, p, top, own, boundary)
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer, intent(in) :: part_of(:) !! the part of each unknown, 0 for the top (n)
+   pure subroutine part_unknowns(cut, p, top, own, boundary)
+      type(cut_t), intent(in) :: cut !! the cut
       integer, intent(in) :: p !! number of the part
       integer, intent(in) :: top(:) !! the unknowns of the top, ascending
       integer, allocatable, intent(out) :: own(:) !! the unknowns of the part
       integer, allocatable, intent(out) :: boundary(:) !! which unknowns of the top couple to them, by place in `top`
-      logical, allocatable :: is_boundary(:)
       integer :: k
 
-      own = pack([(k, k=1, matrix%n)], part_of == p)
-      allocate (is_boundary, source=boundary_of(matrix, part_of, p))
-      boundary = pack([(k, k=1, size(top))], is_boundary(top))
+      own = pack([(k, k=1, size(cut%part_of))], cut%part_of == p)
+      boundary = pack([(k, k=1, size(top))], cut%is_boundary(top, p))
    end subroutine part_unknowns
 
 end module amontons_substructures
