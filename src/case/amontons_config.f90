@@ -93,7 +93,7 @@ contains
          call read_sweep(config%sweep, deck, config%loads, config%contacts)
       end if
       call read_solver(config, deck)
-      call deck%refuse_unknown(deck%group('output'))
+      call read_output(config%sweep, deck)
       call deck%finish(error)
    end subroutine read_groups
 
@@ -212,5 +212,21 @@ contains
             .and. method%space == 'primal'), "be 'dual' for a reduced problem, which has no stiffness to sweep on")
       end associate
    end subroutine read_solver
+
+   !> Reads `&output`: the fields that a sweep shall leave.
+   subroutine read_output(sweep, deck)
+      type(sweep_t), intent(inout) :: sweep !! the sweep
+      type(deck_t), intent(inout) :: deck !! the deck
+      integer :: group
+      logical :: is_given
+
+      group = deck%group('output')
+      call deck%get(group, 'fields_every', sweep%fields_every, is_given)
+      call deck%refuse_unknown(group)
+      if (.not. is_given) return
+      call require(deck, group, 'fields_every', sweep%is_given(), 'go with &sweep')
+      call require(deck, group, 'fields_every', sweep%fields_every > 0, 'be at least 1, found '// &
+         to_text(sweep%fields_every))
+   end subroutine read_output
 
 end module amontons_config

@@ -8,15 +8,18 @@ module amontons_solve_sweep
    use amontons_certificate, only: new_certificate
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t
    use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_lengths, only: new_lengths
    use amontons_methods, only: new_contact_method
+   use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
-   use amontons_solve_case, only: condense_case, load_body, prepare_case, recover, workshop_t
+   use amontons_solve_case, only: condense_case, prepare_case, workshop_t
    use amontons_sweep_checkpoint, only: open_sweep_checkpoint, sweep_checkpoint_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
+   use amontons_sweep_fields, only: recover_case, write_sweep_fields
    use amontons_sweep_model, only: new_sweep_model, sweep_model_t
    use amontons_sweep_monitor, only: sweep_monitor_t
    use amontons_sweep_table, only: sweep_header
@@ -24,19 +27,20 @@ module amontons_solve_sweep
    use amontons_system, only: make_directory, wall_seconds
    use amontons_text, only: to_text
    use amontons_threads, only: n_threads
-   use amontons_timings, only: phase_condense, phase_recover, phase_solve
+   use amontons_timings, only: phase_condense, phase_recover, phase_solve, phase_write
    use amontons_version, only: version
    implicit none (type, external)
    private
 
    public :: solve_sweep, sweep_result_t
 
-   !> The result of a sweep. Its rows are on the disk.
+   !> The result of a sweep. Its rows and its fields are on the disk.
    type :: sweep_result_t
       type(result_t) :: certified
          !! the converged case with the largest residual, certified on the full model; its times are those of the sweep
       type(sweep_tally_t) :: tally !! counts and extremes
       type(sweep_checkpoint_t) :: checkpoint !! the table, still under its temporary name
+      type(output_file_t), allocatable :: collection !! the collection of the fields, still under its temporary name
       integer :: n_resumed = 0 !! number of cases that an earlier run had done
       logical :: is_interrupted = .false. !! whether cases are left to do
    contains
@@ -81,6 +85,13 @@ contains
       call result%certified%timings%lap(phase_solve)
 
       result%is_interrupted = result%tally%n_cases < task%sweep%n_cases()
+      if (.not. result%is_interrupted .and. task%sweep%n_fields() > 0) then
+         allocate (result%collection)
+         call write_sweep_fields(result%collection, task, workshop%body, directory, config%name, monitor, &
+            result%is_interrupted, error)
+         if (allocated(error)) return
+         call result%certified%timings%lap(phase_write)
+      end if
       if (.not. result%is_interrupted .and. result%tally%residual_case > 0) call certify(task, workshop%body, result)
       call result%certified%timings%lap(phase_recover)
    end subroutine solve_sweep
@@ -148,12 +159,13 @@ contains
       class(sweep_monitor_t), intent(in) :: monitor !! may stop the sweep
       type(chunk_t), intent(inout) :: chunks(:) !! the chunks
       type(contact_problem_t) :: problem
+      type(contact_solution_t) :: solutions(chunk_length)
       integer :: i
 
       problem = task%model%problem
       !$omp do schedule(dynamic, 1)
       do i = 1, size(chunks)
-         if (.not. monitor%is_stopped()) call solve_chunk(task, body, problem, chunks(i))
+         if (.not. monitor%is_stopped()) call solve_chunk(task, body, problem, chunks(i), solutions)
       end do
       !$omp end do
    end subroutine share_chunks
@@ -183,19 +195,15 @@ contains
       type(body_t), intent(inout) :: body !! the body; left with the loads and the friction of that case
       type(sweep_result_t), intent(inout) :: result !! gains the case and its certificate
       type(contact_problem_t) :: problem
+      type(contact_solution_t) :: solutions(chunk_length)
       type(chunk_t) :: chunk
-      real(dp) :: values(size(task%sweep%axes))
 
       associate (number => result%tally%residual_case, certified => result%certified)
          problem = task%model%problem
          call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
-         call solve_chunk(task, body, problem, chunk)
-         certified%solution = chunk%last_solution
-         values = task%sweep%values(number)
-         body%zone%friction = task%model%case_friction(values)
-         certified%loads = task%model%case_forces(values)
-         call load_body(body, certified%loads)
-         call recover(body, certified)
+         call solve_chunk(task, body, problem, chunk, solutions)
+         certified%solution = solutions(chunk%last - chunk%first + 1)
+         call recover_case(task, body, number, certified)
          call new_certificate(certified%certificate, body, certified%loads, certified%displacement, &
             certified%solution%force)
          call new_lengths(certified%lengths, body%zone, certified%solution%status)
