@@ -6,6 +6,7 @@ module amontons_run
    use amontons_command_line, only: append_argument, argument_t, command_line_t
    use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_listing_text, only: short
    use amontons_output_file, only: commit_files, output_file_t
    use amontons_progress, only: new_progress, progress_t
    use amontons_report, only: write_report
@@ -264,8 +265,8 @@ contains
       write (residual, '(es9.2)') result%solution%residual
       text = config%name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
          to_text(result%solution%n_iterations)//' iterations, residual '//trim(adjustl(residual))//'; separated '// &
-         to_text(result%lengths%separated)//', sliding '//to_text(result%lengths%sliding)//', sticking '// &
-         to_text(result%lengths%sticking)
+         short(result%lengths%separated)//', sliding '//short(result%lengths%sliding)//', sticking '// &
+         short(result%lengths%sticking)
    end function solved_text
 
    !> What is told of a sweep.

@@ -76,7 +76,8 @@ class Reference(ProgramTest):
     def deck(self, key, value=None):
         """A sound deck but for the value of one key, which is left out where there is none."""
         group = COMPANIONS.get((key.group, key.name), GROUPS.get(key.group, {}))
-        groups = {**GROUPS, **BESIDES.get((key.group, key.name), {}), key.group: {name: text for name, text in group.items() if name != key.name}}
+        groups = {**GROUPS, **BESIDES.get((key.group, key.name), {}),
+                  key.group: {name: text for name, text in group.items() if name != key.name}}
         if value:
             groups[key.group][key.name] = value
         return "".join(f"&{group} {'  '.join(f'{name} = {text}' for name, text in values.items())} /\n"
