@@ -159,7 +159,7 @@ contains
          if (len(config%mesh_file) > 0) config%mesh_file = absolute_path(beside(deck%file, config%mesh_file))
       else
          call require(deck, group, 'file', .not. has_file, "go with kind 'file'")
-         if (.not. (has_size .and. has_cells)) call deck%fault(group, 'kind', '&mesh needs size and cells')
+         if (.not. (has_size .and. has_cells .or. has_file)) call deck%fault(group, 'kind', '&mesh needs size and cells')
       end if
    end subroutine read_mesh
 

@@ -34,7 +34,7 @@ contains
          call read_abaqus(draft, source)
       case default
          call source%refuse('neither a Gmsh mesh, which begins with $MeshFormat, nor an Abaqus one, which begins '// &
-            'with a keyword such as *NODE')
+            'with a keyword such as *NODE; a .geo file is to be meshed first: gmsh -2')
       end select
       if (.not. allocated(source%error)) call new_clean_mesh(mesh, draft, source)
       call move_alloc(source%error, error)
