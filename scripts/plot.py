@@ -159,15 +159,23 @@ def draw_stresses(axes, line, sets):
 def draw_motion(axes, line, sets, longest):
     """Gap and slip along the contact line.
 
-    Where the body's normal all but misses the obstacle, the gap along it is longer than the line itself, the longest
-    that is drawn; it would flatten all others.
+    Where the body's normal all but misses the obstacle, the gap along it has no end and would flatten all others: the
+    axis ends at twice the usual gap, or where slips can still be seen.
     """
+    data, points = line.point_data, np.concatenate([points for points, _ in sets])
+    gaps = data["gap"][points]
+    gaps = gaps[(gaps > 0.0) & (gaps <= longest)]
+    slips = data["slip"][points]
+    limit = max(4.0 * np.abs(slips).max(), 2.0 * np.median(gaps) if len(gaps) else 0.0)
     for name, color, style in (("gap", "#D55E00", "-"), ("slip", "#0072B2", "--")):
         for points, length in sets:
-            values = line.point_data[name][points]
+            values = data[name][points]
             axes.plot(length, np.where(np.abs(values) > longest, np.nan, values), color=color, linestyle=style,
                       label=name if length is sets[0][1] else None)
     axes.set(xlabel="length along the contact line", ylabel="gap, slip")
+    if 0.0 < limit < axes.get_ylim()[1]:
+        bottom = min(0.0, slips.min())
+        axes.set_ylim(bottom - 0.05 * (limit - bottom), limit)
     axes.legend(loc="best", frameon=False, fontsize="small")
 
 

@@ -34,7 +34,7 @@ contains
       type(body_t), intent(inout) :: body !! the body; left with the loads and the friction of some case
       character(*), intent(in) :: directory !! output directory
       character(*), intent(in) :: name !! name of the case
-      class(sweep_monitor_t), intent(in) :: monitor !! may stop it
+      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far it is, and may stop it
       logical, intent(out) :: is_stopped !! whether it did
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(collection_t) :: collection
@@ -56,6 +56,7 @@ contains
          if (is_stopped) exit
          call write_chunk(collection, task, body, problem, chunk, directory, name//'.sweep/', error)
          if (allocated(error)) exit
+         call monitor%report_fields((chunk%last - 1)/task%sweep%fields_every + 1, int(task%sweep%n_fields()))
       end do
       if (is_stopped .or. allocated(error)) then
          call collection%discard()
