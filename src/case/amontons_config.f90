@@ -157,9 +157,10 @@ contains
          call require(deck, group, 'file', len_trim(config%mesh_file) > 0, "name the mesh of kind 'file'")
          call require(deck, group, 'size', .not. (has_size .or. has_cells), "not go with kind 'file'")
          if (len(config%mesh_file) > 0) config%mesh_file = absolute_path(beside(deck%file, config%mesh_file))
-      else
-         call require(deck, group, 'file', .not. has_file, "go with kind 'file'")
-         if (.not. (has_size .and. has_cells .or. has_file)) call deck%fault(group, 'kind', '&mesh needs size and cells')
+      else if (has_file) then
+         call require(deck, group, 'file', .false., "go with kind 'file'")
+      else if (.not. (has_size .and. has_cells)) then
+         call deck%fault(group, 'kind', '&mesh needs size and cells')
       end if
    end subroutine read_mesh
 

@@ -85,16 +85,27 @@ contains
       call result%certified%timings%lap(phase_solve)
 
       result%is_interrupted = result%tally%n_cases < task%sweep%n_cases()
-      if (.not. result%is_interrupted .and. task%sweep%n_fields() > 0) then
-         allocate (result%collection)
-         call write_sweep_fields(result%collection, task, workshop%body, directory, config%name, monitor, &
-            result%is_interrupted, error)
-         if (allocated(error)) return
-         call result%certified%timings%lap(phase_write)
-      end if
+      call keep_fields(task, workshop%body, directory, config%name, monitor, result, error)
+      if (allocated(error)) return
+      call result%certified%timings%lap(phase_write)
       if (.not. result%is_interrupted .and. result%tally%residual_case > 0) call certify(task, workshop%body, result)
       call result%certified%timings%lap(phase_recover)
    end subroutine solve_sweep
+
+   !> Writes the fields that the deck asks for, once all cases are done.
+   subroutine keep_fields(task, body, directory, name, monitor, result, error)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(inout) :: body !! the body
+      character(*), intent(in) :: directory !! output directory
+      character(*), intent(in) :: name !! name of the case
+      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
+      type(sweep_result_t), intent(inout) :: result !! gains the collection
+      type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
+
+      if (result%is_interrupted .or. task%sweep%n_fields() == 0) return
+      allocate (result%collection)
+      call write_sweep_fields(result%collection, task, body, directory, name, monitor, result%is_interrupted, error)
+   end subroutine keep_fields
 
    !> What the rows of a sweep depend on, lines of text.
    function sweep_key(config, model) result(key)

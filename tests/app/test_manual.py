@@ -53,7 +53,8 @@ class Completion(ProgramTest):
     def complete(self, *words):
         """What the last of these words can become behind the program's name."""
         run = self.run_command(["bash", "-c", f"""source "{COMPLETION}"; COMP_WORDS=(amontons "$@"); COMP_CWORD=$#
-            _amontons "{PROGRAM}"; complete -p amontons >/dev/null && printf '%s\n' "${{COMPREPLY[@]}}" """, "bash", *words])
+            _amontons "{PROGRAM}"; complete -p amontons >/dev/null
+            printf '%s\n' "${{COMPREPLY[@]}}" """, "bash", *words])
         self.assertEqual(run.stderr, "")
         return sorted(line for line in run.stdout.splitlines() if line)
 
