@@ -287,6 +287,13 @@ class Listing(ProgramTest):
         self.solve(block(SUPPORT, PRESSURE, CONTACT))
         self.assertNotIn("nothing touches", self.contents()["case.lst"].decode())
 
+    def test_a_body_that_is_only_moved_is_certified(self):
+        # No force acts: what rounding leaves of forces is not to be held against them.
+        result = self.solve(block("support set = 'right'  ux = 0.013  uy = 0.7", CONTACT,
+                                  material="young = 70000.0  poisson = 0.25"))
+        self.assertIs(result.summary["certificate"]["passed"], True)
+        self.assertEqual(set(result["status"]), {"open"})
+
     def test_no_line_ends_in_blanks_or_is_empty_twice(self):
         self.solve(block(SUPPORT, PRESSURE, CONTACT))
         listing = self.contents()["case.lst"].decode()
