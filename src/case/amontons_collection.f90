@@ -17,6 +17,7 @@ module amontons_collection
       private
       type(output_file_t) :: file !! the file
       integer :: state = 0 !! status of the last write statement; nothing is written after a failure
+      integer, public :: n_cases = 0 !! number of its cases
    contains
       procedure, public :: add => collection_add
       procedure, public :: discard => collection_discard
@@ -45,6 +46,7 @@ contains
       character(*), intent(in) :: stem !! name of its files without endings, seen from the folder of the collection
       character(:), allocatable :: head
 
+      self%n_cases = self%n_cases + 1
       if (self%state /= 0) return
       head = '    <DataSet timestep="'//to_text(number)//'" part="'
       ! allow(C181): `finish` checks the state

@@ -40,7 +40,8 @@ module amontons_solve_sweep
          !! the converged case with the largest residual, certified on the full model; its times are those of the sweep
       type(sweep_tally_t) :: tally !! counts and extremes
       type(sweep_checkpoint_t) :: checkpoint !! the table, still under its temporary name
-      type(output_file_t), allocatable :: collection !! the collection of the fields, still under its temporary name
+      type(output_file_t), allocatable :: collection
+         !! the collection of the fields, if there is one, still under its temporary name
       integer :: n_resumed = 0 !! number of cases that an earlier run had done
       logical :: is_interrupted = .false. !! whether cases are left to do
    contains
@@ -103,7 +104,6 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
 
       if (result%is_interrupted .or. task%sweep%n_fields() == 0) return
-      allocate (result%collection)
       call write_sweep_fields(result%collection, task, body, directory, name, monitor, result%is_interrupted, error)
    end subroutine keep_fields
 

@@ -27,9 +27,9 @@ module amontons_sweep_fields
 contains
 
    !> Writes NAME.sweep/NUMBER.vtu and NAME.sweep/NUMBER.contact.vtu of the cases that converged, and NAME.sweep.pvd,
-   !> which keeps its temporary name. After an error, or where the monitor stops it, there is no collection.
+   !> which keeps its temporary name. There is none without such cases, after an error, or where the monitor stops it.
    subroutine write_sweep_fields(file, task, body, directory, name, monitor, is_stopped, error)
-      type(output_file_t), intent(out) :: file !! the finished collection
+      type(output_file_t), allocatable, intent(out) :: file !! the finished collection, if there is one
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(inout) :: body !! the body; left with the loads and the friction of some case
       character(*), intent(in) :: directory !! output directory
@@ -58,9 +58,10 @@ contains
          if (allocated(error)) exit
          call monitor%report_fields((chunk%last - 1)/task%sweep%fields_every + 1, int(task%sweep%n_fields()))
       end do
-      if (is_stopped .or. allocated(error)) then
+      if (is_stopped .or. allocated(error) .or. collection%n_cases == 0) then
          call collection%discard()
       else
+         allocate (file)
          call collection%finish(file, error)
       end if
    end subroutine write_sweep_fields
