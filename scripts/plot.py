@@ -25,6 +25,9 @@ STATUSES = (("open", "#D55E00", "o"), ("sticking", "#009E73", "s"), ("sliding al
 PARTS = {"separated": "#D55E00", "sliding": "#0072B2", "sticking": "#009E73"}
 PRESSURE, SHEAR, BOUND = "black", "#CC79A7", "#E69F00"
 SUMMARY = ".summary.json"
+# A grid without points is more than meshio can read.
+NO_CONTACT = meshio.Mesh(np.empty((0, 3)), [], {"displacement": np.empty((0, 3)), "status": np.empty(0),
+                                                "set": np.empty(0)})
 
 
 def cases_of(arguments):
@@ -90,7 +93,8 @@ def draw_body(figure, axes, mesh, line, factor):
     axes.set(aspect="equal", xlabel="x", ylabel="y",
              title=f"von Mises stress; displacements magnified {factor:g} times")
     axes.autoscale_view()
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.0, ncols=2, frameon=False)
+    if len(at):
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.0, ncols=2, frameon=False)
     figure.colorbar(drawn, ax=axes, shrink=0.8)
     return at
 
@@ -271,7 +275,8 @@ def rows_of(case, table):
 
 def draw_case(case, summary):
     """Draws one case."""
-    mesh, line = meshio.read(f"{case}.vtu"), meshio.read(f"{case}.contact.vtu")
+    mesh = meshio.read(f"{case}.vtu")
+    line = meshio.read(f"{case}.contact.vtu") if summary["counts"]["contact_points"] else NO_CONTACT
     sets = stretches(line)
     part = closed_part(line, sets) if sets else None
     shown = cropped(sets, part) if sets else []
@@ -284,6 +289,9 @@ def draw_case(case, summary):
     if sets:
         draw_stresses(axes["stresses"], line, shown)
         draw_motion(axes["motion"], line, shown, sets[-1][1][-1])
+    else:
+        axes["stresses"].set_axis_off()
+        axes["motion"].set_axis_off()
     if is_detail:
         draw_detail(figure, axes["detail"], mesh, line, np.concatenate([points for points, _ in shown]))
         axes["motion"].set(xlabel=f"length along the contact line, {part[0]:.4g} to {part[1]:.4g} of "

@@ -90,6 +90,16 @@ class Pictures(ProgramTest):
         self.assertIn("No case is solved", verdicts[1][1])
         self.assertIn('href="off.sweep.pvd"', page)
 
+    def test_bodies_with_one_contact_point_and_with_none_are_drawn(self):
+        held = "support set = 'left'  ux = 0.0  uy = 0.0"
+        self.write("one.nml", block(held, PRESSURE, CONTACT, mesh="size = 4.0, 2.0  cells = 1, 1"))
+        self.write("none.nml", block(held, PRESSURE))
+        self.run_program("--quiet", "--output", "few", "one.nml", "none.nml")
+        self.assertEqual([cells.type for cells in meshio.read(self.directory / "few/one.contact.vtu").cells], ["vertex"])
+        self.assertEqual(self.script("plot", "few").stderr, "")
+        self.script("report", "few")
+        self.assertIn("2 cases: 2 green", (self.directory / "few" / "report.html").read_text(encoding="utf-8"))
+
     def test_a_small_closed_part_is_drawn_by_itself(self):
         # A block on a small drum: a few points of its whole bottom side are closed.
         self.write("block.nml", block(
