@@ -1,8 +1,9 @@
-# Completes the command line of amontons in bash: options, directories, decks and, behind --reduced, reduced problems.
+# Completes the command line of amontons in bash: options, directories, decks; behind --reduced, reduced problems, and
+# behind --reference, groups of a deck.
 # shellcheck shell=bash
 
 _amontons() {
-   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} kinds='*.nml' i
+   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} kinds='*.nml' groups i
    local options='--output --check --quiet --threads --reduced --write-reduced --all-solutions --reference --help'
    local only_decks=false
 
@@ -17,6 +18,7 @@ _amontons() {
       case ${COMP_WORDS[i]} in
       --) only_decks=true ;;
       --reduced) kinds='*.@(dat|hdf5)' ;;
+      --reference) kinds=groups ;;
       esac
    done
    if [[ $only_decks == false ]]; then
@@ -32,6 +34,12 @@ _amontons() {
          mapfile -t COMPREPLY < <(compgen -W "$options --version" -- "$word")
          return
       fi
+   fi
+   if [[ $kinds == groups ]]; then
+      # The program knows them: ### `&mesh`
+      groups=$("$1" --reference 2>/dev/null | sed -n 's/^### .&\([a-z]*\).*/\1/p')
+      mapfile -t COMPREPLY < <(compgen -W "$groups" -- "$word")
+      return
    fi
    # The pattern excludes what it does not match; directories lead to decks.
    mapfile -t COMPREPLY < <(shopt -s extglob; compgen -f -X "!$kinds" -- "$word"; compgen -d -- "$word")

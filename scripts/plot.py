@@ -1,6 +1,6 @@
 """Draws cases from their files: the deformed body with its stress and contact points, pressure and shear with what
-friction can bear, gap and slip, and the residuals of the iterations; of a sweep, the parts of the contact line over the
-swept quantities.
+friction can bear, gap and slip, and the residuals of the iterations; where only a small part of the contact line is
+closed, that part, and the body there once more; of a sweep, the parts of the contact line over the swept quantities.
 
 Usage: plot.py CASE... A CASE is any file of a case, the path of its files without their endings, or a folder of cases.
 Writes CASE.png and CASE.svg beside the files.
@@ -25,6 +25,9 @@ STATUSES = (("open", "#D55E00", "o"), ("sticking", "#009E73", "s"), ("sliding al
 PARTS = {"separated": "#D55E00", "sliding": "#0072B2", "sticking": "#009E73"}
 PRESSURE, SHEAR, BOUND = "black", "#CC79A7", "#E69F00"
 SUMMARY = ".summary.json"
+# A grid without points is more than meshio can read.
+NO_CONTACT = meshio.Mesh(np.empty((0, 3)), [], {"displacement": np.empty((0, 3)), "status": np.empty(0),
+                                                "set": np.empty(0)})
 
 
 def cases_of(arguments):
@@ -35,7 +38,7 @@ def cases_of(arguments):
             found = sorted(str(path)[: -len(SUMMARY)] for path in argument.glob("*" + SUMMARY))
         else:
             names = [str(argument)[: -len(ending)] for ending in
-                     (SUMMARY, ".contact.csv", ".contact.vtu", ".sweep.csv", ".deck.nml", ".vtu", ".lst")
+                     (SUMMARY, ".contact.csv", ".contact.vtu", ".sweep.csv", ".sweep.pvd", ".deck.nml", ".vtu", ".lst")
                      if str(argument).endswith(ending)] + [str(argument)]
             found = [name for name in names if pathlib.Path(name + SUMMARY).exists()][:1]
         if not found:
@@ -69,14 +72,14 @@ def magnification(mesh):
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= wanted)
 
 
-def draw_body(figure, axes, mesh, line):
-    """The deformed mesh, coloured by von Mises stress, its outline before, and the contact points by status."""
-    factor = magnification(mesh)
+def draw_body(figure, axes, mesh, line, factor):
+    """The mesh, its displacements multiplied by a factor, coloured by von Mises stress, its outline before, and the
+    contact points by status. Returns where the contact points are drawn."""
     moved = mesh.points[:, :2] + factor * mesh.point_data["displacement"][:, :2]
     cells = outlines(mesh, moved)
     stress = np.concatenate(mesh.cell_data["von_mises"])
     # A mesh so fine that its lines would hide the colours is drawn without them.
-    is_fine = len(cells) > 4000
+    is_fine = len(cells) > 2000
     drawn = axes.add_collection(PolyCollection(cells, array=stress, cmap="cividis", linewidths=0.2,
                                                edgecolors="face" if is_fine else "white", rasterized=is_fine))
     axes.add_collection(LineCollection(mesh.points[boundary(mesh)][:, :, :2], colors="grey", linestyles="--",
@@ -90,8 +93,41 @@ def draw_body(figure, axes, mesh, line):
     axes.set(aspect="equal", xlabel="x", ylabel="y",
              title=f"von Mises stress; displacements magnified {factor:g} times")
     axes.autoscale_view()
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.0, ncols=2, frameon=False)
+    if len(at):
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.0, ncols=2, frameon=False)
     figure.colorbar(drawn, ax=axes, shrink=0.8)
+    return at
+
+
+def draw_detail(figure, axes, mesh, line, shown):
+    """The body once more, near the contact points that are shown. Displacements that are large beside such a part would
+    bend it out of shape if they were magnified."""
+    at = draw_body(figure, axes, mesh, line, 1.0)[shown]
+    axes.get_legend().remove()
+    axes.collections[0].colorbar.remove()
+    middle, half = (at.min(axis=0) + at.max(axis=0)) / 2, np.ptp(at, axis=0).max() / 2
+    axes.set(xlim=middle[0] + np.array([-1.0, 1.0]) * half, ylim=middle[1] + np.array([-0.4, 0.4]) * half,
+             xlabel="", ylabel="", title="the closed part, displacements as they are")
+
+
+def closed_part(line, sets):
+    """The range of lengths where the contact line is closed and somewhat more, if that is a small part of the line;
+    the whole of it else."""
+    lengths = np.concatenate([length for _, length in sets])
+    closed = lengths[np.concatenate([line.point_data["status"][points] > 1 for points, _ in sets])]
+    whole = lengths[0], lengths[-1]
+    if not len(closed):
+        return whole
+    near = np.sort(np.abs(lengths - closed.mean()))
+    margin = max(np.ptp(closed), 3 * near[min(2, len(near) - 1)])
+    part = max(closed.min() - margin, whole[0]), min(closed.max() + margin, whole[1])
+    return part if part[1] - part[0] < 0.4 * (whole[1] - whole[0]) else whole
+
+
+def cropped(sets, part):
+    """The contact sets, without the points outside a range of lengths, and without sets that have none left."""
+    inside = [(length >= part[0]) & (length <= part[1]) for _, length in sets]
+    return [(points[here], length[here]) for (points, length), here in zip(sets, inside) if here.any()]
 
 
 def stretches(line):
@@ -124,36 +160,52 @@ def draw_stresses(axes, line, sets):
     axes.legend(loc="best", frameon=False, fontsize="small")
 
 
-def draw_motion(axes, line, sets):
+def draw_motion(axes, line, sets, longest):
     """Gap and slip along the contact line.
 
-    Where the body's normal all but misses the obstacle, the gap along it is longer than the line itself; drawn, it
-    would flatten all others.
+    Where the body's normal all but misses the obstacle, the gap along it has no end and would flatten all others: the
+    axis ends at twice the usual gap, or where slips can still be seen.
     """
-    longest = sets[-1][1][-1]
+    data, points = line.point_data, np.concatenate([points for points, _ in sets])
+    gaps = data["gap"][points]
+    gaps = gaps[(gaps > 0.0) & (gaps <= longest)]
+    slips = data["slip"][points]
+    limit = max(4.0 * np.abs(slips).max(), 2.0 * np.median(gaps) if len(gaps) else 0.0)
     for name, color, style in (("gap", "#D55E00", "-"), ("slip", "#0072B2", "--")):
         for points, length in sets:
-            values = line.point_data[name][points]
+            values = data[name][points]
             axes.plot(length, np.where(np.abs(values) > longest, np.nan, values), color=color, linestyle=style,
                       label=name if length is sets[0][1] else None)
     axes.set(xlabel="length along the contact line", ylabel="gap, slip")
+    if 0.0 < limit < axes.get_ylim()[1]:
+        bottom = min(0.0, slips.min())
+        axes.set_ylim(bottom - 0.05 * (limit - bottom), limit)
     axes.legend(loc="best", frameon=False, fontsize="small")
 
 
 def draw_history(axes, summary):
     """The residual after each iteration."""
     history = [residual for residual in summary["history"] if residual]
-    axes.semilogy(range(1, len(history) + 1), history, color="black", marker=".", linewidth=0.8)
+    axes.semilogy(range(1, len(history) + 1), history, color="black", linewidth=0.8,
+                  marker="." if len(history) < 100 else None)
     verdict = "converged" if summary["converged"] else "NOT CONVERGED"
     axes.set(xlabel=f"iteration of {summary['method']}", ylabel="residual",
              title=f"{verdict}, residual {summary['residual']:.1e}; certificate "
              + ("passed" if summary["certificate"]["passed"] else "FAILED"))
+    axes.xaxis.get_major_locator().set_params(integer=True)
+
+
+def length_in(row, part):
+    """The length of a part of the contact line in a case; not a number where the case was not solved."""
+    return float(row[part]) if row["outcome"] == "converged" else np.nan
 
 
 def draw_parts(axes, values, rows):
-    """The parts of the contact line over one quantity."""
+    """The parts of the contact line over one quantity; cases that were not solved leave a gap."""
+    marker = "." if len(rows) < 100 else None
     for (part, color), style in zip(PARTS.items(), ("-", "--", ":")):
-        axes.plot(values, [float(row[part]) for row in rows], color=color, linestyle=style, label=part)
+        axes.plot(values, [length_in(row, part) for row in rows], marker=marker, color=color,
+                  linestyle=style, label=part)
     axes.legend(frameon=False)
     axes.set(ylabel="length")
 
@@ -161,14 +213,15 @@ def draw_parts(axes, values, rows):
 def draw_maps(figure, axes, columns, rows, marks):
     """A map of each part over two quantities; what was not solved stays white."""
     places = [np.unique([float(row[column]) for row in rows]) for column in columns]
-    whole = max(sum(float(row[part]) for part in PARTS) for row in rows)
+    whole = max((sum(length_in(row, part) for part in PARTS) for row in rows if row["outcome"] == "converged"),
+                default=1.0)
     for axis, part in zip(axes, PARTS):
         values = np.full([len(place) for place in places], np.nan)
         for row in rows:
             at = tuple(np.searchsorted(place, float(row[column])) for place, column in zip(places, columns))
-            if row["outcome"] == "converged":
-                values[at] = float(row[part])
-        drawn = axis.pcolormesh(places[1], places[0], values, cmap="cividis", vmin=0.0, vmax=whole, shading="nearest")
+            values[at] = length_in(row, part)
+        drawn = axis.pcolormesh(places[1], places[0], values, cmap="cividis", vmin=0.0, vmax=whole, shading="nearest",
+                                rasterized=values.size > 500)
         axis.set(title=f"{part} length", xlabel=columns[1].removeprefix("factor_"))
         for x, y, label in marks:
             axis.plot(x, y, marker="o", markersize=12, markerfacecolor="white", markeredgecolor="black")
@@ -184,6 +237,9 @@ def draw_sweep(summary, rows, marks=()):
     fixed = columns[2:]
     rows = [row for row in rows if all(row[name] == rows[0][name] for name in fixed)]
     title = (summary["title"] or summary["case"]) + "".join(f", {name} = {float(rows[0][name]):g}" for name in fixed)
+    n_left = sum(row["outcome"] != "converged" for row in rows)
+    if n_left:
+        title += f"; {n_left} of {len(rows)} cases NOT SOLVED"
     if len(columns) > 1 and not any(quantity["paired"] for quantity in summary["quantities"]):
         figure, axes = plt.subplots(1, 3, figsize=(14, 4.6), layout="constrained", sharey=True)
         draw_maps(figure, axes, columns[:2], rows, marks)
@@ -204,6 +260,7 @@ def draw_reduced(summary, rows):
         above.plot(numbers, [float(row[name]) for row in rows], color=color, marker=marker, markersize=4,
                    linestyle="none", label=name.replace("_", " "))
     above.set(xlabel="contact", ylabel="force")
+    above.xaxis.get_major_locator().set_params(integer=True)
     above.legend(frameon=False)
     draw_history(below, summary)
     figure.suptitle(summary["title"] or summary["case"])
@@ -218,15 +275,27 @@ def rows_of(case, table):
 
 def draw_case(case, summary):
     """Draws one case."""
-    mesh, line = meshio.read(f"{case}.vtu"), meshio.read(f"{case}.contact.vtu")
-    figure, axes = plt.subplot_mosaic([["body", "stresses"], ["body", "motion"], ["body", "history"]],
+    mesh = meshio.read(f"{case}.vtu")
+    line = meshio.read(f"{case}.contact.vtu") if summary["counts"]["contact_points"] else NO_CONTACT
+    sets = stretches(line)
+    part = closed_part(line, sets) if sets else None
+    shown = cropped(sets, part) if sets else []
+    is_detail = sum(len(points) for points, _ in shown) < len(line.points)
+    figure, axes = plt.subplot_mosaic([["body", "stresses"], ["body", "motion"],
+                                       ["detail" if is_detail else "body", "history"]],
                                       figsize=(12, 8), width_ratios=(1.15, 1), layout="constrained")
     figure.suptitle(summary["title"] or summary["case"])
-    draw_body(figure, axes["body"], mesh, line)
-    if len(line.points):
-        sets = stretches(line)
-        draw_stresses(axes["stresses"], line, sets)
-        draw_motion(axes["motion"], line, sets)
+    draw_body(figure, axes["body"], mesh, line, magnification(mesh))
+    if sets:
+        draw_stresses(axes["stresses"], line, shown)
+        draw_motion(axes["motion"], line, shown, sets[-1][1][-1])
+    else:
+        axes["stresses"].set_axis_off()
+        axes["motion"].set_axis_off()
+    if is_detail:
+        draw_detail(figure, axes["detail"], mesh, line, np.concatenate([points for points, _ in shown]))
+        axes["motion"].set(xlabel=f"length along the contact line, {part[0]:.4g} to {part[1]:.4g} of "
+                           f"{sets[-1][1][-1]:.4g}")
     draw_history(axes["history"], summary)
     return figure
 
@@ -241,7 +310,11 @@ def save_case(case, *files):
     else:
         figure = draw_case(case, summary)
     for file in files:
-        figure.savefig(file, dpi=110, format=None if isinstance(file, str) else "svg")
+        # In an SVG only what is fine-grained has a resolution, and it may be looked at more closely.
+        if isinstance(file, str) and file.endswith(".png"):
+            figure.savefig(file, dpi=110)
+        else:
+            figure.savefig(file, dpi=220, format="svg")
     plt.close(figure)
 
 

@@ -34,43 +34,44 @@ body { font: 15px/1.5 system-ui, sans-serif; color: #222; max-width: 70rem; marg
 h1, h2 { line-height: 1.2 } h2 { border-top: 1px solid #ccc; padding-top: 1.5rem; margin-top: 2.5rem }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums } .wide { overflow-x: auto }
 th, td { padding: .25rem .5rem; text-align: right; border-bottom: 1px solid #ddd; white-space: nowrap }
-th:first-child, td:first-child, .words td { text-align: left; white-space: normal }
+th { white-space: normal; vertical-align: bottom } th:first-child, td:first-child { text-align: left }
 img { width: 100%; height: auto } pre { background: #f5f5f5; padding: .8rem; overflow-x: auto; font-size: 13px }
 .verdict { padding: .5rem .8rem; border-left: .5rem solid; margin: 1rem 0 } .verdict b { margin-right: .5rem }
 .green { background: #e6f4ec; border-color: #00724f } .amber { background: #fdf1dc; border-color: #b26b00 }
 .red { background: #fbe6dd; border-color: #b03a00 } .mark { font-weight: bold } nav { margin: .5rem 0 }
 a { color: #00558c }
+@media screen and (max-width: 54rem) { img { width: 44rem } }
 @media print { body { max-width: none; margin: 0 } h2 { break-before: page; border: 0 } pre { white-space: pre-wrap } }
 """
 
 
 def violations(summary):
-    """The violations in the certificate of a case, infinite where one is not a number."""
-    certificate = summary["certificate"]
+    """The violations in the certificate of a case, infinite where one is not a number; none of a sweep without a case
+    that converged, which has no certificate."""
+    certificate = summary.get("certificate", {})
     return {name: float("inf") if certificate[name] is None else certificate[name]
             for name in VIOLATIONS if name in certificate}
 
 
 def verdict_of(summary):
     """The colour of a case, and the sentence that goes with it."""
-    found_violations, limit = violations(summary), summary["certificate"]["limit"]
-    largest = max(found_violations.values())
+    found_violations, residual = violations(summary), summary.get("residual")
+    largest = max(found_violations.values(), default=float("inf"))
     what = "the file's own matrix" if "problem" in summary else "the full model"
-    if summary["converged"] and summary["certificate"]["passed"]:
+    is_certified = bool(found_violations) and summary["certificate"]["passed"]
+    faults = [VIOLATIONS[name] for name, value in found_violations.items() if value > summary["certificate"]["limit"]]
+    found = f"On {what} {', '.join(faults)}. " if faults else ""
+    if "sweep" in summary and not (summary["converged"] and is_certified):
+        return verdict_of_sweep(summary["sweep"], is_certified, found)
+    if summary["converged"] and is_certified:
         which = f"; certified is case {summary['certificate']['case']}, the one with the largest residual" \
             if "sweep" in summary else ""
-        return "green", f"Solved and certified: on {what} every violation is at most {largest:.1e}, {limit:.0e} " \
-            f"being allowed{which}."
-    faults = [VIOLATIONS[name] for name, value in found_violations.items() if value > limit]
-    found = f"On {what} {', '.join(faults)}. " if faults else ""
-    if "sweep" in summary:
-        counts = summary["sweep"]
-        found = f"Of {counts['cases']} cases {counts['not_converged']} did not converge, and in " \
-            f"{counts['flies_off']} the body flies off: the column outcome tells which. " + found
-    elif not summary["converged"]:
+        return "green", f"Solved and certified: on {what} every violation is at most {largest:.1e}, " \
+            f"{summary['certificate']['limit']:.0e} being allowed{which}."
+    if not summary["converged"]:
         found = f"The method stopped after {summary['iterations']} iterations at a residual of " \
-                f"{summary['residual']:.1e}. " + found
-    if summary["residual"] is not None and max(summary["residual"], largest) <= USABLE:
+                f"{number(residual)}. " + found
+    if residual is not None and max(residual, largest) <= USABLE:
         return "amber", found + f"Nothing is off by more than {USABLE:.0e} of its scale: fit for a look, not for a " \
             "proof. Raise max_iterations, or take method = 'auto'."
     if summary["converged"]:
@@ -79,6 +80,23 @@ def verdict_of(summary):
     return "red", found + "Do not use these numbers. Take method = 'auto'; if that is what failed, raise " \
         "max_iterations, lower the friction in steps to see where it begins, or look whether the loads press the " \
         "body on its obstacle at all."
+
+
+def verdict_of_sweep(counts, is_certified, found):
+    """The same of a sweep that is not green."""
+    left = []
+    if counts["not_converged"]:
+        left.append(f"{counts['not_converged']} did not converge: take method = 'auto', or raise max_iterations")
+    if counts["flies_off"]:
+        left.append(f"in {counts['flies_off']} the body flies off, which is an answer: no contact forces hold these "
+                    "loads")
+    found = f"Of {counts['cases']} cases " + "; ".join(left) + ". The column outcome tells which. " + found \
+        if left else found
+    if not counts["converged"]:
+        return "red", found + "No case is solved."
+    if not is_certified:
+        return "red", found + "Do not use these numbers: the certificate of the case with the largest residual failed."
+    return "amber", found + "The others are solved, and the one with the largest residual is certified."
 
 
 def picture_of(case):
@@ -109,7 +127,7 @@ def overview(summaries):
                     + [number(lengths.get(part)) for part in ("separated", "sliding", "sticking")]
                     + [number(resultants.get(part)) for part in ("normal", "tangential")]
                     + [summary["iterations"],
-                       f"{summary['residual']:.1e}" if summary["residual"] is not None else "–",
+                       f"{summary['residual']:.1e}" if summary.get("residual") is not None else "–",
                        number(summary["seconds"]["total"])])
     return f'<div class="wide"><table>{head}{body}</table></div>\n'
 
@@ -123,15 +141,16 @@ def section(case, summary):
     stem = html.escape(pathlib.Path(case).name)
     link = urllib.parse.quote(pathlib.Path(case).name)
     files = ", ".join(f'<a href="{link}{ending}">{stem}{ending}</a>' for ending in
-                      (".lst", ".contact.csv", ".sweep.csv", ".summary.json", ".vtu", ".contact.vtu", ".deck.nml")
+                      (".lst", ".contact.csv", ".sweep.csv", ".summary.json", ".vtu", ".contact.vtu", ".sweep.pvd",
+                       ".deck.nml")
                       if pathlib.Path(case + ending).exists())
     return f"""<h2 id="{name}">{name}{": " + title if title else ""}</h2>
 <p class="verdict {color}"><b>{color}</b>{html.escape(sentence)}</p>
 <p>{", ".join(f"{value} {name.replace('_', ' ')}" for name, value in summary["counts"].items())}. Method
 {summary["method"]}, {summary["iterations"]} iterations.</p>
-<img src="{picture_of(case)}" alt="{name}: deformed body and contact line">
+<div class="wide"><img src="{picture_of(case)}" alt="{name}, drawn"></div>
 <p>Files: {files}</p>
-<details><summary>Certificate: violations on the full model, each over its natural scale</summary>
+<details><summary>Certificate: violations, each over its natural scale</summary>
 <table>{certificate}</table></details>
 <details><summary>Deck (run it again with <code>amontons {stem}.deck.nml</code>, version {summary["version"]})</summary>
 <pre>{deck}</pre></details>
@@ -144,6 +163,7 @@ def page_of(folder, cases):
     colors = [verdict_of(summary)[0] for summary in summaries]
     versions = ", ".join(sorted({summary["version"] for summary in summaries}))
     name = html.escape(folder.resolve().name)
+    pvd = ' ParaView steps through <a href="cases.pvd">cases.pvd</a>.' if (folder / "cases.pvd").exists() else ""
     counted = ", ".join(f"{colors.count(color)} {color}" for color in ("green", "amber", "red"))
     return f"""<!DOCTYPE html>
 <html lang="en">
@@ -152,7 +172,7 @@ def page_of(folder, cases):
 <body>
 <h1>Contact results: {name}</h1>
 <p>{len(cases)} cases: {counted}. Amontons {versions}; page made on {datetime.date.today().isoformat()}.
-Lengths, forces and stresses are in the units of the decks.</p>
+Lengths, forces and stresses are in the units of the decks.{pvd}</p>
 {overview(summaries)}{"".join(map(section, cases, summaries))}</body>
 </html>
 """

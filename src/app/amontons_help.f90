@@ -36,6 +36,9 @@ contains
          '  NAME.deck.nml      the deck with all defaults in place', &
          'A deck with a sweep leaves a listing, a summary, its deck and', &
          '  NAME.sweep.csv     one row for each case', &
+         '  NAME.sweep.pvd     the cases whose fields it asks for, for ParaView', &
+         'and several decks leave', &
+         '  cases.pvd          all their cases, for ParaView', &
          'Decks whose mesh, material, supports and contact sets agree share one', &
          'factorisation when they follow each other.', &
          '', &

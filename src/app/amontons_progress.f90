@@ -24,6 +24,7 @@ module amontons_progress
       procedure, public :: finish => progress_finish
       procedure, public :: is_stopped => progress_is_stopped
       procedure, public :: report => progress_report
+      procedure, public :: report_fields => progress_report_fields
    end type progress_t
 
 contains
@@ -61,6 +62,15 @@ contains
       call show(self, self%name//': '//progress_text(n_done, n_cases, n_done - self%n_before, &
          wall_seconds() - self%start))
    end subroutine progress_report
+
+   !> Shows how far the fields are.
+   subroutine progress_report_fields(self, n_done, n_fields)
+      class(progress_t), intent(inout) :: self !! the watch
+      integer, intent(in) :: n_done !! cases whose fields are written
+      integer, intent(in) :: n_fields !! all cases whose fields are asked for
+
+      call show(self, self%name//': fields of '//to_text(n_done)//' of '//to_text(n_fields)//' cases written')
+   end subroutine progress_report_fields
 
    !> Ends the watch and removes its line from the terminal.
    subroutine progress_finish(self)

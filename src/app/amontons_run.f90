@@ -2,9 +2,12 @@
 module amontons_run
    use amontons_all_solutions, only: find_all_solutions
    use amontons_body, only: estimate_body, estimate_t
+   use amontons_collection, only: collection_t, new_collection
    use amontons_command_line, only: append_argument, argument_t, command_line_t
    use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_listing_text, only: short
+   use amontons_output_file, only: commit_files, output_file_t
    use amontons_progress, only: new_progress, progress_t
    use amontons_report, only: write_report
    use amontons_result, only: certificate_limit, result_t, status_not_converged
@@ -31,28 +34,59 @@ contains
       integer, intent(out) :: status !! exit status of the program
       type(workshop_t) :: workshop
       type(argument_t), allocatable :: names(:)
+      type(argument_t) :: grids(size(command_line%decks))
       type(error_t), allocatable :: error
       integer :: i, deck_status
 
       status = 0
       allocate (names(0))
       do i = 1, size(command_line%decks)
-         call run_deck(command_line, command_line%decks(i)%text, workshop, names, deck_status, error)
-         if (allocated(error)) then
-            call complain(error%message)
-            deck_status = max(deck_status, error%kind)
-         end if
+         call run_deck(command_line, command_line%decks(i)%text, workshop, names, grids(i), deck_status, error)
+         call tell_error(error, deck_status)
          status = max(status, deck_status)
-         if (deck_status == status_interrupted) return
+         if (deck_status == status_interrupted) exit
       end do
+      if (size(grids) == 1) return
+      call collect_grids(command_line%output, grids, error)
+      call tell_error(error, status)
    end subroutine run_decks
 
+   !> Prints an error, if there is one, and raises the exit status to its kind.
+   subroutine tell_error(error, status)
+      type(error_t), allocatable, intent(in) :: error !! the error
+      integer, intent(inout) :: status !! the exit status
+
+      if (.not. allocated(error)) return
+      call complain(error%message)
+      status = max(status, error%kind)
+   end subroutine tell_error
+
+   !> Writes cases.pvd where there are several to step through: the grids of a run, the number of each deck its time.
+   subroutine collect_grids(directory, grids, error)
+      character(*), intent(in) :: directory !! output directory
+      type(argument_t), intent(in) :: grids(:) !! name of the case of each deck, where it left grids to be shown
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
+      type(collection_t) :: collection
+      type(output_file_t) :: files(1)
+      integer :: i
+
+      if (count([(allocated(grids(i)%text), i=1, size(grids))]) < 2) return
+      call new_collection(collection, directory//'/cases.pvd', error)
+      if (allocated(error)) return
+      do i = 1, size(grids)
+         if (allocated(grids(i)%text)) call collection%add(i, grids(i)%text)
+      end do
+      call collection%finish(files(1), error)
+      call commit_files(files, error)
+   end subroutine collect_grids
+
    !> Checks or solves one deck.
-   subroutine run_deck(command_line, deck, workshop, names, status, error)
+   subroutine run_deck(command_line, deck, workshop, names, grid, status, error)
       type(command_line_t), intent(in) :: command_line !! the options
       character(*), intent(in) :: deck !! name of the deck
       type(workshop_t), intent(inout) :: workshop !! what decks share
       type(argument_t), allocatable, intent(inout) :: names(:) !! names of the cases so far
+      type(argument_t), intent(inout) :: grid !! gains the name of a case that left grids to be shown
       integer, intent(out) :: status !! 0, `status_not_converged` or `status_interrupted`
       type(error_t), allocatable, intent(out) :: error !! the deck was refused or could not be solved, or told of
       type(config_t) :: config
@@ -69,7 +103,7 @@ contains
       else if (config%sweep%is_given()) then
          call report_sweep(command_line, config, workshop, status, error)
       else
-         call report_case(command_line, config, workshop, status, error)
+         call report_case(command_line, config, workshop, grid, status, error)
       end if
       ! What is wrong with a body or a solution is told with the deck it came from.
       if (.not. allocated(error)) return
@@ -137,10 +171,11 @@ contains
    end subroutine check_case
 
    !> Solves a case, writes its files and tells how it went.
-   subroutine report_case(command_line, config, workshop, status, error)
+   subroutine report_case(command_line, config, workshop, grid, status, error)
       type(command_line_t), intent(in) :: command_line !! the options
       type(config_t), intent(in) :: config !! the case
       type(workshop_t), intent(inout) :: workshop !! what decks share
+      type(argument_t), intent(inout) :: grid !! gains the name of the case if it converged
       integer, intent(out) :: status !! 0, or `status_not_converged`
       type(error_t), allocatable, intent(out) :: error !! the case cannot be solved, or its files not be written
       type(result_t) :: result
@@ -159,6 +194,7 @@ contains
       end if
       call write_report(command_line%output, config, workshop%body, result, error)
       if (allocated(error)) return
+      if (result%solution%is_converged) grid%text = config%name
       call tell(command_line, solved_text(config, result), error)
       if (.not. result%solution%is_converged) then
          status = status_not_converged
@@ -212,6 +248,7 @@ contains
             ' elements, '//to_text(body%dof_map%n_dofs)//' unknowns, '//to_text(body%zone%n_points)//' contact points'
       end associate
       if (config%sweep%is_given()) text = text//', '//to_text(config%sweep%n_cases())//' cases'
+      if (config%sweep%n_fields() > 0) text = text//', fields of '//to_text(config%sweep%n_fields())
       text = text//'; '//estimate%factorization//' factor of '//to_text(estimate%n_entries)//' entries, about '// &
          to_text(ceiling(estimate%memory_mb))//' MB of memory'
       if (estimate%memory_mb > estimate%available_mb) text = text//', but only '// &
@@ -228,8 +265,8 @@ contains
       write (residual, '(es9.2)') result%solution%residual
       text = config%name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
          to_text(result%solution%n_iterations)//' iterations, residual '//trim(adjustl(residual))//'; separated '// &
-         to_text(result%lengths%separated)//', sliding '//to_text(result%lengths%sliding)//', sticking '// &
-         to_text(result%lengths%sticking)
+         short(result%lengths%separated)//', sliding '//short(result%lengths%sliding)//', sticking '// &
+         short(result%lengths%sticking)
    end function solved_text
 
    !> What is told of a sweep.

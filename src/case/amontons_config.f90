@@ -93,7 +93,7 @@ contains
          call read_sweep(config%sweep, deck, config%loads, config%contacts)
       end if
       call read_solver(config, deck)
-      call deck%refuse_unknown(deck%group('output'))
+      call read_output(config%sweep, deck)
       call deck%finish(error)
    end subroutine read_groups
 
@@ -157,9 +157,10 @@ contains
          call require(deck, group, 'file', len_trim(config%mesh_file) > 0, "name the mesh of kind 'file'")
          call require(deck, group, 'size', .not. (has_size .or. has_cells), "not go with kind 'file'")
          if (len(config%mesh_file) > 0) config%mesh_file = absolute_path(beside(deck%file, config%mesh_file))
-      else
-         call require(deck, group, 'file', .not. has_file, "go with kind 'file'")
-         if (.not. (has_size .and. has_cells)) call deck%fault(group, 'kind', '&mesh needs size and cells')
+      else if (has_file) then
+         call require(deck, group, 'file', .false., "go with kind 'file'")
+      else if (.not. (has_size .and. has_cells)) then
+         call deck%fault(group, 'kind', '&mesh needs size and cells')
       end if
    end subroutine read_mesh
 
@@ -212,5 +213,21 @@ contains
             .and. method%space == 'primal'), "be 'dual' for a reduced problem, which has no stiffness to sweep on")
       end associate
    end subroutine read_solver
+
+   !> Reads `&output`: the fields that a sweep shall leave.
+   subroutine read_output(sweep, deck)
+      type(sweep_t), intent(inout) :: sweep !! the sweep
+      type(deck_t), intent(inout) :: deck !! the deck
+      integer :: group
+      logical :: is_given
+
+      group = deck%group('output')
+      call deck%get(group, 'fields_every', sweep%fields_every, is_given)
+      call deck%refuse_unknown(group)
+      if (.not. is_given) return
+      call require(deck, group, 'fields_every', sweep%is_given(), 'go with &sweep')
+      call require(deck, group, 'fields_every', sweep%fields_every > 0, 'be at least 1, found '// &
+         to_text(sweep%fields_every))
+   end subroutine read_output
 
 end module amontons_config

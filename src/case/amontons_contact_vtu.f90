@@ -1,4 +1,4 @@
-!> NAME.contact.vtu: the contact line alone, as a grid of line segments.
+!> NAME.contact.vtu: the contact line alone, as a grid of line segments, and of vertices where a point has no neighbour.
 module amontons_contact_vtu
    use amontons_body, only: body_t
    use amontons_contact_rows, only: turned
@@ -13,8 +13,8 @@ module amontons_contact_vtu
 
    public :: write_contact_vtu
 
-   !> VTK's number of a line segment.
-   integer, parameter :: vtk_line = 3
+   !> VTK's numbers of a vertex and of a line segment.
+   integer, parameter :: vtk_vertex = 1, vtk_line = 3
 
    !> What is shown of the contact points.
    type :: contact_line_t
@@ -39,27 +39,32 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the file cannot be written
       type(vtk_file_t) :: vtk
       type(contact_line_t) :: line
-      integer, allocatable :: start(:)
+      integer, allocatable :: start(:), lone(:)
+      logical :: has_neighbor(body%zone%n_points)
       integer :: p
 
       line = new_contact_line(body, result)
-      start = pack([(p, p=1, body%zone%n_points)], body%zone%next > 0)
-      call new_vtk_file(vtk, path, body%zone%n_points, size(start), error)
+      has_neighbor = body%zone%next > 0
+      start = pack([(p, p=1, body%zone%n_points)], has_neighbor)
+      has_neighbor(body%zone%next(start)) = .true.
+      lone = pack([(p, p=1, body%zone%n_points)], .not. has_neighbor)
+      call new_vtk_file(vtk, path, body%zone%n_points, size(start) + size(lone), error)
       if (allocated(error)) return
-      call put_arrays(vtk, line, body%zone%set, result%solution%status, start, body%zone%next(start))
+      call put_arrays(vtk, line, body%zone%set, result%solution%status, start, body%zone%next(start), lone)
       call vtk%begin_data()
-      call put_arrays(vtk, line, body%zone%set, result%solution%status, start, body%zone%next(start))
+      call put_arrays(vtk, line, body%zone%set, result%solution%status, start, body%zone%next(start), lone)
       call vtk%finish(file, error)
    end subroutine write_contact_vtu
 
    !> Hands over all arrays.
-   subroutine put_arrays(vtk, line, set, status, start, end)
+   subroutine put_arrays(vtk, line, set, status, start, end, lone)
       type(vtk_file_t), intent(inout) :: vtk !! the file
       type(contact_line_t), intent(in) :: line !! the contact points
       integer, intent(in) :: set(:) !! contact set of each point (m)
       integer, intent(in) :: status(:) !! status of each point (m)
       integer, intent(in) :: start(:) !! point where each segment begins
       integer, intent(in) :: end(:) !! point where each segment ends
+      integer, intent(in) :: lone(:) !! points without a segment
       integer :: i
 
       call vtk%put_vectors('PointData', 'displacement', line%displacement)
@@ -71,8 +76,9 @@ contains
       call vtk%put_reals('PointData', 'shear_bound', 1, line%bound)
       call vtk%put_integers('PointData', 'status', status)
       call vtk%put_integers('PointData', 'set', set)
-      call vtk%put_cells(line%position, [(start(i), end(i), i=1, size(start))], [(2*i, i=1, size(start))], &
-         spread(vtk_line, 1, size(start)))
+      call vtk%put_cells(line%position, [(start(i), end(i), i=1, size(start)), lone], &
+         [(2*i, i=1, size(start)), (2*size(start) + i, i=1, size(lone))], &
+         [spread(vtk_line, 1, size(start)), spread(vtk_vertex, 1, size(lone))])
    end subroutine put_arrays
 
    !> Gathers what is shown of the contact points.

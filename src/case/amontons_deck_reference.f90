@@ -130,7 +130,7 @@ module amontons_deck_reference
       "with `'constant'`, instead of `cells`: lengths along the line (of one piece) where one cell ends and the "// &
       'next begins')]
 
-   !> Keys of sweeps and of the solver.
+   !> Keys of sweeps, of the solver and of what is written.
    type(key_t), parameter :: solver_keys(*) = [ &
       key_t('sweep', 'load', .false., 'text', '', '', &
       'with `factor`, where it is required: the name of the load'), &
@@ -167,7 +167,9 @@ module amontons_deck_reference
       'most iterations, of all stages together with `auto`'), &
       key_t('solver', 'factorization', .false., "`'auto'`, `'band'`, `'sparse'`, `'substructured'`", '', "`'auto'`", &
       'Cholesky factorisation of the stiffness: band matrix, sparse matrix, the body cut in two parts for two'// &
-      ' threads, or the one that should be quickest')]
+      ' threads, or the one that should be quickest'), &
+      key_t('output', 'fields_every', .false., 'whole number, at least 1', '', 'none', &
+      'with `&sweep`: the fields of case 1 and of every so-many-th case behind it are written as `.vtu`')]
 
    !> All keys, group by group in the order of `group_names`.
    type(key_t), parameter :: all_keys(*) = [mesh_keys, body_keys, load_keys, contact_keys, solver_keys]
@@ -205,10 +207,6 @@ contains
       text = '### `&'//trim(group)//'`'
       if (any(repeatable_names == group)) text = text//' (may be repeated)'
       text = text//newline//newline
-      if (all(all_keys%group /= group)) then
-         text = text//'Has no keys yet.'
-         return
-      end if
       text = text//'| key | value | unit | default | meaning |'//newline//'|---|---|---|---|---|'
       do i = 1, size(all_keys)
          if (all_keys(i)%group == group) text = text//newline//row_text(all_keys(i))

@@ -26,7 +26,7 @@ contains
 
       text = '&case name = '//quoted(config%name)//'  title = '//quoted(config%title)//' /'//newline
       if (config%reduced%is_given) then
-         text = text//problem_text(config)//solver_text(config)//'&output /'//newline
+         text = text//problem_text(config)//solver_text(config)//output_text(config)
          return
       end if
       text = text//model_text(config)
@@ -41,7 +41,7 @@ contains
             text = text//sweep_text(config, i)
          end do
       end if
-      text = text//solver_text(config)//'&output /'//newline
+      text = text//solver_text(config)//output_text(config)
    end function effective_deck
 
    !> The part of the deck that a factorisation depends on: two cases whose texts agree can share it.
@@ -247,6 +247,16 @@ contains
             //'  factorization = '//quoted(config%factorization)//' /'//newline
       end associate
    end function solver_text
+
+   !> `&output`.
+   pure function output_text(config) result(text)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: text
+
+      text = '&output'
+      if (config%sweep%fields_every > 0) text = text//' fields_every = '//to_text(config%sweep%fields_every)
+      text = text//' /'//newline
+   end function output_text
 
    !> Two numbers separated by a comma.
    pure function pair(values) result(text)

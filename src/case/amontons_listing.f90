@@ -81,6 +81,8 @@ contains
             line('Separated length', short(lengths%separated))// &
             line('Sliding length', short(lengths%sliding))// &
             line('Sticking length', short(lengths%sticking))
+         if (body%zone%n_points > 0 .and. all(status == open_point)) text = text// &
+            line('Note', 'nothing touches the obstacle')
       end associate
    end function zones_text
 

@@ -25,7 +25,7 @@ contains
       character(20) :: column
 
       column = label
-      text = '  '//column//value//newline
+      text = '  '//trim(column//value)//newline
    end function line
 
    !> Two numbers with six digits.

@@ -8,15 +8,18 @@ module amontons_solve_sweep
    use amontons_certificate, only: new_certificate
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t
    use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_lengths, only: new_lengths
    use amontons_methods, only: new_contact_method
+   use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
-   use amontons_solve_case, only: condense_case, load_body, prepare_case, recover, workshop_t
+   use amontons_solve_case, only: condense_case, prepare_case, workshop_t
    use amontons_sweep_checkpoint, only: open_sweep_checkpoint, sweep_checkpoint_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
+   use amontons_sweep_fields, only: recover_case, write_sweep_fields
    use amontons_sweep_model, only: new_sweep_model, sweep_model_t
    use amontons_sweep_monitor, only: sweep_monitor_t
    use amontons_sweep_table, only: sweep_header
@@ -24,19 +27,21 @@ module amontons_solve_sweep
    use amontons_system, only: make_directory, wall_seconds
    use amontons_text, only: newline, to_text
    use amontons_threads, only: n_threads
-   use amontons_timings, only: phase_condense, phase_recover, phase_solve
+   use amontons_timings, only: phase_condense, phase_recover, phase_solve, phase_write
    use amontons_version, only: version
    implicit none (type, external)
    private
 
    public :: solve_sweep, sweep_result_t
 
-   !> The result of a sweep. Its rows are on the disk.
+   !> The result of a sweep. Its rows and its fields are on the disk.
    type :: sweep_result_t
       type(result_t) :: certified
          !! the converged case with the largest residual, certified on the full model; its times are those of the sweep
       type(sweep_tally_t) :: tally !! counts and extremes
       type(sweep_checkpoint_t) :: checkpoint !! the table, still under its temporary name
+      type(output_file_t), allocatable :: collection
+         !! the collection of the fields, if there is one, still under its temporary name
       integer :: n_resumed = 0 !! number of cases that an earlier run had done
       logical :: is_interrupted = .false. !! whether cases are left to do
    contains
@@ -81,9 +86,26 @@ contains
       call result%certified%timings%lap(phase_solve)
 
       result%is_interrupted = result%tally%n_cases < task%sweep%n_cases()
+      call keep_fields(task, workshop%body, directory, config%name, monitor, result, error)
+      if (allocated(error)) return
+      call result%certified%timings%lap(phase_write)
       if (.not. result%is_interrupted .and. result%tally%residual_case > 0) call certify(task, workshop%body, result)
       call result%certified%timings%lap(phase_recover)
    end subroutine solve_sweep
+
+   !> Writes the fields that the deck asks for, once all cases are done.
+   subroutine keep_fields(task, body, directory, name, monitor, result, error)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(inout) :: body !! the body
+      character(*), intent(in) :: directory !! output directory
+      character(*), intent(in) :: name !! name of the case
+      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
+      type(sweep_result_t), intent(inout) :: result !! gains the collection
+      type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
+
+      if (result%is_interrupted .or. task%sweep%n_fields() == 0) return
+      call write_sweep_fields(result%collection, task, body, directory, name, monitor, result%is_interrupted, error)
+   end subroutine keep_fields
 
    !> What the rows of a sweep depend on, lines of text.
    function sweep_key(config, model) result(key)
@@ -147,12 +169,13 @@ contains
       class(sweep_monitor_t), intent(in) :: monitor !! may stop the sweep
       type(chunk_t), intent(inout) :: chunks(:) !! the chunks
       type(contact_problem_t) :: problem
+      type(contact_solution_t) :: solutions(chunk_length)
       integer :: i
 
       problem = task%model%problem
       !$omp do schedule(dynamic, 1)
       do i = 1, size(chunks)
-         if (.not. monitor%is_stopped()) call solve_chunk(task, body, problem, chunks(i))
+         if (.not. monitor%is_stopped()) call solve_chunk(task, body, problem, chunks(i), solutions)
       end do
       !$omp end do
    end subroutine share_chunks
@@ -182,19 +205,15 @@ contains
       type(body_t), intent(inout) :: body !! the body; left with the loads and the friction of that case
       type(sweep_result_t), intent(inout) :: result !! gains the case and its certificate
       type(contact_problem_t) :: problem
+      type(contact_solution_t) :: solutions(chunk_length)
       type(chunk_t) :: chunk
-      real(dp) :: values(size(task%sweep%axes))
 
       associate (number => result%tally%residual_case, certified => result%certified)
          problem = task%model%problem
          call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
-         call solve_chunk(task, body, problem, chunk)
-         certified%solution = chunk%last_solution
-         values = task%sweep%values(number)
-         body%zone%friction = task%model%case_friction(values)
-         certified%loads = task%model%case_forces(values)
-         call load_body(body, certified%loads)
-         call recover(body, certified)
+         call solve_chunk(task, body, problem, chunk, solutions)
+         certified%solution = solutions(chunk%last - chunk%first + 1)
+         call recover_case(task, body, number, certified)
          call new_certificate(certified%certificate, body, certified%loads, certified%displacement, &
             certified%solution%force)
          call new_lengths(certified%lengths, body%zone, certified%solution%status)

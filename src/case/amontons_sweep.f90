@@ -40,10 +40,13 @@ module amontons_sweep
    !> The quantities of a sweep; without any there is no sweep.
    type :: sweep_t
       type(sweep_axis_t), allocatable :: axes(:) !! the quantities, in the deck's order
+      integer :: fields_every = 0 !! the fields of the first case and of every so many behind it are written; 0 for none
    contains
+      procedure :: has_fields => sweep_has_fields
       procedure :: is_given => sweep_is_given
       procedure :: lower_friction => sweep_lower_friction
       procedure :: n_cases => sweep_n_cases
+      procedure :: n_fields => sweep_n_fields
       procedure :: neighbor => sweep_neighbor
       procedure :: places => sweep_places
       procedure :: values => sweep_values
@@ -102,6 +105,24 @@ contains
          if (n_cases > largest_n_cases) return
       end do
    end function sweep_n_cases
+
+   !> Number of cases whose fields are asked for.
+   pure integer(int64) function sweep_n_fields(self) result(n_fields)
+      class(sweep_t), intent(in) :: self !! the sweep
+
+      n_fields = 0
+      if (self%fields_every > 0) n_fields = (self%n_cases() - 1)/self%fields_every + 1
+   end function sweep_n_fields
+
+   !> Whether the fields of one of these cases are asked for.
+   pure logical function sweep_has_fields(self, first, last) result(has_fields)
+      class(sweep_t), intent(in) :: self !! the sweep
+      integer, intent(in) :: first !! number of the first case
+      integer, intent(in) :: last !! number of the last case
+
+      has_fields = .false.
+      if (self%fields_every > 0) has_fields = modulo(1 - first, self%fields_every) <= last - first
+   end function sweep_has_fields
 
    !> Which of its values each quantity has in a case.
    pure function sweep_places(self, number) result(places)

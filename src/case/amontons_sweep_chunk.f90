@@ -41,7 +41,6 @@ module amontons_sweep_chunk
       logical :: is_done = .false. !! whether it has been solved
       character(:), allocatable :: rows !! rows of its cases
       type(case_result_t) :: results(chunk_length) !! what is kept of its cases
-      type(contact_solution_t) :: last_solution !! solution of its last case
    end type chunk_t
 
 contains
@@ -57,12 +56,12 @@ contains
    end subroutine new_chunk
 
    !> Solves the cases of a chunk.
-   subroutine solve_chunk(task, body, problem, chunk)
+   subroutine solve_chunk(task, body, problem, chunk, solutions)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! a copy of the model's; left as that of the last case
       type(chunk_t), intent(inout) :: chunk !! the chunk
-      type(contact_solution_t) :: solutions(chunk_length)
+      type(contact_solution_t), intent(out) :: solutions(chunk_length) !! the solutions of its cases
       character(:), allocatable :: runs
       integer :: i, number, neighbor
 
@@ -78,7 +77,6 @@ contains
             call append_row(chunk%rows, task%sweep, number, kept, runs)
          end associate
       end do
-      chunk%last_solution = solutions(chunk%last - chunk%first + 1)
       chunk%is_done = .true.
    end subroutine solve_chunk
 

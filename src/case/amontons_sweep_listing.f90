@@ -46,6 +46,8 @@ contains
          end associate
       end do
       text = text//line('Cases', to_text(config%sweep%n_cases())//', row by row in '//config%name//'.sweep.csv')
+      if (config%sweep%n_fields() > 0) text = text//line('Fields', 'of '//to_text(config%sweep%n_fields())// &
+         ' cases, those that converged, in '//config%name//'.sweep.pvd')
    end function sweep_text
 
    !> A quantity and its values; of many values the first and the last ones.

@@ -21,7 +21,9 @@ module amontons_sweep_model
    type :: sweep_model_t
       type(contact_problem_t) :: problem !! with load and friction of what does not vary, its compliance prepared
       real(dp), allocatable :: load(:, :) !! condensed load of each quantity at 1 (2m, quantities) [F]
+      real(dp), allocatable :: fixed_friction(:) !! friction that does not vary (m) [-]
       real(dp), allocatable :: friction(:, :) !! friction of each quantity at 1 (m, quantities) [-]
+      logical, allocatable :: is_guided(:) !! whether a support bears the shear of a point, whatever its friction (m)
       real(dp), allocatable :: fixed_forces(:, :) !! nodal forces of the loads that do not vary (2, n_nodes) [F]
       real(dp), allocatable :: forces(:, :, :) !! nodal forces of each quantity at 1 (2, n_nodes, quantities) [F]
    contains
@@ -49,6 +51,8 @@ contains
       if (allocated(error)) return
       call load_body(body, model%fixed_forces)
       model%problem = body%problem
+      model%fixed_friction = body%zone%friction
+      model%is_guided = body%zone%is_guided
       do k = 1, n
          associate (axis => config%sweep%axes(k))
             if (axis%target == swept_load) then
@@ -117,9 +121,8 @@ contains
 
       do p = 1, body%zone%n_points
          associate (contact => config%contacts(body%zone%set(p)), quantity => config%sweep%axes(axis), &
-            fixed => model%problem%friction(p))
-            ! A support bears the shear of a guided point, whatever its friction.
-            if (body%zone%is_guided(p) .or. .not. quantity%acts_on(contact%set)) cycle
+            fixed => model%fixed_friction(p))
+            if (.not. quantity%acts_on(contact%set)) cycle
             if (quantity%target == swept_friction) then
                model%friction(p, axis) = 1.0_dp
                fixed = dot_product(contact%friction%slope, body%zone%position(:, p))
@@ -138,7 +141,7 @@ contains
       real(dp), intent(in) :: values(:) !! value of each quantity [-]
 
       problem%load = self%problem%load + matmul(self%load, values)
-      problem%friction = self%case_friction(values)
+      problem%friction = merge(0.0_dp, self%case_friction(values), self%is_guided)
    end subroutine sweep_model_set_case
 
    !> The friction of every point in a case (m) [-].
@@ -147,7 +150,7 @@ contains
       real(dp), intent(in) :: values(:) !! value of each quantity [-]
       real(dp) :: friction(self%problem%n_points)
 
-      friction = self%problem%friction + matmul(self%friction, values)
+      friction = self%fixed_friction + matmul(self%friction, values)
    end function sweep_model_case_friction
 
    !> The nodal forces of a case (2, n_nodes) [F].
@@ -176,7 +179,7 @@ contains
          end do
          call mix(problem%load)
          call mix(problem%gap)
-         call mix(problem%friction)
+         call mix(self%fixed_friction)
          call mix(problem%slip_bound)
       end associate
       do j = 1, size(self%load, 2)

@@ -10,6 +10,7 @@ module amontons_sweep_monitor
    contains
       procedure :: is_stopped => sweep_monitor_is_stopped
       procedure :: report => sweep_monitor_report
+      procedure :: report_fields => sweep_monitor_report_fields
    end type sweep_monitor_t
 
 contains
@@ -32,5 +33,15 @@ contains
       associate (unused => self, done => n_done, all => n_cases)
       end associate
    end subroutine sweep_monitor_report
+
+   !> Tells of how many cases the fields are written: after each of their batches.
+   subroutine sweep_monitor_report_fields(self, n_done, n_fields)
+      class(sweep_monitor_t), intent(inout) :: self !! the monitor
+      integer, intent(in) :: n_done !! cases whose fields are written
+      integer, intent(in) :: n_fields !! all cases whose fields are asked for
+
+      associate (unused => self, done => n_done, all => n_fields)
+      end associate
+   end subroutine sweep_monitor_report_fields
 
 end module amontons_sweep_monitor

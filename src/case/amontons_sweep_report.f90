@@ -15,22 +15,23 @@ module amontons_sweep_report
 
    public :: write_sweep_report
 
-   !> Number of files that a sweep leaves, the table not counted.
+   !> Number of files that every sweep leaves, the table not counted.
    integer, parameter :: n_files = 3
 
 contains
 
-   !> Writes NAME.lst, NAME.deck.nml and NAME.summary.json and gives NAME.sweep.csv its name. Names change hands only
-   !> after every file is complete; the checkpoint goes last.
+   !> Writes NAME.lst, NAME.deck.nml and NAME.summary.json and gives NAME.sweep.csv and, where there are fields,
+   !> NAME.sweep.pvd their names. Names change hands only after every file is complete; the checkpoint goes last.
    subroutine write_sweep_report(directory, config, body, result, error)
       character(*), intent(in) :: directory !! output directory
       type(config_t), intent(in) :: config !! the deck
       type(body_t), intent(in) :: body !! the body
       type(sweep_result_t), intent(inout) :: result !! the result of all cases; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
-      type(output_file_t) :: files(n_files)
+      type(output_file_t) :: files(n_files + merge(1, 0, allocated(result%collection)))
       character(:), allocatable :: stem
 
+      if (allocated(result%collection)) files(n_files + 1) = result%collection
       stem = directory//'/'//config%name
       call write_files(files, stem, config, body, result, error)
       call hold_signals()
@@ -42,7 +43,7 @@ contains
 
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
    subroutine write_files(files, stem, config, body, result, error)
-      type(output_file_t), intent(inout) :: files(n_files) !! the finished files
+      type(output_file_t), intent(inout) :: files(:) !! the finished files
       character(*), intent(in) :: stem !! directory and name of the case
       type(config_t), intent(in) :: config !! the deck
       type(body_t), intent(in) :: body !! the body

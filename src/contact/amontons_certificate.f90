@@ -52,13 +52,15 @@ contains
       call split_imbalance(body%constraints, reaction, certificate%equilibrium)
       call check_points(certificate, body%zone, displacement, force, &
          max(maxval(abs(loads)), maxval(abs(reaction)), maxval(abs(contact))))
-      call check_resultants(certificate, body, loads, &
+      call check_resultants(certificate, body, displacement, loads, &
          reaction - spring_forces(body%mesh%n_nodes, body%springs, displacement), contact)
       certificate%equilibrium = relative_imbalance(certificate%equilibrium, body, displacement, &
          max(norm2(loads), norm2(reaction), norm2(contact)))
       certificate%strain_energy = 0.5_dp*sum(internal*displacement)
-      certificate%energy = relative(abs(sum(internal*displacement) - sum((loads + contact)*displacement) &
-         - sum(reaction*body%constraints%prescribed)), sum(abs(internal*displacement)))
+      ! Energies over the size of the displacements are forces, to which the same holds.
+      certificate%energy = relative_imbalance(relative(abs(sum(internal*displacement) &
+         - sum((loads + contact)*displacement) - sum(reaction*body%constraints%prescribed)), norm2(displacement)), &
+         body, displacement, relative(sum(abs(internal*displacement)), norm2(displacement)))
       certificate%duality_gap = relative(certificate%duality_gap, sum(abs(internal*displacement)))
    end subroutine new_certificate
 
@@ -139,9 +141,10 @@ contains
    end subroutine check_points
 
    !> Checks that all forces on the body balance. In a body of revolution only those along the axis need to.
-   pure subroutine check_resultants(certificate, body, loads, reaction, contact)
+   subroutine check_resultants(certificate, body, displacement, loads, reaction, contact)
       type(certificate_t), intent(inout) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       real(dp), intent(in) :: reaction(:, :) !! nodal reactions of supports and springs (2, n_nodes) [F]
       real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (2, n_nodes) [F]
@@ -154,7 +157,7 @@ contains
       norm = force_norm(loads, reaction, contact)
       resultant = certificate%load + certificate%reaction + certificate%contact
       if (body%is_axisymmetric) resultant(1) = 0.0_dp
-      certificate%resultant = relative(norm2(resultant), norm)
+      certificate%resultant = relative_imbalance(norm2(resultant), body, displacement, norm)
       if (body%is_axisymmetric) return
       center = 0.5_dp*(minval(body%mesh%coordinates, dim=2) + maxval(body%mesh%coordinates, dim=2))
       radius = maxval(maxval(body%mesh%coordinates, dim=2) - center)
@@ -165,7 +168,7 @@ contains
             moment = moment + arm(1)*f(2) - arm(2)*f(1)
          end associate
       end do
-      certificate%moment = relative(abs(moment), norm*radius)
+      certificate%moment = relative_imbalance(abs(moment)/radius, body, displacement, norm)
    end subroutine check_resultants
 
    !> The sum of all nodal forces' magnitudes, components taken singly: the scale of resultants [F].

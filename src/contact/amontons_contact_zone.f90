@@ -46,6 +46,7 @@ module amontons_contact_zone
       real(dp), allocatable :: weight(:) !! tributary length, or length of the cell (m) [L]
       real(dp), allocatable :: area(:) !! tributary area, or that of the cell: length times depth of the body (m) [L^2]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
+      logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle, so that the point can close (m)
       real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
       real(dp), allocatable :: slip_bound(:) !! given bound g of the tangential force (m) [F]
       logical, allocatable :: is_guided(:) !! whether a support leaves it one direction and bears the shear (m)
@@ -291,19 +292,19 @@ contains
       type(error_t), allocatable, intent(out) :: error !! a boundary that faces away, or a negative friction
       real(dp), parameter :: out_of_reach = 1.0e3_dp
       real(dp) :: size_of_body, gap
-      logical :: is_met(zone%n_points), sample_is_met
+      logical :: is_met
       integer :: p, i
 
       size_of_body = norm2(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
       zone%gap = spread(0.0_dp, 1, zone%n_points)
       zone%friction = zone%gap
       zone%slip_bound = zone%gap
-      is_met = .true.
+      zone%is_in_reach = spread(.true., 1, zone%n_points)
       do p = 1, zone%n_points
          associate (contact => contacts(zone%set(p)), samples => zone%samples)
             do i = samples%start(p), samples%start(p + 1) - 1
-               call contact%obstacle%measure(samples%position(:, i), samples%normal(:, i), gap, sample_is_met)
-               is_met(p) = is_met(p) .and. sample_is_met
+               call contact%obstacle%measure(samples%position(:, i), samples%normal(:, i), gap, is_met)
+               zone%is_in_reach(p) = zone%is_in_reach(p) .and. is_met
                zone%gap(p) = zone%gap(p) + samples%share(i)*gap
                zone%friction(p) = zone%friction(p) &
                   + samples%share(i)*contact%friction%at(samples%position(:, i), samples%station(i))
@@ -311,7 +312,7 @@ contains
                   + samples%share(i)*contact%slip_bound%at(samples%position(:, i), samples%station(i))*zone%area(p)
             end do
             zone%gap(p) = zone%gap(p) + contact%extra_gap
-            if (.not. is_met(p)) zone%gap(p) = out_of_reach*size_of_body
+            if (.not. zone%is_in_reach(p)) zone%gap(p) = out_of_reach*size_of_body
             if (min(zone%friction(p), zone%slip_bound(p)) < 0.0_dp) then
                call new_error(error, input_refused, contact%origin//'friction or slip bound is negative at '// &
                   position_text(zone%position(:, p)))
@@ -320,7 +321,7 @@ contains
          end associate
       end do
       do i = 1, size(contacts)
-         if (any(is_met .and. zone%set == i) .or. all(zone%set /= i)) cycle
+         if (any(zone%is_in_reach .and. zone%set == i) .or. all(zone%set /= i)) cycle
          call new_error(error, input_refused, contacts(i)%origin//'the boundary does not face its obstacle; '// &
             'the normal of the obstacle must point to the body')
          return

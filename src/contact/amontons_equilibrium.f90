@@ -46,6 +46,7 @@ contains
       end do
       cone = 0.0_dp
       do p = 1, zone%n_points
+         if (.not. zone%is_in_reach(p)) cycle
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
             motion = motions%displacement(mesh%coordinates(:, zone%rows%node(i)))
             associate (normal => zone%rows%part(:, i))

@@ -204,6 +204,8 @@ contains
       integer :: i
 
       allocate (character(maxval([0, (len(self%sets(i)%name), i=1, size(self%sets))])) :: names(size(self%sets)))
+      text = '; it has no sets at all: name its boundaries in the mesh file, in Gmsh as physical curves'
+      if (size(names) == 0) return
       text = '; its sets are: '
       do i = 1, size(names)
          names(i) = self%sets(i)%name

@@ -34,7 +34,7 @@ contains
          call read_abaqus(draft, input)
       case default
          call input%refuse('neither a Gmsh mesh, which begins with $MeshFormat, nor an Abaqus one, which begins '// &
-            'with a keyword such as *NODE')
+            'with a keyword such as *NODE; a .geo file is to be meshed first: gmsh -2')
       end select
       if (.not. allocated(input%error)) call new_clean_mesh(mesh, draft, input)
       call move_alloc(input%error, error)

@@ -168,7 +168,8 @@ class StandardOutput(ProgramTest):
         run = self.run_shell('"$0" case.nml other.nml > /dev/full', 3)
         reason = ": standard output: cannot write: No space left on device\n"
         self.assertEqual(run.stderr, f"case.nml{reason}other.nml{reason}")
-        self.assertEqual(self.files(), sorted(["case.nml", "other.nml", *results_of("case"), *results_of("other")]))
+        self.assertEqual(self.files(), sorted(["case.nml", "other.nml", "cases.pvd", *results_of("case"),
+                                               *results_of("other")]))
         for option in ("--help", "--version"):
             self.assertEqual(self.run_shell(f'"$0" {option} > /dev/full', 3).stderr, reason[2:])
         self.assertEqual(self.run_shell('"$0" --check case.nml > /dev/full', 3).stderr, "case.nml" + reason)
@@ -306,7 +307,7 @@ class SeveralDecks(ProgramTest):
         self.assertEqual([line.split(":")[0] for line in run.stderr.splitlines()],
                          ["refused.nml", "lifted.nml", "none.nml"])
         self.assertEqual(sorted(self.contents("results")),
-                         sorted(results_of("sound") + results_of("slow") + results_of("other")))
+                         sorted(["cases.pvd"] + results_of("sound") + results_of("slow") + results_of("other")))
 
     def test_deck_behind_a_failed_one_is_solved_as_alone(self):
         self.write("tpo.nml", SOUND.replace("'left'", "'tpo'"))

@@ -280,8 +280,22 @@ class Listing(ProgramTest):
                 self.assertAlmostEqual(float(text), result[column][i], delta=1e-5*max(abs(result[column][i]), 1e-99))
             self.assertEqual(row[9], result["status"][i])
 
+    def test_a_body_that_touches_nothing_is_noted(self):
+        self.solve(block("support set = 'left'  ux = 0.0  uy = 1.0", CONTACT,
+                         "load set = 'right'  traction = 0.0, 1.0"))
+        self.assertIn("nothing touches the obstacle\n", self.contents()["case.lst"].decode())
+        self.solve(block(SUPPORT, PRESSURE, CONTACT))
+        self.assertNotIn("nothing touches", self.contents()["case.lst"].decode())
+
+    def test_a_body_that_is_only_moved_is_certified(self):
+        # No force acts: what rounding leaves of forces is not to be held against them.
+        result = self.solve(block("support set = 'right'  ux = 0.013  uy = 0.7", CONTACT,
+                                  material="young = 70000.0  poisson = 0.25"))
+        self.assertIs(result.summary["certificate"]["passed"], True)
+        self.assertEqual(set(result["status"]), {"open"})
+
     def test_no_line_ends_in_blanks_or_is_empty_twice(self):
-        self.solve(block(SUPPORT, PRESSURE, CONTACT, "case title = 'A block'"))
+        self.solve(block(SUPPORT, PRESSURE, CONTACT))
         listing = self.contents()["case.lst"].decode()
         self.assertNotRegex(listing, r"[ \t]\n")
         self.assertNotIn("\n\n\n", listing)

@@ -6,7 +6,7 @@ import subprocess
 import unittest
 from pathlib import Path
 
-from harness import SUFFIXES, ProgramTest
+from harness import PROGRAM, SUFFIXES, ProgramTest
 
 ROOT = Path(__file__).resolve().parents[2]
 MANUAL = ROOT / "doc" / "amontons.1"
@@ -53,7 +53,8 @@ class Completion(ProgramTest):
     def complete(self, *words):
         """What the last of these words can become behind the program's name."""
         run = self.run_command(["bash", "-c", f"""source "{COMPLETION}"; COMP_WORDS=(amontons "$@"); COMP_CWORD=$#
-            _amontons; complete -p amontons >/dev/null && printf '%s\n' "${{COMPREPLY[@]}}" """, "bash", *words])
+            _amontons "{PROGRAM}"; complete -p amontons >/dev/null
+            printf '%s\n' "${{COMPREPLY[@]}}" """, "bash", *words])
         self.assertEqual(run.stderr, "")
         return sorted(line for line in run.stdout.splitlines() if line)
 
@@ -69,6 +70,10 @@ class Completion(ProgramTest):
 
     def test_reduced_problems(self):
         self.assertEqual(self.complete("--reduced", "w"), ["w.dat", "w.hdf5"])
+
+    def test_groups_of_the_reference(self):
+        self.assertEqual(self.complete("--reference", "m"), ["material", "mesh"])
+        self.assertEqual(self.complete("--reference", "mesh", "sw"), ["sweep"])
 
     def test_values(self):
         self.assertEqual(self.complete("--output", ""), ["results"])

@@ -1,4 +1,5 @@
 """Pictures and pages made of solved cases by scripts/plot.sh and scripts/report.sh."""
+import re
 import shutil
 import subprocess
 import sys
@@ -73,19 +74,61 @@ class Pictures(ProgramTest):
         self.assertIn("The method stopped after 2 iterations", page)
         self.assertNotIn("http", page.replace('xmlns="http://www.w3.org', ""), "the page needs no network")
 
+    def test_sweeps_with_cases_that_are_not_solved(self):
+        swept = (SUPPORT, "load name = 'press'  set = 'top'  pressure = 1.0", CONTACT)
+        for name, groups in {"off": ("sweep load = 'press'  factor = 1.0, -1.0, 2.0", "output fields_every = 1"),
+                             "map": ("sweep load = 'press'  factor = 1.0, -1.0, 2.0", "sweep friction = 0.1, 0.3"),
+                             "none": ("sweep load = 'press'  factor = -1.0, -2.0", )}.items():
+            self.write(f"{name}.nml", block(*swept, *groups))
+        self.run_program("--quiet", "--output", "swept", "off.nml", "map.nml", "none.nml", status=4)
+        self.script("plot", "swept")
+        self.script("report", "swept")
+        page = (self.directory / "swept" / "report.html").read_text(encoding="utf-8")
+        verdicts = re.findall(r'<p class="verdict (\w+)"><b>\w+</b>(.*)</p>', page)
+        self.assertEqual([color for color, _ in verdicts], ["amber", "red", "amber"])
+        self.assertIn("Of 6 cases in 2 the body flies off", verdicts[0][1])
+        self.assertIn("No case is solved", verdicts[1][1])
+        self.assertIn('href="off.sweep.pvd"', page)
+
+    def test_bodies_with_one_contact_point_and_with_none_are_drawn(self):
+        held = "support set = 'left'  ux = 0.0  uy = 0.0"
+        self.write("one.nml", block(held, PRESSURE, CONTACT, mesh="size = 4.0, 2.0  cells = 1, 1"))
+        self.write("none.nml", block(held, PRESSURE))
+        self.run_program("--quiet", "--output", "few", "one.nml", "none.nml")
+        line = meshio.read(self.directory / "few" / "one.contact.vtu")
+        self.assertEqual([cells.type for cells in line.cells], ["vertex"])
+        self.assertEqual(self.script("plot", "few").stderr, "")
+        self.script("report", "few")
+        self.assertIn("2 cases: 2 green", (self.directory / "few" / "report.html").read_text(encoding="utf-8"))
+
+    def test_a_small_closed_part_is_drawn_by_itself(self):
+        # A block on a small drum: a few points of its whole bottom side are closed.
+        self.write("block.nml", block(
+            "support set = 'top'  ux = 0.0  uy = -0.01",
+            "contact set = 'bottom'  obstacle = 'circle'  radius = 1.0  point = 2.0, 0.0",
+            mesh="size = 4.0, 2.0  cells = 40, 8"))
+        self.run_program("--quiet", "block.nml")
+        self.script("plot", "block")
+        self.assertIn("displacements as they are", (self.directory / "block.svg").read_text(encoding="utf-8"))
+
     @unittest.skipIf(BROWSER is None, "chromium is not installed")
     def test_a_browser_shows_the_page(self):
         self.script("report", "some results")
         page = self.directory / "some results" / "report.html"
-        # A script of the test, not of the page, asks the browser whether it could draw the pictures.
+        # A script of the test, not of the page, asks the browser whether it could draw the pictures, and whether
+        # the page is wider than the window.
         probe = page.with_name("probe.html")
         probe.write_text(page.read_text(encoding="utf-8") + "<script>addEventListener('load', () => { document.title = "
                          "[...document.images].map(image => image.complete && image.naturalWidth > 100).join() + "
-                         "' ' + document.querySelectorAll('h2').length })</script>", encoding="utf-8")
-        run = subprocess.run([BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=10000",
-                              f"--user-data-dir={self.directory / 'profile'}", "--dump-dom", probe.as_uri()],
-                             capture_output=True, encoding="utf-8", timeout=60, check=True)
-        self.assertIn("<title>true,true 2</title>", run.stdout)
+                         "' ' + document.querySelectorAll('h2').length + ' ' + "
+                         "Math.max(0, document.documentElement.scrollWidth - innerWidth) })</script>", encoding="utf-8")
+        for width in (390, 1280):
+            run = subprocess.run([BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=10000",
+                                  f"--window-size={width},800", "--enable-logging=stderr",
+                                  f"--user-data-dir={self.directory / 'profile'}", "--dump-dom", probe.as_uri()],
+                                 capture_output=True, encoding="utf-8", timeout=60, check=True)
+            self.assertIn("<title>true,true 2 0</title>", run.stdout, width)
+            self.assertNotIn("CONSOLE", run.stderr)
 
 
 if __name__ == "__main__":

@@ -27,6 +27,8 @@ COMPANIONS = {
     ("contact", "cell_ends"): {"set": "'bottom'", "multipliers": "'constant'"},
     ("problem", "friction"): {"kind": "'reduced'", "file": "'none.dat'"},
 }
+# What a deck needs besides, for a key to stand in it.
+BESIDES = {("output", "fields_every"): {"sweep": {"friction": "0.1, 0.2"}}}
 WORD = re.compile(r"`('[^`]*')`")
 NOUNS = {"text": "quoted text", "number": "number", "numbers": "number", "whole": "whole number"}
 
@@ -74,7 +76,8 @@ class Reference(ProgramTest):
     def deck(self, key, value=None):
         """A sound deck but for the value of one key, which is left out where there is none."""
         group = COMPANIONS.get((key.group, key.name), GROUPS.get(key.group, {}))
-        groups = {**GROUPS, key.group: {name: text for name, text in group.items() if name != key.name}}
+        groups = {**GROUPS, **BESIDES.get((key.group, key.name), {}),
+                  key.group: {name: text for name, text in group.items() if name != key.name}}
         if value:
             groups[key.group][key.name] = value
         return "".join(f"&{group} {'  '.join(f'{name} = {text}' for name, text in values.items())} /\n"

@@ -374,7 +374,7 @@ class Interruption(SweepTest):
         self.assertEqual(self.contents()["victim"], b"precious")
 
     def test_progress_is_shown_on_a_terminal_only(self):
-        self.write("sweep.nml", map_of_states(3))
+        self.write("sweep.nml", map_of_states(3) + "&output fields_every = 200 /\n")
         for quiet, expected in ((["--quiet"], False), ([], True)):
             keyboard, screen = pty.openpty()
             run = self.start(*quiet, "sweep.nml", stderr=screen)
@@ -389,8 +389,8 @@ class Interruption(SweepTest):
             os.close(keyboard)
             self.assertEqual(run.returncode, 0)
             if expected:
-                self.assertRegex(shown.decode(), r"\rsweep: 0 of 600 cases")
-                self.assertRegex(shown.decode(), r"\rsweep: \d+ of 600 cases, \d+ a second, 0:00:\d\d left")
+                self.assertRegex(shown.decode(), r"(?s)\rsweep: 0 of 600 cases.*\rsweep: \d+ of 600 cases, \d+ a "
+                                 r"second, 0:00:\d\d left.*\rsweep: fields of 3 of 3 cases written")
                 self.assertTrue(shown.endswith(b" \r"), shown)
             else:
                 self.assertEqual(shown, b"")

@@ -1,0 +1,98 @@
+!> Collections for ParaView: the grids of several cases in one file, to be stepped through.
+!>
+!> A case is a step of the collection, its time the number of the case; body and contact line are parts of the step.
+module amontons_collection
+   use amontons_error, only: error_t
+   use amontons_output_file, only: new_output_file, output_file_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: collection_t, new_collection
+
+   character(*), parameter :: newline = new_line('a')
+
+   !> A collection being written.
+   type :: collection_t
+      private
+      type(output_file_t) :: file !! the file
+      integer :: state = 0 !! status of the last write statement; nothing is written after a failure
+      integer, public :: n_cases = 0 !! number of its cases
+   contains
+      procedure, public :: add => collection_add
+      procedure, public :: discard => collection_discard
+      procedure, public :: finish => collection_finish
+   end type collection_t
+
+contains
+
+   !> Opens a collection under a temporary name.
+   subroutine new_collection(collection, path, error)
+      type(collection_t), intent(out) :: collection !! the collection, without cases
+      character(*), intent(in) :: path !! name of the file
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be opened
+
+      call new_output_file(collection%file, path, .false., error)
+      if (allocated(error)) return
+      ! allow(C181): `finish` checks the state
+      write (collection%file%unit, '(a)', iostat=collection%state) '<?xml version="1.0"?>'//newline// &
+         '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">'//newline//'  <Collection>'
+   end subroutine new_collection
+
+   !> Adds a case: STEM.vtu and STEM.contact.vtu.
+   subroutine collection_add(self, number, stem)
+      class(collection_t), intent(inout) :: self !! the collection
+      integer, intent(in) :: number !! number of the case
+      character(*), intent(in) :: stem !! name of its files without endings, seen from the folder of the collection
+      character(:), allocatable :: head
+
+      self%n_cases = self%n_cases + 1
+      if (self%state /= 0) return
+      head = '    <DataSet timestep="'//to_text(number)//'" part="'
+      ! allow(C181): `finish` checks the state
+      write (self%file%unit, '(a)', iostat=self%state) &
+         head//'0" name="body" file="'//escaped(stem)//'.vtu"/>'//newline// &
+         head//'1" name="contact line" file="'//escaped(stem)//'.contact.vtu"/>'
+   end subroutine collection_add
+
+   !> Closes the collection; it still has its temporary name.
+   subroutine collection_finish(self, file, error)
+      class(collection_t), intent(inout) :: self !! the collection
+      type(output_file_t), intent(out) :: file !! the finished file
+      type(error_t), allocatable, intent(out) :: error !! not everything could be written
+
+      ! allow(C181): the output file's own `finish` checks the state
+      if (self%state == 0) write (self%file%unit, '(a)', iostat=self%state) '  </Collection>'//newline//'</VTKFile>'
+      call self%file%finish(self%state, error)
+      file = self%file
+   end subroutine collection_finish
+
+   !> Removes what was written.
+   subroutine collection_discard(self)
+      class(collection_t), intent(inout) :: self !! the collection
+
+      call self%file%discard()
+   end subroutine collection_discard
+
+   !> Text as the value of an XML attribute.
+   pure function escaped(text) result(value)
+      character(*), intent(in) :: text !! the text
+      character(:), allocatable :: value
+      integer :: i
+
+      value = ''
+      do i = 1, len(text)
+         select case (text(i:i))
+         case ('&')
+            value = value//'&amp;'
+         case ('<')
+            value = value//'&lt;'
+         case ('"')
+            value = value//'&quot;'
+         case default
+            value = value//text(i:i)
+         end select
+      end do
+   end function escaped
+
+end module amontons_collection
