@@ -4,6 +4,7 @@ module amontons_listing
    use amontons_certificate, only: certificate_t
    use amontons_config, only: config_t
    use amontons_contact_table, only: contact_point_t, new_contact_point
+   use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
    use amontons_listing_model, only: loads_text, model_text
    use amontons_listing_parts, only: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
@@ -81,7 +82,7 @@ contains
             line('Separated length', short(lengths%separated))// &
             line('Sliding length', short(lengths%sliding))// &
             line('Sticking length', short(lengths%sticking))
-         if (body%zone%n_points > 0 .and. all(status == open_point)) text = text// &
+         if (body%zone%n_points > 0 .and. all(result%solution%status == open_point)) text = text// &
             line('Note', 'nothing touches the obstacle')
       end associate
    end function zones_text
