@@ -1,9 +1,10 @@
-# Completes the command line of amontons in bash: options, directories, decks and, behind --reduced, reduced problems.
+# Completes the command line of amontons in bash: options, directories, decks, behind --reduced reduced problems, and
+# behind --verify directories alone.
 # shellcheck shell=bash
 
 _amontons() {
    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} kinds='*.nml' i
-   local options='--output --check --quiet --threads --reduced --write-reduced --all-solutions --reference --help'
+   local options='--output --check --quiet --threads --reduced --write-reduced --all-solutions --verify --reference'
    local only_decks=false
 
    COMPREPLY=()
@@ -17,6 +18,7 @@ _amontons() {
       case ${COMP_WORDS[i]} in
       --) only_decks=true ;;
       --reduced) kinds='*.@(dat|hdf5)' ;;
+      --verify) kinds='' ;;
       esac
    done
    if [[ $only_decks == false ]]; then
@@ -29,11 +31,11 @@ _amontons() {
       --threads) return ;;
       esac
       if [[ $word == -* ]]; then
-         mapfile -t COMPREPLY < <(compgen -W "$options --version" -- "$word")
+         mapfile -t COMPREPLY < <(compgen -W "$options --help --version" -- "$word")
          return
       fi
    fi
-   # The pattern excludes what it does not match; directories lead to decks.
+   # The pattern excludes what it does not match; directories lead to decks, or hold what is verified.
    mapfile -t COMPREPLY < <(shopt -s extglob; compgen -f -X "!$kinds" -- "$word"; compgen -d -- "$word")
    compopt -o filenames 2>/dev/null || true
 }

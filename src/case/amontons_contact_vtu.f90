@@ -11,7 +11,7 @@ module amontons_contact_vtu
    implicit none (type, external)
    private
 
-   public :: write_contact_vtu
+   public :: show_contact_line, write_contact_vtu
 
    !> VTK's number of a line segment.
    integer, parameter :: vtk_line = 3
@@ -38,23 +38,32 @@ contains
       type(result_t), intent(in) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! the file cannot be written
       type(vtk_file_t) :: vtk
+
+      call new_vtk_file(vtk, path, body%zone%n_points, count(body%zone%next > 0), error)
+      if (allocated(error)) return
+      call show_contact_line(vtk, body, result)
+      call vtk%finish(file, error)
+   end subroutine write_contact_vtu
+
+   !> Hands the contact line and its result over to a file, to be written or to be compared with.
+   subroutine show_contact_line(vtk, body, result)
+      class(vtk_file_t), intent(inout) :: vtk !! the file
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! the result
       type(contact_line_t) :: line
       integer, allocatable :: start(:)
       integer :: p
 
       line = new_contact_line(body, result)
       start = pack([(p, p=1, body%zone%n_points)], body%zone%next > 0)
-      call new_vtk_file(vtk, path, body%zone%n_points, size(start), error)
-      if (allocated(error)) return
       call put_arrays(vtk, line, body%zone%set, result%solution%status, start, body%zone%next(start))
       call vtk%begin_data()
       call put_arrays(vtk, line, body%zone%set, result%solution%status, start, body%zone%next(start))
-      call vtk%finish(file, error)
-   end subroutine write_contact_vtu
+   end subroutine show_contact_line
 
    !> Hands over all arrays.
    subroutine put_arrays(vtk, line, set, status, start, end)
-      type(vtk_file_t), intent(inout) :: vtk !! the file
+      class(vtk_file_t), intent(inout) :: vtk !! the file
       type(contact_line_t), intent(in) :: line !! the contact points
       integer, intent(in) :: set(:) !! contact set of each point (m)
       integer, intent(in) :: status(:) !! status of each point (m)
