@@ -64,8 +64,8 @@ static long fill(int file, unsigned char *buffer, size_t size)
     return (long)n_read;
 }
 
-/* The checksum of a file and its size. Returns 0 or the system's error number. What a pipe held is gone when it has been
-   read: it has no checksum. */
+/* The checksum of a file and its size. Returns 0 or the system's error number. What a pipe held is gone when it has
+   been read: it has no checksum. */
 int amontons_checksum_of_file(const char *path, char *digits, long long *n_bytes)
 {
     enum { size = 1 << 17 };

@@ -50,7 +50,7 @@ contains
       if (len(fault) > 0) return
       allocate (table%numbers(n_numbers, n_points), table%status(n_points))
       do p = 1, n_points
-         if (rows%field(p, 1) /= to_text(p)) fault = 'line '//to_text(p + 1)//": expected point "//to_text(p)// &
+         if (rows%field(p, 1) /= to_text(p)) fault = 'line '//to_text(p + 1)//': expected point '//to_text(p)// &
             ", found '"//rows%field(p, 1)//"'"
          do i = 1, n_numbers
             call rows%get_number(p, i + 1, table%numbers(i, p), fault)
@@ -122,8 +122,7 @@ contains
       end do
    end subroutine check_contact_rows
 
-   !> Holds the statuses of a converged case against the contact law, point by point: what is open bears no force, what
-   !> is closed has no gap, what sticks does not move, what slides does so along its friction, at the bound.
+   !> Holds the statuses of a converged case against the contact law, point by point.
    subroutine check_statuses(faults, path, table, friction, slip_bound, is_guided, scales)
       type(fault_text_t), intent(inout) :: faults !! gains what does not agree
       character(*), intent(in) :: path !! name of the file
@@ -133,35 +132,54 @@ contains
       logical, intent(in) :: is_guided(:) !! whether a support bears the shear (m)
       type(law_scales_t), intent(in) :: scales !! what counts as none
       character(:), allocatable :: wrong
-      real(dp) :: bound, direction
+      real(dp) :: bound
       integer :: p, m
 
       m = size(table%status)
       do p = 1, m
-         associate (normal => table%force(p), tangential => table%force(m + p), gap => table%gap(p), &
-            slip => table%slip(p), status => table%status(p))
-            bound = 0.0_dp
-            if (.not. is_guided(p)) bound = slip_bound(p) + friction(p)*max(0.0_dp, normal)
-            direction = merge(-1.0_dp, 1.0_dp, status == slip_minus)
-            wrong = ''
-            if (abs(tangential) > bound + scales%force) wrong = 'the tangential force is above its bound'
-            if (normal < -scales%force) wrong = 'the normal force pulls'
-            if (gap < -scales%length) wrong = 'it is behind the obstacle'
-            if (status == open_point) then
-               if (normal > scales%force) wrong = 'it bears a normal force'
-            else
-               if (gap > scales%length) wrong = 'there is a gap'
-            end if
-            if (status == stick_point .and. .not. is_guided(p)) then
-               if (abs(slip) > scales%length) wrong = 'it moves along the obstacle'
-            else if (status == slip_plus .or. status == slip_minus) then
-               if (direction*slip < -scales%length) wrong = 'it moves the other way'
-               if (direction*tangential < bound - scales%force) wrong = 'the tangential force is not at its bound'
-            end if
-            if (len(wrong) > 0) call faults%add(path//':'//to_text(p + 1), 'point '//to_text(p)//" is '"// &
-               trim(status_names(status))//"', but "//wrong)
-         end associate
+         wrong = normal_fault(table%status(p), table%gap(p), table%force(p), scales)
+         bound = 0.0_dp
+         if (.not. is_guided(p)) bound = slip_bound(p) + friction(p)*max(0.0_dp, table%force(p))
+         if (len(wrong) == 0) wrong = tangential_fault(table%status(p), merge(0.0_dp, table%slip(p), is_guided(p)), &
+            table%force(m + p), bound, scales)
+         if (len(wrong) > 0) call faults%add(path//':'//to_text(p + 1), 'point '//to_text(p)//" is '"// &
+            trim(status_names(table%status(p)))//"', but "//wrong)
       end do
    end subroutine check_statuses
+
+   !> What is wrong with the gap and the normal force of a point: what is open bears none, what is closed has no gap.
+   pure function normal_fault(status, gap, force, scales) result(wrong)
+      integer, intent(in) :: status !! status of the point
+      real(dp), intent(in) :: gap !! its gap [L]
+      real(dp), intent(in) :: force !! its normal force [F]
+      type(law_scales_t), intent(in) :: scales !! what counts as none
+      character(:), allocatable :: wrong
+
+      wrong = ''
+      if (force < -scales%force) wrong = 'the normal force pulls'
+      if (gap < -scales%length) wrong = 'it is behind the obstacle'
+      if (status == open_point .and. force > scales%force) wrong = 'it bears a normal force'
+      if (status /= open_point .and. gap > scales%length) wrong = 'there is a gap'
+   end function normal_fault
+
+   !> What is wrong with the slip and the tangential force of a point: what sticks does not move, what slides does so
+   !> along its friction, at the bound.
+   pure function tangential_fault(status, slip, force, bound, scales) result(wrong)
+      integer, intent(in) :: status !! status of the point
+      real(dp), intent(in) :: slip !! its slip [L]
+      real(dp), intent(in) :: force !! its tangential force [F]
+      real(dp), intent(in) :: bound !! what friction can bear [F]
+      type(law_scales_t), intent(in) :: scales !! what counts as none
+      character(:), allocatable :: wrong
+      real(dp) :: direction
+
+      wrong = ''
+      if (abs(force) > bound + scales%force) wrong = 'the tangential force is above its bound'
+      if (status == stick_point .and. abs(slip) > scales%length) wrong = 'it moves along the obstacle'
+      if (status /= slip_plus .and. status /= slip_minus) return
+      direction = merge(1.0_dp, -1.0_dp, status == slip_plus)
+      if (direction*slip < -scales%length) wrong = 'it moves the other way'
+      if (direction*force < bound - scales%force) wrong = 'the tangential force is not at its bound'
+   end function tangential_fault
 
 end module amontons_contact_check

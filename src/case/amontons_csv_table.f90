@@ -1,9 +1,9 @@
 !> A table of comma-separated fields as the program writes it, read back: a header, then a row a line.
 module amontons_csv_table
+   use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_text, only: newline, read_real, to_text
    use amontons_text_file, only: read_text_file
-   use amontons_error, only: error_t
    implicit none (type, external)
    private
 
@@ -119,7 +119,7 @@ contains
 
       call read_real(self%field(row, column), value, ok)
       if (ok .or. len(fault) > 0) return
-      fault = 'line '//to_text(row + 1)//", field "//to_text(column)//": expected a number, found '"// &
+      fault = 'line '//to_text(row + 1)//', field '//to_text(column)//": expected a number, found '"// &
          self%field(row, column)//"'"
    end subroutine csv_table_get_number
 

@@ -50,9 +50,7 @@ contains
       character(*), intent(in) :: stated !! one line
       character(*), intent(in) :: computed !! the other line
       real(dp), intent(in) :: scale !! what numbers are measured by besides themselves
-      real(dp) :: a, b
       integer :: i, j, last_i, last_j
-      logical :: is_a, is_b
 
       is_same = stated == computed
       if (is_same) return
@@ -64,17 +62,27 @@ contains
          if (i > len(stated) .or. j > len(computed)) exit
          last_i = i + scan(stated(i:)//' ', separators) - 2
          last_j = j + scan(computed(j:)//' ', separators) - 2
-         if (stated(i:last_i) /= computed(j:last_j)) then
-            call read_real(stated(i:last_i), a, is_a)
-            call read_real(computed(j:last_j), b, is_b)
-            if (.not. (is_a .and. is_b)) return
-            if (.not. (abs(a - b) <= rounding*max(abs(a), abs(b)) .or. agree(a, b, scale))) return
-         end if
+         if (.not. words_agree(stated(i:last_i), computed(j:last_j), scale)) return
          i = last_i + 1
          j = last_j + 1
       end do
       is_same = i > len(stated) .and. j > len(computed)
    end function lines_agree
+
+   !> Whether two words are the same, or numbers that differ by rounding.
+   pure logical function words_agree(stated, computed, scale) result(is_same)
+      character(*), intent(in) :: stated !! one word
+      character(*), intent(in) :: computed !! the other word
+      real(dp), intent(in) :: scale !! what numbers are measured by besides themselves
+      real(dp) :: a, b
+      logical :: is_a, is_b
+
+      is_same = stated == computed
+      if (is_same) return
+      call read_real(stated, a, is_a)
+      call read_real(computed, b, is_b)
+      if (is_a .and. is_b) is_same = abs(a - b) <= rounding*max(abs(a), abs(b)) .or. agree(a, b, scale)
+   end function words_agree
 
    !> Where the next word begins; behind the end of the line if there is none.
    pure integer function next_word(line, first) result(place)

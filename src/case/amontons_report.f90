@@ -71,7 +71,8 @@ contains
       if (allocated(error)) return
       call seal%add_inputs(config)
       call result%timings%lap(phase_write)
-      call write_text_file(files(6), stem//'.summary.json', sealed_text(summary_text(config, body, result), seal), error)
+      call write_text_file(files(6), stem//'.summary.json', sealed_text(summary_text(config, body, result), seal), &
+         error)
    end subroutine write_files
 
 end module amontons_report

@@ -72,8 +72,8 @@ contains
 
       call read_real(self%value(section, member), stated, ok)
       if (.not. ok) then
-         call self%faults%add(self%path, full_name(section, member)//': expected a number, found '''// &
-            self%value(section, member)//'''')
+         call self%faults%add(self%path, full_name(section, member)//": expected a number, found '"// &
+            self%value(section, member)//"'")
       else if (.not. agree(stated, number, max(abs(number), scale))) then
          call self%faults%add(self%path, contradiction(full_name(section, member), stated, number))
       end if

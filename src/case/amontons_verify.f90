@@ -53,37 +53,38 @@ contains
       allocate (names(size(files)))
       n = 0
       do i = 1, size(files)
-         call claim(files(i)%text, summary_suffix)
+         call claim(names, n, files(i)%text, summary_suffix)
       end do
       do i = 1, size(files)
          do k = 1, size(other_suffixes)
-            call claim(files(i)%text, trim(other_suffixes(k)))
+            call claim(names, n, files(i)%text, trim(other_suffixes(k)))
          end do
       end do
       names = names(:n)
       if (n == 0) call new_error(error, input_refused, directory//': there are no results in this directory')
-
-   contains
-
-      !> Adds the case that a file belongs to, unless the case is known, or the file is one of a known case.
-      subroutine claim(file, suffix)
-         character(*), intent(in) :: file !! name of the file
-         character(*), intent(in) :: suffix !! what it may end with
-         integer :: j, length
-
-         length = len(file) - len(suffix)
-         if (length < 1) return
-         if (file(length + 1:) /= suffix) return
-         do j = 1, n
-            if (file(:length) == names(j)%text .and. length == len(names(j)%text)) return
-            ! The grid of case a.contact is a.contact.vtu.
-            if (index(file, names(j)%text//'.') == 1 .and. len(names(j)%text) > length) return
-         end do
-         n = n + 1
-         names(n)%text = file(:length)
-      end subroutine claim
-
    end subroutine find_cases
+
+   !> Adds the case that a file belongs to, unless the case is known, or the file is one of a known case.
+   pure subroutine claim(names, n, file, suffix)
+      type(file_name_t), intent(inout) :: names(:) !! names of the cases
+      integer, intent(inout) :: n !! number of cases so far
+      character(*), intent(in) :: file !! name of the file
+      character(*), intent(in) :: suffix !! what it may end with
+      integer :: i, length
+
+      length = len(file) - len(suffix)
+      if (length < 1) return
+      if (file(length + 1:) /= suffix) return
+      do i = 1, n
+         associate (name => names(i)%text)
+            if (file(:length) == name .and. length == len(name)) return
+            ! The grid of case a.contact is a.contact.vtu.
+            if (index(file, name//'.') == 1 .and. len(name) > length) return
+         end associate
+      end do
+      n = n + 1
+      names(n)%text = file(:length)
+   end subroutine claim
 
    !> Verifies the files of a case.
    subroutine verify_files(verdict, workshop, directory, name)

@@ -108,8 +108,9 @@ contains
          call summary%expect_text('certificate', 'passed', truth(result%certificate%largest() <= limit))
          call summary%expect_number('certificate', 'limit', limit, 0.0_dp)
          call summary%expect_certificate(result%certificate)
-         if (any(config%contacts%partition%is_constant)) &
+         if (any(config%contacts%partition%is_constant)) then
             call summary%expect_number('', 'inf_sup', minval(body%inf_sup), 1.0_dp)
+         end if
          call summary%expect_text('counts', 'nodes', to_text(body%mesh%n_nodes))
          call summary%expect_text('counts', 'elements', to_text(body%mesh%n_elements))
          call summary%expect_text('counts', 'dofs', to_text(body%dof_map%n_dofs))

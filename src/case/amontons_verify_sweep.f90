@@ -74,30 +74,15 @@ contains
       character(:), allocatable, intent(inout) :: fault !! what is wrong; empty if nothing is
       type(case_result_t) :: result
       character(:), allocatable :: runs, text
-      integer :: status(zone%n_points), first, i
-      logical :: ok
+      integer :: status(zone%n_points)
 
-      first = size(config%sweep%axes) + 2
-      associate (at_iterations => first + n_quantities + 1, at_outcome => first + n_quantities + 2)
-         runs = rows%field(row, at_outcome + 1)
-         result%has_solution = len(runs) > 0
-         result%outcome = findloc(outcome_names == rows%field(row, at_outcome), .true., dim=1)
-         call read_integer(rows%field(row, at_iterations), result%n_iterations, ok)
-         if (.not. ok .or. result%outcome == 0) fault = 'line '//to_text(row + 1)//': no iterations or no outcome'
-         if (len(fault) > 0) return
-         if (result%has_solution) then
-            do i = 1, n_quantities
-               call rows%get_number(row, first + i - 1, result%quantity(i), fault)
-            end do
-            call rows%get_number(row, first + n_quantities, result%residual, fault)
-            call read_status_runs(status, runs, ok)
-            if (.not. ok) fault = 'line '//to_text(row + 1)//": '"//runs//"' are not the statuses of "// &
-               to_text(zone%n_points)//' contact points'
-            if (len(fault) > 0) return
-            call check_lengths(row, result%quantity(:3), zone, status, fault)
-            call status_runs(runs, status, zone%set)
-         end if
-      end associate
+      call read_row(rows, row, size(config%sweep%axes) + 2, result, status, fault)
+      if (len(fault) > 0) return
+      runs = ''
+      if (result%has_solution) then
+         call check_lengths(row, result%quantity(:3), zone, status, fault)
+         call status_runs(runs, status, zone%set)
+      end if
       if (result%outcome == case_converged .and. .not. result%residual <= config%method%tolerance) fault = 'line '// &
          to_text(row + 1)//': the residual of a converged case is above the tolerance'
       text = ''
@@ -106,6 +91,35 @@ contains
          ': its values, or its form, are not those of case '//to_text(row)
       call tally%add(result)
    end subroutine check_row
+
+   !> Reads what a row tells of its case.
+   subroutine read_row(rows, row, first, result, status, fault)
+      type(csv_table_t), intent(in) :: rows !! the table
+      integer, intent(in) :: row !! which row
+      integer, intent(in) :: first !! column of the first quantity
+      type(case_result_t), intent(out) :: result !! what is kept of the case
+      integer, intent(out) :: status(:) !! statuses of its points, if it has a solution
+      character(:), allocatable, intent(inout) :: fault !! what is wrong; empty if nothing is
+      character(:), allocatable :: runs
+      integer :: i
+      logical :: ok
+
+      runs = rows%field(row, first + n_quantities + 3)
+      associate (at_iterations => first + n_quantities + 1)
+         result%has_solution = len(runs) > 0
+         result%outcome = findloc(outcome_names == rows%field(row, at_iterations + 1), .true., dim=1)
+         call read_integer(rows%field(row, at_iterations), result%n_iterations, ok)
+         if (.not. ok .or. result%outcome == 0) fault = 'line '//to_text(row + 1)//': no iterations or no outcome'
+         if (len(fault) > 0 .or. .not. result%has_solution) return
+         do i = 1, n_quantities
+            call rows%get_number(row, first + i - 1, result%quantity(i), fault)
+         end do
+         call rows%get_number(row, first + n_quantities, result%residual, fault)
+         call read_status_runs(status, runs, ok)
+         if (.not. ok) fault = 'line '//to_text(row + 1)//": '"//runs//"' are not the statuses of "// &
+            to_text(size(status))//' contact points'
+      end associate
+   end subroutine read_row
 
    !> Compares the lengths of a row with its statuses.
    pure subroutine check_lengths(row, stated, zone, status, fault)

@@ -159,8 +159,9 @@ contains
       if (self%is_readable) then
          read (self%unit, pos=self%position, iostat=status) found
          inquire (unit=self%unit, size=n_bytes)
-         if (status /= 0 .or. found /= vtk_tail .or. n_bytes /= self%position - 1 + len(vtk_tail)) &
+         if (status /= 0 .or. found /= vtk_tail .or. n_bytes /= self%position - 1 + len(vtk_tail)) then
             call self%stop_at('the file does not end as it was written')
+         end if
       end if
       ! It was only read.
       ! allow(C181): nothing can be lost
