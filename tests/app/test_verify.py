@@ -253,6 +253,51 @@ class Forged(Verification):
                                                                "equilibrium")
                 offset += 8 + len(flat)*(8 if is_real else 4)
 
+    def test_structure_of_the_grids(self):
+        begin = b'<AppendedData encoding="raw">\n_'
+
+        def with_length(content):
+            at = content.index(begin) + len(begin)
+            return content[:at] + struct.pack("<Q", 8) + content[at + 8:]
+
+        def with_second_length(content):
+            at = content.index(begin) + len(begin)
+            at += 8 + struct.unpack_from("<Q", content, at)[0]
+            return content[:at] + struct.pack("<Q", 8) + content[at + 8:]
+
+        def with_no_number(content):
+            at = content.index(begin) + len(begin) + 8
+            return content[:at] + struct.pack("<d", float("nan")) + content[at + 8:]
+
+        for file, change, expected in (
+                ("vtu", lambda content: content[:100], "no displacements stand where they were written"),
+                ("vtu", lambda content: content[:content.index(begin) + 1000], "ends within the displacements"),
+                ("vtu", with_length, "the displacements are not those of 45 points"),
+                ("vtu", with_no_number, "not all displacements are finite numbers"),
+                ("vtu", with_second_length, "the length of gap is 8, expected 360 bytes"),
+                ("vtu", lambda content: content.replace(b'Name="slip"', b'Name="Slip"'), "from byte [0-9]+ on"),
+                ("vtu", lambda content: content + b"\n", "the file does not end as it was written"),
+                ("contact.vtu", lambda content: content[:100], "the file ends within its head"),
+                ("contact.vtu", lambda content: content[:content.index(begin) + 31], "ends before displacement"),
+                ("contact.vtu", lambda content: content[:content.index(begin) + 60], "ends within displacement"),
+                ("contact.vtu", lambda content: content[:-60], "the file ends within types"),
+                ("contact.vtu", with_no_number, "is no finite number, but")):
+            with self.subTest(file=file, expected=expected):
+                self.assert_forgery_is_found(f"case_0.{file}", change, expected)
+
+    def test_structure_of_the_table(self):
+        def changed_row(old, new):
+            return lambda content: content.replace(old, new, 1)
+        for change, expected in (
+                (changed_row(b"point,x", b"point,X"), "the first line is not the header of this table"),
+                (changed_row(b",stick\n", b",stick,\n"), "line [0-9]+ has 14 fields, expected 13"),
+                (changed_row(b"\n2,", b"\n3,"), "line 3: expected point 2, found '3'"),
+                (changed_row(b"\n1,0.0", b"\n1,O.0"), "line 2, field 2: expected a number, found 'O.0"),
+                (lambda content: content[:content.rindex(b"\n9,") + 1], "8 rows, but there are 9 contact points"),
+                (lambda content: content[:-1], "the last line does not end")):
+            with self.subTest(expected=expected):
+                self.assert_forgery_is_found("case_0.contact.csv", change, expected)
+
     def test_every_column_of_the_table(self):
         columns = ("x", "y", "normal_x", "normal_y", "weight", "gap", "slip", "normal_force", "tangential_force",
                    "normal_stress", "tangential_stress")
@@ -311,6 +356,9 @@ class Forged(Verification):
                     "case_0.lst", lambda content, old=old, new=new: content.replace(old.encode(), new.encode()),
                     r"case_0.lst:\d+: '.*', but '.*' follows from the other files")
 
+        self.assert_forgery_is_found("case_0.lst", lambda content: content.replace(b"\nResultants\n", b"\nResultant\n"),
+                                     "the section 'Resultants' is missing")
+
     def test_reduced_problem(self):
         shutil.rmtree(self.results)
         self.run_program("--quiet", "--output", "results", "--reduced", ROOT/"tests"/"reduced"/"dense.dat")
@@ -322,6 +370,11 @@ class Forged(Verification):
             with self.subTest(column=place):
                 self.assert_forgery_is_found("dense.contact.csv", change, r"contact.csv:2: (gap|slip) of point 1 is ",
                                              name="dense")
+        for old, new, expected in ((b"\n2,", b"\n3,", "line 3: expected point 2, found '3'"),
+                                   (b"\n2,", b"\n2,0.0,0.0,0.0,0.0,open\n3,", "rows, but there are [0-9]+ contacts")):
+            with self.subTest(expected=expected):
+                self.assert_forgery_is_found("dense.contact.csv", lambda content, old=old, new=new: content.replace(
+                    old, new, 1), expected, name="dense")
 
     def test_sweep(self):
         shutil.rmtree(self.results)
@@ -339,6 +392,23 @@ class Forged(Verification):
                 return "\n".join(map(",".join, rows)).encode()
             with self.subTest(column=column):
                 self.assert_forgery_is_found("case_0.sweep.csv", change, "NOT VERIFIED")
+
+        def changed_field(column, text):
+            def change(content):
+                rows = [line.split(",") for line in content.decode().split("\n")]
+                rows[3][column] = text
+                return "\n".join(map(",".join, rows)).encode()
+            return change
+        for change, expected in (
+                (changed_field(9, "solved"), "line 4: no iterations or no outcome"),
+                (changed_field(8, "x"), "line 4: no iterations or no outcome"),
+                (changed_field(7, "1.0000000000000000E-003"), "line 4: the residual of a converged case is above the"),
+                (changed_field(10, "8o"), "line 4: '8o' are not the statuses of 9 contact points"),
+                (changed_field(10, "9o"), "line 4: the length separated is .*, but 4.0 follows"),
+                (changed_field(1, "0.5"), "line 4: its values, or its form, are not those of case 3"),
+                (lambda content: content[:content.rindex(b"\n5,") + 1], "4 rows, but the deck has 5 cases")):
+            with self.subTest(expected=expected):
+                self.assert_forgery_is_found("case_0.sweep.csv", change, expected)
 
 
 if __name__ == "__main__":
