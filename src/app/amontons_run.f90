@@ -186,6 +186,7 @@ contains
       if (command_line%writes_reduced) then
          call export_case(command_line, config, workshop%body%problem, result%solution%force, error)
          if (allocated(error)) return
+         result%has_reduced_files = .true.
       end if
       if (command_line%wants_all_solutions) then
          allocate (result%all_solutions)

@@ -14,7 +14,7 @@ module amontons_output_file
    type :: output_file_t
       private
       integer, public :: unit = -1 !! the unit to write to while the file is open
-      character(:), allocatable :: path !! final name
+      character(:), allocatable, public :: path !! final name
       character(:), allocatable, public :: temporary_path !! name until `commit`
       logical :: is_open = .false. !! whether the unit is open
    contains

@@ -9,7 +9,11 @@ module amontons_contact_table
    implicit none (type, external)
    private
 
-   public :: contact_point_t, contact_table_text, new_contact_point
+   public :: contact_header, contact_point_t, contact_table_text, new_contact_point
+
+   !> The header of the table.
+   character(*), parameter :: contact_header = 'point,x,y,normal_x,normal_y,weight,gap,slip,normal_force,'// &
+      'tangential_force,normal_stress,tangential_stress,status'
 
    !> What is known of one contact point, a node or a cell of constant multipliers.
    type :: contact_point_t
@@ -70,8 +74,7 @@ contains
             point%slip, point%normal_force, point%tangential_force, point%normal_stress, point%tangential_stress]) &
             //','//point%status
       end do
-      text = 'point,x,y,normal_x,normal_y,weight,gap,slip,normal_force,tangential_force,normal_stress,'// &
-         'tangential_stress,status'//newline//as_lines(rows)
+      text = contact_header//newline//as_lines(rows)
    end function contact_table_text
 
 end module amontons_contact_table

@@ -17,7 +17,7 @@ module amontons_listing
    implicit none (type, external)
    private
 
-   public :: certificate_text, factorization_text, listed_phases, listing_text
+   public :: certificate_text, factorization_text, listed_phases, listing_text, points_text, resultants_text, zones_text
 
    !> The phases that lie behind a deck when its listing is written.
    integer, parameter :: listed_phases(*) = [phase_read, phase_assemble, phase_factorize, phase_condense, phase_solve, &

@@ -12,7 +12,7 @@ module amontons_sweep_summary
    implicit none (type, external)
    private
 
-   public :: sweep_summary_text
+   public :: extremes_text, sweep_summary_text
 
 contains
 

@@ -10,26 +10,31 @@ module amontons_vtk_file
    implicit none (type, external)
    private
 
-   public :: new_vtk_file, vtk_file_t
+   public :: new_vtk_file, vtk_file_t, vtk_tail
+
+   !> What stands behind the values.
+   character(*), parameter :: vtk_tail = newline//'  </AppendedData>'//newline//'</VTKFile>'//newline
 
    !> A grid being written.
    type :: vtk_file_t
       private
-      character(:), allocatable :: head !! the XML head so far
+      character(:), allocatable, public :: head !! the XML head so far
       character(:), allocatable :: section !! the section that the next array belongs to
       integer(int64) :: offset = 0_int64 !! bytes announced so far
-      logical :: has_head = .false. !! whether the head is complete, so that values are written
+      logical, public :: has_head = .false. !! whether the head is complete, so that values are written
       integer :: state = 0 !! status of the last write statement; nothing is written after a failure
       type(output_file_t) :: file !! the file
    contains
+      procedure, public :: announce => vtk_file_announce
       procedure, public :: begin_data => vtk_file_begin_data
+      procedure, public :: begin_head => vtk_file_begin_head
+      procedure, public :: end_head => vtk_file_end_head
       procedure, public :: finish => vtk_file_finish
       procedure, public :: put_cells => vtk_file_put_cells
       procedure, public :: put_integers => vtk_file_put_integers
       procedure, public :: put_reals => vtk_file_put_reals
       procedure, public :: put_stresses => vtk_file_put_stresses
       procedure, public :: put_vectors => vtk_file_put_vectors
-      procedure :: announce => vtk_file_announce
       procedure :: enter => vtk_file_enter
    end type vtk_file_t
 
@@ -43,13 +48,32 @@ contains
       integer, intent(in) :: n_cells !! number of cells
       type(error_t), allocatable, intent(out) :: error !! the file cannot be opened
 
-      vtk%section = ''
-      vtk%head = '<?xml version="1.0"?>'//newline// &
+      call vtk%begin_head(n_points, n_cells)
+      call new_output_file(vtk%file, path, .true., error)
+   end subroutine new_vtk_file
+
+   !> Begins the head.
+   pure subroutine vtk_file_begin_head(self, n_points, n_cells)
+      class(vtk_file_t), intent(inout) :: self !! the grid
+      integer, intent(in) :: n_points !! number of points
+      integer, intent(in) :: n_cells !! number of cells
+
+      self%section = ''
+      self%head = '<?xml version="1.0"?>'//newline// &
          '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">'//newline// &
          '  <UnstructuredGrid>'//newline//'    <Piece NumberOfPoints="'//to_text(n_points)//'" NumberOfCells="'// &
          to_text(n_cells)//'">'//newline
-      call new_output_file(vtk%file, path, .true., error)
-   end subroutine new_vtk_file
+   end subroutine vtk_file_begin_head
+
+   !> Completes the head: from here on values are handed over.
+   pure subroutine vtk_file_end_head(self)
+      class(vtk_file_t), intent(inout) :: self !! the grid
+
+      call self%enter('')
+      self%head = self%head//'    </Piece>'//newline//'  </UnstructuredGrid>'//newline// &
+         '  <AppendedData encoding="raw">'//newline//'_'
+      self%has_head = .true.
+   end subroutine vtk_file_end_head
 
    !> Hands over an array of reals.
    subroutine vtk_file_put_reals(self, section, name, n_components, values)
@@ -107,7 +131,7 @@ contains
 
    !> Hands over an array whose components stand in another order, with zeros between them.
    subroutine put_spread(vtk, section, name, values, component)
-      type(vtk_file_t), intent(inout) :: vtk !! the grid
+      class(vtk_file_t), intent(inout) :: vtk !! the grid
       character(*), intent(in) :: section !! 'PointData', 'CellData' or 'Points', in this order
       character(*), intent(in) :: name !! name of the quantity
       real(dp), intent(in) :: values(:, :) !! the values (components, any)
@@ -141,15 +165,13 @@ contains
       call self%put_integers('Cells', 'types', types)
    end subroutine vtk_file_put_cells
 
-   !> Completes the head: from here on values are written.
+   !> Completes and writes the head.
    subroutine vtk_file_begin_data(self)
       class(vtk_file_t), intent(inout) :: self !! the grid
 
-      call self%enter('')
-      self%has_head = .true.
+      call self%end_head()
       ! allow(C181): `finish` checks the state
-      write (self%file%unit, iostat=self%state) self%head//'    </Piece>'//newline//'  </UnstructuredGrid>'//newline// &
-         '  <AppendedData encoding="raw">'//newline//'_'
+      write (self%file%unit, iostat=self%state) self%head
    end subroutine vtk_file_begin_data
 
    !> Closes the file; it still has its temporary name.
@@ -159,8 +181,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! not everything could be written
 
       ! allow(C181): the output file's own `finish` checks the state
-      if (self%state == 0) write (self%file%unit, iostat=self%state) newline//'  </AppendedData>'//newline// &
-         '</VTKFile>'//newline
+      if (self%state == 0) write (self%file%unit, iostat=self%state) vtk_tail
       call self%file%finish(self%state, error)
       file = self%file
    end subroutine vtk_file_finish
