@@ -8,7 +8,7 @@ module amontons_verify_case
    use amontons_config, only: config_t
    use amontons_contact_check, only: check_contact_rows, check_statuses, contact_table_t, law_scales_t, &
       read_contact_rows
-   use amontons_contact_vtu, only: show_contact_line
+   use amontons_contact_vtu, only: n_line_cells, show_contact_line
    use amontons_error, only: error_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_json, only: truth
@@ -147,7 +147,7 @@ contains
          call show_body(check, body, result)
          call check%close()
          call summary%faults%append(check%faults)
-         call new_vtk_check(check, stem//'.contact.vtu', body%zone%n_points, count(body%zone%next > 0))
+         call new_vtk_check(check, stem//'.contact.vtu', body%zone%n_points, n_line_cells(body%zone))
          call show_contact_line(check, body, result)
          call check%close()
          call summary%faults%append(check%faults)
