@@ -26,6 +26,12 @@ function(require_passed_tests name)
   set_property(TEST ${name} PROPERTY PASS_REGULAR_EXPRESSION "${passed_tests}")
 endfunction()
 
+# Counters and sanitizers slow the tests of the contact methods down several times.
+set(unit_test_seconds 120)
+if(AMONTONS_SANITIZE OR AMONTONS_COVERAGE)
+  set(unit_test_seconds 900)
+endif()
+
 # add_unit_test(name SOURCES a.pf b.pf ... [LINK_LIBRARIES ...] [LABELS ...] [OTHER_SOURCES ...]
 #               [WORKING_DIRECTORY dir])
 # One executable and ctest test from the given test files, on the library. Sources are relative to the directory of
@@ -49,5 +55,5 @@ function(add_unit_test name)
     LABELS unit ${arg_LABELS}
     ${optional} ${arg_UNPARSED_ARGUMENTS})
   require_passed_tests(${name})
-  set_property(TEST ${name} PROPERTY TIMEOUT 120)
+  set_property(TEST ${name} PROPERTY TIMEOUT ${unit_test_seconds})
 endfunction()

@@ -201,6 +201,7 @@ contains
       if (allocated(part%error)) return
       allocate (part%schur(size(part%boundary), size(part%boundary)), stat=status)
       if (status /= 0) then
+         ! not raised: no test may use up the machine's memory
          call new_error(part%error, system_failure, 'memory ran out for the Schur complement of '// &
             to_text(size(part%boundary))//' unknowns')
          return
@@ -239,6 +240,7 @@ contains
 
       allocate (self%top(self%n_top, self%n_top), stat=status)
       if (status /= 0) then
+         ! not raised: no test may use up the machine's memory
          call new_error(error, system_failure, 'memory ran out for the interface of '//to_text(self%n_top)// &
             ' unknowns')
          return
