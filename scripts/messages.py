@@ -9,8 +9,8 @@ from check_sources import ROOT, split_comment, statements_of
 MAKE = re.compile(r"\bcall\s+(?:[\w%()]*%refuse\w*|[\w%()]*%fault|[\w%()]*faults%add|new_error|refuse\w*|complain)\s*\("
                   r"|(?<!\w)(?:misfit|sentence|reason|message)\s*=(?!=)\s*(?!''\s*$)")
 RULE = re.compile(r"\bcall\s+require\s*\((?P<arguments>.*)\)")
-# `! not raised: REASON` above such a statement tells why no test raises it.
-WAIVER = re.compile(r"\s*! not raised: \S")
+# `! not raised: REASON` above or beside such a statement tells why no test raises it.
+WAIVER = re.compile(r"! not raised: \S")
 
 
 @dataclass
@@ -44,7 +44,7 @@ def messages():
     for path, lines, statement, text in statements():
         if MAKE.search(statement.code):
             yield Message(path, statement.first, statement.last, text,
-                          is_waived=bool(WAIVER.match(lines[statement.first - 2])))
+                          is_waived=any(map(WAIVER.search, lines[statement.first - 2:statement.last])))
 
 
 def split_top(text, separator):
@@ -81,4 +81,5 @@ def rules():
         if match := RULE.search(text):
             arguments = split_top(match["arguments"], ",")
             pattern = f"{pattern_of(arguments[2])} must {pattern_of(arguments[-1])}"
-            yield Message(path, statement.first, statement.last, pattern, is_expected=bool(re.search(pattern, expected)))
+            yield Message(path, statement.first, statement.last, pattern,
+                          is_expected=bool(re.search(pattern, expected)))

@@ -78,7 +78,7 @@ class Batch(ProgramTest):
     def test_options_are_never_run(self):
         for script, option in (("table1", "--method"), ("table1", "--variant"), ("table1", "--element"),
                                ("verify", None), ("setup", None)):
-            for value in ("x/e; touch pwned;", "x'/; 1e touch pwned", "$(touch pwned)", "`touch pwned`", "x; touch pwned"):
+            for value in ("x/e; touch pwned;", "x'/; 1e touch pwned", "$(touch pwned)", "`touch pwned`"):
                 with self.subTest(script=script, option=option, value=value):
                     run = self.run_script(script, *filter(None, [option]), value, status=None)
                     self.assertIn(run.returncode, (1, 2))

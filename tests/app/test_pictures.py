@@ -47,7 +47,8 @@ class Pictures(ProgramTest):
         self.assertEqual(len(list((self.directory / "some results").glob("*.png"))), 2)
 
     def test_names_are_never_run_nor_taken_for_markup(self):
-        folder, name = "-n $(touch pwned); `touch pwned` \n\"'", "-x $(touch pwned); `touch pwned` $\\frac $1 <b> \"' % # ?"
+        folder = "-n $(touch pwned); `touch pwned` \n\"'"
+        name = "-x $(touch pwned); `touch pwned` $\\frac $1 <b> \"' % # ?"
         self.write("deck.nml", block(SUPPORT, PRESSURE, CONTACT, PUSH, "case title = 'of $5 and $\\frac{$, <script>'"))
         (self.directory / "deck.nml").rename(self.directory / f"{name}.nml")
         self.run_program("--quiet", f"--output={folder}", "--", f"{name}.nml")

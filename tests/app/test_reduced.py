@@ -359,7 +359,8 @@ class SpoiltHdf5(ReducedTest):
                              encoding="utf-8", timeout=self.timeout, check=False,
                              preexec_fn=lambda: limit_files((text + hdf5)//2))
         self.assertEqual(run.returncode, 3)
-        self.assertRegex(run.stderr, rf"^sound.nml: ./sound.reduced.hdf5: cannot write this file: .* of {hdf5} bytes .*\n$")
+        self.assertRegex(run.stderr,
+                         rf"^sound.nml: ./sound.reduced.hdf5: cannot write this file: .* of {hdf5} bytes .*\n$")
         self.assertEqual(self.contents(), before)
 
 
