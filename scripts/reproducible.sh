@@ -15,11 +15,13 @@ build() { # folder
       DESTDIR=$1/installed cmake --install "$1/build"
 }
 
-sums=()
-for name in one a/deeper/folder; do
-   folder=$work/$name
+folders=("$work/one" "$work/a/deeper/folder")
+for folder in "${folders[@]}"; do
    mkdir -p "$folder/sources"
    cp -R CMakeLists.txt bench cmake doc python scripts src "$folder/sources"
+done
+sums=()
+for folder in "${folders[@]}"; do
    build "$folder" &>"$work/log" || { cat "$work/log" >&2; exit 1; }
    (cd "$folder/installed" && find . -type f -print0 | sort -z | xargs -0 sha256sum) >"$folder/sums"
    sums+=("$folder/sums")
