@@ -42,6 +42,7 @@ contains
       if (status == 0) then
          matrix%value = 0.0_dp
       else
+         ! not raised: no test may use up the machine's memory
          call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(n)//' unknowns')
       end if
    end subroutine new_sparse_matrix
@@ -200,6 +201,7 @@ contains
       call start_columns(self, unknowns, number, part%column_start)
       allocate (part%row(part%column_start(part%n + 1) - 1), part%value(part%column_start(part%n + 1) - 1), stat=status)
       if (status /= 0) then
+         ! not raised: no test may use up the machine's memory
          call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(part%n)//' unknowns')
          return
       end if

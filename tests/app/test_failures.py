@@ -65,6 +65,19 @@ class NumericalFailure(ProgramTest):
                             "by more than the arithmetic can hold\n")
 
 
+class WrongSolution(ProgramTest):
+    """Status 4: a solution that does not pass its certificate is written, and said to be wrong."""
+
+    def test_displacements_that_swallow_the_deformation(self):
+        # Beside a displacement of 1e12 the deformations are lost in its rounding, 1e-4.
+        deck = block("support set = 'left'  ux = 1e12  uy = 1e12", PRESSURE + "  name = 'press'", CONTACT)
+        for more in ("", "&sweep load = 'press'  factor = 1.0, 2.0 /\n"):
+            run = self.run_program(self.write("case.nml", deck + more), status=4)
+            self.assertEqual(run.stderr, "case.nml: the certificate FAILED on the full model; see the listing\n")
+            self.assertRegex((self.directory / "case.lst").read_text(encoding="utf-8"), r"\n  Verdict +FAILED: ")
+            self.assertIn('"passed": false', (self.directory / "case.summary.json").read_text(encoding="utf-8"))
+
+
 class SystemFailure(ProgramTest):
     """Status 3: the files cannot be written."""
 
