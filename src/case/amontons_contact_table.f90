@@ -1,8 +1,9 @@
 !> NAME.contact.csv: one row per contact point, in the order of the contact line, 17 significant digits.
 module amontons_contact_table
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_body, only: body_t
    use amontons_contact_rows, only: contact_rows_t
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
    use amontons_output_file, only: new_output_file, output_file_t
@@ -63,12 +64,14 @@ contains
       character(*), intent(in) :: path !! name of the file
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
-      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be written, or a number is not finite
       type(contact_point_t) :: point
       character(:), allocatable :: row
       real(dp), allocatable :: numbers(:)
       integer :: p, i, status
+      logical :: is_finite
 
+      is_finite = .true.
       call new_output_file(file, path, .false., error)
       if (allocated(error)) return
       write (file%unit, '(a)', iostat=status) 'point,x,y,normal_x,normal_y,weight,gap,slip,normal_force,'// &
@@ -77,6 +80,7 @@ contains
          call new_contact_point(point, body, result, p)
          numbers = [point%position, point%normal, point%weight, point%gap, point%slip, point%normal_force, &
             point%tangential_force, point%normal_stress, point%tangential_stress]
+         is_finite = is_finite .and. all(ieee_is_finite(numbers))
          row = to_text(p)
          do i = 1, size(numbers)
             row = row//','//to_text_17(numbers(i))
@@ -84,6 +88,8 @@ contains
          if (status == 0) write (file%unit, '(a)', iostat=status) row//','//point%status
       end do
       call file%finish(status, error)
+      if (.not. (is_finite .or. allocated(error))) call new_error(error, numerical_failure, &
+         'stresses on the contact line leave the range of double precision (1.8e308): choose other units')
    end subroutine write_contact_table
 
 end module amontons_contact_table

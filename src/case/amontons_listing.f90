@@ -2,6 +2,7 @@
 module amontons_listing
    use amontons_body, only: body_t
    use amontons_certificate, only: certificate_t
+   use amontons_conditioning, only: conditioning_text
    use amontons_config, only: config_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_table, only: contact_point_t, new_contact_point
@@ -19,7 +20,7 @@ module amontons_listing
    implicit none (type, external)
    private
 
-   public :: certificate_text, factorization_text, head_text, history_text, method_text, times_text, write_listing
+   public :: certificate_text, condition_text, factorization_text, head_text, history_text, method_text, times_text, write_listing
 
 contains
 
@@ -37,7 +38,7 @@ contains
       if (allocated(error)) return
       write (file%unit, '(a)', iostat=status, advance='no') head_text(config)//model_text(config, body) &
          //loads_text(config)//solution_text(config, body, result)//zones_text(body, result) &
-         //resultants_text(body, result)//certificate_text(config, result%certificate)
+         //resultants_text(body, result)//certificate_text(config, result%certificate)//condition_text(body, result)
       if (status == 0) call write_points(file%unit, body, result, status)
       if (status == 0) write (file%unit, '(a)', iostat=status) times_text(result)
       call file%finish(status, error)
@@ -196,6 +197,20 @@ contains
       end subroutine check
 
    end function certificate_text
+
+   !> The condition of the stiffness where rounding shows, and what makes it poor.
+   pure function condition_text(body, result) result(text)
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! the result
+      character(:), allocatable :: text, reasons
+
+      text = ''
+      if (.not. result%condition > 0.0_dp) return
+      text = line('Condition number', 'about '//scientific(result%condition)//', of the stiffness scaled to a unit '// &
+         'diagonal: rounding leaves about '//to_text(max(0, floor(-log10(epsilon(1.0_dp)*result%condition))))//' digits')
+      reasons = conditioning_text(body%mesh, body%materials, body%springs)
+      if (len(reasons) > 0) text = text//line('', reasons(3:))
+   end function condition_text
 
    !> Writes the table of contact points.
    subroutine write_points(unit, body, result, status)

@@ -60,6 +60,7 @@ contains
          if (result%method_error >= 0.0_dp) text = text//'  "method_error": '//number(result%method_error)//','//newline
          if (any(config%contacts%partition%is_constant)) text = text// &
             '  "inf_sup": '//number(minval(body%inf_sup))//','//newline
+         if (result%condition > 0.0_dp) text = text//'  "condition": '//number(result%condition)//','//newline
          text = text// &
             '  "certificate": {'//certificate_text(result%certificate, config%method%tolerance)//'},'//newline// &
             '  "uniqueness": {'//uniqueness_members(result%uniqueness)//'},'//newline// &
@@ -174,14 +175,19 @@ contains
       character(*), intent(in) :: value !! the text
       character(:), allocatable :: text
       character, parameter :: tab = achar(9)
-      integer :: i
+      integer :: i, length
 
-      text = '"'
+      text = repeat('"', 2*len(value) + 2)
+      length = 1
       do i = 1, len(value)
-         if (scan(value(i:i), '"\'//tab) > 0) text = text//'\'
-         text = text//merge('t', value(i:i), value(i:i) == tab)
+         if (scan(value(i:i), '"\'//tab) > 0) then
+            length = length + 1
+            text(length:length) = '\'
+         end if
+         length = length + 1
+         text(length:length) = merge('t', value(i:i), value(i:i) == tab)
       end do
-      text = text//'"'
+      text = text(:length)//'"'
    end function string
 
 end module amontons_summary

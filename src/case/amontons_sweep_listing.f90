@@ -4,7 +4,8 @@ module amontons_sweep_listing
    use amontons_config, only: config_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_listing, only: certificate_text, factorization_text, head_text, method_text, times_text
+   use amontons_listing, only: certificate_text, condition_text, factorization_text, head_text, &
+      method_text, times_text
    use amontons_listing_model, only: loads_text, model_text
    use amontons_listing_text, only: heading, line, right, scientific, short
    use amontons_output_file, only: new_output_file, output_file_t
@@ -35,6 +36,7 @@ contains
          //loads_text(config)//sweep_text(config)//solution_text(config, body, result)
       if (result%tally%residual_case > 0 .and. status == 0) write (file%unit, '(a)', iostat=status, advance='no') &
          extremes_text(result%tally)//certificate_text(config, result%certified%certificate)// &
+         condition_text(body, result%certified)// &
          line('Case certified', to_text(result%tally%residual_case)//', which has the largest residual')
       if (status == 0) write (file%unit, '(a)', iostat=status) times_text(result%certified)
       call file%finish(status, error)

@@ -3,6 +3,7 @@ module amontons_sweep_summary
    use amontons_body, only: body_t
    use amontons_config, only: config_t
    use amontons_error, only: error_t
+   use amontons_kinds, only: dp
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_summary, only: certificate_text, number, seconds_text, string, truth
@@ -58,6 +59,8 @@ contains
             '  "extremes": {'//extremes_text(tally)//'},'//newline// &
             '  "certificate": {"case": '//to_text(tally%residual_case)//', '// &
             certificate_text(result%certified%certificate, config%method%tolerance)//'},'//newline
+         if (result%certified%condition > 0.0_dp) text = text// &
+            '  "condition": '//number(result%certified%condition)//','//newline
          text = text// &
             '  "counts": {"nodes": '//to_text(body%mesh%n_nodes)//', "elements": '//to_text(body%mesh%n_elements)// &
             ', "dofs": '//to_text(body%dof_map%n_dofs)//', "contact_points": '//to_text(body%zone%n_points)// &
