@@ -206,8 +206,8 @@ contains
 
       text = ''
       if (.not. result%condition > 0.0_dp) return
-      text = line('Condition number', 'about '//scientific(result%condition)//', of the stiffness scaled to a unit '// &
-         'diagonal: rounding leaves about '//to_text(max(0, floor(-log10(epsilon(1.0_dp)*result%condition))))//' digits')
+      text = line('Condition number', 'about '//scientific(result%condition)//', of the stiffness: rounding may cost '// &
+         to_text(min(16, nint(log10(result%condition))))//' of 16 digits')
       reasons = conditioning_text(body%mesh, body%materials, body%springs)
       if (len(reasons) > 0) text = text//line('', reasons(3:))
    end function condition_text

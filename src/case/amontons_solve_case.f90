@@ -1,7 +1,7 @@
 !> The way of a case from its configuration to its result. Cases that share a body share its factorisation.
 module amontons_solve_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: from_unknowns, internal_forces, to_unknowns
+   use amontons_assembly, only: from_unknowns, internal_forces, to_unknowns, uncancelled_forces
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_certificate, only: new_certificate
@@ -230,8 +230,23 @@ contains
             'precision (1.8e308): choose other units')
          return
       end if
-      if (shows_rounding(result)) result%condition = body%condensation%factorization%condition()
+      if (shows_rounding(result)) result%condition = min(huge(1.0_dp), max(body%condensation%factorization%condition(), &
+         cancellation(body, result)))
    end subroutine certify
+
+   !> How far the forces of the elements cancel, |K| |u| / |f|: of a body that its supports hold still, a bound from below
+   !> of the condition number. It sees what the shift in the factor of a body held by contact alone hides.
+   real(dp) function cancellation(body, result)
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! its displacements and forces
+      real(dp) :: forces
+
+      cancellation = 0.0_dp
+      ! Prescribed displacements are loads that no force tells.
+      if (any(abs(body%constraints%prescribed) > 0.0_dp)) return
+      forces = max(norm2(result%loads), norm2(result%solution%force))
+      if (forces > 0.0_dp) cancellation = uncancelled_forces(body%mesh, body%materials, result%displacement)/forces
+   end function cancellation
 
    !> Whether what the certificate finds may come from the rounding errors of an ill-conditioned stiffness: of what
    !> depends on the whole model, something is well above rounding, or the method did not reach its tolerance.

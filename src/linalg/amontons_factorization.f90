@@ -27,8 +27,8 @@ module amontons_factorization
       real(dp) :: n_flops = 0.0_dp !! Floating-point operations of `complete`, known after `analyze`.
       integer(int64) :: n_work_entries = 0 !! Numbers that `complete` holds for a while, beside the factor's.
       integer :: refused_unknown = 0 !! The unknown whose pivot was not positive, 0 for none.
-      real(dp), allocatable :: diagonal(:) !! Diagonal of P K P^T (n).
-      real(dp) :: scaled_norm = 1.0_dp !! 1-norm of the matrix scaled to a unit diagonal; see `analyze_matrix`.
+      real(dp), allocatable :: diagonal(:) !! Diagonal of P K P^T, from `analyze` to `complete` (n).
+      real(dp) :: matrix_norm = 0.0_dp !! 1-norm of the matrix, from `analyze_matrix`.
    contains
       procedure(analyze), deferred :: analyze
       procedure(complete), deferred :: complete
@@ -240,32 +240,29 @@ contains
       x(self%order) = work
    end subroutine factorization_expand
 
-   !> Estimates the condition number, in the 1-norm, of the matrix scaled to a unit diagonal, on which the rounding
-   !> errors of the factor depend: rows and columns scaled alike have the same factor to rounding, however far the
-   !> stiffnesses of a body lie apart. Four or five solutions, by Higham's estimator of the inverse's norm.
+   !> Estimates the condition number in the 1-norm with four or five solutions, by Higham's estimator of the norm of the
+   !> inverse: a bound from below, rarely less than a third of the number.
    real(dp) function factorization_condition(self) result(condition)
       class(factorization_t), intent(in) :: self !! the factorisation, made by `analyze_matrix` and `complete`
-      real(dp), allocatable :: v(:), x(:), y(:), scale(:)
+      real(dp), allocatable :: v(:), x(:), y(:)
       real(dp) :: inverse_norm
       integer, allocatable :: signs(:)
       integer :: next, state(3)
 
-      allocate (v(self%n), x(self%n), y(self%n), scale(self%n), signs(self%n))
-      scale(self%order) = sqrt(self%diagonal)
+      allocate (v(self%n), x(self%n), y(self%n), signs(self%n))
       next = 0
       inverse_norm = 0.0_dp
       do
          call dlacn2(self%n, v, x, signs, inverse_norm, next, state)
          if (next == 0) exit
-         x = scale*x
          call self%solve(x, y)
-         x = scale*y
+         x = y
       end do
-      condition = self%scaled_norm*inverse_norm
+      condition = self%matrix_norm*inverse_norm
    end function factorization_condition
 
-   !> The least condition number that a matrix refused by `check_pivots` has, scaled to a unit diagonal: the inverse has
-   !> a diagonal entry at least as large as the inverse of the refused pivot.
+   !> The least condition number of a matrix that `check_pivots` refuses: its norm is at least the diagonal entry, that of
+   !> its inverse at least the inverse of the pivot.
    pure real(dp) function factorization_least_refused_condition(self) result(condition)
       class(factorization_t), intent(in) :: self !! the factorisation
 
@@ -300,6 +297,7 @@ contains
          call self%refuse(position, error)
          return
       end do
+      deallocate (self%diagonal)
    end subroutine factorization_check_pivots
 
    !> Reports that the matrix is not positive definite.

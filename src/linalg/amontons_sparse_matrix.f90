@@ -20,7 +20,7 @@ module amontons_sparse_matrix
       procedure :: diagonal => sparse_matrix_diagonal
       procedure :: extract => sparse_matrix_extract
       procedure :: multiply => sparse_matrix_multiply
-      procedure :: scaled_norm => sparse_matrix_scaled_norm
+      procedure :: norm => sparse_matrix_norm
       procedure :: shift_diagonal => sparse_matrix_shift_diagonal
    end type sparse_matrix_t
 
@@ -291,25 +291,22 @@ contains
       diagonal = self%value(self%column_start(:self%n))
    end function sparse_matrix_diagonal
 
-   !> The largest sum of magnitudes in a row of the matrix when it is scaled, rows and columns alike, to a unit diagonal.
-   pure real(dp) function sparse_matrix_scaled_norm(self) result(norm)
-      class(sparse_matrix_t), intent(in) :: self !! the matrix, its diagonal positive
-      real(dp), allocatable :: scale(:), total(:)
-      real(dp) :: scaled
+   !> The 1-norm: the largest sum of magnitudes in a column.
+   pure real(dp) function sparse_matrix_norm(self) result(norm)
+      class(sparse_matrix_t), intent(in) :: self !! the matrix
+      real(dp), allocatable :: total(:)
       integer(int64) :: at
       integer :: j
 
-      scale = 1.0_dp/sqrt(self%diagonal())
-      allocate (total(self%n), source=1.0_dp)
+      total = abs(self%diagonal())
       do j = 1, self%n
          do at = self%column_start(j) + 1, self%column_start(j + 1) - 1
-            scaled = abs(self%value(at))*scale(j)*scale(self%row(at))
-            total(j) = total(j) + scaled
-            total(self%row(at)) = total(self%row(at)) + scaled
+            total(j) = total(j) + abs(self%value(at))
+            total(self%row(at)) = total(self%row(at)) + abs(self%value(at))
          end do
       end do
       norm = maxval(total)
-   end function sparse_matrix_scaled_norm
+   end function sparse_matrix_norm
 
    !> Adds alpha to the diagonal entries of some consecutive unknowns.
    pure subroutine sparse_matrix_shift_diagonal(self, first, last, alpha)
