@@ -249,14 +249,14 @@ contains
    end function cancellation
 
    !> Whether what the certificate finds may come from the rounding errors of an ill-conditioned stiffness: of what
-   !> depends on the whole model, something is well above rounding, or the method did not reach its tolerance.
+   !> depends on the whole model, something is well above rounding.
    pure logical function shows_rounding(result)
       type(result_t), intent(in) :: result !! the result
       real(dp), parameter :: suspicious = 1.0e-9_dp
 
       associate (certificate => result%certificate)
-         shows_rounding = .not. result%solution%is_converged .or. max(certificate%equilibrium, &
-            certificate%resultant, certificate%moment, certificate%energy) > suspicious
+         shows_rounding = max(certificate%equilibrium, certificate%resultant, certificate%moment, &
+            certificate%energy) > suspicious
       end associate
    end function shows_rounding
 

@@ -88,11 +88,11 @@ contains
       real(dp), intent(in) :: value !! the number, at least 1
       character(:), allocatable :: text
       character(8) :: buffer
+      integer :: exponent
 
       write (buffer, '(es8.0e3)') value
-      text = buffer(:index(buffer, '.') - 1)
-      buffer = buffer(index(buffer, 'E') + 2:)
-      text = trim(adjustl(text))//'e'//trim(buffer(verify(buffer, '0'):))
+      read (buffer(5:), '(i4)') exponent
+      text = trim(adjustl(buffer(:2)))//'e'//to_text(exponent)
    end function rounded
 
 end module amontons_conditioning
