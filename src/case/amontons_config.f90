@@ -113,9 +113,11 @@ contains
       config%title = ''
       call deck%get(group, 'name', config%name)
       call deck%get(group, 'title', config%title)
-      if (len_trim(config%name) == 0 .or. len(config%name) > longest_name .or. has_unusable_character(config%name)) &
+      if (len_trim(config%name) == 0 .or. len(config%name) > longest_name &
+         .or. has_unusable_character(config%name)) then
          call deck%fault(group, 'name', 'name must be usable as a file name: 1 to '//to_text(longest_name)// &
-         " characters without '/' and control characters")
+            " characters without '/' and control characters")
+      end if
       call deck%refuse_unknown(group)
    end subroutine read_case
 

@@ -20,7 +20,8 @@ module amontons_listing
    implicit none (type, external)
    private
 
-   public :: certificate_text, condition_text, factorization_text, head_text, history_text, method_text, times_text, write_listing
+   public :: certificate_text, condition_text, factorization_text, head_text, history_text, method_text, &
+      times_text, write_listing
 
 contains
 
@@ -206,8 +207,8 @@ contains
 
       text = ''
       if (.not. result%condition > 0.0_dp) return
-      text = line('Condition number', 'about '//scientific(result%condition)//', of the stiffness: rounding may cost '// &
-         to_text(min(16, nint(log10(result%condition))))//' of 16 digits')
+      text = line('Condition number', 'about '//scientific(result%condition)//', of the stiffness: rounding may cost ' &
+         //to_text(min(16, nint(log10(result%condition))))//' of 16 digits')
       reasons = conditioning_text(body%mesh, body%materials, body%springs)
       if (len(reasons) > 0) text = text//line('', reasons(3:))
    end function condition_text

@@ -230,12 +230,13 @@ contains
             'precision (1.8e308): choose other units')
          return
       end if
-      if (shows_rounding(result)) result%condition = min(huge(1.0_dp), max(body%condensation%factorization%condition(), &
-         cancellation(body, result)))
+      if (.not. shows_rounding(result)) return
+      result%condition = max(body%condensation%factorization%condition(), cancellation(body, result))
+      result%condition = min(result%condition, huge(1.0_dp))
    end subroutine certify
 
-   !> How far the forces of the elements cancel, |K| |u| / |f|: of a body that its supports hold still, a bound from below
-   !> of the condition number. It sees what the shift in the factor of a body held by contact alone hides.
+   !> How far the forces of the elements cancel, |K| |u| / |f|: of a body that its supports hold still, a bound from
+   !> below of the condition number. It sees what the shift in the factor of a body held by contact alone hides.
    real(dp) function cancellation(body, result)
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! its displacements and forces

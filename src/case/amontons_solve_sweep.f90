@@ -79,9 +79,10 @@ contains
       call result%certified%timings%lap(phase_solve)
 
       result%is_interrupted = result%tally%n_cases < task%sweep%n_cases()
-      if (.not. result%is_interrupted .and. result%tally%residual_case > 0) &
+      if (.not. result%is_interrupted .and. result%tally%residual_case > 0) then
          call certify_worst(task, workshop%body, result, error)
-      if (allocated(error)) return
+         if (allocated(error)) return
+      end if
       call result%certified%timings%lap(phase_recover)
    end subroutine solve_sweep
 

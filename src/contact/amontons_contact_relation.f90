@@ -69,8 +69,8 @@ contains
       unit = sqrt(diagonal_units(a))
       amount = magnitude(b/unit)
       relation%is_dual = .true.
-      relation%distance_unit = amount*unit
-      relation%force_unit = amount/unit
+      allocate (relation%distance_unit, source=amount*unit)
+      allocate (relation%force_unit, source=amount/unit)
       call fill(relation, a, b/relation%distance_unit, unit, friction, slip_bound)
    end subroutine new_dual_relation
 
@@ -86,8 +86,8 @@ contains
       unit = sqrt(diagonal_units(s))
       amount = magnitude(r/unit)
       relation%is_dual = .false.
-      relation%force_unit = amount*unit
-      relation%distance_unit = amount/unit
+      allocate (relation%force_unit, source=amount*unit)
+      allocate (relation%distance_unit, source=amount/unit)
       call fill(relation, s, r/relation%force_unit, unit, friction, slip_bound)
    end subroutine new_primal_relation
 

@@ -40,10 +40,11 @@ contains
          if (ratio > incompressible) text = text//"; Poisson's ratio of "// &
             to_text(list(maxloc(list%lambda/list%mu, dim=1))%poisson)//' makes a material all but incompressible'
          ratio = maxval(list%young)/minval(list%young)
-         if (ratio > far_apart) text = text//'; the stiffest material is '//rounded(ratio)//' times as stiff as the softest'
+         if (ratio > far_apart) text = text//'; the stiffest material is '//rounded(ratio)// &
+            ' times as stiff as the softest'
          ratio = spring_ratio(springs, maxval(list%young*list%thickness))
-         if (ratio > far_apart) text = text//'; the stiffness of springs and that of the body differ by a factor of '// &
-            rounded(ratio)
+         if (ratio > far_apart) text = text//'; the stiffness of springs and that of the body differ by a factor of ' &
+            //rounded(ratio)
       end associate
    end function conditioning_text
 

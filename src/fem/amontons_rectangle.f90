@@ -57,8 +57,8 @@ contains
       if (kind /= shape) call raise_order(mesh, spread(kind, 1, mesh%n_elements))
    end subroutine new_rectangle_mesh
 
-   !> Refuses cells whose stiffness and factor the memory cannot hold, by what they take at the very least, before a mesh
-   !> of them is made.
+   !> Refuses cells whose stiffness and factor the memory cannot hold, by what they take at the very least, before a
+   !> mesh of them is made.
    subroutine check_memory(cells, is_quadratic, error)
       integer, intent(in) :: cells(2) !! number of cells along x and along y
       logical, intent(in) :: is_quadratic !! whether the sides have middle nodes

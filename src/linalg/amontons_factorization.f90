@@ -261,8 +261,8 @@ contains
       condition = self%matrix_norm*inverse_norm
    end function factorization_condition
 
-   !> The least condition number of a matrix that `check_pivots` refuses: its norm is at least the diagonal entry, that of
-   !> its inverse at least the inverse of the pivot.
+   !> The least condition number of a matrix that `check_pivots` refuses: its norm is at least the diagonal entry, that
+   !> of its inverse at least the inverse of the pivot.
    pure real(dp) function factorization_least_refused_condition(self) result(condition)
       class(factorization_t), intent(in) :: self !! the factorisation
 

@@ -3,8 +3,8 @@ module amontons_lapack
    implicit none (type, external)
    private
 
-   public :: daxpy, dgemm, dgemv, dgesv, dgetrf, dgetrs, dlacn2, dlauum, dpbtrf, dpotrf, dpotri, dpotrs, dsyev, dsymv, dsyrk, &
-      dtbsv, dtrsm, dtrsv
+   public :: daxpy, dgemm, dgemv, dgesv, dgetrf, dgetrs, dlacn2, dlauum, dpbtrf, dpotrf, dpotri, dpotrs, dsyev, &
+      dsymv, dsyrk, dtbsv, dtrsm, dtrsv
 
    ! allow(assumed-size): these routines take the shape apart from the address
    interface

@@ -8,10 +8,10 @@ import unittest
 
 from harness import CONTACT, PRESSURE, PROGRAM, SUPPORT, ProgramTest, block, read_vtu
 
-SINGULAR = re.compile(r"^case\.nml: the stiffness is singular to rounding at the node \S+, \S+: its condition number is "
-                      r"above \de\d+(; .+)?\n$")
-UNCERTAIN = re.compile(r"^case\.nml: the certificate FAILED on the full model; see the listing; the condition number of "
-                       r"the stiffness is about \de\d+\n$")
+SINGULAR = re.compile(r"^case\.nml: the stiffness is singular to rounding at the node \S+, \S+: its condition number "
+                      r"is above \de\d+(; .+)?\n$")
+UNCERTAIN = re.compile(r"^case\.nml: the certificate FAILED on the full model; see the listing; the condition number "
+                       r"of the stiffness is about \de\d+\n$")
 NOT_FINITE = re.compile(r"\b(nan|inf|infinity|null)\b|\*\*", re.IGNORECASE)
 
 
@@ -26,8 +26,8 @@ class NumbersTest(ProgramTest):
         return run.returncode, run.stderr
 
     def is_solved(self, text):
-        """Whether a deck is solved with a true certificate. Otherwise it must be refused, or marked, with an estimate of
-        the condition number."""
+        """Whether a deck is solved with a true certificate. Otherwise it must be refused, or marked, with an estimate
+        of the condition number."""
         status, message = self.attempt(text)
         if status == 2:
             self.assertRegex(message, SINGULAR)
@@ -57,7 +57,8 @@ class NearSingular(NumbersTest):
     def test_flat_bodies_on_their_obstacle(self):
         # What is short across the line of contact is stiff, not soft: no digit is lost.
         for width in (1e3, 1e6, 1e12):
-            self.assertTrue(self.is_solved(block(SUPPORT, PRESSURE, CONTACT, mesh=f"size = {width}, 1.0  cells = 8, 4")))
+            mesh = f"size = {width}, 1.0  cells = 8, 4"
+            self.assertTrue(self.is_solved(block(SUPPORT, PRESSURE, CONTACT, mesh=mesh)))
 
     def test_rows_of_cells_far_thinner_than_others(self):
         for grading in (1e6, 1e-6, 1e9, 1e-9, 1e12, 1e-12):
@@ -147,7 +148,7 @@ class Range(NumbersTest):
                 self.assertIsNone(NOT_FINITE.search(text), name)
 
     def assert_solved_or_refused(self, text):
-        """A deck is solved, with numbers that are all finite, or refused for its range; returns whether it is solved."""
+        """A deck is solved, with numbers that are all finite, or refused for its range; returns whether it is."""
         status, message = self.attempt(text)
         if status in (1, 2):
             self.assertFalse(list((self.directory / "results").glob("*")), text)
