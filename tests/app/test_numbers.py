@@ -222,9 +222,9 @@ class IllPosed(NumbersTest):
                     "support point = 0.0, 0.0  ux = 0.0  uy = 0.0", "load set = 'right'  traction = 0.0, 1.0")
 
     def test_supports_that_contradict_each_other(self):
-        self.refuse(1, "4: contradicts an earlier support at the node 0.0, 2.0", SUPPORT,
+        self.refuse(1, "4: the support contradicts an earlier one at the node 0.0, 2.0", SUPPORT,
                     "support set = 'left'  ux = 1.0", PRESSURE, CONTACT)
-        self.refuse(1, "4: contradicts an earlier support at the node 0.0, 0.0", "support set = 'left'  uy = 0.0",
+        self.refuse(1, "4: the support contradicts an earlier one at the node 0.0, 0.0", "support set = 'left'  uy = 0.0",
                     "support set = 'bottom'  uy = 1.0", PRESSURE, CONTACT)
 
     def test_contact_set_that_supports_hold(self):
