@@ -224,8 +224,8 @@ class IllPosed(NumbersTest):
     def test_supports_that_contradict_each_other(self):
         self.refuse(1, "4: the support contradicts an earlier one at the node 0.0, 2.0", SUPPORT,
                     "support set = 'left'  ux = 1.0", PRESSURE, CONTACT)
-        self.refuse(1, "4: the support contradicts an earlier one at the node 0.0, 0.0", "support set = 'left'  uy = 0.0",
-                    "support set = 'bottom'  uy = 1.0", PRESSURE, CONTACT)
+        self.refuse(1, "4: the support contradicts an earlier one at the node 0.0, 0.0",
+                    "support set = 'left'  uy = 0.0", "support set = 'bottom'  uy = 1.0", PRESSURE, CONTACT)
 
     def test_contact_set_that_supports_hold(self):
         message = "5: supports hold every contact node; nothing is left that could come into contact"
