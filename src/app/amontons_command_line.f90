@@ -155,10 +155,13 @@ contains
       type(argument_t), allocatable, intent(inout) :: list(:) !! the list
       character(*), intent(in) :: word !! the word
       type(argument_t), allocatable :: longer(:)
+      integer :: i
 
       ! gfortran 12 loses the length of a text that a structure constructor puts into an array constructor.
       allocate (longer(size(list) + 1))
-      longer(:size(list)) = list
+      do i = 1, size(list)
+         call move_alloc(list(i)%text, longer(i)%text)
+      end do
       longer(size(longer))%text = word
       call move_alloc(longer, list)
    end subroutine append_argument

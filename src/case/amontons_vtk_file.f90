@@ -3,7 +3,8 @@
 !> The arrays are handed over twice in the same order: first they are announced in the head, then, after `begin_data`,
 !> their values are written behind it.
 module amontons_vtk_file
-   use amontons_error, only: error_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp, int32, int64
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_text, only: newline, to_text
@@ -23,6 +24,7 @@ module amontons_vtk_file
       integer(int64) :: offset = 0_int64 !! bytes announced so far
       logical, public :: has_head = .false. !! whether the head is complete, so that values are written
       integer :: state = 0 !! status of the last write statement; nothing is written after a failure
+      character(:), allocatable :: not_finite !! the first quantity with a number that is not finite
       type(output_file_t) :: file !! the file
    contains
       procedure, public :: announce => vtk_file_announce
@@ -85,10 +87,13 @@ contains
 
       if (.not. self%has_head) then
          call self%announce(section, 'Float64', name, n_components, 8_int64*size(values, kind=int64))
-      else if (self%state == 0) then
-         ! allow(C181): `finish` checks the state
-         write (self%file%unit, iostat=self%state) 8_int64*size(values, kind=int64), values
+         return
       end if
+      if (.not. allocated(self%not_finite)) then
+         if (.not. all(ieee_is_finite(values))) self%not_finite = name
+      end if
+      ! allow(C181): `finish` checks the state
+      if (self%state == 0) write (self%file%unit, iostat=self%state) 8_int64*size(values, kind=int64), values
    end subroutine vtk_file_put_reals
 
    !> Hands over an array of integers.
@@ -178,12 +183,14 @@ contains
    subroutine vtk_file_finish(self, file, error)
       class(vtk_file_t), intent(inout) :: self !! the grid
       type(output_file_t), intent(out) :: file !! the finished file
-      type(error_t), allocatable, intent(out) :: error !! not everything could be written
+      type(error_t), allocatable, intent(out) :: error !! not everything could be written, or a number is not finite
 
       ! allow(C181): the output file's own `finish` checks the state
       if (self%state == 0) write (self%file%unit, iostat=self%state) vtk_tail
       call self%file%finish(self%state, error)
       file = self%file
+      if (allocated(self%not_finite) .and. .not. allocated(error)) call new_error(error, numerical_failure, &
+         "the quantity '"//self%not_finite//"' leaves the range of double precision (1.8e308): choose other units")
    end subroutine vtk_file_finish
 
    !> Announces an array in the head.
