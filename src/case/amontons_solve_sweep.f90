@@ -50,7 +50,8 @@ module amontons_solve_sweep
 
 contains
 
-   !> Solves all cases of a sweep that no earlier run has done. The table keeps its temporary name.
+   !> Solves all cases of a sweep that no earlier run has done. The table keeps its temporary name, and its lock until
+   !> it is written, unless the sweep was interrupted.
    subroutine solve_sweep(workshop, config, directory, monitor, result, error)
       type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the sweep needs another
       type(config_t), intent(in) :: config !! the deck
@@ -82,11 +83,15 @@ contains
       if (allocated(error)) return
       result%n_resumed = result%tally%n_cases
       call solve_batches(task, workshop%body, monitor, result, error)
-      if (allocated(error)) return
+      if (allocated(error)) then
+         call result%checkpoint%close()
+         return
+      end if
       call result%certified%timings%lap(phase_solve)
 
       result%is_interrupted = result%tally%n_cases < task%sweep%n_cases()
       call keep_fields(task, workshop%body, directory, config%name, monitor, result, error)
+      if (allocated(error) .or. result%is_interrupted) call result%checkpoint%close()
       if (allocated(error)) return
       call result%certified%timings%lap(phase_write)
       if (.not. result%is_interrupted .and. result%tally%residual_case > 0) call certify(task, workshop%body, result)

@@ -2,10 +2,15 @@
 !>
 !> Two files grow batch by batch and are removed or renamed at the end. NAME.sweep.part holds the table so far.
 !> NAME.sweep.checkpoint begins with the key of the sweep, a text that tells sweeps apart; each further line counts the
-!> bytes of the table and holds the tally of their cases. A line is written when its rows are on the disk. What stands
-!> behind the last whole line, or behind the bytes that it counts, was in flight and is cut off.
+!> bytes of the table and holds the tally of their cases, the checksum of the table and that of the line. A line is
+!> written when its rows are on the disk. What stands behind the last whole line, or behind the bytes that it counts,
+!> was in flight and is cut off. Where a checksum is wrong, all begins anew.
+!>
+!> The checkpoint is locked as long as its run is at work: no second one writes to the same table.
 module amontons_sweep_checkpoint
+   use amontons_checksum, only: checksum, checksum_file
    use amontons_error, only: error_t, new_error, system_failure
+   use amontons_file_lock, only: file_lock_t, lock_file
    use amontons_kinds, only: int64
    use amontons_sweep_tally, only: sweep_tally_t
    use amontons_system, only: cut_file, remove_file, rename_file, synchronize_file
@@ -25,9 +30,12 @@ module amontons_sweep_checkpoint
       character(:), allocatable :: table_path !! where the table grows
       character(:), allocatable :: path !! where its progress is noted
       integer(int64) :: table_bytes = 0 !! bytes of the table
+      integer(int64) :: table_checksum = 0 !! checksum of the table
       integer(int64) :: bytes = 0 !! bytes of the notes
+      type(file_lock_t) :: lock !! the lock on the notes
    contains
       procedure, public :: append => sweep_checkpoint_append
+      procedure, public :: close => sweep_checkpoint_close
       procedure, public :: commit => sweep_checkpoint_commit
       procedure, public :: remove => sweep_checkpoint_remove
    end type sweep_checkpoint_t
@@ -41,22 +49,26 @@ contains
       character(*), intent(in) :: key !! what the rows depend on, lines of text
       character(*), intent(in) :: header !! first line of the table
       type(sweep_tally_t), intent(out) :: tally !! the cases that are done already
-      type(error_t), allocatable, intent(out) :: error !! the files cannot be written
+      type(error_t), allocatable, intent(out) :: error !! the files cannot be written, or another run writes them
       logical :: is_found
 
       checkpoint%table_path = stem//'.sweep.part'
       checkpoint%path = stem//'.sweep.checkpoint'
+      call lock_file(checkpoint%lock, checkpoint%path, error)
+      if (allocated(error)) return
       call find_checkpoint(checkpoint, key, tally, is_found)
       if (is_found) then
          call cut_file(checkpoint%table_path, checkpoint%table_bytes, error)
          if (.not. allocated(error)) call cut_file(checkpoint%path, checkpoint%bytes, error)
       else
-         ! What has these names now, a link perhaps, is not written through.
+         ! What has this name now, a link perhaps, is not written through. The notes keep their file, which is locked.
          call remove_file(checkpoint%table_path)
-         call remove_file(checkpoint%path)
          call write_bytes(checkpoint%table_path, 'new', header, checkpoint%table_bytes, error)
-         if (.not. allocated(error)) call write_bytes(checkpoint%path, 'new', key, checkpoint%bytes, error)
+         checkpoint%table_checksum = checksum(header)
+         if (.not. allocated(error)) call cut_file(checkpoint%path, 0_int64, error)
+         if (.not. allocated(error)) call write_bytes(checkpoint%path, 'old', key, checkpoint%bytes, error)
       end if
+      if (allocated(error)) call checkpoint%close()
    end subroutine open_sweep_checkpoint
 
    !> Looks for a checkpoint with the same key, and for its last whole line.
@@ -64,30 +76,56 @@ contains
       type(sweep_checkpoint_t), intent(inout) :: checkpoint !! gains the bytes of both files that count
       character(*), intent(in) :: key !! what the rows depend on
       type(sweep_tally_t), intent(out) :: tally !! the cases of the last whole line
-      logical, intent(out) :: is_found !! whether there is such a line
+      logical, intent(out) :: is_found !! whether there is such a line, and the table that it tells of
       type(error_t), allocatable :: error
       type(sweep_tally_t) :: noted
       character(:), allocatable :: text
-      integer(int64) :: n_bytes, size_of_table
-      integer :: last, first, status
+      integer(int64) :: n_bytes, noted_checksum, found_checksum
+      integer :: last, first
       logical :: ok
 
       is_found = .false.
-      inquire (file=checkpoint%table_path, size=size_of_table)
       call read_text_file(checkpoint%path, text, error)
       if (allocated(error)) return
       if (index(text, key) /= 1) return
       last = index(text, line_end, back=.true.) + len(line_end) - 1
       if (last < len(key) + len(line_end)) return
       first = index(text(:last - len(line_end)), newline, back=.true.) + 1
-      read (text(first:last), *, iostat=status) n_bytes
-      call noted%read(text(first + index(text(first:last), ' '):last), ok)
-      is_found = status == 0 .and. ok .and. n_bytes <= size_of_table
+      call read_line(text(first:last - len(line_end)), n_bytes, noted, noted_checksum, ok)
+      if (.not. ok) return
+      call checksum_file(checkpoint%table_path, n_bytes, found_checksum, ok)
+      is_found = ok .and. found_checksum == noted_checksum
       if (.not. is_found) return
       tally = noted
       checkpoint%table_bytes = n_bytes
+      checkpoint%table_checksum = noted_checksum
       checkpoint%bytes = last
    end subroutine find_checkpoint
+
+   !> Reads a line of the notes.
+   subroutine read_line(line, n_bytes, tally, table_checksum, ok)
+      character(*), intent(in) :: line !! the line without its end
+      integer(int64), intent(out) :: n_bytes !! bytes of the table
+      type(sweep_tally_t), intent(out) :: tally !! the tally of their cases
+      integer(int64), intent(out) :: table_checksum !! their checksum
+      logical, intent(out) :: ok !! whether the line is as it was written
+      integer(int64) :: line_checksum
+      integer :: first, middle, last, status(3)
+
+      first = index(line, ' ')
+      last = index(line, ' ', back=.true.)
+      middle = index(line(:last - 1), ' ', back=.true.)
+      n_bytes = 0
+      table_checksum = 0
+      ok = first < middle
+      if (.not. ok) return
+      read (line(:first), *, iostat=status(1)) n_bytes
+      read (line(middle:last), *, iostat=status(2)) table_checksum
+      read (line(last:), *, iostat=status(3)) line_checksum
+      ok = all(status == 0)
+      if (ok) ok = line_checksum == checksum(line(:last - 1))
+      if (ok) call tally%read(line(first:middle), ok)
+   end subroutine read_line
 
    !> Appends the rows of a batch; they are safe on return.
    subroutine sweep_checkpoint_append(self, rows, tally, error)
@@ -95,10 +133,13 @@ contains
       character(*), intent(in) :: rows !! the rows, lines of text
       type(sweep_tally_t), intent(in) :: tally !! the cases done, these included
       type(error_t), allocatable, intent(out) :: error !! the files cannot be written
+      character(:), allocatable :: line
 
       call write_bytes(self%table_path, 'old', rows, self%table_bytes, error)
       if (allocated(error)) return
-      call write_bytes(self%path, 'old', to_text(self%table_bytes)//' '//tally%text()//line_end, self%bytes, error)
+      self%table_checksum = checksum(rows, self%table_checksum)
+      line = to_text(self%table_bytes)//' '//tally%text()//' '//to_text(self%table_checksum)
+      call write_bytes(self%path, 'old', line//' '//to_text(checksum(line))//line_end, self%bytes, error)
    end subroutine sweep_checkpoint_append
 
    !> Writes bytes to the end of a file, or to a new one, and has them put on the disk.
@@ -152,5 +193,12 @@ contains
 
       call remove_file(self%path)
    end subroutine sweep_checkpoint_remove
+
+   !> Lets another run have the files.
+   subroutine sweep_checkpoint_close(self)
+      class(sweep_checkpoint_t), intent(inout) :: self !! the checkpoint
+
+      call self%lock%release()
+   end subroutine sweep_checkpoint_close
 
 end module amontons_sweep_checkpoint

@@ -285,22 +285,111 @@ class Interruption(SweepTest):
         begin = time.monotonic()
         self.run_program("--quiet", "--output", "reference", "sweep.nml")
         duration = time.monotonic() - begin
-        done = 0
-        for i in range(12):
-            run = self.start("--quiet", "--threads", str(1 + i % 2), "sweep.nml")
-            time.sleep(self.random.uniform(0.0, 0.5*duration))
+        n_killed = n_resumed = 0
+        while n_killed < 100:
+            done = 0
+            while not (self.directory / "sweep.sweep.csv").exists():
+                run = self.start("--quiet", "--threads", str(1 + n_killed % 2), "sweep.nml")
+                # Mostly early in the run, so that many come before a sweep is done.
+                time.sleep(self.random.choice((0.1, 0.5))*self.random.random()*duration)
+                noted = self.n_done()
+                run.kill()
+                run.communicate()
+                n_killed += run.returncode == -signal.SIGKILL
+                if (self.directory / "sweep.sweep.csv").exists():
+                    break
+                # What was noted before the kill is still there, and what was noted before that.
+                self.assertGreaterEqual(self.n_done(), max(noted, done))
+                n_resumed += self.n_done() > done > 0
+                done = self.n_done()
+                if n_killed >= 100:
+                    break
+            self.run_program("--quiet", "sweep.nml")
+            self.assertEqual(self.contents()["sweep.sweep.csv"], self.contents("reference")["sweep.sweep.csv"])
+            self.assertEqual([name for name in self.contents() if name.endswith((".part", ".checkpoint"))], [])
+            found, expected = self.summary(), self.summary(directory="reference")
+            for member in ("iterations", "residual", "extremes", "certificate", "quantities"):
+                self.assertEqual(found[member], expected[member])
+            (self.directory / "sweep.sweep.csv").unlink()
+        self.assertGreater(n_resumed, 0)
+
+    def test_spoilt_checkpoint_is_never_believed(self):
+        self.write("sweep.nml", map_of_states(6))
+        self.run_program("--quiet", "--output", "reference", "sweep.nml")
+        expected = self.contents("reference")["sweep.sweep.csv"]
+        names = ("sweep.sweep.checkpoint", "sweep.sweep.part")
+        sound = None
+        while sound is None or self.n_done() == 0:
+            run = self.start("--quiet", "--threads", "1", "sweep.nml")
+            self.wait_for_rows(run, 1)
             run.kill()
             run.communicate()
-            if (self.directory / "sweep.sweep.csv").exists():
-                break
-            self.assertGreaterEqual(self.n_done(), done)
-            done = self.n_done()
-        self.run_program("--quiet", "sweep.nml")
-        self.assertEqual(self.contents()["sweep.sweep.csv"], self.contents("reference")["sweep.sweep.csv"])
-        self.assertEqual([name for name in self.contents() if name.endswith((".part", ".checkpoint"))], [])
-        found, expected = self.summary(), self.summary(directory="reference")
-        for member in ("iterations", "residual", "extremes", "certificate", "quantities"):
-            self.assertEqual(found[member], expected[member])
+            sound = {name: content for name, content in self.contents().items() if name in names}
+            if len(sound) < 2:
+                sound = None
+        for i in range(60):
+            name = names[i % 2]
+            content = bytearray(sound[name])
+            at = self.random.randrange(len(content))
+            match i//2 % 8:
+                case 0 | 1 | 2:
+                    content[at] ^= 1 << self.random.randrange(8)
+                case 3:
+                    del content[at:]
+                case 4:
+                    content[at:at] = content[self.random.randrange(len(content)):]
+                case 5:
+                    lines = content.splitlines(keepends=True)
+                    lines.pop(self.random.randrange(len(lines)))
+                    content = b"".join(lines)
+                case 6:
+                    content = bytearray(sound[names[1 - i % 2]])
+                case 7:
+                    # A line that counts too much.
+                    content += content.splitlines(keepends=True)[-1].replace(b"1", b"7")
+            for other in names:
+                (self.directory / other).write_bytes(content if other == name else sound[other])
+            with self.subTest(i=i, name=name):
+                self.run_program("--quiet", "sweep.nml")
+                self.assertEqual(self.contents()["sweep.sweep.csv"], expected)
+            (self.directory / "sweep.sweep.csv").unlink()
+        for name in names:
+            (self.directory / name).mkdir()
+            run = self.run_program("sweep.nml", status=3)
+            self.assertRegex(run.stderr, rf"^sweep\.nml: \./{name}: cannot write this file: ")
+            (self.directory / name).rmdir()
+
+    def test_two_runs_of_one_sweep_do_not_mix(self):
+        self.write("sweep.nml", map_of_states(20000))
+        first = self.start("--quiet", "sweep.nml")
+        self.wait_for_rows(first, 1)
+        run = self.run_program("--quiet", "sweep.nml", status=1)
+        self.assertEqual(run.stderr, "sweep.nml: ./sweep.sweep.checkpoint: another run is at work on this file; wait until "
+                                     "it ends, or choose another directory with --output\n")
+        self.assertIsNone(first.poll())
+        # The lock dies with its owner, who has no time to say goodbye.
+        first.kill()
+        first.communicate()
+        done = self.n_done()
+        second = self.start("--quiet", "sweep.nml")
+        self.wait_for_rows(second, done + 1)
+        second.terminate()
+        second.communicate()
+        self.assertEqual(second.returncode, 5)
+        self.assertGreater(self.n_done(), done)
+
+    def test_runs_that_begin_together_leave_one_whole_table(self):
+        self.write("sweep.nml", map_of_states(6))
+        self.run_program("--quiet", "--output", "reference", "sweep.nml")
+        for _ in range(10):
+            runs = [self.start("--quiet", "--threads", "1", "sweep.nml") for _ in range(3)]
+            for run in runs:
+                run.communicate()
+            self.assertIn(0, [run.returncode for run in runs])
+            self.assertLessEqual({run.returncode for run in runs}, {0, 1})
+            self.assertEqual(self.contents()["sweep.sweep.csv"], self.contents("reference")["sweep.sweep.csv"])
+            self.assertEqual([name for name in self.contents() if name.endswith((".part", ".checkpoint"))], [])
+            (self.directory / "sweep.sweep.csv").unlink()
 
     def test_torn_files_are_cut_to_the_last_batch(self):
         self.write("sweep.nml", map_of_states(2000))
