@@ -3,10 +3,11 @@
 !> The only module that knows the HDF5 library; a build without that library leaves it out.
 module amontons_hdf5_file
    use amontons_error, only: error_t, input_refused, new_error, system_failure
-   use amontons_kinds, only: dp
+   use amontons_kinds, only: dp, int64
+   use amontons_text, only: to_text
    use hdf5, only: h5dclose_f, h5dcreate_f, h5dget_space_f, h5dget_type_f, h5dopen_f, h5dread_f, h5dwrite_f, &
-      h5eset_auto_f, h5f_acc_rdonly_f, h5f_acc_trunc_f, h5fclose_f, h5fcreate_f, h5fopen_f, h5gclose_f, h5gcreate_f, &
-      h5lexists_f, h5open_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
+      h5eset_auto_f, h5f_acc_rdonly_f, h5f_acc_trunc_f, h5fclose_f, h5fcreate_f, h5fget_filesize_f, h5fopen_f, &
+      h5gclose_f, h5gcreate_f, h5lexists_f, h5open_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
       h5sget_simple_extent_npoints_f, h5t_float_f, h5t_integer_f, h5t_native_character, h5t_native_double, &
       h5t_native_integer, h5tclose_f, h5tcopy_f, h5tget_class_f, h5tset_size_f, hid_t, hsize_t, size_t
    implicit none (type, external)
@@ -122,7 +123,7 @@ contains
       integer(hid_t), intent(out) :: id !! the library's number of it
       integer, intent(out) :: n !! number of its values
       integer(hid_t) :: space
-      integer(hsize_t) :: n_values
+      integer(hsize_t) :: n_values, n_bytes
       integer :: status
 
       id = -1
@@ -140,8 +141,10 @@ contains
          return
       end if
       call h5sclose_f(space, status)
-      if (n_values > huge(n)) then
-         call self%refuse(path//': too many values')
+      ! A value takes a byte at the least, so that a damaged file cannot ask for all memory.
+      call h5fget_filesize_f(self%id, n_bytes, status)
+      if (n_values < 0 .or. n_values > min(n_bytes, int(huge(n), hsize_t))) then
+         call self%refuse(path//' announces '//to_text(int(n_values, int64))//' values, more than the file can hold')
       else
          n = int(n_values)
       end if

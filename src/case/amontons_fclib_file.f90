@@ -97,7 +97,7 @@ contains
 
    !> Reads a vector of finite numbers.
    subroutine read_vector(values, file, path, n)
-      real(dp), allocatable, intent(out) :: values(:) !! the vector (n), zero where there is a fault
+      real(dp), allocatable, intent(out) :: values(:) !! the vector (n), of any length where there is a fault
       type(hdf5_file_t), intent(inout) :: file !! the file
       character(*), intent(in) :: path !! path of the data set
       integer, intent(in) :: n !! number of its values
@@ -108,8 +108,7 @@ contains
       do i = 1, size(values)
          if (.not. ieee_is_finite(values(i))) call file%refuse(path//': number '//to_text(i)//' is not finite')
       end do
-      if (allocated(file%error)) values = spread(0.0_dp, 1, n)
-      values = values(:n)
+      if (.not. allocated(file%error)) values = values(:n)
    end subroutine read_vector
 
    !> Reads W: triplets, compressed columns or compressed rows, counted from 0.
@@ -130,7 +129,7 @@ contains
       call file%read_integers('/fclib_local/W/p', p)
       call file%read_integers('/fclib_local/W/i', i)
       is_by_column = nz == compressed_columns
-      if (nz < 0) call expand(p, nz, file, n)
+      if (nz < 0) call expand(p, nz, file, n, size(i))
       if (allocated(file%error)) return
       call check_indices(p, nz, file, n, '/fclib_local/W/p')
       call check_indices(i, nz, file, n, '/fclib_local/W/i')
@@ -143,17 +142,21 @@ contains
    end subroutine read_matrix
 
    !> Turns the pointers of compressed columns or rows into the row or column of every entry.
-   subroutine expand(p, nz, file, n)
+   subroutine expand(p, nz, file, n, n_indices)
       integer, allocatable, intent(inout) :: p(:) !! pointers (n + 1); rows or columns of the entries on return
       integer, intent(inout) :: nz !! number of entries on return
       type(hdf5_file_t), intent(inout) :: file !! the file
       integer, intent(in) :: n !! number of rows
+      integer, intent(in) :: n_indices !! number of indices that the entries can have
       character(*), parameter :: path = '/fclib_local/W/p'
       integer :: j
 
       if (size(p) < n + 1) call file%refuse(path//': expected '//to_text(n + 1)//' pointers, found '//to_text(size(p)))
       if (allocated(file%error)) return
       if (p(1) /= 0 .or. any(p(2:n + 1) < p(:n))) call file%refuse(path//': expected pointers that ascend from 0')
+      if (allocated(file%error)) return
+      if (p(n + 1) > n_indices) call file%refuse(path//': expected pointers up to the number of indices, '// &
+         to_text(n_indices)//', found '//to_text(p(n + 1)))
       if (allocated(file%error)) return
       nz = p(n + 1)
       p = [(spread(j - 1, 1, p(j + 1) - p(j)), j=1, n)]
