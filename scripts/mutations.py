@@ -1,4 +1,4 @@
-"""Spoilt input for fuzz.py: the seeds of each format, and what is changed in them. Mutation k is the same in every run."""
+"""Spoilt input for fuzz.py: the seeds of each format, and what is changed in them. Mutation k is always the same."""
 
 import pathlib
 import random
@@ -8,8 +8,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 LARGEST_SEED = 30000
 NUMBERS = (b"0", b"-1", b"1", b"2", b"7", b"127", b"255", b"65536", b"2147483647", b"2147483648", b"-2147483648",
            b"4294967297", b"99999999999999999999", b"1e308", b"1e-308", b"4.9e-324", b"1e999", b"-0.0", b"nan", b"inf",
-           b"-infinity", b"0.5", b"0.4999999", b"3", b"1.e", b"+", b"1e5", b"1d0", b"1e", b".", b"0x10", b"1,5", b"1e12",
-           b"1e-12", b"1e30", b"1e-30", b"1.0e+0000000000000000000001", b"3*1", b"-3*1", b"1000000000*1")
+           b"-infinity", b"0.5", b"0.4999999", b"3", b"1.e", b"+", b"1e5", b"1d0", b"1e", b".", b"0x10", b"1,5",
+           b"1e12", b"1e-12", b"1e30", b"1e-30", b"1.0e+0000000000000000000001", b"3*1", b"-3*1", b"1000000000*1")
 PIECES = (b"/", b"&", b"'", b'"', b"!", b",", b"=", b"\n", b"\r\n", b"\r", b"\x00", b"\xff\xfe", b"\xc3", b"&load ",
           b"&end\n", b" ", b"$", b"*", b"3*", b"(1)", b"(2147483648)", b"\t", b"-", b"$End", b"$Nodes\n", b"*NODE\n",
           b"#", b";", b" " * 3000, b"x" * 3000, b"''", b"%s%n", b"../", b"/dev/zero", b"/dev/null", b".", b"~")
@@ -222,10 +222,12 @@ class Mutator:
         del data[dice.randrange(len(data) + 1):]
 
 
-OPTIONS = ("--output", "--check", "--quiet", "--threads", "--reduced", "--write-reduced", "--all-solutions", "--reference",
-           "--help", "--version", "--", "-", "-h", "-q", "--outpu", "--verify", "", " ", "=", "--=", "--threads=", "--output=")
+OPTIONS = ("--output", "--check", "--quiet", "--threads", "--reduced", "--write-reduced", "--all-solutions",
+           "--reference", "--help", "--version", "--verify", "--", "-", "-h", "-q", "--outpu", "", " ", "=", "--=",
+           "--threads=", "--output=")
 VALUES = ("out", "1", "2", "0", "-1", "64", "99999999999", "1e3", "one", "", "sound.nml", "bad.nml", "none.nml", ".",
-          "/dev/null", "/dev/full", "a" * 300, "\u00fc", "contact", "mesh", "load", "out/deeper", "problem.dat", "'", "*", "%s")
+          "/dev/null", "/dev/full", "a" * 300, "\u00fc", "contact", "mesh", "load", "out/deeper", "problem.dat", "'",
+          "*", "%s")
 
 
 def command_line(k):

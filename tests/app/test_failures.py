@@ -3,6 +3,7 @@
 import os
 import random
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -15,6 +16,17 @@ FLIES_OFF = "the body flies off: no contact forces can balance the loads against
 ADVICE = "; add a support, or a load that presses the body on its obstacle\n"
 SLOW = block(SUPPORT, "load set = 'top'  pressure = 3.0", CONTACT, "solver method = 'psor'  max_iterations = 2")
 LIFTED = block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0")
+
+
+# Every signal that ends a process and that it can be told of, the two that only end a write left out.
+ENDS = [number for number in (*signal.valid_signals(), signal.SIGTERM, signal.SIGINT) if number not in (
+    signal.SIGKILL, signal.SIGSTOP, signal.SIGTSTP, signal.SIGTTIN, signal.SIGTTOU, signal.SIGCONT, signal.SIGCHLD,
+    signal.SIGURG, signal.SIGWINCH, signal.SIGPIPE, signal.SIGXFSZ)]
+
+
+def no_cores():
+    """Has a signal that would leave a core leave none."""
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
 CAN_MOUNT = shutil.which("unshare") and subprocess.run(
@@ -138,6 +150,61 @@ class SystemFailure(ProgramTest):
             failed.add(match[1])
         self.assertEqual(sorted(failed), results_of("case"))
 
+    @unittest.skipUnless(CAN_MOUNT, "file systems cannot be mounted here")
+    def test_disk_without_room_for_another_file(self):
+        self.run_program("--output", "results", "case.nml")
+        (self.directory / "disk").mkdir()
+        # Its root and the older file are files as well.
+        for n_free in range(len(results_of("case"))):
+            run = self.run_command(["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", f"""
+                mount -t tmpfs -o nr_inodes={n_free + 2} none disk || exit
+                cp case.nml disk/case.lst && {{ "$0" --output disk case.nml; status=$?; }}
+                cmp case.nml disk/case.lst && ls -A disk && exit $status""", PROGRAM], 3)
+            self.assertEqual(run.stdout, "case.lst\n")
+            self.assertRegex(run.stderr, r"^case\.nml: disk/case\.[a-z.]+: cannot write this file: No space left on ")
+
+    @unittest.skipUnless(CAN_MOUNT, "file systems cannot be mounted here")
+    def test_file_system_that_is_read_only(self):
+        (self.directory / "disk").mkdir()
+        for output, sentence in (("disk", "case.lst: cannot write this file"),
+                                 ("disk/more", ": cannot make this directory")):
+            run = self.run_command(["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", f"""
+                mount -t tmpfs none disk && cp case.nml disk/case.lst && mount -o remount,ro disk || exit
+                "$0" --output {output} case.nml; status=$?
+                cmp case.nml disk/case.lst && ls -A disk && exit $status""", PROGRAM], 3)
+            self.assertEqual(run.stdout, "case.lst\n")
+            self.assertIn(sentence, run.stderr)
+            self.assertIn("Read-only file system", run.stderr)
+
+    def test_directory_that_vanishes(self):
+        choice = random.Random(1736)
+        self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, mesh="size = 4.0, 2.0  cells = 48, 24"))
+        begin = time.monotonic()
+        self.run_program("--output", "expected", "case.nml")
+        duration = time.monotonic() - begin
+        statuses = set()
+        for i in range(40):
+            results = self.directory / "results"
+            results.mkdir(exist_ok=True)
+            run = subprocess.Popen([PROGRAM, "--quiet", "--output", "results", "case.nml"], cwd=self.directory,
+                                   stderr=subprocess.PIPE, encoding="utf-8")
+            self.addCleanup(run.kill)
+            while i % 4 and run.poll() is None and not os.listdir(results):
+                pass
+            time.sleep(choice.uniform(0.0, duration/(1 if i % 4 == 0 else 20)))
+            results.rename(self.directory / f"gone {i}")
+            _, message = run.communicate(timeout=self.timeout)
+            statuses.add(run.returncode)
+            if run.returncode == 3:
+                self.assertRegex(message, r"^case\.nml: results/[a-z.]*: cannot (write|put) this file")
+                self.assertEqual(self.contents(f"gone {i}").keys() & set(results_of("case")), set())
+            else:
+                self.assertEqual((run.returncode, message), (0, ""))
+                places = [place for place in ("results", f"gone {i}") if (self.directory / place).exists()]
+                self.assertIn(results_of("case"), [sorted(self.contents(place)) for place in places])
+            shutil.rmtree(results, ignore_errors=True)
+        self.assertEqual(statuses, {0, 3})
+
     def test_links_laid_out_beforehand_are_not_followed(self):
         self.write("victim", "precious")
         process = subprocess.Popen(["sh", "-c", 'read go; exec "$0" --quiet case.nml', PROGRAM], cwd=self.directory,
@@ -210,7 +277,11 @@ class Signals(ProgramTest):
         deck = block(SUPPORT, f"load set = 'top'  pressure = {pressure}", CONTACT,
                      mesh=f"size = 4.0, 2.0  cells = {cells}, {cells//2}")
         self.run_program("--quiet", "--output", f"at {pressure}", self.write("case.nml", deck))
-        return {name: self.key(name, content) for name, content in self.contents(f"at {pressure}").items()}
+        return self.found(f"at {pressure}")
+
+    def found(self, directory="results"):
+        """What a run left, the times aside."""
+        return {name: self.key(name, content) for name, content in self.contents(directory).items()}
 
     @staticmethod
     def key(name, content):
@@ -221,7 +292,7 @@ class Signals(ProgramTest):
 
     def test_signals_at_any_moment(self):
         choice = random.Random(1785)
-        cells = 160
+        cells = 48
         old = self.solved(1.0, cells)
         begin = time.monotonic()
         new = self.solved(2.0, cells)
@@ -229,11 +300,12 @@ class Signals(ProgramTest):
         for name in old:
             self.assertNotEqual(old[name], new[name], name)
         ended = set()
-        for i in range(20):
+        for i in range(200):
             shutil.rmtree(self.directory / "results", ignore_errors=True)
             shutil.copytree(self.directory / "at 1.0", self.directory / "results")
-            number = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)[i % 3]
-            run = subprocess.Popen([PROGRAM, "--quiet", "--output", "results", "case.nml"], cwd=self.directory)
+            number = ENDS[i//2 % len(ENDS)]
+            run = subprocess.Popen([PROGRAM, "--quiet", "--output", "results", "case.nml"], cwd=self.directory,
+                                   stderr=subprocess.DEVNULL, preexec_fn=no_cores)
             self.addCleanup(run.kill)
             if i % 2:
                 # While the files are written.
@@ -241,15 +313,73 @@ class Signals(ProgramTest):
                 while run.poll() is None and time.monotonic() < deadline:
                     if len(os.listdir(self.directory / "results")) > len(old):
                         break
-                time.sleep(choice.uniform(0.0, 0.02*duration))
+                time.sleep(choice.uniform(0.0, 0.1*duration))
             else:
+                # Before the program has begun it cannot be asked: there a signal is not yet as arranged.
                 time.sleep(choice.uniform(0.0, duration))
             run.send_signal(number)
             ended.add(run.wait(self.timeout))
-            found = {name: self.key(name, content) for name, content in self.contents("results").items()}
-            self.assertIn(found, (old, new), sorted(found))
+            found = self.found()
+            self.assertTrue(found in (old, new), f"{number}: {sorted(found)}")
             self.assertIn(run.returncode, (0, -number))
-        self.assertIn(-signal.SIGTERM, ended)
+        self.assertTrue(ended > {-signal.SIGTERM, -signal.SIGINT, -signal.SIGQUIT})
+
+    def test_signals_that_only_end_a_write_leave_the_program_alone(self):
+        # And a child that ended, a window that changed, a stop that goes on again.
+        expected = self.solved(1.0, 48)
+        run = subprocess.Popen([PROGRAM, "--quiet", "--output", "results", "case.nml"], cwd=self.directory)
+        self.addCleanup(run.kill)
+        numbers = (signal.SIGPIPE, signal.SIGXFSZ, signal.SIGCHLD, signal.SIGWINCH, signal.SIGURG, signal.SIGSTOP,
+                   signal.SIGCONT)
+        time.sleep(0.05)
+        while run.poll() is None:
+            for number in numbers:
+                run.send_signal(number)
+            time.sleep(0.002)
+        self.assertEqual(run.returncode, 0)
+        self.assertTrue(self.found() == expected)
+
+    def test_killed_while_it_writes(self):
+        # Nobody cleans up behind SIGKILL. Every file is whole; what is left under temporary names harms no later run.
+        choice = random.Random(1699)
+        old = self.solved(1.0, 48)
+        new = self.solved(2.0, 48)
+        shutil.copytree(self.directory / "at 1.0", self.directory / "results")
+        left = set()
+        for _ in range(20):
+            run = subprocess.Popen([PROGRAM, "--quiet", "--output", "results", "case.nml"], cwd=self.directory)
+            self.addCleanup(run.kill)
+            while run.poll() is None and set(os.listdir(self.directory / "results")) <= set(old) | left:
+                pass
+            time.sleep(choice.uniform(0.0, 0.005))
+            run.kill()
+            run.wait()
+            for name, content in self.contents("results").items():
+                if name.endswith(".tmp"):
+                    left.add(name)
+                else:
+                    self.assertTrue(self.key(name, content) in (old[name], new[name]), name)
+        self.assertTrue(left)
+        self.run_program("--quiet", "--output", "results", "case.nml")
+        self.assertTrue({name: content for name, content in self.found().items() if name not in left} == new)
+
+    def test_two_runs_of_a_case_leave_the_files_of_one(self):
+        decks = {}
+        sets = []
+        for pressure in (1.0, 2.0):
+            sets.append(self.solved(pressure, 16))
+            (self.directory / f"deck at {pressure}").mkdir()
+            decks[pressure] = f"deck at {pressure}/case.nml"
+            (self.directory / "case.nml").rename(self.directory / decks[pressure])
+        for _ in range(20):
+            runs = [subprocess.Popen([PROGRAM, "--quiet", "--output", "results", deck], cwd=self.directory)
+                    for deck in decks.values()]
+            self.assertEqual([run.wait(self.timeout) for run in runs], [0, 0])
+            found = self.found()
+            for name in found:
+                if name.endswith(".lst"):
+                    found[name] = found[name].replace(b"deck at 1.0/", b"").replace(b"deck at 2.0/", b"")
+            self.assertTrue(found in sets, "the files are of both runs")
 
     def test_signal_that_is_ignored_stays_so(self):
         self.solved(1.0, 80)

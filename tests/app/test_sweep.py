@@ -364,8 +364,8 @@ class Interruption(SweepTest):
         first = self.start("--quiet", "sweep.nml")
         self.wait_for_rows(first, 1)
         run = self.run_program("--quiet", "sweep.nml", status=1)
-        self.assertEqual(run.stderr, "sweep.nml: ./sweep.sweep.checkpoint: another run is at work on this file; wait until "
-                                     "it ends, or choose another directory with --output\n")
+        self.assertEqual(run.stderr, "sweep.nml: ./sweep.sweep.checkpoint: another run is at work on this file; wait "
+                                     "until it ends, or choose another directory with --output\n")
         self.assertIsNone(first.poll())
         # The lock dies with its owner, who has no time to say goodbye.
         first.kill()
