@@ -273,7 +273,7 @@ contains
       if (are_swapped) are_swapped = a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)
    end function are_swapped
 
-   !> Number of bytes of the UTF-8 character that a text begins with; 0 where it begins with none, or a control character.
+   !> Number of bytes of the UTF-8 character that a text begins with; 0 for none, or for a control character.
    pure integer function utf_8_width(text) result(width)
       character(*), intent(in) :: text !! the text
       integer, parameter :: blank = 32, delete = 127, continued = 128

@@ -3,7 +3,8 @@
 !> A build without the HDF5 library has `amontons_fclib_file.absent.f90` in this place.
 module amontons_fclib_file
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_error, only: error_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
+   use amontons_error, only: error_t, input_refused, new_error
    use amontons_hdf5_file, only: create_hdf5_file, hdf5_file_t, open_hdf5_file
    use amontons_kinds, only: dp
    use amontons_reduced_system, only: entries_t, new_reduced_system, reduced_system_t
@@ -21,10 +22,58 @@ module amontons_fclib_file
    !> The value of `nz` that stands for compressed rows.
    integer, parameter :: compressed_rows = -2
 
+   ! allow(assumed-size): C takes an address and knows no shape
+   interface
+      function c_ends_well(procedure, argument) bind(c, name='amontons_ends_well') result(answer)
+         import :: c_char, c_int
+         implicit none (type, external)
+         interface
+            subroutine procedure(argument) bind(c)
+               import :: c_char
+               implicit none (type, external)
+               character(c_char), intent(in) :: argument(*)
+            end subroutine procedure
+         end interface
+         character(c_char), intent(in) :: argument(*)
+         integer(c_int) :: answer
+      end function c_ends_well
+   end interface
+
 contains
 
-   !> Reads a file.
+   !> Reads a file, in another process first: the library of Debian 12, HDF5 1.10, crashes on some damaged files.
    subroutine read_fclib_file(system, name, error)
+      type(reduced_system_t), intent(out) :: system !! the reduced problem
+      character(*), intent(in) :: name !! name of the file
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the file
+
+      if (c_ends_well(try_file, name//c_null_char) /= 0) then
+         call read_contents(system, name, error)
+      else
+         call new_error(error, input_refused, name//': this HDF5 file is damaged')
+      end if
+   end subroutine read_fclib_file
+
+   !> Reads a file for nothing.
+   ! allow(assumed-size): C gives an address and knows no shape
+   subroutine try_file(name) bind(c)
+      character(c_char), intent(in) :: name(*) !! name of the file, ended by a zero
+      type(reduced_system_t) :: system
+      type(error_t), allocatable :: error
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      i = 1
+      do while (name(i) /= c_null_char)
+         text = text//name(i)
+         i = i + 1
+      end do
+      call read_contents(system, text, error)
+   end subroutine try_file
+
+   !> Reads what a file holds.
+   subroutine read_contents(system, name, error)
       type(reduced_system_t), intent(out) :: system !! the reduced problem
       character(*), intent(in) :: name !! name of the file
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the file
@@ -51,7 +100,7 @@ contains
       end if
       call file%close()
       call move_alloc(file%error, error)
-   end subroutine read_fclib_file
+   end subroutine read_contents
 
    !> Refuses what is no reduced problem in the plane.
    subroutine check_kind(file)

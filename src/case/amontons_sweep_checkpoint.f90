@@ -8,12 +8,12 @@
 !>
 !> The checkpoint is locked as long as its run is at work: no second one writes to the same table.
 module amontons_sweep_checkpoint
-   use amontons_checksum, only: checksum, checksum_file
-   use amontons_error, only: error_t, new_error, system_failure
+   use amontons_error, only: error_t
    use amontons_file_lock, only: file_lock_t, lock_file
    use amontons_kinds, only: int64
+   use amontons_running_checksum, only: checksum, checksum_file
    use amontons_sweep_tally, only: sweep_tally_t
-   use amontons_system, only: cut_file, remove_file, rename_file, synchronize_file
+   use amontons_system, only: append_to_file, cut_file, remove_file, rename_file
    use amontons_text, only: newline, to_text
    use amontons_text_file, only: read_text_file
    implicit none (type, external)
@@ -31,7 +31,6 @@ module amontons_sweep_checkpoint
       character(:), allocatable :: path !! where its progress is noted
       integer(int64) :: table_bytes = 0 !! bytes of the table
       integer(int64) :: table_checksum = 0 !! checksum of the table
-      integer(int64) :: bytes = 0 !! bytes of the notes
       type(file_lock_t) :: lock !! the lock on the notes
    contains
       procedure, public :: append => sweep_checkpoint_append
@@ -50,32 +49,35 @@ contains
       character(*), intent(in) :: header !! first line of the table
       type(sweep_tally_t), intent(out) :: tally !! the cases that are done already
       type(error_t), allocatable, intent(out) :: error !! the files cannot be written, or another run writes them
+      integer(int64) :: notes_bytes
       logical :: is_found
 
       checkpoint%table_path = stem//'.sweep.part'
       checkpoint%path = stem//'.sweep.checkpoint'
       call lock_file(checkpoint%lock, checkpoint%path, error)
       if (allocated(error)) return
-      call find_checkpoint(checkpoint, key, tally, is_found)
+      call find_checkpoint(checkpoint, key, tally, notes_bytes, is_found)
       if (is_found) then
          call cut_file(checkpoint%table_path, checkpoint%table_bytes, error)
-         if (.not. allocated(error)) call cut_file(checkpoint%path, checkpoint%bytes, error)
+         if (.not. allocated(error)) call cut_file(checkpoint%path, notes_bytes, error)
       else
          ! What has this name now, a link perhaps, is not written through. The notes keep their file, which is locked.
          call remove_file(checkpoint%table_path)
-         call write_bytes(checkpoint%table_path, 'new', header, checkpoint%table_bytes, error)
+         call append_to_file(checkpoint%table_path, .true., header, error)
+         checkpoint%table_bytes = len(header)
          checkpoint%table_checksum = checksum(header)
          if (.not. allocated(error)) call cut_file(checkpoint%path, 0_int64, error)
-         if (.not. allocated(error)) call write_bytes(checkpoint%path, 'old', key, checkpoint%bytes, error)
+         if (.not. allocated(error)) call append_to_file(checkpoint%path, .false., key, error)
       end if
       if (allocated(error)) call checkpoint%close()
    end subroutine open_sweep_checkpoint
 
    !> Looks for a checkpoint with the same key, and for its last whole line.
-   subroutine find_checkpoint(checkpoint, key, tally, is_found)
-      type(sweep_checkpoint_t), intent(inout) :: checkpoint !! gains the bytes of both files that count
+   subroutine find_checkpoint(checkpoint, key, tally, notes_bytes, is_found)
+      type(sweep_checkpoint_t), intent(inout) :: checkpoint !! gains the bytes of the table that count
       character(*), intent(in) :: key !! what the rows depend on
       type(sweep_tally_t), intent(out) :: tally !! the cases of the last whole line
+      integer(int64), intent(out) :: notes_bytes !! the bytes of the notes that count
       logical, intent(out) :: is_found !! whether there is such a line, and the table that it tells of
       type(error_t), allocatable :: error
       type(sweep_tally_t) :: noted
@@ -85,6 +87,7 @@ contains
       logical :: ok
 
       is_found = .false.
+      notes_bytes = 0
       call read_text_file(checkpoint%path, text, error)
       if (allocated(error)) return
       if (index(text, key) /= 1) return
@@ -99,7 +102,7 @@ contains
       tally = noted
       checkpoint%table_bytes = n_bytes
       checkpoint%table_checksum = noted_checksum
-      checkpoint%bytes = last
+      notes_bytes = last
    end subroutine find_checkpoint
 
    !> Reads a line of the notes.
@@ -135,48 +138,13 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the files cannot be written
       character(:), allocatable :: line
 
-      call write_bytes(self%table_path, 'old', rows, self%table_bytes, error)
+      call append_to_file(self%table_path, .false., rows, error)
       if (allocated(error)) return
+      self%table_bytes = self%table_bytes + len(rows)
       self%table_checksum = checksum(rows, self%table_checksum)
       line = to_text(self%table_bytes)//' '//tally%text()//' '//to_text(self%table_checksum)
-      call write_bytes(self%path, 'old', line//' '//to_text(checksum(line))//line_end, self%bytes, error)
+      call append_to_file(self%path, .false., line//' '//to_text(checksum(line))//line_end, error)
    end subroutine sweep_checkpoint_append
-
-   !> Writes bytes to the end of a file, or to a new one, and has them put on the disk.
-   subroutine write_bytes(path, file_status, bytes, n_bytes, error)
-      character(*), intent(in) :: path !! name of the file
-      character(*), intent(in) :: file_status !! 'old' to append, 'new' to begin
-      character(*), intent(in) :: bytes !! what is written
-      integer(int64), intent(inout) :: n_bytes !! size of the file before, and after
-      type(error_t), allocatable, intent(out) :: error !! not everything could be written
-      character(256) :: reason
-      integer(int64) :: found
-      integer :: unit, status
-
-      reason = ''
-      open (newunit=unit, file=path, status=file_status, position='append', action='write', access='stream', &
-         form='unformatted', iostat=status, iomsg=reason)
-      if (status == 0) then
-         write (unit, iostat=status, iomsg=reason) bytes
-         if (status == 0) flush (unit, iostat=status, iomsg=reason)
-         if (status == 0) then
-            close (unit, iostat=status, iomsg=reason)
-         else
-            close (unit, iostat=status)
-         end if
-      end if
-      if (file_status == 'new') n_bytes = 0
-      n_bytes = n_bytes + len(bytes)
-      ! What a full disk refuses is lost without a word; and no other run may write here meanwhile.
-      inquire (file=path, size=found)
-      if (status == 0 .and. found /= n_bytes) reason = to_text(found)//' bytes in the place of '//to_text(n_bytes)// &
-         ': the disk may be full, or another run may write to it'
-      if (len_trim(reason) == 0) then
-         call synchronize_file(path, error)
-      else
-         call new_error(error, system_failure, path//': cannot write this file: '//trim(reason))
-      end if
-   end subroutine write_bytes
 
    !> Gives the complete table its final name.
    subroutine sweep_checkpoint_commit(self, path, error)

@@ -10,7 +10,7 @@ import subprocess
 import time
 import unittest
 
-from harness import CONTACT, PRESSURE, PROGRAM, SOUND, SUPPORT, ProgramTest, block, results_of
+from harness import CAN_MOUNT, CONTACT, PRESSURE, PROGRAM, SOUND, SUPPORT, ProgramTest, block, results_of
 
 FLIES_OFF = "the body flies off: no contact forces can balance the loads against a "
 ADVICE = "; add a support, or a load that presses the body on its obstacle\n"
@@ -27,11 +27,6 @@ ENDS = [number for number in (*signal.valid_signals(), signal.SIGTERM, signal.SI
 def no_cores():
     """Has a signal that would leave a core leave none."""
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-
-CAN_MOUNT = shutil.which("unshare") and subprocess.run(
-    ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", "mount -t tmpfs none /mnt"],
-    capture_output=True, check=False).returncode == 0
 
 
 class NumericalFailure(ProgramTest):

@@ -12,7 +12,7 @@ import time
 import unittest
 from pathlib import Path
 
-from harness import CONTACT, PRESSURE, PROGRAM, SUPPORT, ProgramTest, block
+from harness import CAN_MOUNT, CONTACT, PRESSURE, PROGRAM, SUPPORT, ProgramTest, block
 
 INPUT = Path(__file__).resolve().parents[2] / "input"
 QUANTITIES = ["separated", "sliding", "sticking", "normal_force", "tangential_force"]
@@ -451,9 +451,28 @@ class Interruption(SweepTest):
 
     def test_full_disk_is_told_and_nothing_final_is_written(self):
         self.write("sweep.nml", map_of_states(3))
-        run = self.run_command(["env", "ASAN_OPTIONS=detect_leaks=0", "prlimit", "--fsize=10", PROGRAM, "sweep.nml"], 3)
-        self.assertRegex(run.stderr, r"^sweep.nml: ./sweep.sweep.part: cannot write this file: ")
+        run = self.run_command(["prlimit", "--fsize=10", PROGRAM, "sweep.nml"], 3)
+        self.assertEqual(run.stderr, "sweep.nml: ./sweep.sweep.part: cannot write this file: File too large\n")
         self.assertNotIn("sweep.sweep.csv", self.contents())
+
+    @unittest.skipUnless(CAN_MOUNT, "file systems cannot be mounted here")
+    def test_sweep_goes_on_when_the_disk_has_room_again(self):
+        self.write("sweep.nml", map_of_states(20))
+        self.run_program("--quiet", "--output", "expected", "sweep.nml")
+        (self.directory / "disk").mkdir()
+        size = len(self.contents("expected")["sweep.sweep.csv"])
+        run = self.run_command(["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", f"""
+            mount -t tmpfs -o size={size//2} none disk || exit
+            "$0" --quiet --output disk sweep.nml; echo $?; ls -A disk
+            mount -o remount,size={4*size} disk || exit
+            "$0" --quiet --output disk sweep.nml; echo $?; ls -A disk
+            cp disk/sweep.sweep.csv disk/sweep.summary.json .""", PROGRAM])
+        self.assertEqual(run.stderr, "sweep.nml: disk/sweep.sweep.part: cannot write this file: No space left on "
+                                     "device\n")
+        self.assertEqual(run.stdout.split(), ["3", "sweep.sweep.checkpoint", "sweep.sweep.part", "0", "sweep.deck.nml",
+                                              "sweep.lst", "sweep.summary.json", "sweep.sweep.csv"])
+        self.assertEqual(self.contents()["sweep.sweep.csv"], self.contents("expected")["sweep.sweep.csv"])
+        self.assertGreater(self.summary()["sweep"]["done_earlier"], 0)
 
     def test_links_laid_out_beforehand_are_not_followed(self):
         self.write("sweep.nml", map_of_states(3))
