@@ -82,9 +82,9 @@ class Program:
         return None, status, output, errors
 
 
-def deck_of(mesh):
+def deck_of(mesh, data):
     """A deck around a mesh file with the sets of the fixtures."""
-    end = "right end" if mesh.suffix == ".msh" else "right_end"
+    end = next((name for name in ("right end", "right_end") if name.encode() in data), "right")
     return (f"&mesh kind = 'file'  file = '{mesh.name}' /\n&material young = 1000.0  poisson = 0.3 /\n"
             f"&support set = '{end}'  ux = 0.0 /\n&load body_force = 0.1, -1.0 /\n"
             "&contact set = 'bottom'  friction = 0.3 /\n")
@@ -105,7 +105,7 @@ def write_case(folder, kind, number, data):
     else:
         mesh = folder / f"{stem}{'.inp' if kind == 'abaqus' else '.msh'}"
         mesh.write_bytes(data)
-        deck.write_text(deck_of(mesh))
+        deck.write_text(deck_of(mesh, data))
     return deck.name
 
 

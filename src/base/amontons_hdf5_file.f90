@@ -9,7 +9,8 @@ module amontons_hdf5_file
       h5eset_auto_f, h5f_acc_rdonly_f, h5f_acc_trunc_f, h5fclose_f, h5fcreate_f, h5fget_filesize_f, h5fopen_f, &
       h5gclose_f, h5gcreate_f, h5lexists_f, h5open_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
       h5sget_simple_extent_npoints_f, h5t_float_f, h5t_integer_f, h5t_native_character, h5t_native_double, &
-      h5t_native_integer, h5tclose_f, h5tcopy_f, h5tget_class_f, h5tset_size_f, hid_t, hsize_t, size_t
+      h5t_native_integer, h5tclose_f, h5tcopy_f, h5tget_class_f, h5tget_size_f, h5tset_size_f, &
+      hid_t, hsize_t, size_t
    implicit none (type, external)
    private
 
@@ -158,12 +159,16 @@ contains
       integer, intent(in) :: classes(:) !! classes of the types that are right
       character(*), intent(in) :: expected !! what they are, for the message
       integer(hid_t) :: kind
+      integer(size_t) :: n_bytes
+      integer(size_t), parameter :: most_bytes = 16
       integer :: class, status
 
       if (allocated(self%error)) return
       call h5dget_type_f(id, kind, status)
       if (status == 0) call h5tget_class_f(kind, class, status)
-      if (status /= 0) class = -1
+      if (status == 0) call h5tget_size_f(kind, n_bytes, status)
+      ! The library takes memory for numbers of any size.
+      if (status /= 0 .or. n_bytes > most_bytes) class = -1
       call h5tclose_f(kind, status)
       if (.not. any(classes == class)) call self%refuse(path//': expected '//expected)
    end subroutine hdf5_file_check_type
