@@ -276,10 +276,10 @@ contains
    !> Number of bytes of the UTF-8 character that a text begins with; 0 for none, or for a control character.
    pure integer function utf_8_width(text) result(width)
       character(*), intent(in) :: text !! the text
-      integer, parameter :: blank = 32, delete = 127, continued = 128
+      integer, parameter :: blank = 32, delete = 127
       ! The first bytes of characters of two bytes, of three and of four, and what is behind them.
       integer, parameter :: firsts(4) = [194, 224, 240, 245]
-      integer :: first, second
+      integer :: first
 
       width = 0
       if (len(text) == 0) return
@@ -287,24 +287,32 @@ contains
       if (first >= blank .and. first < delete) width = 1
       if (first < firsts(1) .or. first >= firsts(4)) return
       width = 1 + count(first >= firsts)
-      if (len(text) < width) width = 0
-      if (width > 0) then
-         if (verify(text(2:width), continuations()) > 0) width = 0
+      if (len(text) < width) then
+         width = 0
+      else if (verify(text(2:width), continuations()) > 0 .or. .not. may_follow(first, iachar(text(2:2)))) then
+         width = 0
       end if
-      if (width < 3) return
-      ! Longer than need be, half of a pair of UTF-16, or beyond the last character.
-      second = iachar(text(2:2))
+   end function utf_8_width
+
+   !> Whether a byte may follow the first one of a UTF-8 character: it must not be longer than need be, nor half a pair
+   !> of UTF-16, nor beyond the last character.
+   pure logical function may_follow(first, second)
+      integer, intent(in) :: first !! the first byte
+      integer, intent(in) :: second !! the byte behind it, from 128 to 191
+
       select case (first)
       case (224)
-         if (second < continued + 32) width = 0
+         may_follow = second >= 160
       case (237)
-         if (second >= continued + 32) width = 0
+         may_follow = second < 160
       case (240)
-         if (second < continued + 16) width = 0
+         may_follow = second >= 144
       case (244)
-         if (second >= continued + 16) width = 0
+         may_follow = second < 144
+      case default
+         may_follow = .true.
       end select
-   end function utf_8_width
+   end function may_follow
 
    !> The bytes that UTF-8 goes on with behind the first one.
    pure function continuations() result(bytes)

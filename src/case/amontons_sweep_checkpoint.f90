@@ -113,19 +113,21 @@ contains
       integer(int64), intent(out) :: table_checksum !! their checksum
       logical, intent(out) :: ok !! whether the line is as it was written
       integer(int64) :: line_checksum
-      integer :: first, middle, last, status(3)
+      integer :: first, middle, last, status
 
       first = index(line, ' ')
       last = index(line, ' ', back=.true.)
       middle = index(line(:last - 1), ' ', back=.true.)
       n_bytes = 0
       table_checksum = 0
+      line_checksum = 0
       ok = first < middle
-      if (.not. ok) return
-      read (line(:first), *, iostat=status(1)) n_bytes
-      read (line(middle:last), *, iostat=status(2)) table_checksum
-      read (line(last:), *, iostat=status(3)) line_checksum
-      ok = all(status == 0)
+      if (ok) read (line(:first), *, iostat=status) n_bytes
+      if (ok) ok = status == 0
+      if (ok) read (line(middle:last), *, iostat=status) table_checksum
+      if (ok) ok = status == 0
+      if (ok) read (line(last:), *, iostat=status) line_checksum
+      if (ok) ok = status == 0
       if (ok) ok = line_checksum == checksum(line(:last - 1))
       if (ok) call tally%read(line(first:middle), ok)
    end subroutine read_line
