@@ -8,7 +8,7 @@
 !>
 !> The checkpoint is locked as long as its run is at work: no second one writes to the same table.
 module amontons_sweep_checkpoint
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, new_error, system_failure
    use amontons_file_lock, only: file_lock_t, lock_file
    use amontons_kinds, only: int64
    use amontons_running_checksum, only: checksum, checksum_file
@@ -139,8 +139,16 @@ contains
       type(sweep_tally_t), intent(in) :: tally !! the cases done, these included
       type(error_t), allocatable, intent(out) :: error !! the files cannot be written
       character(:), allocatable :: line
+      integer(int64) :: found
 
-      call append_to_file(self%table_path, .false., rows, error)
+      ! Not every file system has locks.
+      inquire (file=self%table_path, size=found)
+      if (found == self%table_bytes) then
+         call append_to_file(self%table_path, .false., rows, error)
+      else
+         call new_error(error, system_failure, self%table_path//': cannot write this file: '//to_text(found)// &
+            ' bytes in the place of '//to_text(self%table_bytes)//': another run may write to it')
+      end if
       if (allocated(error)) return
       self%table_bytes = self%table_bytes + len(rows)
       self%table_checksum = checksum(rows, self%table_checksum)
