@@ -39,8 +39,7 @@ LARGEST = {b"nodes": 2000, b"contact points": 100, b"contacts": 100, b"cases": 3
 # Solving takes most of the time: of the formats that only bring a mesh or a table, one batch in four will do.
 SOLVED_BATCHES = {"deck": 2, "reduced": 1, "fclib": 1}
 PATIENT = re.compile(rb"max_iterations\W*\d{5}")
-ENDINGS = {"contact.csv", "contact.vtu", "deck.nml", "lst", "summary.json", "vtu", "sweep.csv", "solutions.csv",
-           "reduced.dat", "reduced.hdf5"}
+UNFINISHED = (".tmp", ".part", ".checkpoint")
 # What gfortran makes of the bounds of an array that is not allocated yet when it is assigned: looked at, never used.
 UNUSED_BOUNDS = re.compile(rb"[^\n]*runtime error: signed integer overflow: -9223372036854775808 - 1 cannot[^\n]*\n")
 NO_NUMBER = re.compile(rb"(?<![\w'.])[-+]?(nan|inf|infinity)(?![\w'.])", re.IGNORECASE)
@@ -137,8 +136,8 @@ def bad_file(path, status):
     ending = path.name.partition(".")[2]
     if not content:
         return f"leaves an empty {ending}"
-    if ending not in ENDINGS:
-        return f"leaves a file .{ending}"
+    if ending.endswith(UNFINISHED):
+        return f"leaves the unfinished file .{ending}"
     if ending.endswith("vtu"):
         return f"writes no number into {ending}" if bad_vtu(content) else None
     if ending == "summary.json":
@@ -231,7 +230,8 @@ class Fuzzer:
             return f"solving, ends with the unexplained status {status}"
         self.n_solved += len(solved)
         for path in sorted((folder / "out").iterdir()) if solved else []:
-            if int(path.name.partition(".")[0][1:]) not in solved:
+            case = re.match(r"m(\d+)\.", path.name)
+            if case and int(case[1]) not in solved:
                 return "solving, leaves files of a case that it refused"
             if reason := bad_file(path, status):
                 return f"solving, {reason}"

@@ -11,7 +11,7 @@ module amontons_sweep_checkpoint
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_file_lock, only: file_lock_t, lock_file
    use amontons_kinds, only: int64
-   use amontons_running_checksum, only: checksum, checksum_file
+   use amontons_running_checksum, only: checksum_of_start, running_checksum
    use amontons_sweep_tally, only: sweep_tally_t
    use amontons_system, only: append_to_file, cut_file, remove_file, rename_file
    use amontons_text, only: newline, to_text
@@ -65,7 +65,7 @@ contains
          call remove_file(checkpoint%table_path)
          call append_to_file(checkpoint%table_path, .true., header, error)
          checkpoint%table_bytes = len(header)
-         checkpoint%table_checksum = checksum(header)
+         checkpoint%table_checksum = running_checksum(header)
          if (.not. allocated(error)) call cut_file(checkpoint%path, 0_int64, error)
          if (.not. allocated(error)) call append_to_file(checkpoint%path, .false., key, error)
       end if
@@ -96,7 +96,7 @@ contains
       first = index(text(:last - len(line_end)), newline, back=.true.) + 1
       call read_line(text(first:last - len(line_end)), n_bytes, noted, noted_checksum, ok)
       if (.not. ok) return
-      call checksum_file(checkpoint%table_path, n_bytes, found_checksum, ok)
+      call checksum_of_start(checkpoint%table_path, n_bytes, found_checksum, ok)
       is_found = ok .and. found_checksum == noted_checksum
       if (.not. is_found) return
       tally = noted
@@ -128,7 +128,7 @@ contains
       if (ok) ok = status == 0
       if (ok) read (line(last:), *, iostat=status) line_checksum
       if (ok) ok = status == 0
-      if (ok) ok = line_checksum == checksum(line(:last - 1))
+      if (ok) ok = line_checksum == running_checksum(line(:last - 1))
       if (ok) call tally%read(line(first:middle), ok)
    end subroutine read_line
 
@@ -151,9 +151,9 @@ contains
       end if
       if (allocated(error)) return
       self%table_bytes = self%table_bytes + len(rows)
-      self%table_checksum = checksum(rows, self%table_checksum)
+      self%table_checksum = running_checksum(rows, self%table_checksum)
       line = to_text(self%table_bytes)//' '//tally%text()//' '//to_text(self%table_checksum)
-      call append_to_file(self%path, .false., line//' '//to_text(checksum(line))//line_end, error)
+      call append_to_file(self%path, .false., line//' '//to_text(running_checksum(line))//line_end, error)
    end subroutine sweep_checkpoint_append
 
    !> Gives the complete table its final name.

@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 /* The sum of bytes behind those of an earlier sum; 0 for none. */
-int64_t amontons_checksum_bytes(int64_t before, const char *bytes, long n_bytes)
+int64_t amontons_add_to_checksum(int64_t before, const char *bytes, long n_bytes)
 {
     uint64_t sum = (uint64_t)before ^ UINT64_C(14695981039346656037);
     for (long i = 0; i < n_bytes; i++)
@@ -13,7 +13,7 @@ int64_t amontons_checksum_bytes(int64_t before, const char *bytes, long n_bytes)
 }
 
 /* The sum of the first bytes of a file. Returns 0, or the system's error number where there are not so many. */
-int amontons_checksum_file(const char *path, long long n_bytes, int64_t *sum)
+int amontons_checksum_of_start(const char *path, long long n_bytes, int64_t *sum)
 {
     static const size_t size = 65536;
     char bytes[65536];
@@ -25,7 +25,7 @@ int amontons_checksum_file(const char *path, long long n_bytes, int64_t *sum)
         size_t n = fread(bytes, 1, n_bytes < (long long)size ? (size_t)n_bytes : size, file);
         if (n == 0)
             break;
-        *sum = amontons_checksum_bytes(*sum, bytes, (long)n);
+        *sum = amontons_add_to_checksum(*sum, bytes, (long)n);
         n_bytes -= (long long)n;
     }
     fclose(file);
