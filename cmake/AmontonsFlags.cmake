@@ -2,19 +2,30 @@
 add_library(amontons_flags INTERFACE)
 
 set(_fortran "$<COMPILE_LANGUAGE:Fortran>")
+set(_gfortran "$<COMPILE_LANG_AND_ID:Fortran,GNU>")
 set(_c "$<COMPILE_LANGUAGE:C>")
 set(_debug "$<CONFIG:Debug>")
+# A failing check ends the program, which the counters would show as a call that no test made.
+set(_checked "$<AND:${_debug},$<NOT:$<BOOL:${AMONTONS_COVERAGE}>>>")
 
 target_compile_options(amontons_flags INTERFACE
-  "$<${_fortran}:-std=f2018;-ffree-line-length-132;-fimplicit-none>"
+  "$<${_fortran}:-std=f2018;-pedantic>"
+  "$<${_gfortran}:-ffree-line-length-132;-fimplicit-none>"
+  "$<${_gfortran}:-Wall;-Wextra;-Wimplicit-interface;-Wimplicit-procedure;-Werror>"
   # gfortran 12 takes the descriptor of an allocatable for uninitialised when it is first allocated by assignment.
-  "$<${_fortran}:-Wall;-Wextra;-pedantic;-Wimplicit-interface;-Wimplicit-procedure;-Werror>"
-  "$<${_fortran}:-Wno-maybe-uninitialized;-Wno-uninitialized>"
+  "$<${_gfortran}:-Wno-maybe-uninitialized;-Wno-uninitialized>"
   # The shared library is made of the same objects: none of its procedures is replaced from outside.
-  "-fno-semantic-interposition"
+  "$<$<OR:${_gfortran},${_c}>:-fno-semantic-interposition>"
   "$<${_c}:-std=c11;-Wall;-Wextra;-pedantic;-Werror>"
   "$<${_debug}:-g;-O0>"
-  "$<$<AND:${_fortran},${_debug}>:-fcheck=all,no-array-temps;-finit-real=snan;-fbacktrace>")
+  "$<$<AND:${_gfortran},${_checked}>:-fcheck=all,no-array-temps;-finit-real=snan;-fbacktrace>")
+
+# Two builds of the same sources are the same to the last bit, wherever they lie: gfortran would put the full name of
+# the source file into the messages of its run-time library and into the module files. With -g, debuggers need it.
+if(CMAKE_BUILD_TYPE STREQUAL "Release" AND CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
+  string(APPEND CMAKE_Fortran_PREPROCESS_SOURCE
+    " && sed -i 's,^\\(# [0-9]* \\\"\\).*/src/,\\1src/,' <PREPROCESSED_SOURCE>")
+endif()
 
 if(AMONTONS_SANITIZE)
   target_compile_options(amontons_flags INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer)

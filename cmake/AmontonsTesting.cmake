@@ -26,6 +26,12 @@ function(require_passed_tests name)
   set_property(TEST ${name} PROPERTY PASS_REGULAR_EXPRESSION "${passed_tests}")
 endfunction()
 
+# By how much counters and sanitizers may slow a test down; the tests of the contact methods need most of it.
+set(slowness 1)
+if(AMONTONS_SANITIZE OR AMONTONS_COVERAGE)
+  set(slowness 8)
+endif()
+
 # add_unit_test(name SOURCES a.pf b.pf ... [LINK_LIBRARIES ...] [LABELS ...] [OTHER_SOURCES ...]
 #               [WORKING_DIRECTORY dir])
 # One executable and ctest test from the given test files, on the library. Sources are relative to the directory of
@@ -49,5 +55,6 @@ function(add_unit_test name)
     LABELS unit ${arg_LABELS}
     ${optional} ${arg_UNPARSED_ARGUMENTS})
   require_passed_tests(${name})
-  set_property(TEST ${name} PROPERTY TIMEOUT 120)
+  math(EXPR seconds "120*${slowness}")
+  set_property(TEST ${name} PROPERTY TIMEOUT ${seconds})
 endfunction()

@@ -1,10 +1,10 @@
-# Completes the command line of amontons in bash: options, directories, decks; behind --reduced, reduced problems, and
-# behind --reference, groups of a deck.
+# Completes the command line of amontons in bash: options, directories, decks; behind --reduced, reduced problems, behind
+# --verify, directories alone, and behind --reference, groups of a deck.
 # shellcheck shell=bash
 
 _amontons() {
    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} kinds='*.nml' groups i
-   local options='--output --check --quiet --threads --reduced --write-reduced --all-solutions --reference --help'
+   local options='--output --check --quiet --threads --reduced --write-reduced --all-solutions --verify --reference'
    local only_decks=false
 
    COMPREPLY=()
@@ -19,6 +19,7 @@ _amontons() {
       --) only_decks=true ;;
       --reduced) kinds='*.@(dat|hdf5)' ;;
       --reference) kinds=groups ;;
+      --verify) kinds='' ;;
       esac
    done
    if [[ $only_decks == false ]]; then
@@ -31,7 +32,7 @@ _amontons() {
       --threads) return ;;
       esac
       if [[ $word == -* ]]; then
-         mapfile -t COMPREPLY < <(compgen -W "$options --version" -- "$word")
+         mapfile -t COMPREPLY < <(compgen -W "$options --help --version" -- "$word")
          return
       fi
    fi
@@ -41,7 +42,7 @@ _amontons() {
       mapfile -t COMPREPLY < <(compgen -W "$groups" -- "$word")
       return
    fi
-   # The pattern excludes what it does not match; directories lead to decks.
+   # The pattern excludes what it does not match; directories lead to decks, or hold what is verified.
    mapfile -t COMPREPLY < <(shopt -s extglob; compgen -f -X "!$kinds" -- "$word"; compgen -d -- "$word")
    compopt -o filenames 2>/dev/null || true
 }

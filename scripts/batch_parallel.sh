@@ -12,8 +12,10 @@ if (($# < 2)); then
    echo 'usage: batch_parallel.sh FOLDER OUTPUT [PROGRAM-OPTION...]' >&2
    exit 1
 fi
-folder=$1
-output=$2
+# A name that begins with a dash would be taken for an option.
+folder=$1 output=$2
+[[ $folder != -* ]] || folder=./$folder
+[[ $output != -* ]] || output=./$output
 shift 2
 program=${AMONTONS:-$(dirname "$(realpath "${BASH_SOURCE[0]}")")/../build/release/bin/amontons}
 command -v parallel >/dev/null || { echo 'batch_parallel.sh: GNU parallel is not installed' >&2; exit 3; }
@@ -37,7 +39,7 @@ left=()
 for deck in "${decks[@]}"; do
    status_of "$deck" >/dev/null || left+=("$deck")
 done
-((${#left[@]} == 0)) || parallel --jobs 100% run_deck {} "${@@Q}" ::: "${left[@]}"
+((${#left[@]} == 0)) || printf '%s\0' "${left[@]}" | parallel --null --jobs 100% run_deck {} "${@@Q}"
 worst=0
 for deck in "${decks[@]}"; do
    status=$(status_of "$deck")

@@ -12,6 +12,9 @@ set -euo pipefail
 folder=${1:?name the folder of the decks}
 output=${2:?name the folder of the results}
 shift 2
+# A name that begins with a dash would be taken for an option.
+[[ $folder != -* ]] || folder=./$folder
+[[ $output != -* ]] || output=./$output
 decks=("$folder"/*.nml)
 task=${SLURM_ARRAY_TASK_ID:?submit this with sbatch --array=1-${#decks[@]}}
 if ((task < 1 || task > ${#decks[@]})); then

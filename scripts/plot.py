@@ -47,6 +47,11 @@ def cases_of(arguments):
     return cases
 
 
+def plain(text):
+    """A text as matplotlib shows it unchanged: dollars stand for themselves, not for formulas."""
+    return text.replace("$", r"\$")
+
+
 def outlines(mesh, positions):
     """The polygon of each cell, middle nodes between their corners."""
     order = {"triangle": [0, 1, 2], "quad": [0, 1, 2, 3], "triangle6": [0, 3, 1, 4, 2, 5],
@@ -248,7 +253,7 @@ def draw_sweep(summary, rows, marks=()):
         name = columns[0] if len(columns) == 1 else "case"
         draw_parts(axes, [float(row[name]) for row in rows], rows)
         axes.set(xlabel=name)
-    figure.suptitle(title)
+    figure.suptitle(plain(title))
     return figure
 
 
@@ -263,7 +268,7 @@ def draw_reduced(summary, rows):
     above.xaxis.get_major_locator().set_params(integer=True)
     above.legend(frameon=False)
     draw_history(below, summary)
-    figure.suptitle(summary["title"] or summary["case"])
+    figure.suptitle(plain(summary["title"] or summary["case"]))
     return figure
 
 
@@ -284,7 +289,7 @@ def draw_case(case, summary):
     figure, axes = plt.subplot_mosaic([["body", "stresses"], ["body", "motion"],
                                        ["detail" if is_detail else "body", "history"]],
                                       figsize=(12, 8), width_ratios=(1.15, 1), layout="constrained")
-    figure.suptitle(summary["title"] or summary["case"])
+    figure.suptitle(plain(summary["title"] or summary["case"]))
     draw_body(figure, axes["body"], mesh, line, magnification(mesh))
     if sets:
         draw_stresses(axes["stresses"], line, shown)

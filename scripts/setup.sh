@@ -21,7 +21,8 @@ become_root() {
 
 missing=()
 for section in "$@"; do
-   packages=$(packages_of "$section")
+   packages=''
+   [[ ! $section =~ ^[a-z]+$ ]] || packages=$(packages_of "$section")
    if [[ -z $packages ]]; then
       echo "setup.sh: packages.txt has no section [$section]." >&2
       exit 2

@@ -16,6 +16,10 @@ if (($# > 0)); then
    ! $is_update || { echo 'verify.sh: --update takes all benchmarks' >&2; exit 1; }
    benchmarks=("$@")
 fi
+for benchmark in "${benchmarks[@]}"; do
+   [[ $benchmark =~ ^[a-z0-9_]+$ && -e tests/verification/test_$benchmark.py ]] ||
+      { echo "verify.sh: there is no benchmark '$benchmark'" >&2; exit 1; }
+done
 
 scripts/setup.sh build >&2
 scripts/build.sh release
@@ -25,9 +29,9 @@ rm -rf "$tables"
 mkdir -p "$tables"
 export AMONTONS=$PWD/build/release/bin/amontons PYTHONPATH=$PWD/tests/app OMP_NUM_THREADS=1 tables
 # shellcheck disable=SC2016 # expanded by the shell that xargs starts
-printf '%s\n' "${benchmarks[@]}" | xargs -P "$(nproc)" -I NAME bash -c '
-   python3 -B tests/verification/test_NAME.py --print >"$tables/NAME.md" 2>"$tables/NAME.log" ||
-      touch "$tables/NAME.failed"'
+printf '%s\n' "${benchmarks[@]}" | xargs -P "$(nproc)" -n 1 bash -c '
+   python3 -B "tests/verification/test_$1.py" --print >"$tables/$1.md" 2>"$tables/$1.log" ||
+      touch "$tables/$1.failed"' verify
 
 status=0
 for benchmark in "${benchmarks[@]}"; do

@@ -4,7 +4,8 @@
 !> `new_rectangle_mesh` or `read_mesh_file`, `new_material`, `new_support`, `new_contact`, `new_body`, `new_load`,
 !> `solve_body`. A contact problem alone: `new_contact_problem` or `new_reduced_problem`, `new_contact_method`,
 !> `new_contact_solution`. A reduced problem from a file: `new_reduced_config`, `solve_reduced`, `write_reduced_report`;
-!> to one: `new_condensed_system`, `write_reduced_files`; from arrays: `new_dense_system`, `solve_reduced_system`.
+!> to one: `new_condensed_system`, `write_reduced_files`; from arrays: `new_dense_system`, `solve_reduced_system`. Files
+!> of an earlier run: `find_cases`, `verify_files`.
 module amontons
    use amontons_all_solutions, only: all_solutions_t, find_all_solutions
    use amontons_body, only: body_t, condense_body, new_body
@@ -16,6 +17,7 @@ module amontons
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_t, new_contact
    use amontons_dense_system, only: new_dense_system
+   use amontons_directory, only: file_name_t
    use amontons_error, only: error_t, input_refused, numerical_failure, system_failure
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, status_names, stick_point
    use amontons_kinds, only: dp
@@ -39,6 +41,7 @@ module amontons
    use amontons_symmetric_matrix, only: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
    use amontons_threads, only: set_threads
    use amontons_uniqueness, only: new_uniqueness, uniqueness_t
+   use amontons_verify, only: find_cases, verdict_t, verify_files
    use amontons_version, only: version
    implicit none (type, external)
    private
@@ -47,6 +50,8 @@ module amontons
    public :: dp, error_t, input_refused, numerical_failure, system_failure, version
    ! Cases
    public :: config_t, prepare_case, read_config, result_t, solve_case, workshop_t, write_report
+   ! Results in files
+   public :: file_name_t, find_cases, verdict_t, verify_files
    ! Sweeps
    public :: solve_sweep, sweep_monitor_t, sweep_result_t, write_sweep_report
    ! Reduced problems of others

@@ -9,7 +9,7 @@ module amontons_command_line
 
    !> Options, as they are written.
    character(15), parameter :: option_names(*) = [character(15) :: '--output', '--check', '--quiet', '--threads', &
-      '--reduced', '--write-reduced', '--all-solutions', '--reference', '--help', '--version']
+      '--reduced', '--write-reduced', '--all-solutions', '--verify', '--reference', '--help', '--version']
 
    !> A word of the command line.
    type :: argument_t
@@ -26,6 +26,7 @@ module amontons_command_line
       logical :: is_reduced = .false. !! whether the names are files of reduced problems rather than decks
       logical :: writes_reduced = .false. !! whether the reduced problem of each case is written
       logical :: wants_all_solutions = .false. !! whether every solution of a small problem is listed
+      logical :: is_verify = .false. !! whether the names are directories whose results are verified, rather than decks
       logical :: is_reference = .false. !! whether the names are groups whose reference is asked for, rather than decks
       logical :: is_help = .false. !! whether help is asked for
       logical :: is_version = .false. !! whether the version is asked for
@@ -66,11 +67,21 @@ contains
       type(command_line_t), intent(in) :: command_line !! what the command line asks for
       type(error_t), allocatable, intent(out) :: error !! no deck, or standard input where files are expected
 
-      if (size(command_line%decks) == 0) call new_error(error, input_refused, &
-         'amontons: expected '//trim(merge('the file of a reduced problem', 'a deck                       ', &
-         command_line%is_reduced))//'; try amontons --help')
-      if (command_line%is_reduced .and. has_input(command_line%decks)) call new_error(error, input_refused, &
-         'amontons: --reduced takes files; standard input (-) can only be a deck')
+      character(:), allocatable :: expected
+
+      expected = 'a deck'
+      if (command_line%is_reduced) expected = 'the file of a reduced problem'
+      if (command_line%is_verify) expected = 'a directory with results'
+      if (size(command_line%decks) == 0) then
+         call new_error(error, input_refused, 'amontons: expected '//expected//'; try amontons --help')
+      else if (command_line%is_verify .and. (command_line%is_check .or. command_line%is_reduced .or. &
+         command_line%writes_reduced .or. command_line%wants_all_solutions)) then
+         call new_error(error, input_refused, 'amontons: --verify takes directories with results; of the other '// &
+            'options only --quiet and --threads go with it')
+      else if (command_line%is_reduced .and. has_input(command_line%decks)) then
+         call new_error(error, input_refused, &
+            'amontons: --reduced takes files; standard input (-) can only be a deck')
+      end if
    end subroutine check_decks
 
    !> Whether one of the decks is standard input.
@@ -122,6 +133,8 @@ contains
          command_line%writes_reduced = .true.
       case ('--all-solutions')
          command_line%wants_all_solutions = .true.
+      case ('--verify')
+         command_line%is_verify = .true.
       case ('--reference')
          command_line%is_reference = .true.
       case ('--help', '-h')
@@ -142,10 +155,13 @@ contains
       type(argument_t), allocatable, intent(inout) :: list(:) !! the list
       character(*), intent(in) :: word !! the word
       type(argument_t), allocatable :: longer(:)
+      integer :: i
 
       ! gfortran 12 loses the length of a text that a structure constructor puts into an array constructor.
       allocate (longer(size(list) + 1))
-      longer(:size(list)) = list
+      do i = 1, size(list)
+         call move_alloc(list(i)%text, longer(i)%text)
+      end do
       longer(size(longer))%text = word
       call move_alloc(longer, list)
    end subroutine append_argument

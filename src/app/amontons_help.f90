@@ -25,6 +25,7 @@ contains
          '', &
          'Usage: amontons [options] DECK...', &
          '       amontons [options] --reduced FILE...', &
+         '       amontons [options] --verify DIR...', &
          '', &
          'Solves the case of each deck (- is standard input) and writes, in the output', &
          'directory,', &
@@ -69,6 +70,8 @@ contains
          '                   (Siconos text) and NAME.reduced.hdf5 (FCLIB)', &
          '  --all-solutions  find every solution of problems of at most 12 contact points:', &
          '                   NAME.solutions.csv', &
+         '  --verify         verify the results in directories from their files alone: that', &
+         '                   no byte was changed, and that they follow from deck and mesh', &
          '  --reference      print every key of a deck with its values, unit, default and', &
          '                   meaning, or those of groups: amontons --reference mesh contact', &
          '  --help           print this text', &

@@ -4,8 +4,10 @@ module amontons_run
    use amontons_body, only: estimate_body, estimate_t
    use amontons_collection, only: collection_t, new_collection
    use amontons_command_line, only: append_argument, argument_t, command_line_t
+   use amontons_conditioning, only: rounded
    use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
    use amontons_listing_text, only: short
    use amontons_output_file, only: commit_files, output_file_t
    use amontons_progress, only: new_progress, progress_t
@@ -186,6 +188,7 @@ contains
       if (command_line%writes_reduced) then
          call export_case(command_line, config, workshop%body%problem, result%solution%force, error)
          if (allocated(error)) return
+         result%has_reduced_files = .true.
       end if
       if (command_line%wants_all_solutions) then
          allocate (result%all_solutions)
@@ -200,7 +203,7 @@ contains
          status = status_not_converged
       else if (.not. result%certificate%largest() <= certificate_limit(config%method%tolerance)) then
          status = status_not_converged
-         call complain(config%file//': the certificate FAILED on the full model; see the listing')
+         call complain_of_certificate(config, result%condition)
       end if
    end subroutine report_case
 
@@ -232,9 +235,20 @@ contains
          status = status_not_converged
       else if (.not. result%certified%certificate%largest() <= certificate_limit(config%method%tolerance)) then
          status = status_not_converged
-         call complain(config%file//': the certificate FAILED on the full model; see the listing')
+         call complain_of_certificate(config, result%certified%condition)
       end if
    end subroutine report_sweep
+
+   !> Says that a solution does not hold on the full model, and how well conditioned this is.
+   subroutine complain_of_certificate(config, condition)
+      type(config_t), intent(in) :: config !! the deck
+      real(dp), intent(in) :: condition !! condition number of the stiffness, 0 where it was not estimated [-]
+      character(:), allocatable :: reason
+
+      reason = ''
+      if (condition > 0.0_dp) reason = '; the condition number of the stiffness is about '//rounded(condition)
+      call complain(config%file//': the certificate FAILED on the full model; see the listing'//reason)
+   end subroutine complain_of_certificate
 
    !> What is told of a checked deck.
    pure function check_text(config, workshop, estimate) result(text)

@@ -37,6 +37,7 @@ contains
       if (allocated(error)) return
       if (command_line%writes_reduced) call export(command_line, config, result%system, error)
       if (allocated(error)) return
+      result%has_reduced_files = command_line%writes_reduced
       if (command_line%wants_all_solutions) then
          allocate (result%all_solutions)
          call find_reduced_solutions(result%all_solutions, result%system, error)

@@ -6,6 +6,7 @@ program main
    use amontons_help, only: help_text, version_text
    use amontons_reference, only: tell_reference
    use amontons_run, only: run_decks
+   use amontons_run_verify, only: verify_directories
    use amontons_screen, only: complain
    use amontons_terminal, only: prepare_process, print_line, standard_output
    use amontons_threads, only: n_threads, set_threads
@@ -50,6 +51,8 @@ contains
          call print_line(standard_output, version_text(), error)
       else if (command_line%is_reference) then
          call tell_reference(command_line%decks, status, error)
+      else if (command_line%is_verify) then
+         call verify_directories(command_line, status)
       else
          call run_decks(command_line, status)
       end if

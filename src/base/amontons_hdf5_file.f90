@@ -1,13 +1,18 @@
 !> HDF5 files: whole data sets of integers, reals and texts, read and written by their paths.
 !>
-!> The only module that knows the HDF5 library; a build without that library leaves it out.
+!> The only module that knows the HDF5 library; a build without that library leaves it out. The library writes into
+!> memory only: HDF5 1.10 crashes at the end of a program that could not write a file.
 module amontons_hdf5_file
+   use, intrinsic :: iso_c_binding, only: c_loc, c_null_ptr, c_ptr
    use amontons_error, only: error_t, input_refused, new_error, system_failure
    use amontons_kinds, only: dp, int64
+   use amontons_output_file, only: new_output_file, output_file_t
    use amontons_text, only: to_text
    use hdf5, only: h5dclose_f, h5dcreate_f, h5dget_space_f, h5dget_type_f, h5dopen_f, h5dread_f, h5dwrite_f, &
-      h5eset_auto_f, h5f_acc_rdonly_f, h5f_acc_trunc_f, h5fclose_f, h5fcreate_f, h5fget_filesize_f, h5fopen_f, &
-      h5gclose_f, h5gcreate_f, h5lexists_f, h5open_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
+      h5eset_auto_f, h5f_acc_rdonly_f, h5f_acc_trunc_f, h5f_scope_local_f, h5fclose_f, h5fcreate_f, h5fflush_f, &
+      h5fget_file_image_f, h5fget_filesize_f, h5fopen_f, h5gclose_f, h5gcreate_f, h5lexists_f, h5open_f, &
+      h5p_file_access_f, h5pclose_f, h5pcreate_f, h5pset_fapl_core_f, h5s_scalar_f, h5sclose_f, h5screate_f, &
+      h5screate_simple_f, &
       h5sget_simple_extent_npoints_f, h5t_float_f, h5t_integer_f, h5t_native_character, h5t_native_double, &
       h5t_native_integer, h5tclose_f, h5tcopy_f, h5tget_class_f, h5tget_size_f, h5tset_size_f, &
       hid_t, hsize_t, size_t
@@ -32,6 +37,7 @@ module amontons_hdf5_file
       procedure, public :: read_integers => hdf5_file_read_integers
       procedure, public :: read_reals => hdf5_file_read_reals
       procedure, public :: refuse => hdf5_file_refuse
+      procedure, public :: save => hdf5_file_save
       procedure, public :: write_integers => hdf5_file_write_integers
       procedure, public :: write_reals => hdf5_file_write_reals
       procedure, public :: write_text => hdf5_file_write_text
@@ -50,14 +56,18 @@ contains
       if (status /= 0) call file%refuse('this HDF5 file is damaged or cut short')
    end subroutine open_hdf5_file
 
-   !> Creates a file to write it; what had its name before is replaced.
-   subroutine create_hdf5_file(file, name)
-      type(hdf5_file_t), intent(out) :: file !! the file; its error is allocated where it cannot be created
-      character(*), intent(in) :: name !! name of the file
+   !> Begins a file in memory.
+   subroutine create_hdf5_file(file)
+      type(hdf5_file_t), intent(out) :: file !! the file; its error is allocated where memory ran out
+      integer(size_t), parameter :: increment = 65536
+      integer(hid_t) :: access
       integer :: status
 
-      call start(file, name, status)
-      if (status == 0) call h5fcreate_f(name, h5f_acc_trunc_f, file%id, status)
+      call start(file, '', status)
+      if (status == 0) call h5pcreate_f(h5p_file_access_f, access, status)
+      if (status == 0) call h5pset_fapl_core_f(access, increment, .false., status)
+      if (status == 0) call h5fcreate_f('in memory', h5f_acc_trunc_f, file%id, status, access_prp=access)
+      if (status == 0) call h5pclose_f(access, status)
       call note_failure(file, status)
    end subroutine create_hdf5_file
 
@@ -80,13 +90,14 @@ contains
       if (.not. allocated(self%error)) call new_error(self%error, input_refused, self%name//': '//sentence)
    end subroutine hdf5_file_refuse
 
-   !> Notes that something could not be written.
+   !> Notes that memory ran out.
    subroutine note_failure(file, status)
       type(hdf5_file_t), intent(inout) :: file !! the file
       integer, intent(in) :: status !! status of the library, 0 where all is well
 
+      ! not raised: what is written in memory fails only for want of some
       if (status /= 0 .and. .not. allocated(file%error)) call new_error(file%error, system_failure, &
-         file%name//': cannot write this file')
+         'memory ran out for an HDF5 file')
    end subroutine note_failure
 
    !> Closes the file.
@@ -99,6 +110,35 @@ contains
       self%id = -1
       call note_failure(self, status)
    end subroutine hdf5_file_close
+
+   !> Puts a file from memory on the disk, under a temporary name beside the final one, and closes it.
+   subroutine hdf5_file_save(self, file, path, error)
+      class(hdf5_file_t), intent(inout) :: self !! the file in memory
+      type(output_file_t), intent(out) :: file !! the finished file
+      character(*), intent(in) :: path !! final name
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be written, or something did not get into it
+      character, allocatable, target :: bytes(:)
+      type(c_ptr) :: address
+      integer(size_t) :: n_bytes
+      integer :: status
+
+      status = 0
+      n_bytes = 0
+      address = c_null_ptr
+      if (self%id >= 0) call h5fflush_f(self%id, h5f_scope_local_f, status)
+      if (self%id >= 0 .and. status == 0) call h5fget_file_image_f(self%id, address, 0_size_t, status, n_bytes)
+      allocate (bytes(n_bytes))
+      address = c_loc(bytes)
+      if (self%id >= 0 .and. status == 0) call h5fget_file_image_f(self%id, address, n_bytes, status)
+      call note_failure(self, status)
+      call self%close()
+      call move_alloc(self%error, error)
+      if (allocated(error)) return
+      call new_output_file(file, path, .true., error)
+      if (allocated(error)) return
+      write (file%unit, iostat=status) bytes
+      call file%finish(status, error)
+   end subroutine hdf5_file_save
 
    !> Whether the file has a group or data set of a path.
    function hdf5_file_has(self, path) result(has)

@@ -51,7 +51,6 @@ contains
       type(input_file_t), intent(out) :: input !! the file in memory
       character(*), intent(in) :: file !! name of the file
       type(error_t), allocatable, intent(out) :: error !! the file cannot be read, is empty or is too large
-      character(*), parameter :: no_text = ': this file is empty, or no plain file'
       character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
       character(256) :: reason
       integer(int64) :: n_bytes
@@ -62,7 +61,7 @@ contains
       ! The size is asked for first: to open a pipe could take for ever.
       inquire (file=file, size=n_bytes)
       if (n_bytes == 0) then
-         call new_error(error, input_refused, file//no_text)
+         call new_error(error, input_refused, file//': this file is empty, or no plain file')
          return
       end if
       if (n_bytes > most_bytes) then
@@ -80,8 +79,6 @@ contains
       end if
       if (status /= 0) then
          call new_error(error, input_refused, file//': cannot read this file: '//trim(reason))
-      else if (len(input%text) == 0) then
-         call new_error(error, input_refused, file//no_text)
       else if (index(input%text(:min(3, len(input%text))), byte_order_mark) == 1) then
          input%position = 4
       end if

@@ -9,13 +9,13 @@ module amontons_output_file
    implicit none (type, external)
    private
 
-   public :: commit_files, new_foreign_file, new_output_file, output_file_t, write_text_file
+   public :: commit_files, new_output_file, output_file_t, write_text_file
 
    !> A file being written. Until `commit` the final name is untouched.
    type :: output_file_t
       private
       integer, public :: unit = -1 !! the unit to write to while the file is open
-      character(:), allocatable :: path !! final name
+      character(:), allocatable, public :: path !! final name
       character(:), allocatable, public :: temporary_path !! name until `commit`
       logical :: is_open = .false. !! whether the unit is open
    contains
@@ -35,7 +35,8 @@ contains
       character(256) :: reason
       integer :: status
 
-      call new_foreign_file(file, path, error)
+      file%path = path
+      call create_temporary(path, file%temporary_path, error)
       if (allocated(error)) return
       reason = ''
       open (newunit=file%unit, file=file%temporary_path, status='old', action='write', access='stream', &
@@ -43,6 +44,7 @@ contains
       file%is_open = status == 0
       if (status == 0) return
       call file%discard()
+      ! not raised: the system would have to take back what it just gave
       call new_error(error, system_failure, path//': cannot write this file: '//trim(reason))
    end subroutine new_output_file
 
@@ -59,16 +61,6 @@ contains
       write (file%unit, iostat=status) text
       call file%finish(status, error)
    end subroutine write_text_file
-
-   !> Makes a file that a foreign library writes whole, and closes, under the temporary name.
-   subroutine new_foreign_file(file, path, error)
-      type(output_file_t), intent(out) :: file !! the file, empty and closed
-      character(*), intent(in) :: path !! final name
-      type(error_t), allocatable, intent(out) :: error !! the file cannot be made
-
-      file%path = path
-      call create_temporary(path, file%temporary_path, error)
-   end subroutine new_foreign_file
 
    !> Closes the file, every byte handed to the system; it still has its temporary name.
    subroutine output_file_finish(self, write_status, error)

@@ -7,6 +7,7 @@
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
+#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -111,15 +112,44 @@ int amontons_append(const char *path, int is_new, const char *bytes, long n_byte
     return code;
 }
 
-/* Reads from standard input what there is, up to a number of bytes. Returns how many, 0 at the end, or minus the
-   system's error number. */
-long amontons_read_input(char *text, long n_bytes)
+/* Opens a file to read from it. Returns its number, or minus the system's error number. */
+int amontons_open_input(const char *path)
 {
-    ssize_t n;
-    do
-        n = read(STDIN_FILENO, text, (size_t)n_bytes);
-    while (n < 0 && errno == EINTR);
-    return n < 0 ? -errno : (long)n;
+    /* How long a pipe that nobody writes to is waited for [ms]; then it is empty. */
+    enum { patience = 5000 };
+    struct stat status;
+
+    int file = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    if (file < 0)
+        return -errno;
+    if (fstat(file, &status) == 0 && S_ISFIFO(status.st_mode)) {
+        struct pollfd pipe = {.fd = file, .events = POLLIN};
+        poll(&pipe, 1, patience);
+    }
+    return file;
+}
+
+/* Closes a file that was read from. */
+void amontons_close_input(int file)
+{
+    close(file);
+}
+
+/* Reads from an open file what there is, up to a number of bytes. Returns how many, 0 at the end, or minus the system's
+   error number. */
+long amontons_read_input(int file, char *text, long n_bytes)
+{
+    for (;;) {
+        ssize_t n = read(file, text, (size_t)n_bytes);
+        if (n >= 0)
+            return (long)n;
+        if (errno == EAGAIN) {
+            struct pollfd source = {.fd = file, .events = POLLIN};
+            poll(&source, 1, -1);
+        } else if (errno != EINTR) {
+            return -errno;
+        }
+    }
 }
 
 /* Whether somebody watches standard error on a terminal. */

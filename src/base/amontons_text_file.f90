@@ -1,6 +1,6 @@
 !> Whole files, and standard input, read into memory, byte by byte as they are.
 module amontons_text_file
-   use, intrinsic :: iso_c_binding, only: c_char, c_long
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_system, only: error_text
    use amontons_text, only: to_text
@@ -14,14 +14,30 @@ module amontons_text_file
    integer, parameter :: largest_bytes = largest_megabytes*1000000
    !> The memory that the first bytes go to.
    integer, parameter :: first_length = 65536
+   !> The system's number of standard input.
+   integer(c_int), parameter :: standard_input = 0
    !> What some editors put before UTF-8 text.
    character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
 
    ! allow(assumed-size): C takes an address and knows no shape
    interface
-      function c_read_input(text, n_bytes) bind(c, name='amontons_read_input') result(n_read)
-         import :: c_char, c_long
+      function c_open_input(path) bind(c, name='amontons_open_input') result(file)
+         import :: c_char, c_int
          implicit none (type, external)
+         character(c_char), intent(in) :: path(*)
+         integer(c_int) :: file
+      end function c_open_input
+
+      subroutine c_close_input(file) bind(c, name='amontons_close_input')
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: file
+      end subroutine c_close_input
+
+      function c_read_input(file, text, n_bytes) bind(c, name='amontons_read_input') result(n_read)
+         import :: c_char, c_int, c_long
+         implicit none (type, external)
+         integer(c_int), value :: file
          ! allow(assumed-size-character-intent): C writes here
          character(c_char), intent(out) :: text(*)
          integer(c_long), value :: n_bytes
@@ -36,20 +52,18 @@ contains
       character(*), intent(in) :: file !! name of the file
       character(:), allocatable, intent(out) :: text !! every byte of it
       type(error_t), allocatable, intent(out) :: error !! the file cannot be read, is empty or is too large
-      character(256) :: reason
-      integer :: unit, status, at_cause
+      character(:), allocatable :: reason
+      integer(c_int) :: number
 
-      reason = ''
-      open (newunit=unit, file=file, status='old', action='read', access='stream', form='unformatted', &
-         iostat=status, iomsg=reason)
-      at_cause = index(reason, "': ", back=.true.)
-      if (at_cause > 0) reason = reason(at_cause + 3:)
-      if (status == 0) then
-         call read_bytes(unit, text, status, reason)
-         close (unit)
+      text = ''
+      number = c_open_input(file//c_null_char)
+      if (number < 0) then
+         reason = error_text(-int(number))
+      else
+         call read_bytes(number, text, reason)
+         call c_close_input(number)
       end if
-      if (status == 0) reason = ''
-      call judge(text, file, trim(reason), error)
+      call judge(text, file, reason, error)
    end subroutine read_text_file
 
    !> Reads standard input to its end, without the mark some editors put before UTF-8 text.
@@ -57,7 +71,18 @@ contains
       character(*), intent(in) :: name !! what messages call it
       character(:), allocatable, intent(out) :: text !! every byte of it
       type(error_t), allocatable, intent(out) :: error !! it cannot be read, is empty or is too large
-      character(:), allocatable :: longer, reason
+      character(:), allocatable :: reason
+
+      call read_bytes(standard_input, text, reason)
+      call judge(text, name, reason, error)
+   end subroutine read_standard_input
+
+   !> Reads every byte of an open file, whose size need not be known.
+   subroutine read_bytes(number, text, reason)
+      integer(c_int), intent(in) :: number !! the system's number of the file
+      character(:), allocatable, intent(out) :: text !! every byte of it
+      character(:), allocatable, intent(out) :: reason !! why it cannot be read; empty where all is well
+      character(:), allocatable :: longer
       integer(c_long) :: n
       integer :: n_read
 
@@ -65,7 +90,7 @@ contains
       reason = ''
       n_read = 0
       do while (n_read <= largest_bytes)
-         n = c_read_input(text(n_read + 1:), len(text, c_long) - n_read)
+         n = c_read_input(number, text(n_read + 1:), len(text, c_long) - n_read)
          if (n <= 0) exit
          n_read = n_read + int(n)
          if (n_read < len(text)) cycle
@@ -74,20 +99,12 @@ contains
          call move_alloc(longer, text)
       end do
       if (n_read > largest_bytes) then
-         reason = too_large()
+         reason = 'it is larger than '//to_text(largest_megabytes)//' MB'
       else if (n < 0) then
          reason = error_text(-int(n))
       end if
       text = text(:n_read)
-      call judge(text, name, reason, error)
-   end subroutine read_standard_input
-
-   !> Why a text of more than `largest_bytes` is not read.
-   pure function too_large() result(reason)
-      character(:), allocatable :: reason
-
-      reason = 'it is larger than '//to_text(largest_megabytes)//' MB'
-   end function too_large
+   end subroutine read_bytes
 
    !> Refuses a text that is not whole, or empty, and removes the mark before it.
    subroutine judge(text, name, reason, error)
@@ -104,34 +121,5 @@ contains
          text = text(4:)
       end if
    end subroutine judge
-
-   !> Reads every byte of an open file, whose size need not be known.
-   subroutine read_bytes(unit, text, status, reason)
-      integer, intent(in) :: unit !! the open file, at its beginning
-      character(:), allocatable, intent(out) :: text !! every byte of it
-      integer, intent(out) :: status !! 0 where all is well
-      character(256), intent(inout) :: reason !! what went wrong otherwise
-      character(:), allocatable :: longer
-      integer :: n_read, position
-
-      allocate (character(first_length) :: text)
-      n_read = 0
-      do
-         read (unit, iostat=status, iomsg=reason) text(n_read + 1:)
-         inquire (unit=unit, pos=position)
-         n_read = position - 1
-         if (status /= 0) exit
-         if (n_read > largest_bytes) then
-            reason = too_large()
-            status = 1
-            return
-         end if
-         allocate (character(2*n_read) :: longer)
-         longer(:n_read) = text
-         call move_alloc(longer, text)
-      end do
-      if (is_iostat_end(status)) status = 0
-      text = text(:n_read)
-   end subroutine read_bytes
 
 end module amontons_text_file

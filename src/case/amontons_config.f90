@@ -34,7 +34,7 @@ module amontons_config
       character(:), allocatable :: title !! what the case is about, for the listing
       type(reduced_source_t) :: reduced !! the reduced problem that there is in the place of a body, if one is given
       character(:), allocatable :: mesh_file !! name of the mesh file from the root on; empty for a rectangle
-      character(:), allocatable :: mesh_origin !! where the mesh file was specified, for messages: 'deck.nml:12: '
+      character(:), allocatable :: mesh_origin !! where the mesh was specified, for messages: 'deck.nml:12: '
       type(rectangle_t) :: rectangle !! the rectangle that is the body where there is no mesh file
       type(material_t), allocatable :: materials(:) !! its materials
       type(support_t), allocatable :: supports(:) !! its supports
@@ -101,6 +101,8 @@ contains
    subroutine read_case(config, deck)
       type(config_t), intent(inout) :: config !! the case
       type(deck_t), intent(inout) :: deck !! the deck
+      ! File names end at 255 characters; temporary ones add up to 30 to the name.
+      integer, parameter :: longest_name = 200
       integer :: group, last_slash, last_point
 
       group = deck%group('case')
@@ -111,8 +113,11 @@ contains
       config%title = ''
       call deck%get(group, 'name', config%name)
       call deck%get(group, 'title', config%title)
-      if (len_trim(config%name) == 0 .or. has_unusable_character(config%name)) call deck%fault(group, 'name', &
-         "name must be usable as a file name: not empty, without '/' and control characters")
+      if (len_trim(config%name) == 0 .or. len(config%name) > longest_name &
+         .or. has_unusable_character(config%name)) then
+         call deck%fault(group, 'name', 'name must be usable as a file name: 1 to '//to_text(longest_name)// &
+            " characters without '/' and control characters")
+      end if
       call deck%refuse_unknown(group)
    end subroutine read_case
 
@@ -157,10 +162,13 @@ contains
          call require(deck, group, 'file', len_trim(config%mesh_file) > 0, "name the mesh of kind 'file'")
          call require(deck, group, 'size', .not. (has_size .or. has_cells), "not go with kind 'file'")
          if (len(config%mesh_file) > 0) config%mesh_file = absolute_path(beside(deck%file, config%mesh_file))
-      else if (has_file) then
-         call require(deck, group, 'file', .false., "go with kind 'file'")
-      else if (.not. (has_size .and. has_cells)) then
-         call deck%fault(group, 'kind', '&mesh needs size and cells')
+      else
+         config%mesh_origin = origin_of(deck, group, 'cells')
+         if (has_file) then
+            call require(deck, group, 'file', .false., "go with kind 'file'")
+         else if (.not. (has_size .and. has_cells)) then
+            call deck%fault(group, 'kind', '&mesh needs size and cells')
+         end if
       end if
    end subroutine read_mesh
 

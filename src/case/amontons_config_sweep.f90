@@ -132,8 +132,9 @@ contains
       integer, intent(in) :: group !! the group
       character(*), intent(in) :: key !! the key of the values
       integer, intent(in) :: n_steps !! how many values there are to be
-      ! Wide enough that the steps from 0.1 to 1.0 in tenths are the tenths, to the last bit.
-      integer, parameter :: wide = selected_real_kind(p=30)
+      ! Wide enough that the steps from 0.1 to 1.0 in tenths are the tenths, to the last bit. Not every compiler has 30
+      ! digits.
+      integer, parameter :: wide = max(selected_real_kind(p=30), selected_real_kind(p=18))
       real(wide) :: ends(2)
       integer :: i
 

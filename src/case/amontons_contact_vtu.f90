@@ -3,6 +3,7 @@ module amontons_contact_vtu
    use amontons_body, only: body_t
    use amontons_contact_rows, only: turned
    use amontons_contact_table, only: contact_point_t, new_contact_point
+   use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_output_file, only: output_file_t
@@ -11,7 +12,7 @@ module amontons_contact_vtu
    implicit none (type, external)
    private
 
-   public :: write_contact_vtu
+   public :: n_line_cells, show_contact_line, write_contact_vtu
 
    !> VTK's numbers of a vertex and of a line segment.
    integer, parameter :: vtk_vertex = 1, vtk_line = 3
@@ -38,27 +39,49 @@ contains
       type(result_t), intent(in) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! the file cannot be written
       type(vtk_file_t) :: vtk
-      type(contact_line_t) :: line
-      integer, allocatable :: start(:), lone(:)
-      logical :: has_neighbor(body%zone%n_points)
-      integer :: p
 
-      line = new_contact_line(body, result)
-      has_neighbor = body%zone%next > 0
-      start = pack([(p, p=1, body%zone%n_points)], has_neighbor)
-      has_neighbor(body%zone%next(start)) = .true.
-      lone = pack([(p, p=1, body%zone%n_points)], .not. has_neighbor)
-      call new_vtk_file(vtk, path, body%zone%n_points, size(start) + size(lone), error)
+      call new_vtk_file(vtk, path, body%zone%n_points, n_line_cells(body%zone), error)
       if (allocated(error)) return
-      call put_arrays(vtk, line, body%zone%set, result%solution%status, start, body%zone%next(start), lone)
-      call vtk%begin_data()
-      call put_arrays(vtk, line, body%zone%set, result%solution%status, start, body%zone%next(start), lone)
+      call show_contact_line(vtk, body, result)
       call vtk%finish(file, error)
    end subroutine write_contact_vtu
 
+   !> Hands the contact line and its result over to a file, to be written or to be compared with.
+   subroutine show_contact_line(vtk, body, result)
+      class(vtk_file_t), intent(inout) :: vtk !! the file
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! the result
+      type(contact_line_t) :: line
+      integer, allocatable :: start(:), lone(:)
+      integer :: p
+
+      line = new_contact_line(body, result)
+      start = pack([(p, p=1, body%zone%n_points)], body%zone%next > 0)
+      lone = pack([(p, p=1, body%zone%n_points)], .not. have_neighbor(body%zone))
+      call put_arrays(vtk, line, body%zone%set, result%solution%status, start, body%zone%next(start), lone)
+      call vtk%begin_data()
+      call put_arrays(vtk, line, body%zone%set, result%solution%status, start, body%zone%next(start), lone)
+   end subroutine show_contact_line
+
+   !> Number of the cells of the contact line: segments, and vertices where a point has no neighbour.
+   pure integer function n_line_cells(zone) result(n)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+
+      n = count(zone%next > 0) + count(.not. have_neighbor(zone))
+   end function n_line_cells
+
+   !> Which points are the end of a segment.
+   pure function have_neighbor(zone)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      logical :: have_neighbor(zone%n_points)
+
+      have_neighbor = zone%next > 0
+      have_neighbor(pack(zone%next, zone%next > 0)) = .true.
+   end function have_neighbor
+
    !> Hands over all arrays.
    subroutine put_arrays(vtk, line, set, status, start, end, lone)
-      type(vtk_file_t), intent(inout) :: vtk !! the file
+      class(vtk_file_t), intent(inout) :: vtk !! the file
       type(contact_line_t), intent(in) :: line !! the contact points
       integer, intent(in) :: set(:) !! contact set of each point (m)
       integer, intent(in) :: status(:) !! status of each point (m)

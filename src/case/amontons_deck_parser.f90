@@ -10,6 +10,11 @@ module amontons_deck_parser
 
    public :: parse_deck
 
+   !> A deck with more groups was made by a fault: no body has as many loads.
+   integer, parameter :: most_groups = 10000
+   !> The longest text in quotes; names of files end there.
+   integer, parameter :: longest_text = 4096
+
    !> The token being read and the one behind it.
    type :: cursor_t
       type(deck_scanner_t) :: scanner !! place behind the two tokens
@@ -42,6 +47,10 @@ contains
             contents%hides_groups = .true.
             call skip_to_group(cursor, text)
          end if
+         if (contents%n_groups < most_groups .or. cursor%token%kind == end_token) cycle
+         call contents%faults%add(cursor%token%line, 'a deck has at most '//to_text(most_groups)//' groups, found more')
+         contents%hides_groups = .true.
+         exit
       end do
    end subroutine parse_deck
 
@@ -49,11 +58,17 @@ contains
    subroutine check_characters(contents, is_plain)
       type(deck_contents_t), intent(inout) :: contents !! the deck
       logical, intent(out) :: is_plain !! whether there are none
+      character(2), parameter :: utf_16_marks(2) = [char(255)//char(254), char(254)//char(255)]
       integer, parameter :: tab = 9, line_feed = 10, carriage_return = 13, blank = 32, delete = 127
       integer :: i, line, code
 
       line = 1
-      is_plain = .true.
+      is_plain = all(index(contents%text, utf_16_marks) /= 1) .or. index(contents%text(:min(4, len(contents%text))), &
+         achar(0)) == 0
+      if (.not. is_plain) then
+         call contents%faults%add(0, 'expected UTF-8 text, found UTF-16; save the deck in another encoding')
+         return
+      end if
       do i = 1, len(contents%text)
          code = iachar(contents%text(i:i))
          if (code == line_feed) then
@@ -226,6 +241,9 @@ contains
          if (.not. (value%is_text .or. may_be_value(contents%text(token%first:token%last)))) then
             call refuse_value(contents, assignment, &
                "expected a number, a logical or quoted text, or '=' after a key", token)
+         else if (value%is_text .and. token%last - token%first - 1 > longest_text) then
+            call refuse_value(contents, assignment, 'expected a text of at most '//to_text(longest_text)// &
+               ' characters', token)
          else if (is_touching(cursor) .and. scan(cursor%ahead%kind, word_token//text_token//open_quote_token) > 0) then
             call refuse_value(contents, assignment, 'expected a blank or a comma after '// &
                token_text(contents%text, token), cursor%ahead)

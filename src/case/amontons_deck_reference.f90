@@ -30,7 +30,7 @@ module amontons_deck_reference
    !> Keys of a case and of its mesh.
    type(key_t), parameter :: mesh_keys(*) = [ &
       key_t('case', 'name', .false., 'text', '', "name of the deck's file without its folder and last extension", &
-      'name of the case and of its files; not empty, without `/`'), &
+      'name of the case and of its files; 1 to 200 characters, without `/`'), &
       key_t('case', 'title', .false., 'text', '', "`''`", 'what the case is about, for the listing'), &
       key_t('problem', 'kind', .false., "`'body'`, `'reduced'`", '', "`'body'`", &
       'a body, described by the groups below; or a reduced problem from a file'), &

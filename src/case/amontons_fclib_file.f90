@@ -7,6 +7,7 @@ module amontons_fclib_file
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_hdf5_file, only: create_hdf5_file, hdf5_file_t, open_hdf5_file
    use amontons_kinds, only: dp
+   use amontons_output_file, only: output_file_t
    use amontons_reduced_system, only: entries_t, new_reduced_system, reduced_system_t
    use amontons_text, only: to_text
    use amontons_version, only: version
@@ -229,38 +230,38 @@ contains
    end subroutine check_indices
 
    !> Writes a reduced problem, W in compressed columns.
-   subroutine write_fclib_file(name, system, title, error)
-      character(*), intent(in) :: name !! name of the file
+   subroutine write_fclib_file(file, path, system, title, error)
+      type(output_file_t), intent(out) :: file !! the finished file
+      character(*), intent(in) :: path !! name of the file
       type(reduced_system_t), intent(in) :: system !! the reduced problem
       character(*), intent(in) :: title !! name of the case, for the file's information
       type(error_t), allocatable, intent(out) :: error !! the file cannot be written
-      type(hdf5_file_t) :: file
+      type(hdf5_file_t) :: contents
 
-      call create_hdf5_file(file, name)
-      call file%make_group('/fclib_local')
-      call file%write_integers('/fclib_local/spacedim', [2])
-      call file%make_group('/fclib_local/W')
-      call file%write_integers('/fclib_local/W/m', [size(system%q)])
-      call file%write_integers('/fclib_local/W/n', [size(system%q)])
-      call file%write_integers('/fclib_local/W/nzmax', [size(system%entry)])
-      call file%write_integers('/fclib_local/W/nz', [compressed_columns])
-      call file%write_integers('/fclib_local/W/p', system%first - 1)
-      call file%write_integers('/fclib_local/W/i', system%row - 1)
-      call file%write_reals('/fclib_local/W/x', system%entry)
-      call file%make_group('/fclib_local/vectors')
-      call file%write_reals('/fclib_local/vectors/q', system%q)
-      call file%write_reals('/fclib_local/vectors/mu', system%friction)
-      call file%make_group('/fclib_local/info')
-      call file%write_text('/fclib_local/info/title', title)
-      call file%write_text('/fclib_local/info/description', 'plane contact with Coulomb friction, u = W r + q')
-      call file%write_text('/fclib_local/info/math_info', 'written by Amontons '//version)
+      call create_hdf5_file(contents)
+      call contents%make_group('/fclib_local')
+      call contents%write_integers('/fclib_local/spacedim', [2])
+      call contents%make_group('/fclib_local/W')
+      call contents%write_integers('/fclib_local/W/m', [size(system%q)])
+      call contents%write_integers('/fclib_local/W/n', [size(system%q)])
+      call contents%write_integers('/fclib_local/W/nzmax', [size(system%entry)])
+      call contents%write_integers('/fclib_local/W/nz', [compressed_columns])
+      call contents%write_integers('/fclib_local/W/p', system%first - 1)
+      call contents%write_integers('/fclib_local/W/i', system%row - 1)
+      call contents%write_reals('/fclib_local/W/x', system%entry)
+      call contents%make_group('/fclib_local/vectors')
+      call contents%write_reals('/fclib_local/vectors/q', system%q)
+      call contents%write_reals('/fclib_local/vectors/mu', system%friction)
+      call contents%make_group('/fclib_local/info')
+      call contents%write_text('/fclib_local/info/title', title)
+      call contents%write_text('/fclib_local/info/description', 'plane contact with Coulomb friction, u = W r + q')
+      call contents%write_text('/fclib_local/info/math_info', 'written by Amontons '//version)
       if (allocated(system%u)) then
-         call file%make_group('/solution')
-         call file%write_reals('/solution/u', system%u)
-         call file%write_reals('/solution/r', system%r)
+         call contents%make_group('/solution')
+         call contents%write_reals('/solution/u', system%u)
+         call contents%write_reals('/solution/r', system%r)
       end if
-      call file%close()
-      call move_alloc(file%error, error)
+      call contents%save(file, path, error)
    end subroutine write_fclib_file
 
 end module amontons_fclib_file

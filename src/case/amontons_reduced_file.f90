@@ -3,7 +3,7 @@ module amontons_reduced_file
    use amontons_error, only: error_t
    use amontons_fclib_file, only: has_fclib, read_fclib_file, write_fclib_file
    use amontons_input_file, only: input_file_t, new_input_file
-   use amontons_output_file, only: commit_files, new_foreign_file, output_file_t
+   use amontons_output_file, only: commit_files, output_file_t
    use amontons_reduced_system, only: reduced_system_t
    use amontons_siconos_text, only: read_siconos_text, write_siconos_text
    use amontons_system, only: make_directory
@@ -46,8 +46,7 @@ contains
       if (allocated(error)) return
       call write_siconos_text(files(1), directory//'/'//name//'.reduced.dat', system, error)
       if (has_fclib .and. .not. allocated(error)) then
-         call new_foreign_file(files(2), directory//'/'//name//'.reduced.hdf5', error)
-         if (.not. allocated(error)) call write_fclib_file(files(2)%temporary_path, system, name, error)
+         call write_fclib_file(files(2), directory//'/'//name//'.reduced.hdf5', system, name, error)
       end if
       call commit_files(files(:merge(2, 1, has_fclib)), error)
    end subroutine write_reduced_files

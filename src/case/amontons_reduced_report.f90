@@ -8,6 +8,7 @@ module amontons_reduced_report
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_reduced_listing, only: reduced_listing_text
    use amontons_reduced_summary, only: reduced_summary_text
+   use amontons_seal, only: seal_t, sealed_text
    use amontons_solutions_report, only: solutions_table_text
    use amontons_solve_reduced, only: reduced_result_t
    use amontons_system, only: make_directory
@@ -16,7 +17,10 @@ module amontons_reduced_report
    implicit none (type, external)
    private
 
-   public :: write_reduced_report
+   public :: reduced_header, write_reduced_report
+
+   !> The header of the table.
+   character(*), parameter :: reduced_header = 'point,gap,slip,normal_force,tangential_force,status'
 
    !> Number of files that every reduced problem leaves.
    integer, parameter :: n_files = 4
@@ -45,6 +49,7 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(seal_t) :: seal
 
       call write_text_file(files(1), stem//'.lst', reduced_listing_text(config, result), error)
       if (allocated(error)) return
@@ -57,8 +62,13 @@ contains
             spread(0.0_dp, 1, result%system%n_contacts)), error)
          if (allocated(error)) return
       end if
+      call seal%add_outputs(files, error)
+      if (result%has_reduced_files .and. .not. allocated(error)) call seal%add_reduced(stem, error)
+      if (allocated(error)) return
+      call seal%add_inputs(config)
       call result%timings%lap(phase_write)
-      call write_text_file(files(4), stem//'.summary.json', reduced_summary_text(config, result), error)
+      call write_text_file(files(4), stem//'.summary.json', sealed_text(reduced_summary_text(config, result), &
+         seal), error)
    end subroutine write_files
 
    !> The table: one row per contact, 17 significant digits.
@@ -74,7 +84,7 @@ contains
                status_names(result%solution%status(p))
          end do
       end associate
-      text = 'point,gap,slip,normal_force,tangential_force,status'//newline//as_lines(rows)
+      text = reduced_header//newline//as_lines(rows)
    end function table_text
 
 end module amontons_reduced_report

@@ -9,6 +9,7 @@ module amontons_report
    use amontons_listing, only: listing_text
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_result, only: result_t
+   use amontons_seal, only: seal_t, sealed_text
    use amontons_solutions_report, only: solutions_table_text
    use amontons_summary, only: summary_text
    use amontons_system, only: make_directory
@@ -48,6 +49,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(seal_t) :: seal
 
       call write_text_file(files(1), stem//'.lst', listing_text(config, body, result), error)
       if (allocated(error)) return
@@ -64,8 +66,13 @@ contains
             body%problem%gap), error)
          if (allocated(error)) return
       end if
+      call seal%add_outputs(files, error)
+      if (result%has_reduced_files .and. .not. allocated(error)) call seal%add_reduced(stem, error)
+      if (allocated(error)) return
+      call seal%add_inputs(config)
       call result%timings%lap(phase_write)
-      call write_text_file(files(6), stem//'.summary.json', summary_text(config, body, result), error)
+      call write_text_file(files(6), stem//'.summary.json', sealed_text(summary_text(config, body, result), seal), &
+         error)
    end subroutine write_files
 
 end module amontons_report

@@ -22,8 +22,11 @@ module amontons_result
       real(dp), allocatable :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       real(dp), allocatable :: displacement(:, :) !! displacement of all nodes (2, n_nodes) [L]
       type(certificate_t) :: certificate !! violations on the full model
+      real(dp) :: condition = 0.0_dp
+         !! condition number of the stiffness in the 1-norm, estimated where rounding shows; else 0 [-]
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
       type(all_solutions_t), allocatable :: all_solutions !! all solutions, where they were asked for
+      logical :: has_reduced_files = .false. !! whether its reduced problem was written
       type(lengths_t) :: lengths !! lengths of the open, sliding and sticking parts
       real(dp) :: method_error = -1.0_dp
          !! largest difference of a contact force from the exact solution, over the largest force; -1 if not asked [-]

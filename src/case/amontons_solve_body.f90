@@ -1,17 +1,15 @@
 !> The way of a body made in code to its result: what `solve_case` does for a deck.
 module amontons_solve_body
    use amontons_body, only: body_t, condense_body
-   use amontons_certificate, only: new_certificate
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_solution, only: new_contact_solution
    use amontons_contact_zone, only: contact_t, set_obstacles
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
-   use amontons_lengths, only: new_lengths
    use amontons_loads, only: load_t, load_vector
    use amontons_methods, only: method_options_t, new_contact_method
    use amontons_result, only: result_t
-   use amontons_solve_case, only: check_finite, load_body, recover
+   use amontons_solve_case, only: certify, check_finite, load_body
    use amontons_timings, only: new_timings, phase_condense, phase_read, phase_recover, phase_solve
    use amontons_uniqueness, only: new_uniqueness
    implicit none (type, external)
@@ -53,10 +51,9 @@ contains
       if (allocated(error)) return
       call result%timings%lap(phase_solve)
 
-      call recover(body, result)
-      call new_certificate(result%certificate, body, result%loads, result%displacement, result%solution%force)
+      call certify(body, result, error)
+      if (allocated(error)) return
       call new_uniqueness(result%uniqueness, body%problem)
-      call new_lengths(result%lengths, body%zone, result%solution%status)
       call result%timings%lap(phase_recover)
    end subroutine solve_body
 

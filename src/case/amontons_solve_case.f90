@@ -1,7 +1,7 @@
 !> The way of a case from its configuration to its result. Cases that share a body share its factorisation.
 module amontons_solve_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: from_unknowns, internal_forces, to_unknowns
+   use amontons_assembly, only: from_unknowns, internal_forces, to_unknowns, uncancelled_forces
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_certificate, only: new_certificate
@@ -26,7 +26,7 @@ module amontons_solve_case
    implicit none (type, external)
    private
 
-   public :: check_finite, condense_case, load_body, prepare_case, recover, solve_case, workshop_t
+   public :: certify, check_finite, condense_case, load_body, prepare_case, recover, solve_case, workshop_t
 
    !> The body at hand and what was last done with it: what one case of a run hands on to the next.
    type :: workshop_t
@@ -103,10 +103,10 @@ contains
       notes = ''
       if (len(config%mesh_file) > 0) then
          call read_mesh_file(mesh, config%mesh_file, notes, error)
-         if (allocated(error)) error%message = config%mesh_origin//error%message
       else
          call new_rectangle_mesh(mesh, config%rectangle, error)
       end if
+      if (allocated(error)) error%message = config%mesh_origin//error%message
    end subroutine new_mesh
 
    !> Whether the body at hand is that of a case.
@@ -145,10 +145,9 @@ contains
          if (allocated(error)) return
          call result%timings%lap(phase_solve)
 
-         call recover(body, result)
-         call new_certificate(result%certificate, body, result%loads, result%displacement, solution%force)
+         call certify(body, result, error)
+         if (allocated(error)) return
          call new_uniqueness(result%uniqueness, body%problem)
-         call new_lengths(result%lengths, body%zone, solution%status)
          call result%timings%lap(phase_recover)
       end associate
       if (.not. result%solution%is_converged) return
@@ -216,6 +215,51 @@ contains
       call new_error(error, numerical_failure, 'the contact method left the range of finite numbers: '// &
          'stiffness, load and friction differ by more than the arithmetic can hold')
    end subroutine check_finite
+
+   !> Computes the displacements of all nodes, the certificate and the lengths, and refuses numbers that are not finite.
+   subroutine certify(body, result, error)
+      type(body_t), intent(in) :: body !! the body, loaded
+      type(result_t), intent(inout) :: result !! the result, its contact problem solved
+      type(error_t), allocatable, intent(out) :: error !! the results left the range of numbers
+
+      call recover(body, result)
+      call new_certificate(result%certificate, body, result%loads, result%displacement, result%solution%force)
+      call new_lengths(result%lengths, body%zone, result%solution%status)
+      if (.not. (all(ieee_is_finite(result%displacement)) .and. result%certificate%is_finite())) then
+         call new_error(error, numerical_failure, 'displacements, forces or energies leave the range of double '// &
+            'precision (1.8e308): choose other units')
+         return
+      end if
+      if (.not. shows_rounding(result)) return
+      result%condition = max(body%condensation%factorization%condition(), cancellation(body, result))
+      result%condition = min(result%condition, huge(1.0_dp))
+   end subroutine certify
+
+   !> How far the forces of the elements cancel, |K| |u| / |f|: of a body that its supports hold still, a bound from
+   !> below of the condition number. It sees what the shift in the factor of a body held by contact alone hides.
+   real(dp) function cancellation(body, result)
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! its displacements and forces
+      real(dp) :: forces
+
+      cancellation = 0.0_dp
+      ! Prescribed displacements are loads that no force tells.
+      if (any(abs(body%constraints%prescribed) > 0.0_dp)) return
+      forces = max(norm2(result%loads), norm2(result%solution%force))
+      if (forces > 0.0_dp) cancellation = uncancelled_forces(body%mesh, body%materials, result%displacement)/forces
+   end function cancellation
+
+   !> Whether what the certificate finds may come from the rounding errors of an ill-conditioned stiffness: of what
+   !> depends on the whole model, something is well above rounding.
+   pure logical function shows_rounding(result)
+      type(result_t), intent(in) :: result !! the result
+      real(dp), parameter :: suspicious = 1.0e-9_dp
+
+      associate (certificate => result%certificate)
+         shows_rounding = max(certificate%equilibrium, certificate%resultant, certificate%moment, &
+            certificate%energy) > suspicious
+      end associate
+   end function shows_rounding
 
    !> Measures the forces of a method that came to rest against the exact ones.
    subroutine compare_with_exact(body, config, result, error)

@@ -28,6 +28,7 @@ module amontons_solve_reduced
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
       type(all_solutions_t), allocatable :: all_solutions
          !! all solutions, where they were asked for; their forces are r, all normal ones first
+      logical :: has_reduced_files = .false. !! whether the problem was written again
       type(timings_t) :: timings !! where the time went
    end type reduced_result_t
 

@@ -5,21 +5,19 @@
 module amontons_solve_sweep
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t
-   use amontons_certificate, only: new_certificate
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_lengths, only: new_lengths
    use amontons_methods, only: new_contact_method
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
-   use amontons_solve_case, only: condense_case, prepare_case, workshop_t
+   use amontons_solve_case, only: certify, condense_case, prepare_case, workshop_t
    use amontons_sweep_checkpoint, only: open_sweep_checkpoint, sweep_checkpoint_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
-   use amontons_sweep_fields, only: recover_case, write_sweep_fields
+   use amontons_sweep_fields, only: load_case, write_sweep_fields
    use amontons_sweep_model, only: new_sweep_model, sweep_model_t
    use amontons_sweep_monitor, only: sweep_monitor_t
    use amontons_sweep_table, only: sweep_header
@@ -102,7 +100,9 @@ contains
       call keep_fields(task, body, directory, name, monitor, result, error)
       if (allocated(error)) return
       call result%certified%timings%lap(phase_write)
-      if (.not. result%is_interrupted .and. result%tally%residual_case > 0) call certify(task, body, result)
+      if (.not. result%is_interrupted .and. result%tally%residual_case > 0) &
+         call certify_worst(task, body, result, error)
+      if (allocated(error)) return
       call result%certified%timings%lap(phase_recover)
    end subroutine finish_sweep
 
@@ -213,10 +213,11 @@ contains
    end subroutine gather_chunks
 
    !> Solves the case with the largest residual again and certifies it on the full model.
-   subroutine certify(task, body, result)
+   subroutine certify_worst(task, body, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(inout) :: body !! the body; left with the loads and the friction of that case
       type(sweep_result_t), intent(inout) :: result !! gains the case and its certificate
+      type(error_t), allocatable, intent(out) :: error !! its numbers are not finite
       type(contact_problem_t) :: problem
       type(contact_solution_t) :: solutions(chunk_length)
       type(chunk_t) :: chunk
@@ -226,12 +227,10 @@ contains
          call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
          call solve_chunk(task, body, problem, chunk, solutions)
          certified%solution = solutions(chunk%last - chunk%first + 1)
-         call recover_case(task, body, number, certified)
-         call new_certificate(certified%certificate, body, certified%loads, certified%displacement, &
-            certified%solution%force)
-         call new_lengths(certified%lengths, body%zone, certified%solution%status)
+         call load_case(task, body, number, certified)
+         call certify(body, certified, error)
       end associate
-   end subroutine certify
+   end subroutine certify_worst
 
    !> Number of cases that this run solved in a second; 0 if it had none to solve.
    pure real(dp) function sweep_result_cases_per_second(self) result(rate)

@@ -27,6 +27,7 @@ contains
          text = head_members(config, solution%is_converged)//effort_members(solution)
          if (result%method_error >= 0.0_dp) text = text//member('method_error', number(result%method_error))
          if (any(config%contacts%partition%is_constant)) text = text//member('inf_sup', number(minval(body%inf_sup)))
+         if (result%condition > 0.0_dp) text = text//member('condition', number(result%condition))
          text = text//member('certificate', '{'//certificate_text(result%certificate, config%method%tolerance)//'}') &
             //uniqueness_member(result%uniqueness) &
             //member('counts', '{'//size_counts(body)//', '//status_counts(solution%status) &

@@ -27,7 +27,7 @@ module amontons_sweep_checkpoint
    !> The two files.
    type :: sweep_checkpoint_t
       private
-      character(:), allocatable :: table_path !! where the table grows
+      character(:), allocatable, public :: table_path !! where the table grows
       character(:), allocatable :: path !! where its progress is noted
       integer(int64) :: table_bytes = 0 !! bytes of the table
       integer(int64) :: table_checksum = 0 !! checksum of the table

@@ -22,7 +22,7 @@ module amontons_sweep_fields
    implicit none (type, external)
    private
 
-   public :: recover_case, write_sweep_fields
+   public :: load_case, write_sweep_fields
 
 contains
 
@@ -85,7 +85,8 @@ contains
          i = number - chunk%first + 1
          if (.not. task%sweep%has_fields(number, number) .or. chunk%results(i)%outcome /= case_converged) cycle
          result%solution = solutions(i)
-         call recover_case(task, body, number, result)
+         call load_case(task, body, number, result)
+         call recover(body, result)
          call write_grids(directory//'/'//folder//to_text(number), body, result, error)
          if (allocated(error)) return
          call collection%add(number, folder//to_text(number))
@@ -105,19 +106,18 @@ contains
       call commit_files(files, error)
    end subroutine write_grids
 
-   !> Computes loads and displacements of a case from its solution.
-   subroutine recover_case(task, body, number, result)
+   !> Loads the body as in a case.
+   subroutine load_case(task, body, number, result)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(inout) :: body !! the body; left with the loads and the friction of the case
       integer, intent(in) :: number !! number of the case
-      type(result_t), intent(inout) :: result !! the case with its solution; gains loads and displacement
+      type(result_t), intent(inout) :: result !! the case with its solution; gains the loads
       real(dp) :: values(size(task%sweep%axes))
 
       values = task%sweep%values(number)
       body%zone%friction = task%model%case_friction(values)
       result%loads = task%model%case_forces(values)
       call load_body(body, result%loads)
-      call recover(body, result)
-   end subroutine recover_case
+   end subroutine load_case
 
 end module amontons_sweep_fields

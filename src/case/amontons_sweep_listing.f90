@@ -3,7 +3,7 @@ module amontons_sweep_listing
    use amontons_body, only: body_t
    use amontons_config, only: config_t
    use amontons_kinds, only: dp
-   use amontons_listing, only: certificate_text, factorization_text, listed_phases
+   use amontons_listing, only: certificate_text, condition_text, factorization_text, listed_phases
    use amontons_listing_model, only: loads_text, model_text
    use amontons_listing_parts, only: head_text, method_text, times_text
    use amontons_listing_text, only: heading, line, right, scientific, short
@@ -28,7 +28,7 @@ contains
       text = head_text(config)//model_text(config, body)//loads_text(config)//sweep_text(config) &
          //solution_text(config, body, result)
       if (result%tally%residual_case > 0) text = text//extremes_text(result%tally) &
-         //certificate_text(config, result%certified%certificate) &
+         //certificate_text(config, result%certified%certificate)//condition_text(body, result%certified) &
          //line('Case certified', to_text(result%tally%residual_case)//', which has the largest residual')
       text = text//times_text(result%certified%timings, listed_phases)
    end function sweep_listing_text

@@ -175,31 +175,30 @@ contains
       print = 0
       associate (problem => self%problem)
          do j = 1, size(problem%stiffness, 2)
-            call mix(problem%stiffness(:, j))
+            call mix(print, problem%stiffness(:, j))
          end do
-         call mix(problem%load)
-         call mix(problem%gap)
-         call mix(self%fixed_friction)
-         call mix(problem%slip_bound)
+         call mix(print, problem%load)
+         call mix(print, problem%gap)
+         call mix(print, self%fixed_friction)
+         call mix(print, problem%slip_bound)
       end associate
       do j = 1, size(self%load, 2)
-         call mix(self%load(:, j))
-         call mix(self%friction(:, j))
+         call mix(print, self%load(:, j))
+         call mix(print, self%friction(:, j))
       end do
 
-   contains
-
-      !> Mixes the bits of some numbers into the fingerprint.
-      pure subroutine mix(numbers)
-         real(dp), intent(in) :: numbers(:) !! the numbers
-         integer :: i
-
-         do i = 1, size(numbers)
-            print = ieor(ishftc(print, 13), transfer(numbers(i), print))
-            print = ieor(print, shiftr(print, 7))
-         end do
-      end subroutine mix
-
    end function sweep_model_fingerprint
+
+   !> Mixes the bits of some numbers into a fingerprint.
+   pure subroutine mix(print, numbers)
+      integer(int64), intent(inout) :: print !! the fingerprint
+      real(dp), intent(in) :: numbers(:) !! the numbers
+      integer :: i
+
+      do i = 1, size(numbers)
+         print = ieor(ishftc(print, 13), transfer(numbers(i), print))
+         print = ieor(print, shiftr(print, 7))
+      end do
+   end subroutine mix
 
 end module amontons_sweep_model

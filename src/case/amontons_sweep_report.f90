@@ -5,6 +5,7 @@ module amontons_sweep_report
    use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
+   use amontons_seal, only: seal_t, sealed_text
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep_listing, only: sweep_listing_text
    use amontons_sweep_summary, only: sweep_summary_text
@@ -50,13 +51,19 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(sweep_result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(seal_t) :: seal
 
       call write_text_file(files(1), stem//'.lst', sweep_listing_text(config, body, result), error)
       if (allocated(error)) return
       call write_text_file(files(2), stem//'.deck.nml', effective_deck(config), error)
       if (allocated(error)) return
+      call seal%add_outputs(files, error)
+      if (.not. allocated(error)) call seal%add_written(result%checkpoint%table_path, stem//'.sweep.csv', error)
+      if (allocated(error)) return
+      call seal%add_inputs(config)
       call result%certified%timings%lap(phase_write)
-      call write_text_file(files(3), stem//'.summary.json', sweep_summary_text(config, body, result), error)
+      call write_text_file(files(3), stem//'.summary.json', sealed_text(sweep_summary_text(config, body, &
+         result), seal), error)
    end subroutine write_files
 
 end module amontons_sweep_report

@@ -3,6 +3,7 @@ module amontons_sweep_summary
    use amontons_body, only: body_t
    use amontons_config, only: config_t
    use amontons_json, only: number, string, truth
+   use amontons_kinds, only: dp
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_summary, only: certificate_text
    use amontons_summary_members, only: head_members, last_members, member, size_counts
@@ -12,7 +13,7 @@ module amontons_sweep_summary
    implicit none (type, external)
    private
 
-   public :: sweep_summary_text
+   public :: extremes_text, sweep_summary_text
 
 contains
 
@@ -32,6 +33,8 @@ contains
             //member('extremes', '{'//extremes_text(tally)//'}') &
             //member('certificate', '{"case": '//to_text(tally%residual_case)//', ' &
             //certificate_text(result%certified%certificate, config%method%tolerance)//'}')
+         if (result%certified%condition > 0.0_dp) text = text &
+            //member('condition', number(result%certified%condition))
          text = text//member('counts', '{'//size_counts(body)//'}')//last_members(result%certified%timings)
       end associate
    end function sweep_summary_text

@@ -5,11 +5,14 @@
 module amontons_sweep_table
    use amontons_sweep, only: sweep_t
    use amontons_sweep_tally, only: case_result_t, outcome_names, quantity_labels
-   use amontons_text, only: newline
+   use amontons_text, only: newline, read_integer
    implicit none (type, external)
    private
 
-   public :: append_row, status_runs, sweep_header
+   public :: append_row, read_status_runs, status_runs, sweep_header
+
+   !> Letters of the statuses, in the order of their numbers in `amontons_friction_law`.
+   character(*), parameter :: letters = 'os+-'
 
 contains
 
@@ -76,8 +79,6 @@ contains
       character(:), allocatable, intent(out) :: runs !! the run lengths
       integer, intent(in) :: status(:) !! status of each point (m)
       integer, intent(in) :: set(:) !! contact set of each point (m)
-      ! In the order of the numbers in amontons_friction_law.
-      character(*), parameter :: letters = 'os+-'
       character(16) :: run
       integer :: first, p
 
@@ -95,6 +96,31 @@ contains
          runs = runs//' '
       end do
    end subroutine status_runs
+
+   !> Reads statuses from their run lengths.
+   pure subroutine read_status_runs(status, runs, ok)
+      integer, intent(out) :: status(:) !! status of each point (m)
+      character(*), intent(in) :: runs !! the run lengths
+      logical, intent(out) :: ok !! whether they are those of m points
+      integer :: first, last, length, n, state
+
+      status = 0
+      n = 0
+      first = 1
+      ok = .true.
+      do while (ok .and. first <= len(runs))
+         last = first + index(runs(first:)//' ', ' ') - 2
+         if (runs(first:last) /= '|') then
+            call read_integer(runs(first:last - 1), length, ok)
+            state = index(letters, runs(max(last, 1):max(last, 1)))
+            ok = ok .and. state > 0 .and. length > 0 .and. length <= size(status) - n
+            if (ok) status(n + 1:n + length) = state
+            if (ok) n = n + length
+         end if
+         first = last + 2
+      end do
+      ok = ok .and. n == size(status)
+   end subroutine read_status_runs
 
    !> A text as a field of the table, in quotes where it needs them.
    pure function field(value) result(text)

@@ -3,33 +3,40 @@
 !> The arrays are handed over twice in the same order: first they are announced in the head, then, after `begin_data`,
 !> their values are written behind it.
 module amontons_vtk_file
-   use amontons_error, only: error_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp, int32, int64
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_text, only: newline, to_text
    implicit none (type, external)
    private
 
-   public :: new_vtk_file, vtk_file_t
+   public :: new_vtk_file, vtk_file_t, vtk_tail
+
+   !> What stands behind the values.
+   character(*), parameter :: vtk_tail = newline//'  </AppendedData>'//newline//'</VTKFile>'//newline
 
    !> A grid being written.
    type :: vtk_file_t
       private
-      character(:), allocatable :: head !! the XML head so far
+      character(:), allocatable, public :: head !! the XML head so far
       character(:), allocatable :: section !! the section that the next array belongs to
       integer(int64) :: offset = 0_int64 !! bytes announced so far
-      logical :: has_head = .false. !! whether the head is complete, so that values are written
+      logical, public :: has_head = .false. !! whether the head is complete, so that values are written
       integer :: state = 0 !! status of the last write statement; nothing is written after a failure
+      character(:), allocatable :: not_finite !! the first quantity with a number that is not finite
       type(output_file_t) :: file !! the file
    contains
+      procedure, public :: announce => vtk_file_announce
       procedure, public :: begin_data => vtk_file_begin_data
+      procedure, public :: begin_head => vtk_file_begin_head
+      procedure, public :: end_head => vtk_file_end_head
       procedure, public :: finish => vtk_file_finish
       procedure, public :: put_cells => vtk_file_put_cells
       procedure, public :: put_integers => vtk_file_put_integers
       procedure, public :: put_reals => vtk_file_put_reals
       procedure, public :: put_stresses => vtk_file_put_stresses
       procedure, public :: put_vectors => vtk_file_put_vectors
-      procedure :: announce => vtk_file_announce
       procedure :: enter => vtk_file_enter
    end type vtk_file_t
 
@@ -43,13 +50,32 @@ contains
       integer, intent(in) :: n_cells !! number of cells
       type(error_t), allocatable, intent(out) :: error !! the file cannot be opened
 
-      vtk%section = ''
-      vtk%head = '<?xml version="1.0"?>'//newline// &
+      call vtk%begin_head(n_points, n_cells)
+      call new_output_file(vtk%file, path, .true., error)
+   end subroutine new_vtk_file
+
+   !> Begins the head.
+   pure subroutine vtk_file_begin_head(self, n_points, n_cells)
+      class(vtk_file_t), intent(inout) :: self !! the grid
+      integer, intent(in) :: n_points !! number of points
+      integer, intent(in) :: n_cells !! number of cells
+
+      self%section = ''
+      self%head = '<?xml version="1.0"?>'//newline// &
          '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">'//newline// &
          '  <UnstructuredGrid>'//newline//'    <Piece NumberOfPoints="'//to_text(n_points)//'" NumberOfCells="'// &
          to_text(n_cells)//'">'//newline
-      call new_output_file(vtk%file, path, .true., error)
-   end subroutine new_vtk_file
+   end subroutine vtk_file_begin_head
+
+   !> Completes the head: from here on values are handed over.
+   pure subroutine vtk_file_end_head(self)
+      class(vtk_file_t), intent(inout) :: self !! the grid
+
+      call self%enter('')
+      self%head = self%head//'    </Piece>'//newline//'  </UnstructuredGrid>'//newline// &
+         '  <AppendedData encoding="raw">'//newline//'_'
+      self%has_head = .true.
+   end subroutine vtk_file_end_head
 
    !> Hands over an array of reals.
    subroutine vtk_file_put_reals(self, section, name, n_components, values)
@@ -61,10 +87,13 @@ contains
 
       if (.not. self%has_head) then
          call self%announce(section, 'Float64', name, n_components, 8_int64*size(values, kind=int64))
-      else if (self%state == 0) then
-         ! allow(C181): `finish` checks the state
-         write (self%file%unit, iostat=self%state) 8_int64*size(values, kind=int64), values
+         return
       end if
+      if (.not. allocated(self%not_finite)) then
+         if (.not. all(ieee_is_finite(values))) self%not_finite = name
+      end if
+      ! allow(C181): `finish` checks the state
+      if (self%state == 0) write (self%file%unit, iostat=self%state) 8_int64*size(values, kind=int64), values
    end subroutine vtk_file_put_reals
 
    !> Hands over an array of integers.
@@ -107,7 +136,7 @@ contains
 
    !> Hands over an array whose components stand in another order, with zeros between them.
    subroutine put_spread(vtk, section, name, values, component)
-      type(vtk_file_t), intent(inout) :: vtk !! the grid
+      class(vtk_file_t), intent(inout) :: vtk !! the grid
       character(*), intent(in) :: section !! 'PointData', 'CellData' or 'Points', in this order
       character(*), intent(in) :: name !! name of the quantity
       real(dp), intent(in) :: values(:, :) !! the values (components, any)
@@ -141,28 +170,27 @@ contains
       call self%put_integers('Cells', 'types', types)
    end subroutine vtk_file_put_cells
 
-   !> Completes the head: from here on values are written.
+   !> Completes and writes the head.
    subroutine vtk_file_begin_data(self)
       class(vtk_file_t), intent(inout) :: self !! the grid
 
-      call self%enter('')
-      self%has_head = .true.
+      call self%end_head()
       ! allow(C181): `finish` checks the state
-      write (self%file%unit, iostat=self%state) self%head//'    </Piece>'//newline//'  </UnstructuredGrid>'//newline// &
-         '  <AppendedData encoding="raw">'//newline//'_'
+      write (self%file%unit, iostat=self%state) self%head
    end subroutine vtk_file_begin_data
 
    !> Closes the file; it still has its temporary name.
    subroutine vtk_file_finish(self, file, error)
       class(vtk_file_t), intent(inout) :: self !! the grid
       type(output_file_t), intent(out) :: file !! the finished file
-      type(error_t), allocatable, intent(out) :: error !! not everything could be written
+      type(error_t), allocatable, intent(out) :: error !! not everything could be written, or a number is not finite
 
       ! allow(C181): the output file's own `finish` checks the state
-      if (self%state == 0) write (self%file%unit, iostat=self%state) newline//'  </AppendedData>'//newline// &
-         '</VTKFile>'//newline
+      if (self%state == 0) write (self%file%unit, iostat=self%state) vtk_tail
       call self%file%finish(self%state, error)
       file = self%file
+      if (allocated(self%not_finite) .and. .not. allocated(error)) call new_error(error, numerical_failure, &
+         "the quantity '"//self%not_finite//"' leaves the range of double precision (1.8e308): choose other units")
    end subroutine vtk_file_finish
 
    !> Announces an array in the head.

@@ -11,7 +11,7 @@ module amontons_vtu
    implicit none (type, external)
    private
 
-   public :: write_vtu
+   public :: show_body, write_vtu
 
    !> VTK's numbers of the element kinds, in the order of `amontons_element`.
    integer, parameter :: vtk_cell_type(*) = [5, 9, 22, 23, 28]
@@ -28,23 +28,32 @@ contains
       type(result_t), intent(in) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! the file cannot be written
       type(vtk_file_t) :: vtk
+
+      call new_vtk_file(vtk, path, body%mesh%n_nodes, body%mesh%n_elements, error)
+      if (allocated(error)) return
+      call show_body(vtk, body, result)
+      call vtk%finish(file, error)
+   end subroutine write_vtu
+
+   !> Hands the body and its result over to a file, to be written or to be compared with.
+   subroutine show_body(vtk, body, result)
+      class(vtk_file_t), intent(inout) :: vtk !! the file
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! the result
       type(stress_field_t) :: stress
       real(dp), allocatable :: contact(:, :)
       integer, allocatable :: status(:)
 
       call new_stress_field(stress, body%mesh, body%materials, body%coloring, result%displacement)
       call spread_contact(body, result, contact, status)
-      call new_vtk_file(vtk, path, body%mesh%n_nodes, body%mesh%n_elements, error)
-      if (allocated(error)) return
       call put_arrays(vtk, body, result, stress, contact, status)
       call vtk%begin_data()
       call put_arrays(vtk, body, result, stress, contact, status)
-      call vtk%finish(file, error)
-   end subroutine write_vtu
+   end subroutine show_body
 
    !> Hands over all arrays.
    subroutine put_arrays(vtk, body, result, stress, contact, status)
-      type(vtk_file_t), intent(inout) :: vtk !! the file
+      class(vtk_file_t), intent(inout) :: vtk !! the file
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       type(stress_field_t), intent(in) :: stress !! the stresses

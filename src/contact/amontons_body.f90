@@ -3,6 +3,7 @@ module amontons_body
    use amontons_assembly, only: assemble_stiffness
    use amontons_coloring, only: coloring_t, new_coloring
    use amontons_condensation, only: condensation_t, new_condensation
+   use amontons_conditioning, only: conditioning_text, rounded
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
    use amontons_contact_zone, only: contact_t, contact_zone_t, new_contact_zone
@@ -18,6 +19,7 @@ module amontons_body
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
+   use amontons_text, only: to_text
    use amontons_timings, only: phase_assemble, phase_condense, phase_factorize, timings_t
    implicit none (type, external)
    private
@@ -125,6 +127,7 @@ contains
       call timings%lap(phase_assemble)
       call new_condensation(body%condensation, stiffness, factorization, is_held, body%zone, body%constraints, &
          body%dof_map, error)
+      if (allocated(error)) call explain_refusal(body, error)
       if (allocated(error)) return
       call timings%lap(phase_factorize)
       call body%condensation%condense_stiffness(condensed, error)
@@ -132,6 +135,25 @@ contains
       call new_contact_problem(body%problem, condensed, is_held)
       call timings%lap(phase_condense)
    end subroutine condense_body
+
+   !> Says of a stiffness that the factorisation refused where it is singular, how ill-conditioned it must be and why.
+   subroutine explain_refusal(body, error)
+      type(body_t), intent(in) :: body !! the body, its factorisation refused
+      type(error_t), intent(inout) :: error !! gains the words; unchanged if memory ran out
+      integer :: place(2)
+
+      if (.not. allocated(body%condensation%factorization)) return
+      associate (factorization => body%condensation%factorization)
+         if (factorization%refused_unknown == 0) return
+         place = findloc(body%dof_map%dof, factorization%refused_unknown)
+         associate (point => body%mesh%coordinates(:, place(2)))
+            error%message = 'the stiffness is singular to rounding at the node '//to_text(point(1))//', '// &
+               to_text(point(2))//': its condition number is above '// &
+               rounded(factorization%least_refused_condition())// &
+               conditioning_text(body%mesh, body%materials, body%springs)
+         end associate
+      end associate
+   end subroutine explain_refusal
 
    !> Estimates the work without doing it: assembles and orders the stiffness, but makes no factor.
    subroutine estimate_body(body, factorization, estimate, error)

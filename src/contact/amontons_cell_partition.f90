@@ -30,12 +30,18 @@ contains
       class(cell_partition_t), intent(in) :: self !! the partition
       real(dp), intent(in) :: side_lengths(:) !! lengths of the sides of the piece, in order [L]
       real(dp), allocatable, intent(out) :: ends(:) !! 0 and the end of each cell (cells + 1) [L]
-      type(error_t), allocatable, intent(out) :: error !! a given end lies beyond the line
+      type(error_t), allocatable, intent(out) :: error !! a given end lies beyond the line, or the cells are too many
       real(dp) :: length
       integer :: i, n
 
       length = sum(side_lengths)
       n = size(side_lengths)
+      ! A quadratic side has two nodes of its own; more cells than nodes are never independent.
+      if (self%n_cells > 2*n + 1) then
+         call new_error(error, input_refused, 'cells must be at least two sides long, found '//to_text(self%n_cells)// &
+            ' cells on '//to_text(n)//' sides')
+         return
+      end if
       if (allocated(self%ends)) then
          if (self%ends(size(self%ends)) >= length) then
             call new_error(error, input_refused, 'cell_ends must lie on the contact line, whose length is '// &

@@ -1,5 +1,6 @@
 !> The certificate: what a solution fulfils on the full model, computed from displacements and contact forces alone.
 module amontons_certificate
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_assembly, only: internal_forces, spring_forces, uncancelled_forces
    use amontons_body, only: body_t
    use amontons_constraints, only: constraints_t
@@ -32,6 +33,7 @@ module amontons_certificate
       real(dp) :: reaction(2) = 0.0_dp !! resultant of the support reactions, x and y [F]
       real(dp) :: contact(2) = 0.0_dp !! resultant of the obstacle's forces on the body, x and y [F]
    contains
+      procedure :: is_finite => certificate_is_finite
       procedure :: largest => certificate_largest
    end type certificate_t
 
@@ -84,27 +86,29 @@ contains
       real(dp), intent(inout) :: reaction(:, :)
          !! what is missing, and then its part along held directions (2, n_nodes) [F]
       real(dp), intent(out) :: imbalance !! norm of the part along free directions [F]
-      real(dp) :: along, across
+      real(dp) :: along, across, largest
       integer :: node
 
+      ! Squares over that of the largest force neither overflow nor vanish.
+      largest = max(maxval(abs(reaction)), tiny(largest))
       imbalance = 0.0_dp
       do node = 1, size(reaction, 2)
          associate (axis => constraints%axis(:, node), is_free => constraints%is_free(:, node))
             along = axis(1)*reaction(1, node) + axis(2)*reaction(2, node)
             across = axis(1)*reaction(2, node) - axis(2)*reaction(1, node)
             if (is_free(1)) then
-               imbalance = imbalance + along**2
+               imbalance = imbalance + (along/largest)**2
                along = 0.0_dp
             end if
             if (is_free(2)) then
-               imbalance = imbalance + across**2
+               imbalance = imbalance + (across/largest)**2
                across = 0.0_dp
             end if
             reaction(1, node) = along*axis(1) - across*axis(2)
             reaction(2, node) = along*axis(2) + across*axis(1)
          end associate
       end do
-      imbalance = sqrt(imbalance)
+      imbalance = largest*sqrt(imbalance)
    end subroutine split_imbalance
 
    !> Checks the contact law at every point.
@@ -196,5 +200,14 @@ contains
       largest = max(self%equilibrium, self%penetration, self%tension, self%friction_excess, self%complementarity, &
          self%wrong_dissipation, self%resultant, self%moment, self%energy, self%duality_gap)
    end function certificate_largest
+
+   !> Whether every number of the certificate is finite.
+   pure logical function certificate_is_finite(self) result(is_finite)
+      class(certificate_t), intent(in) :: self !! the certificate
+
+      is_finite = all(ieee_is_finite([self%equilibrium, self%penetration, self%tension, self%friction_excess, &
+         self%complementarity, self%wrong_dissipation, self%resultant, self%moment, self%energy, self%duality_gap, &
+         self%strain_energy, self%dissipation, self%load, self%reaction, self%contact]))
+   end function certificate_is_finite
 
 end module amontons_certificate

@@ -5,11 +5,12 @@
 !> A forward substitution gives q = f_c - K_ci K_ii^-1 f_i, a backward one all displacements (theory, section 3).
 !> Where a point is a cell of constant multipliers, S and q are condensed once more, to the mean displacements.
 module amontons_condensation
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dof_map, only: dof_map_t
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_factorization, only: factorization_t
    use amontons_kinds, only: dp
    use amontons_new_factorization, only: analyze_matrix
@@ -51,10 +52,17 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns, those of the points last
-      type(error_t), allocatable, intent(out) :: error !! K is not positive definite, or memory ran out
+      type(error_t), allocatable, intent(out) :: error !! K is not finite or positive definite, or memory ran out
+      real(dp) :: mean
 
+      mean = sum(stiffness%diagonal())/dof_map%n_dofs
+      if (.not. ieee_is_finite(mean)) then
+         call new_error(error, numerical_failure, 'the stiffness leaves the range of double precision (1.8e308): '// &
+            'choose units that make lengths and moduli smaller')
+         return
+      end if
       if (.not. is_held) then
-         condensation%alpha = sum(stiffness%diagonal())/dof_map%n_dofs
+         condensation%alpha = mean
          call stiffness%shift_diagonal(dof_map%n_dofs - dof_map%n_trailing + 1, dof_map%n_dofs, condensation%alpha)
       end if
       call analyze_matrix(condensation%factorization, kind, stiffness, dof_map%n_trailing, error)

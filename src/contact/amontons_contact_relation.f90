@@ -69,8 +69,8 @@ contains
 
       unit = sqrt(diagonal_units(matrix))
       amount = magnitude(vector/unit)
-      relation%distance_unit = merge(amount*unit, amount/unit, relation%is_dual)
-      relation%force_unit = merge(amount/unit, amount*unit, relation%is_dual)
+      allocate (relation%distance_unit, source=merge(amount*unit, amount/unit, relation%is_dual))
+      allocate (relation%force_unit, source=merge(amount/unit, amount*unit, relation%is_dual))
       relation%vector = vector/(amount*unit)
       m = size(friction)
       relation%n_points = m

@@ -58,9 +58,14 @@ contains
       end do
       remainder = nonnegative_remainder(cone, work)
       if (norm2(remainder) <= unbalanced*scale) return
-      call new_error(error, numerical_failure, &
-         'the body flies off: no contact forces can balance the loads against a '//motions%describe(remainder)// &
-         '; add a support, or a load that presses the body on its obstacle')
+      if (zone%n_points == 0) then
+         call new_error(error, numerical_failure, 'nothing holds the body against a '//motions%describe(remainder)// &
+            '; add a support or a contact set')
+      else
+         call new_error(error, numerical_failure, &
+            'the body flies off: no contact forces can balance the loads against a '//motions%describe(remainder)// &
+            '; add a support, or a load that presses the body on its obstacle')
+      end if
    end subroutine check_balance
 
    !> What is left of a vector after its best approximation by columns with factors at least 0: Lawson and Hanson's

@@ -142,16 +142,16 @@ contains
       associate (others => a(:rest, :rest), phi => friction(t/2))
          is_positive = are_positive(others, friction, has_slip_bound)
          do sense = -1, 1, 2
-            if (is_positive) call eliminate(a(:, n) + sense*phi*a(:, t), a(n, :rest), a(n, n) + sense*phi*a(n, t), &
-               others)
+            if (is_positive) is_positive = stays_positive(a(:, n) + sense*phi*a(:, t), a(n, :rest), &
+               a(n, n) + sense*phi*a(n, t), others)
          end do
-         if (is_positive .and. has_slip_bound(t/2)) call eliminate(a(:, t), a(t, :rest), a(t, t), others)
+         if (is_positive .and. has_slip_bound(t/2)) is_positive = stays_positive(a(:, t), a(t, :rest), a(t, t), others)
          if (.not. is_positive) return
          ! Stick: the normal row, and then the tangential one.
          is_positive = a(n, n) > 0.0_dp
          if (.not. is_positive) return
          associate (ratio => a(:, n)/a(n, n))
-            call eliminate(a(:, t) - ratio*a(n, t), a(t, :rest) - a(t, n)*a(n, :rest)/a(n, n), &
+            is_positive = stays_positive(a(:, t) - ratio*a(n, t), a(t, :rest) - a(t, n)*a(n, :rest)/a(n, n), &
                a(t, t) - a(t, n)*a(n, t)/a(n, n), others - spread(ratio(:rest), 2, rest)*spread(a(n, :rest), 1, rest))
          end associate
       end associate
@@ -159,17 +159,16 @@ contains
    contains
 
       !> Eliminates one unknown by one row and asks for the rest.
-      pure recursive subroutine eliminate(column, row, pivot, matrix)
+      pure recursive logical function stays_positive(column, row, pivot, matrix)
          real(dp), intent(in) :: column(:) !! column of the unknown, at least (rest)
          real(dp), intent(in) :: row(:) !! the row (rest)
          real(dp), intent(in) :: pivot !! where row and column meet
          real(dp), intent(in) :: matrix(:, :) !! rows and columns of the others (rest, rest)
 
-         is_positive = pivot > 0.0_dp
-         if (.not. is_positive) return
-         is_positive = are_positive(matrix - spread(column(:rest), 2, rest)*spread(row/pivot, 1, rest), friction, &
-            has_slip_bound)
-      end subroutine eliminate
+         stays_positive = pivot > 0.0_dp
+         if (stays_positive) stays_positive = are_positive(matrix - spread(column(:rest), 2, rest)* &
+            spread(row/pivot, 1, rest), friction, has_slip_bound)
+      end function stays_positive
 
    end function are_positive
 

@@ -123,8 +123,8 @@ contains
          if (.not. support%is_held(component)) cycle
          call constraints%hold(node, direction(:, component), support%displacement(component), is_consistent)
          if (is_consistent) cycle
-         call new_error(error, input_refused, 'contradicts an earlier support at the node '//to_text(position(1))// &
-            ', '//to_text(position(2)))
+         call new_error(error, input_refused, 'the support contradicts an earlier one at the node '// &
+            to_text(position(1))//', '//to_text(position(2)))
          return
       end do
    end subroutine hold_node

@@ -62,8 +62,10 @@ contains
       class(mesh_t), intent(in) :: self !! the mesh
       type(error_t), allocatable, intent(out) :: error !! the first element or node at fault
       logical :: is_used(self%n_nodes)
+      real(dp) :: extent
       integer :: element, node
 
+      extent = maxval(maxval(self%coordinates, dim=2) - minval(self%coordinates, dim=2))
       is_used = .false.
       is_used(self%node) = .true.
       if (.not. all(is_used)) then
@@ -73,6 +75,12 @@ contains
       end if
       do element = 1, self%n_elements
          if (self%is_turned_over(element)) then
+            ! Areas that are no numbers of full precision any more tell nothing of an element.
+            if (.not. extent**2 > tiny(extent)/epsilon(extent)) then
+               call new_error(error, input_refused, 'mesh: the body measures '//to_text(extent)// &
+                  ', too little for its areas to be numbers; choose a smaller unit of length')
+               return
+            end if
             call new_error(error, input_refused, 'mesh: element '//to_text(element)// &
                ' is degenerate or turned over; its Jacobian must be positive everywhere')
             return

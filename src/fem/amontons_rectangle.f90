@@ -1,10 +1,12 @@
 !> Meshes of a rectangle: quadrilaterals, or triangles that halve each cell, linear or quadratic.
 module amontons_rectangle
    use amontons_element, only: element_names, is_triangle, n_element_nodes, quad4, tri3
-   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_error, only: error_t, input_refused, new_error, system_failure
    use amontons_kinds, only: dp, int64
    use amontons_mesh, only: boundary_set_t, mesh_t
    use amontons_quadratic_mesh, only: raise_order
+   use amontons_system, only: available_memory_mb
+   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
@@ -28,7 +30,7 @@ contains
    subroutine new_rectangle_mesh(mesh, rectangle, error)
       type(mesh_t), intent(out) :: mesh !! the mesh
       type(rectangle_t), intent(in) :: rectangle !! the rectangle and its cells
-      type(error_t), allocatable, intent(out) :: error !! the rectangle makes no sense
+      type(error_t), allocatable, intent(out) :: error !! the rectangle makes no sense, or memory is short
       ! The longest list counts 12 unknowns for the two linear triangles of a cell, 24 for quadratic ones; default
       ! integers reach 2^31.
       integer(int64), parameter :: most_nodes = 2_int64**27
@@ -47,11 +49,32 @@ contains
             'of quadratic elements half as many)')
          return
       end if
+      call check_memory(rectangle%cells, kind /= shape, error)
+      if (allocated(error)) return
       call place_nodes(mesh, rectangle)
       call connect_cells(mesh, rectangle, shape)
       call name_sides(mesh, rectangle%cells, shape, rectangle%diagonal)
       if (kind /= shape) call raise_order(mesh, spread(kind, 1, mesh%n_elements))
    end subroutine new_rectangle_mesh
+
+   !> Refuses cells whose stiffness and factor the memory cannot hold, by what they take at the very least, before a
+   !> mesh of them is made.
+   subroutine check_memory(cells, is_quadratic, error)
+      integer, intent(in) :: cells(2) !! number of cells along x and along y
+      logical, intent(in) :: is_quadratic !! whether the sides have middle nodes
+      type(error_t), allocatable, intent(out) :: error !! memory does not suffice
+      ! Mesh and assembled stiffness; the factor of nested dissection has 90 to 120 numbers an unknown on squares of
+      ! 256 to 1024 cells, and more of them the more cells the shorter side has. Half of that leaves room for doubt.
+      real(dp), parameter :: node_bytes = 500.0_dp, factor_bytes = 96.0_dp
+      real(dp) :: n_nodes, megabytes
+
+      n_nodes = real(cells(1) + 1, dp)*real(cells(2) + 1, dp)*merge(3.0_dp, 1.0_dp, is_quadratic)
+      megabytes = 1.0e-6_dp*n_nodes*(node_bytes + factor_bytes*log(1.0_dp + minval(cells))/log(2.0_dp))
+      if (megabytes <= available_memory_mb()) return
+      call new_error(error, system_failure, 'rectangle: memory does not suffice: '//to_text(nint(n_nodes, int64))// &
+         ' nodes need at least '//to_text(nint(megabytes, int64))//' MB, and '// &
+         to_text(nint(available_memory_mb(), int64))//' MB are available')
+   end subroutine check_memory
 
    !> Places the nodes row by row, from the lower left corner.
    pure subroutine place_nodes(mesh, rectangle)

@@ -56,6 +56,7 @@ contains
 
       allocate (self%band(self%width + 1, self%n), stat=status)
       if (status /= 0) then
+         ! not raised: no test may use up the machine's memory
          call new_error(error, system_failure, 'memory ran out for a band of '//to_text(self%width + 1)//' by '// &
             to_text(self%n)//' numbers')
          return

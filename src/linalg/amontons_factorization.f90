@@ -8,7 +8,7 @@ module amontons_factorization
    use amontons_dense, only: fill_upper
    use amontons_error, only: error_t, new_error, numerical_failure, system_failure
    use amontons_kinds, only: dp, int64
-   use amontons_lapack, only: dlauum
+   use amontons_lapack, only: dlacn2, dlauum
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_system, only: available_memory_mb, return_memory
    use amontons_text, only: to_text
@@ -28,6 +28,7 @@ module amontons_factorization
       integer(int64) :: n_work_entries = 0 !! Numbers that `complete` holds for a while, beside the factor's.
       integer :: refused_unknown = 0 !! The unknown whose pivot was not positive, 0 for none.
       real(dp), allocatable :: diagonal(:) !! Diagonal of P K P^T, from `analyze` to `complete` (n).
+      real(dp) :: matrix_norm = 0.0_dp !! 1-norm of the matrix, from `analyze_matrix`.
    contains
       procedure(analyze), deferred :: analyze
       procedure(complete), deferred :: complete
@@ -45,6 +46,8 @@ module amontons_factorization
       procedure :: schur_complement => factorization_schur_complement
       procedure :: condense => factorization_condense
       procedure :: expand => factorization_expand
+      procedure :: condition => factorization_condition
+      procedure :: least_refused_condition => factorization_least_refused_condition
       procedure :: set_order => factorization_set_order
       procedure :: check_pivots => factorization_check_pivots
       procedure :: refuse => factorization_refuse
@@ -236,6 +239,35 @@ contains
       call self%substitute_backward(n_interior, work)
       x(self%order) = work
    end subroutine factorization_expand
+
+   !> Estimates the condition number in the 1-norm with four or five solutions, by Higham's estimator of the norm of the
+   !> inverse: a bound from below, rarely less than a third of the number.
+   real(dp) function factorization_condition(self) result(condition)
+      class(factorization_t), intent(in) :: self !! the factorisation, made by `analyze_matrix` and `complete`
+      real(dp), allocatable :: v(:), x(:), y(:)
+      real(dp) :: inverse_norm
+      integer, allocatable :: signs(:)
+      integer :: next, state(3)
+
+      allocate (v(self%n), x(self%n), y(self%n), signs(self%n))
+      next = 0
+      inverse_norm = 0.0_dp
+      do
+         call dlacn2(self%n, v, x, signs, inverse_norm, next, state)
+         if (next == 0) exit
+         call self%solve(x, y)
+         x = y
+      end do
+      condition = self%matrix_norm*inverse_norm
+   end function factorization_condition
+
+   !> The least condition number of a matrix that `check_pivots` refuses: its norm is at least the diagonal entry, that
+   !> of its inverse at least the inverse of the pivot.
+   pure real(dp) function factorization_least_refused_condition(self) result(condition)
+      class(factorization_t), intent(in) :: self !! the factorisation
+
+      condition = 1.0_dp/(epsilon(1.0_dp)*self%n)
+   end function factorization_least_refused_condition
 
    !> Sets the order of elimination and keeps the diagonal for the check of the pivots; for makers of factorisations.
    pure subroutine factorization_set_order(self, matrix, n_trailing, order)

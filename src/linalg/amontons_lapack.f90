@@ -3,8 +3,8 @@ module amontons_lapack
    implicit none (type, external)
    private
 
-   public :: daxpy, dgemm, dgemv, dgesv, dgetrf, dgetrs, dlauum, dpbtrf, dpotrf, dpotri, dpotrs, dsyev, dsymv, dsyrk, &
-      dtbsv, dtrsm, dtrsv
+   public :: daxpy, dgemm, dgemv, dgesv, dgetrf, dgetrs, dlacn2, dlauum, dpbtrf, dpotrf, dpotri, dpotrs, dsyev, &
+      dsymv, dsyrk, dtbsv, dtrsm, dtrsv
 
    ! allow(assumed-size): these routines take the shape apart from the address
    interface
@@ -60,6 +60,14 @@ module amontons_lapack
          real(dp), intent(inout) :: b(ldb, *)
          integer, intent(out) :: info
       end subroutine dgetrs
+
+      pure subroutine dlacn2(n, v, x, isgn, est, kase, isave)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         integer, intent(in) :: n
+         real(dp), intent(inout) :: v(*), x(*), est
+         integer, intent(inout) :: isgn(*), kase, isave(3)
+      end subroutine dlacn2
 
       pure subroutine dlauum(uplo, n, a, lda, info)
          use amontons_kinds, only: dp

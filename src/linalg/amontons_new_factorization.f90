@@ -67,6 +67,7 @@ contains
          end if
       end select
       call factorization%analyze(matrix, n_trailing, error)
+      factorization%matrix_norm = matrix%norm()
    end subroutine analyze_matrix
 
    !> Whether a band factorisation should be quicker than a sparse one.

@@ -50,6 +50,7 @@ contains
       graph%start = graph%start - 1
       graph%neighbour = graph%neighbour - 1
       if (camd_order(int(graph%n, int64), graph%start, graph%neighbour, constraint, group_order) /= 0) then
+         ! not raised: no test may use up the machine's memory
          call new_error(error, system_failure, 'memory ran out while ordering '//to_text(matrix%n)//' unknowns')
          return
       end if

@@ -121,6 +121,7 @@ contains
       code = cholmod_analyze(int(self%n, int64), self%matrix_column, self%matrix_row, self%matrix_value, self%handle, &
          self%n_entries, self%n_work_entries, self%n_flops)
       call release_threads(threads)
+      ! not raised: no test may use up the machine's memory
       if (code /= done) call new_error(error, system_failure, 'memory ran out while analysing '//to_text(self%n)// &
          ' unknowns')
    end subroutine sparse_analyze
@@ -146,6 +147,7 @@ contains
       case (not_positive_definite)
          call self%refuse(int(failed) + 1, error)
       case default
+         ! not raised: no test may use up the machine's memory
          call new_error(error, system_failure, 'memory ran out while factorising '//to_text(self%n)// &
             ' unknowns, whose factor alone takes '//to_text(8*self%n_entries/1000000)//' MB')
       end select
@@ -165,6 +167,7 @@ contains
 
       allocate (row(size(matrix%row, kind=int64)), value(size(matrix%row, kind=int64)), stat=status)
       if (status /= 0) then
+         ! not raised: no test may use up the machine's memory
          call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(matrix%n)//' unknowns')
          return
       end if

@@ -20,6 +20,7 @@ module amontons_sparse_matrix
       procedure :: diagonal => sparse_matrix_diagonal
       procedure :: extract => sparse_matrix_extract
       procedure :: multiply => sparse_matrix_multiply
+      procedure :: norm => sparse_matrix_norm
       procedure :: shift_diagonal => sparse_matrix_shift_diagonal
    end type sparse_matrix_t
 
@@ -42,6 +43,7 @@ contains
       if (status == 0) then
          matrix%value = 0.0_dp
       else
+         ! not raised: no test may use up the machine's memory
          call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(n)//' unknowns')
       end if
    end subroutine new_sparse_matrix
@@ -200,6 +202,7 @@ contains
       call start_columns(self, unknowns, number, part%column_start)
       allocate (part%row(part%column_start(part%n + 1) - 1), part%value(part%column_start(part%n + 1) - 1), stat=status)
       if (status /= 0) then
+         ! not raised: no test may use up the machine's memory
          call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(part%n)//' unknowns')
          return
       end if
@@ -289,6 +292,23 @@ contains
 
       diagonal = self%value(self%column_start(:self%n))
    end function sparse_matrix_diagonal
+
+   !> The 1-norm: the largest sum of magnitudes in a column.
+   pure real(dp) function sparse_matrix_norm(self) result(norm)
+      class(sparse_matrix_t), intent(in) :: self !! the matrix
+      real(dp), allocatable :: total(:)
+      integer(int64) :: at
+      integer :: j
+
+      total = abs(self%diagonal())
+      do j = 1, self%n
+         do at = self%column_start(j) + 1, self%column_start(j + 1) - 1
+            total(j) = total(j) + abs(self%value(at))
+            total(self%row(at)) = total(self%row(at)) + abs(self%value(at))
+         end do
+      end do
+      norm = maxval(total)
+   end function sparse_matrix_norm
 
    !> Adds alpha to the diagonal entries of some consecutive unknowns.
    pure subroutine sparse_matrix_shift_diagonal(self, first, last, alpha)

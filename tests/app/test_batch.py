@@ -52,6 +52,39 @@ class Batch(ProgramTest):
         self.assertEqual(os.stat(self.directory / "out dir" / "one.lst").st_mtime_ns, before)
         self.assertIn("another.lst", self.results())
 
+    def hostile_folder(self):
+        """A folder whose name, and whose deck's name, a careless script would run or take for options."""
+        folder = "-n; touch pwned; $(touch pwned) `touch pwned` \n\"' & {} * \\"
+        deck = "-x; touch pwned; $(touch pwned) `touch pwned` \"' & {} * \\"
+        (self.directory / folder).mkdir()
+        self.write(f"{folder}/{deck}.nml", SOUND)
+        return folder, deck
+
+    @unittest.skipIf(shutil.which("parallel") is None, "GNU parallel is not installed")
+    def test_names_are_never_run_by_parallel(self):
+        folder, deck = self.hostile_folder()
+        self.run_script("batch_parallel", folder, folder + "out", "--quiet")
+        self.assertEqual(sorted(path.name for path in (self.directory / (folder + "out")).iterdir() if path.is_file()),
+                         sorted(results_of(deck)))
+        self.assertFalse([name for name in self.files() if Path(name).name == "pwned"])
+
+    def test_names_are_never_run_by_slurm(self):
+        folder, deck = self.hostile_folder()
+        self.run_script("batch_slurm", folder, folder + "out", "--quiet", SLURM_ARRAY_TASK_ID=1)
+        self.assertEqual(sorted(path.name for path in (self.directory / (folder + "out")).iterdir()),
+                         sorted(results_of(deck)))
+        self.assertFalse([name for name in self.files() if Path(name).name == "pwned"])
+
+    def test_options_are_never_run(self):
+        for script, option in (("table1", "--method"), ("table1", "--variant"), ("table1", "--element"),
+                               ("verify", None), ("setup", None)):
+            for value in ("x/e; touch pwned;", "x'/; 1e touch pwned", "$(touch pwned)", "`touch pwned`"):
+                with self.subTest(script=script, option=option, value=value):
+                    run = self.run_script(script, *filter(None, [option]), value, status=None)
+                    self.assertIn(run.returncode, (1, 2))
+                    self.assertIn(value, run.stderr)
+        self.assertFalse([path for path in (self.directory, SCRIPTS, SCRIPTS.parent) if (path / "pwned").exists()])
+
     def test_a_task_of_an_array_solves_its_deck(self):
         self.run_script("batch_slurm", "my decks", "out dir", "--quiet", SLURM_ARRAY_TASK_ID=2)
         self.assertEqual(self.results(), results_of("one"))

@@ -167,8 +167,8 @@ class Names(ProgramTest):
 
     def test_name_of_a_deck_with_a_line_break_is_refused(self):
         run = self.run_program(self.write("two\nlines.nml", SOUND), status=1)
-        self.assertEqual(run.stderr, "two\nlines.nml: name must be usable as a file name: not empty, without '/' and "
-                         "control characters\n")
+        self.assertEqual(run.stderr, "two\nlines.nml: name must be usable as a file name: 1 to 200 characters without "
+                         "'/' and control characters\n")
 
     def test_title_with_quotes_backslash_and_tab(self):
         title = "\"A\" \\ 'b'\tc"

@@ -47,16 +47,28 @@ class NumericalFailure(ProgramTest):
 
     def test_stiffness_out_of_range(self):
         # Areas of 1e400 are infinite.
-        self.write("failed.nml", block(SUPPORT, PRESSURE, CONTACT, mesh="size = 1e200, 1e200  cells = 8, 4"))
-        run = self.run_program("--output", "results", "failed.nml", status=2)
-        self.assertTrue(run.stderr.startswith("failed.nml: the matrix is not positive definite: "), run.stderr)
-        self.assertEqual(self.files(), ["failed.nml"])
+        self.assert_failure(block(SUPPORT, PRESSURE, CONTACT, mesh="size = 1e200, 1e200  cells = 8, 4"),
+                            "the stiffness leaves the range of double precision (1.8e308): choose units that make "
+                            "lengths and moduli smaller\n")
 
     def test_displacements_out_of_range(self):
         self.assert_failure(block(SUPPORT, CONTACT, "load set = 'top'  pressure = 1e300",
                                   material="young = 1e-300  poisson = 0.25"),
                             "the contact method left the range of finite numbers: stiffness, load and friction differ "
                             "by more than the arithmetic can hold\n")
+
+
+class WrongSolution(ProgramTest):
+    """Status 4: a solution that does not pass its certificate is written, and said to be wrong."""
+
+    def test_displacements_that_swallow_the_deformation(self):
+        # Beside a displacement of 1e12 the deformations are lost in its rounding, 1e-4.
+        deck = block("support set = 'left'  ux = 1e12  uy = 1e12", PRESSURE + "  name = 'press'", CONTACT)
+        for more in ("", "&sweep load = 'press'  factor = 1.0, 2.0 /\n"):
+            run = self.run_program(self.write("case.nml", deck + more), status=4)
+            self.assertEqual(run.stderr, "case.nml: the certificate FAILED on the full model; see the listing\n")
+            self.assertRegex((self.directory / "case.lst").read_text(encoding="utf-8"), r"\n  Verdict +FAILED: ")
+            self.assertIn('"passed": false', (self.directory / "case.summary.json").read_text(encoding="utf-8"))
 
 
 class SystemFailure(ProgramTest):

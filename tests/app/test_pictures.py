@@ -46,6 +46,19 @@ class Pictures(ProgramTest):
         self.script("plot", "some results")
         self.assertEqual(len(list((self.directory / "some results").glob("*.png"))), 2)
 
+    def test_names_are_never_run_nor_taken_for_markup(self):
+        folder = "-n $(touch pwned); `touch pwned` \n\"'"
+        name = "-x $(touch pwned); `touch pwned` $\\frac $1 <b> \"' % # ?"
+        self.write("deck.nml", block(SUPPORT, PRESSURE, CONTACT, PUSH, "case title = 'of $5 and $\\frac{$, <script>'"))
+        (self.directory / "deck.nml").rename(self.directory / f"{name}.nml")
+        self.run_program("--quiet", f"--output={folder}", "--", f"{name}.nml")
+        self.run_command([SCRIPTS / "report.sh", folder])
+        page = (self.directory / folder / "report.html").read_text(encoding="utf-8")
+        self.assertIn("of $5 and $\\frac{$, &lt;script&gt;", page)
+        self.assertNotIn("<script>", page)
+        self.assertNotIn("<b> ", page)
+        self.assertFalse([path for path in self.files() if Path(path).name == "pwned"])
+
     def test_sweeps_and_reduced_problems_are_drawn_and_told(self):
         loads = "load name = 'push'  set = 'right'  traction = -1.0, 0.2"
         sweep = "sweep load = 'push'  factor = 0.5, 1.0, 1.5"

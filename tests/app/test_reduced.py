@@ -6,11 +6,14 @@ line of tests/reduced/expected.txt.
 """
 import csv
 import json
+import resource
 import shutil
+import signal
+import subprocess
 import unittest
 from pathlib import Path
 
-from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block
+from harness import CONTACT, PRESSURE, PROGRAM, SUPPORT, ProgramTest, block
 
 try:
     import h5py
@@ -290,9 +293,95 @@ class Refusals(ReducedTest):
                     run = self.run_program("--check", "--reduced", self.write("cut.dat", text[:length]), status=1)
                     self.assertTrue(run.stderr.startswith("cut.dat:"), run.stderr)
 
+    def test_check_that_fails_is_told(self):
+        # The residual is measured by the largest displacement, 0.5; beside the force, 5e-7, the same error is large.
+        self.write("case.dat", "2\n1\n0\n2\n2\n2 2\n2 1\n1 3\n-1e-6 0.5\n0.5\n")
+        deck = deck_of("case.dat").replace("'psor'", "'splitting'")
+        run = self.run_program(self.write("case.nml", deck), status=4)
+        self.assertEqual(run.stderr, "case.nml: the check FAILED on the problem as read; see the listing\n")
+        self.assertIs(self.summary("case")["converged"], True)
+        self.assertIs(self.summary("case")["certificate"]["passed"], False)
+        self.assertRegex((self.directory / "case.lst").read_text(encoding="utf-8"), r"\n  Verdict +FAILED: ")
+
+    def test_numbers_too_far_apart_are_told(self):
+        self.write("case.dat", "2\n1\n0\n2\n2\n2 2\n1e-150 0\n0 1e150\n-1 1e200\n0.5\n")
+        for method in ("newton", "splitting", "psor", "lemke"):
+            deck = deck_of("case.dat").replace("psor", method)
+            run = self.run_program("--output", "results", self.write("case.nml", deck), status=2)
+            self.assertEqual(run.stderr, "case.nml: the contact method left the range of finite numbers\n")
+        self.assertEqual(self.files(), ["case.dat", "case.nml"])
+
     def test_missing_file(self):
         run = self.run_program("--reduced", "none.dat", status=1)
         self.assertEqual(run.stderr, "none.dat: cannot read this file: No such file or directory\n")
+
+
+@unittest.skipIf(h5py is None, "needs h5py")
+class SpoiltHdf5(ReducedTest):
+    """FCLIB files that are at fault, made from a sound one."""
+
+    def setUp(self):
+        super().setUp()
+        self.run_program("--write-reduced", self.write("sound.nml", HELD))
+        if not (self.directory / "sound.reduced.hdf5").exists():
+            self.skipTest("this build has no HDF5")
+        shutil.copy(self.directory / "sound.reduced.hdf5", self.directory / "bad.hdf5")
+
+    def refuse(self, sentence):
+        """Checks that bad.hdf5 is refused with a sentence."""
+        before = self.files()
+        run = self.run_program("--output", "results", "--reduced", "bad.hdf5", status=1)
+        self.assertEqual(run.stderr, f"bad.hdf5: {sentence}\n")
+        self.assertEqual(self.files(), before)
+
+    def replace(self, path, shape, value, kind="int32", **options):
+        """Puts another data set in the place of one."""
+        with h5py.File(self.directory / "bad.hdf5", "r+") as file:
+            del file[path]
+            data = file.create_dataset(path, shape, kind, **options)
+            if value is not None:
+                data[...] = value
+            return data.id.get_chunk_info(0).byte_offset if options and value is not None else None
+
+    def test_number_of_displacements_is_odd(self):
+        self.replace("/fclib_local/W/n", 1, 17)
+        self.refuse("/fclib_local/W/n is 17: expected an even number, two for each contact")
+
+    def test_number_of_displacements_is_negative(self):
+        self.replace("/fclib_local/W/n", 1, -2)
+        self.refuse("/fclib_local/W/n is -2: expected a number that is not negative")
+
+    def test_data_set_announces_more_values_than_can_be_counted(self):
+        self.replace("/fclib_local/vectors/q", 3000000000, None, kind="float64", chunks=(1000,))
+        self.refuse("/fclib_local/vectors/q: too many values")
+
+    def test_data_set_is_damaged(self):
+        for path, kind in (("/fclib_local/vectors/q", "float64"), ("/fclib_local/W/n", "int32")):
+            with self.subTest(path):
+                shutil.copy(self.directory / "sound.reduced.hdf5", self.directory / "bad.hdf5")
+                offset = self.replace(path, 1, 18, kind, chunks=(1,), fletcher32=True)
+                with open(self.directory / "bad.hdf5", "r+b") as file:
+                    file.seek(offset)
+                    file.write(b"\x55")
+                self.refuse(f"{path}: this data set is damaged")
+
+    def test_no_room_for_the_file(self):
+        before = self.contents()
+        text, hdf5 = (len(before[f"sound.reduced.{suffix}"]) for suffix in ("dat", "hdf5"))
+        self.assertLess(text, hdf5)  # so that the text, which is written first, finds room
+        run = subprocess.run([PROGRAM, "--write-reduced", "sound.nml"], cwd=self.directory, capture_output=True,
+                             encoding="utf-8", timeout=self.timeout, check=False,
+                             preexec_fn=lambda: limit_files((text + hdf5)//2))
+        self.assertEqual(run.returncode, 3)
+        self.assertRegex(run.stderr,
+                         rf"^sound.nml: ./sound.reduced.hdf5: cannot write this file: .* of {hdf5} bytes .*\n$")
+        self.assertEqual(self.contents(), before)
+
+
+def limit_files(most_bytes):
+    """Lets no file grow beyond a size; a write beyond it fails instead of ending the program."""
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
 
 
 if __name__ == "__main__":

@@ -8,10 +8,11 @@ The decks in tests/bad begin with what is expected of them, a line for each faul
 import os
 import re
 import shutil
+import subprocess
 import unittest
 from pathlib import Path
 
-from harness import SOUND, ProgramTest, results_of
+from harness import PROGRAM, SOUND, ProgramTest, results_of
 
 CORPUS = Path(__file__).resolve().parents[1] / "bad"
 EXPECT = "! expect: "
@@ -86,6 +87,14 @@ class Files(ProgramTest):
         self.refuse("folder", ": cannot read this file: Is a directory")
         self.refuse(self.write("file", SOUND) + "/deck", ": cannot read this file: Not a directory")
 
+    def test_standard_input_that_is_too_large(self):
+        with open(self.directory / "large", "w+b") as large:
+            large.truncate(256000001)
+            run = subprocess.run([PROGRAM, "-"], stdin=large, capture_output=True, encoding="utf-8",
+                                 timeout=self.timeout, check=False)
+        self.assertEqual((run.returncode, run.stdout), (1, ""))
+        self.assertRegex(run.stderr, r"^.*: cannot read this file: it is larger than 256 MB\n$")
+
     @unittest.skipIf(os.geteuid() == 0, "root may read every file")
     def test_file_without_permission(self):
         (self.directory / self.write("secret.nml", SOUND)).chmod(0)
@@ -101,6 +110,18 @@ class Files(ProgramTest):
             is_sound = text.rstrip().endswith("/") and text.count("/") >= 2
             run = self.run_program("--check", self.write("cut.nml", text), status=0 if is_sound else 1)
             self.assertEqual(run.stderr.startswith("cut.nml:"), not is_sound, text)
+
+
+class Tables(ProgramTest):
+    """Decks with a table beside them, which tests/bad cannot hold."""
+
+    def test_stations_that_do_not_ascend(self):
+        self.write("table.txt", "0.0 0.3\n2.0 0.2\n2.0 0.1\n")
+        for key in ("friction_table", "slip_bound_table"):
+            deck = SOUND.replace("friction = 0.3", f"{key} = 'table.txt'")
+            run = self.run_program(self.write("case.nml", deck), status=1)
+            self.assertEqual(run.stderr, f"case.nml:5: {key} must have stations that ascend from row to row\n")
+        self.assertEqual(self.files(), ["case.nml", "table.txt"])
 
 
 if __name__ == "__main__":

@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Everything that is too slow for every change, with a line for each: coverage, the tests under the sanitizers and as
+# optimised code, valgrind, and whether a build can be repeated. About 40 minutes on two cores.
+# shellcheck disable=SC2317 # the function is called through check
+set -euo pipefail
+cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
+
+scripts/setup.sh build test deep
+
+run_tests() { # preset
+   scripts/build.sh "$1" && ctest --preset "$1" --parallel 2 --no-tests=error
+}
+
+status=0
+mkdir -p build
+check() { # name, command...
+   local log=build/deep_$1.log
+   echo "begun $1: $log"
+   if "${@:2}" &>"$log"; then
+      echo "ok    $1"
+   else
+      echo "FAIL  $1"
+      status=1
+   fi
+}
+
+check release run_tests release
+check sanitize run_tests sanitize
+check coverage scripts/coverage.sh
+check valgrind scripts/valgrind.sh
+check reproducible scripts/reproducible.sh
+exit "$status"

@@ -1,0 +1,67 @@
+!> Verification of results that earlier runs left.
+module amontons_run_verify
+   use amontons_command_line, only: command_line_t
+   use amontons_directory, only: file_name_t
+   use amontons_error, only: error_t
+   use amontons_result, only: status_not_converged
+   use amontons_screen, only: complain, tell
+   use amontons_solve_case, only: workshop_t
+   use amontons_text, only: newline
+   use amontons_verify, only: find_cases, verdict_t, verify_files
+   implicit none (type, external)
+   private
+
+   public :: verify_directories
+
+contains
+
+   !> Verifies every case in every directory; the largest exit status counts.
+   subroutine verify_directories(command_line, status)
+      type(command_line_t), intent(in) :: command_line !! the directories, and the options
+      integer, intent(out) :: status !! 0 if all are verified and certified
+      type(file_name_t), allocatable :: names(:)
+      type(workshop_t) :: workshop
+      type(error_t), allocatable :: error
+      integer :: i, k
+
+      status = 0
+      do i = 1, size(command_line%decks)
+         associate (directory => command_line%decks(i)%text)
+            call find_cases(names, directory, error)
+            if (.not. allocated(error)) then
+               do k = 1, size(names)
+                  call verify_one(command_line, workshop, directory, names(k)%text, status, error)
+                  if (allocated(error)) exit
+               end do
+            end if
+         end associate
+         if (.not. allocated(error)) cycle
+         call complain(error%message)
+         status = max(status, error%kind)
+      end do
+   end subroutine verify_directories
+
+   !> Verifies a case and tells what was found.
+   subroutine verify_one(command_line, workshop, directory, name, status, error)
+      type(command_line_t), intent(in) :: command_line !! the options
+      type(workshop_t), intent(inout) :: workshop !! what cases share
+      character(*), intent(in) :: directory !! the directory
+      character(*), intent(in) :: name !! name of the case
+      integer, intent(inout) :: status !! exit status so far
+      type(error_t), allocatable, intent(out) :: error !! standard output takes no more
+      type(verdict_t) :: verdict
+
+      call verify_files(verdict, workshop, directory, name)
+      if (verdict%is_verified .and. verdict%is_certified) then
+         call tell(command_line, name//': verified', error)
+         return
+      end if
+      status = max(status, status_not_converged)
+      if (verdict%is_verified) then
+         call complain(name//': as it was written, but not converged or not certified')
+      else
+         call complain(name//': NOT VERIFIED'//newline//verdict%faults)
+      end if
+   end subroutine verify_one
+
+end module amontons_run_verify

@@ -1,0 +1,126 @@
+!> A table of comma-separated fields as the program writes it, read back: a header, then a row a line.
+module amontons_csv_table
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_text, only: newline, read_real, to_text
+   use amontons_text_file, only: read_text_file
+   implicit none (type, external)
+   private
+
+   public :: csv_table_t, read_csv_table
+
+   !> A table. No field holds a comma but in the header.
+   type :: csv_table_t
+      private
+      integer, public :: n_rows = 0 !! number of rows, the header not counted
+      character(:), allocatable :: text !! the whole file
+      integer, allocatable :: start(:) !! where each row begins in it, and where the file ends (n_rows + 1)
+   contains
+      procedure, public :: field => csv_table_field
+      procedure, public :: get_number => csv_table_get_number
+      procedure, public :: row => csv_table_row
+   end type csv_table_t
+
+contains
+
+   !> Reads a table.
+   subroutine read_csv_table(table, path, header, n_columns, fault)
+      type(csv_table_t), intent(out) :: table !! the table
+      character(*), intent(in) :: path !! name of the file
+      character(*), intent(in) :: header !! the first line that it should have
+      integer, intent(in) :: n_columns !! number of fields of a row
+      character(:), allocatable, intent(out) :: fault !! why it is no such table; empty if it is
+      type(error_t), allocatable :: error
+      integer :: i, n_commas
+
+      fault = ''
+      call read_text_file(path, table%text, error)
+      if (allocated(error)) then
+         fault = error%message(len(path) + 3:)
+      else if (index(table%text, header//newline) /= 1) then
+         fault = 'the first line is not the header of this table'
+      else if (table%text(len(table%text):) /= newline) then
+         fault = 'the last line does not end'
+      end if
+      if (len(fault) > 0) return
+      call find_rows(table, len(header) + 2)
+      do i = 1, table%n_rows
+         n_commas = count_commas(table%row(i))
+         if (n_commas == n_columns - 1) cycle
+         fault = 'line '//to_text(i + 1)//' has '//to_text(n_commas + 1)//' fields, expected '//to_text(n_columns)
+         return
+      end do
+   end subroutine read_csv_table
+
+   !> Finds where the rows begin.
+   pure subroutine find_rows(table, first)
+      type(csv_table_t), intent(inout) :: table !! the table
+      integer, intent(in) :: first !! where the first row begins
+      integer :: i, n
+
+      n = 0
+      do i = first, len(table%text)
+         if (table%text(i:i) == newline) n = n + 1
+      end do
+      table%n_rows = n
+      allocate (table%start(n + 1))
+      table%start(1) = first
+      n = 1
+      do i = first, len(table%text)
+         if (table%text(i:i) /= newline) cycle
+         n = n + 1
+         table%start(n) = i + 1
+      end do
+   end subroutine find_rows
+
+   !> Number of commas in a text.
+   pure integer function count_commas(text) result(n)
+      character(*), intent(in) :: text !! the text
+      integer :: i
+
+      n = 0
+      do i = 1, len(text)
+         if (text(i:i) == ',') n = n + 1
+      end do
+   end function count_commas
+
+   !> A row, without the end of its line.
+   pure function csv_table_row(self, row) result(text)
+      class(csv_table_t), intent(in) :: self !! the table
+      integer, intent(in) :: row !! which row
+      character(:), allocatable :: text
+
+      text = self%text(self%start(row):self%start(row + 1) - 2)
+   end function csv_table_row
+
+   !> A field.
+   pure function csv_table_field(self, row, column) result(text)
+      class(csv_table_t), intent(in) :: self !! the table
+      integer, intent(in) :: row !! its row
+      integer, intent(in) :: column !! its column
+      character(:), allocatable :: text
+      integer :: first, i
+
+      first = self%start(row)
+      do i = 2, column
+         first = first + index(self%text(first:), ',')
+      end do
+      text = self%text(first:first + scan(self%text(first:), ','//newline) - 2)
+   end function csv_table_field
+
+   !> A field as a number.
+   pure subroutine csv_table_get_number(self, row, column, value, fault)
+      class(csv_table_t), intent(in) :: self !! the table
+      integer, intent(in) :: row !! its row
+      integer, intent(in) :: column !! its column
+      real(dp), intent(out) :: value !! the number, 0 if there is none
+      character(:), allocatable, intent(inout) :: fault !! gains why it is no number, unless it tells a fault already
+      logical :: ok
+
+      call read_real(self%field(row, column), value, ok)
+      if (ok .or. len(fault) > 0) return
+      fault = 'line '//to_text(row + 1)//', field '//to_text(column)//": expected a number, found '"// &
+         self%field(row, column)//"'"
+   end subroutine csv_table_get_number
+
+end module amontons_csv_table

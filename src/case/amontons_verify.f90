@@ -1,0 +1,188 @@
+!> The results in a directory, verified from the files alone: nothing is known of the run that wrote them.
+!>
+!> Two questions are asked of every case. Is each file, the mesh and the tables included, byte by byte the one that was
+!> sealed? And do the files agree with each other: does what the displacements and the contact forces say follow from
+!> the deck and the mesh, and do the tables, grids, listing and summary say the same? The first finds accidents, the
+!> second whoever changes a result and its seal.
+module amontons_verify
+   use amontons_agreement, only: fault_text_t
+   use amontons_checksum, only: checksum_length, file_checksum
+   use amontons_config, only: config_t, read_config
+   use amontons_directory, only: file_name_t, list_directory
+   use amontons_effective_deck, only: effective_deck
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_json, only: string
+   use amontons_kinds, only: int64
+   use amontons_seal, only: read_seal, seal_t, sealed_file_t
+   use amontons_solve_case, only: workshop_t
+   use amontons_summary_check, only: summary_check_t
+   use amontons_text, only: to_text
+   use amontons_text_file, only: read_text_file
+   use amontons_verify_case, only: verify_case
+   use amontons_verify_reduced, only: verify_reduced
+   use amontons_verify_sweep, only: verify_sweep
+   implicit none (type, external)
+   private
+
+   public :: find_cases, verdict_t, verify_files
+
+   character(*), parameter :: summary_suffix = '.summary.json'
+   !> What names of other files end with that tell of a case whose summary is missing.
+   character(12), parameter :: other_suffixes(*) = [character(12) :: '.deck.nml', '.contact.csv', '.contact.vtu', &
+      '.sweep.csv']
+
+   !> What was found of a case.
+   type :: verdict_t
+      logical :: is_verified = .false. !! whether its files are as they were written and agree with each other
+      logical :: is_certified = .false. !! whether, moreover, it converged and its certificate passes
+      character(:), allocatable :: faults !! what is wrong, a line of text for each file or number; empty if nothing
+   end type verdict_t
+
+contains
+
+   !> Finds the cases whose files a directory holds, in the order of the names of their summaries.
+   subroutine find_cases(names, directory, error)
+      type(file_name_t), allocatable, intent(out) :: names(:) !! names of the cases
+      character(*), intent(in) :: directory !! the directory
+      type(error_t), allocatable, intent(out) :: error !! it cannot be read, or holds no results
+      type(file_name_t), allocatable :: files(:)
+      integer :: i, k, n
+
+      call list_directory(files, directory, error)
+      if (allocated(error)) return
+      allocate (names(size(files)))
+      n = 0
+      do i = 1, size(files)
+         call claim(names, n, files(i)%text, summary_suffix)
+      end do
+      do i = 1, size(files)
+         do k = 1, size(other_suffixes)
+            call claim(names, n, files(i)%text, trim(other_suffixes(k)))
+         end do
+      end do
+      names = names(:n)
+      if (n == 0) call new_error(error, input_refused, directory//': there are no results in this directory')
+   end subroutine find_cases
+
+   !> Adds the case that a file belongs to, unless the case is known, or the file is one of a known case.
+   pure subroutine claim(names, n, file, suffix)
+      type(file_name_t), intent(inout) :: names(:) !! names of the cases
+      integer, intent(inout) :: n !! number of cases so far
+      character(*), intent(in) :: file !! name of the file
+      character(*), intent(in) :: suffix !! what it may end with
+      integer :: i, length
+
+      length = len(file) - len(suffix)
+      if (length < 1) return
+      if (file(length + 1:) /= suffix) return
+      do i = 1, n
+         associate (name => names(i)%text)
+            if (file(:length) == name .and. length == len(name)) return
+            ! The grid of case a.contact is a.contact.vtu.
+            if (index(file, name//'.') == 1 .and. len(name) > length) return
+         end associate
+      end do
+      n = n + 1
+      names(n)%text = file(:length)
+   end subroutine claim
+
+   !> Verifies the files of a case.
+   subroutine verify_files(verdict, workshop, directory, name)
+      type(verdict_t), intent(out) :: verdict !! what was found
+      type(workshop_t), intent(inout) :: workshop !! the body at hand: cases that agree in it share it
+      character(*), intent(in) :: directory !! the directory
+      character(*), intent(in) :: name !! name of the case
+      type(summary_check_t) :: summary
+      type(config_t) :: config
+      type(error_t), allocatable :: error
+      character(:), allocatable :: stem
+
+      stem = directory//'/'//name
+      summary%path = stem//summary_suffix
+      call check_seal(summary, directory)
+      if (allocated(summary%text)) call read_config(config, stem//'.deck.nml', error)
+      if (allocated(error)) then
+         call summary%faults%add(stem//'.deck.nml', error%message)
+      else if (allocated(summary%text)) then
+         call check_deck(summary, config, name, stem//'.deck.nml')
+         if (config%reduced%is_given) then
+            call verify_reduced(summary, config, stem, verdict%is_certified)
+         else if (config%sweep%is_given()) then
+            call verify_sweep(summary, workshop, config, stem, verdict%is_certified)
+         else
+            call verify_case(summary, workshop, config, stem, verdict%is_certified)
+         end if
+      end if
+      verdict%is_verified = summary%faults%n == 0
+      verdict%faults = summary%faults%text()
+   end subroutine verify_files
+
+   !> Reads the summary and compares every file with its seal.
+   subroutine check_seal(summary, directory)
+      type(summary_check_t), intent(inout) :: summary !! gains the text, if it can be read, and the faults
+      character(*), intent(in) :: directory !! the directory of the results
+      type(seal_t) :: seal
+      type(error_t), allocatable :: error
+      character(:), allocatable :: fault
+      integer(int64) :: n_bytes
+      integer :: i
+
+      call read_text_file(summary%path, summary%text, error)
+      if (allocated(error)) then
+         if (allocated(summary%text)) deallocate (summary%text)
+         call summary%faults%add(summary%path, error%message(len(summary%path) + 3:))
+         return
+      end if
+      call read_seal(seal, summary%text, fault)
+      inquire (file=summary%path, size=n_bytes)
+      ! The reader of texts passes over a mark before UTF-8 text.
+      if (len(fault) == 0 .and. n_bytes /= len(summary%text)) fault = 'it was changed: bytes stand before it'
+      if (len(fault) > 0) call summary%faults%add(summary%path, fault)
+      do i = 1, size(seal%files)
+         call check_file(summary%faults, directory//'/'//seal%files(i)%name, seal%files(i))
+      end do
+      do i = 1, size(seal%inputs)
+         call check_file(summary%faults, seal%inputs(i)%name, seal%inputs(i))
+      end do
+   end subroutine check_seal
+
+   !> Compares a file with its seal.
+   subroutine check_file(faults, path, sealed)
+      type(fault_text_t), intent(inout) :: faults !! gains what does not agree
+      character(*), intent(in) :: path !! name of the file
+      type(sealed_file_t), intent(in) :: sealed !! what is known of it
+      type(error_t), allocatable :: error
+      character(checksum_length) :: checksum
+      integer(int64) :: n_bytes
+
+      call file_checksum(path, checksum, n_bytes, error)
+      if (allocated(error)) then
+         call faults%add(path, error%message(len(path) + 3:))
+      else if (n_bytes /= sealed%n_bytes) then
+         call faults%add(path, 'it was changed: '//to_text(n_bytes)//' bytes, but '//to_text(sealed%n_bytes)// &
+            ' were sealed')
+      else if (checksum /= sealed%checksum) then
+         call faults%add(path, 'it was changed: its checksum is '//checksum//', but '//sealed%checksum//' was sealed')
+      end if
+   end subroutine check_file
+
+   !> Checks that the deck is that of the case, as the program writes it, and that the summary tells of it.
+   subroutine check_deck(summary, config, name, path)
+      type(summary_check_t), intent(inout) :: summary !! the summary; gains the faults
+      type(config_t), intent(in) :: config !! the deck as it was read
+      character(*), intent(in) :: name !! name of the case
+      character(*), intent(in) :: path !! name of the deck
+      character(:), allocatable :: text
+      type(error_t), allocatable :: error
+
+      call read_text_file(path, text, error)
+      if (allocated(error)) return
+      if (text /= effective_deck(config)) call summary%faults%add(path, &
+         'it is not written as the program writes what it says')
+      if (config%name /= name) call summary%faults%add(path, "it is the deck of case '"//config%name//"'")
+      call summary%expect_text('', 'case', string(config%name))
+      call summary%expect_text('', 'title', string(config%title))
+      call summary%expect_text('', 'method', string(config%method%method))
+   end subroutine check_deck
+
+end module amontons_verify

@@ -1,0 +1,206 @@
+#!/usr/bin/env python3
+"""Results changed by somebody who makes the seal fit: the numbers themselves tell."""
+import json
+import re
+import shutil
+import struct
+import unittest
+
+from harness import CONTACT, PRESSURE, SUPPORT, block, read_vtu
+from verification import PUSH, ROOT, Verification
+
+
+class Forged(Verification):
+    """Results changed by somebody who made the seal fit: only the numbers can tell."""
+
+    def setUp(self):
+        super().setUp()
+        self.solve_into_results(block(SUPPORT, PRESSURE, CONTACT, PUSH))
+
+    def test_seal_alone_is_sound(self):
+        self.seal("case_0")
+        self.assertEqual(self.verify(), "case_0: verified\n")
+
+    def test_every_array_of_the_grids(self):
+        for file in ("case_0.vtu", "case_0.contact.vtu"):
+            content = self.contents("results")[file]
+            arrays, _, _ = read_vtu(content)
+            offset = content.index(b'<AppendedData encoding="raw">\n_') + len(b'<AppendedData encoding="raw">\n_')
+            for name, values in arrays.items():
+                flat = [value for row in values for value in (row if isinstance(row, tuple) else (row,))]
+                is_real = isinstance(flat[0], float)
+                place = len(flat)//2
+
+                def change(content, at=offset + 8, flat=flat, is_real=is_real, place=place):
+                    # A real moves by a millionth of the largest one, an integer by one.
+                    if is_real:
+                        value = struct.pack("<d", flat[place] + 1e-6*max(1e-3, *map(abs, flat)))
+                    else:
+                        value = struct.pack("<i", flat[place] + 1)
+                    at += place*len(value)
+                    return content[:at] + value + content[at + len(value):]
+                with self.subTest(file=file, array=name):
+                    self.assert_forgery_is_found(file, change, rf"results/{file}: {name} of .* follows from the other|"
+                                                               "equilibrium")
+                offset += 8 + len(flat)*(8 if is_real else 4)
+
+    def test_structure_of_the_grids(self):
+        begin = b'<AppendedData encoding="raw">\n_'
+
+        def with_length(content):
+            at = content.index(begin) + len(begin)
+            return content[:at] + struct.pack("<Q", 8) + content[at + 8:]
+
+        def with_second_length(content):
+            at = content.index(begin) + len(begin)
+            at += 8 + struct.unpack_from("<Q", content, at)[0]
+            return content[:at] + struct.pack("<Q", 8) + content[at + 8:]
+
+        def with_no_number(content):
+            at = content.index(begin) + len(begin) + 8
+            return content[:at] + struct.pack("<d", float("nan")) + content[at + 8:]
+
+        for file, change, expected in (
+                ("vtu", lambda content: content[:100], "no displacements stand where they were written"),
+                ("vtu", lambda content: content[:content.index(begin) + 1000], "ends within the displacements"),
+                ("vtu", with_length, "the displacements are not those of 45 points"),
+                ("vtu", with_no_number, "not all displacements are finite numbers"),
+                ("vtu", with_second_length, "the length of gap is 8, expected 360 bytes"),
+                ("vtu", lambda content: content.replace(b'Name="slip"', b'Name="Slip"'), "from byte [0-9]+ on"),
+                ("vtu", lambda content: content + b"\n", "the file does not end as it was written"),
+                ("contact.vtu", lambda content: content[:100], "the file ends within its head"),
+                ("contact.vtu", lambda content: content[:content.index(begin) + 31], "ends before displacement"),
+                ("contact.vtu", lambda content: content[:content.index(begin) + 60], "ends within displacement"),
+                ("contact.vtu", lambda content: content[:-60], "the file ends within types"),
+                ("contact.vtu", with_no_number, "is no finite number, but")):
+            with self.subTest(file=file, expected=expected):
+                self.assert_forgery_is_found(f"case_0.{file}", change, expected)
+
+    def test_structure_of_the_table(self):
+        def changed_row(old, new):
+            return lambda content: content.replace(old, new, 1)
+        for change, expected in (
+                (changed_row(b"point,x", b"point,X"), "the first line is not the header of this table"),
+                (changed_row(b",stick\n", b",stick,\n"), "line [0-9]+ has 14 fields, expected 13"),
+                (changed_row(b"\n2,", b"\n3,"), "line 3: expected point 2, found '3'"),
+                (changed_row(b"\n1,0.0", b"\n1,O.0"), "line 2, field 2: expected a number, found 'O.0"),
+                (lambda content: content[:content.rindex(b"\n9,") + 1], "8 rows, but there are 9 contact points"),
+                (lambda content: content[:-1], "the last line does not end")):
+            with self.subTest(expected=expected):
+                self.assert_forgery_is_found("case_0.contact.csv", change, expected)
+
+    def test_every_column_of_the_table(self):
+        columns = ("x", "y", "normal_x", "normal_y", "weight", "gap", "slip", "normal_force", "tangential_force",
+                   "normal_stress", "tangential_stress")
+        for place, name in enumerate(columns, start=1):
+            def change(content, place=place):
+                rows = [line.split(",") for line in content.decode().split("\n")]
+                rows[4][place] = f"{float(rows[4][place]) + 1e-4:.16E}"
+                return "\n".join(map(",".join, rows)).encode()
+            with self.subTest(column=name):
+                found = "equilibrium is .* but" if name.endswith("force") else rf"contact.csv:5: {name} of point 4 is "
+                self.assert_forgery_is_found("case_0.contact.csv", change, found)
+
+    def test_status(self):
+        for status, place in (("open", 2), ("stick", 2), ("slip+", 6), ("slip-", 6), ("other", 3)):
+            def change(content, status=status, place=place):
+                rows = [line.split(",") for line in content.decode().split("\n")]
+                rows[place][-1] = status if rows[place][-1] != status else "open"
+                return "\n".join(map(",".join, rows)).encode()
+            with self.subTest(status=status):
+                self.assert_forgery_is_found("case_0.contact.csv", change,
+                                             rf"contact.csv:{place + 1}: |line {place + 1}: ")
+
+    def test_numbers_of_the_summary(self):
+        for section in ("certificate", "counts", "lengths", "resultants"):
+            members = json.loads(self.contents("results")["case_0.summary.json"])[section]
+            for name in members:
+                if name in ("factor_entries", "factor_flops"):  # only sealed
+                    continue
+
+                def change(content, section=section, name=name):
+                    head, found, rest = content.decode().partition(f'  "{section}": {{')
+                    rest = re.sub(rf'("{name}": )([^,}}]*)', lambda match: match[1] + (
+                        "false" if match[2] == "true" else
+                        str(int(match[2]) + 1) if section == "counts" else repr(float(match[2]) + 1e-3)), rest, count=1)
+                    return (head + found + rest).encode()
+                with self.subTest(member=f"{section}.{name}"):
+                    self.assert_forgery_is_found("case_0.summary.json", change, rf"{section}.{name} is ")
+
+    def test_deck(self):
+        for old, new in (("pressure = 1.0", "pressure = 1.001"), ("friction = 0.3", "friction = 0.3001"),
+                         ("young = 100.0", "young = 100.01"), ("cells = 8, 4", "cells = 8, 5"),
+                         ("ux = 0.0", "ux = 0.001"), ("element = 'quad4'", "element = 'quad8'"),
+                         ("extra_gap = 0.0", "extra_gap = 0.001"), ("tolerance = 1.0e-10", "tolerance = 1.0e-5"),
+                         ("&output /", "&output /  ! nothing"), ("name = 'case_0'", "name = 'case_1'")):
+            with self.subTest(change=new):
+                self.assert_forgery_is_found(
+                    "case_0.deck.nml", lambda content, old=old, new=new: content.replace(old.encode(), new.encode()),
+                    "NOT VERIFIED")
+
+    def test_listing(self):
+        for old, new in (("Poisson 0.25", "Poisson 0.26"), ("Sliding length      ", "Sliding length      1"),
+                         ("Verdict             passed", "Verdict             FAILED"),
+                         ("Nodes, elements     45", "Nodes, elements     46"), ("5.00000E-01", "6.00000E-01")):
+            with self.subTest(change=new):
+                self.assert_forgery_is_found(
+                    "case_0.lst", lambda content, old=old, new=new: content.replace(old.encode(), new.encode()),
+                    r"case_0.lst:\d+: '.*', but '.*' follows from the other files")
+
+        self.assert_forgery_is_found("case_0.lst", lambda content: content.replace(b"\nResultants\n", b"\nResultant\n"),
+                                     "the section 'Resultants' is missing")
+
+    def test_reduced_problem(self):
+        shutil.rmtree(self.results)
+        self.run_program("--quiet", "--output", "results", "--reduced", ROOT/"tests"/"reduced"/"dense.dat")
+        for place in (1, 2, 3, 4):
+            def change(content, place=place):
+                rows = [line.split(",") for line in content.decode().split("\n")]
+                rows[1][place] = f"{float(rows[1][place]) + 1e-3:.16E}"
+                return "\n".join(map(",".join, rows)).encode()
+            with self.subTest(column=place):
+                self.assert_forgery_is_found("dense.contact.csv", change, r"contact.csv:2: (gap|slip) of point 1 is ",
+                                             name="dense")
+        for old, new, expected in ((b"\n2,", b"\n3,", "line 3: expected point 2, found '3'"),
+                                   (b"\n2,", b"\n2,0.0,0.0,0.0,0.0,open\n3,", "rows, but there are [0-9]+ contacts")):
+            with self.subTest(expected=expected):
+                self.assert_forgery_is_found("dense.contact.csv", lambda content, old=old, new=new: content.replace(
+                    old, new, 1), expected, name="dense")
+
+    def test_sweep(self):
+        shutil.rmtree(self.results)
+        push = "load name = 'push'  set = 'right'  traction = -1.0, 0.0"
+        self.solve_into_results(block(PRESSURE, CONTACT, SUPPORT, push,
+                                      "sweep load = 'push'  factor = 0.0, 1.0  count = 5"))
+        # Of a row its forces, its residual and its iterations are only sealed; the summary tells their extremes.
+        for column in (0, 1, 2, 3, 4, 8, 9, 10):
+            def change(content, column=column):
+                rows = [line.split(",") for line in content.decode().split("\n")]
+                text = rows[3][column]
+                rows[3][column] = re.sub(r"\d", lambda match: str((int(match[0]) + 1) % 10), text, count=1)
+                if text == rows[3][column]:
+                    rows[3][column] = "flies_off"
+                return "\n".join(map(",".join, rows)).encode()
+            with self.subTest(column=column):
+                self.assert_forgery_is_found("case_0.sweep.csv", change, "NOT VERIFIED")
+
+        def changed_field(column, text):
+            def change(content):
+                rows = [line.split(",") for line in content.decode().split("\n")]
+                rows[3][column] = text
+                return "\n".join(map(",".join, rows)).encode()
+            return change
+        for change, expected in (
+                (changed_field(9, "solved"), "line 4: no iterations or no outcome"),
+                (changed_field(8, "x"), "line 4: no iterations or no outcome"),
+                (changed_field(7, "1.0000000000000000E-003"), "line 4: the residual of a converged case is above the"),
+                (changed_field(10, "8o"), "line 4: '8o' are not the statuses of 9 contact points"),
+                (changed_field(10, "9o"), "line 4: the length separated is .*, but 4.0 follows"),
+                (changed_field(1, "0.5"), "line 4: its values, or its form, are not those of case 3"),
+                (lambda content: content[:content.rindex(b"\n5,") + 1], "4 rows, but the deck has 5 cases")):
+            with self.subTest(expected=expected):
+                self.assert_forgery_is_found("case_0.sweep.csv", change, expected)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,274 @@
+#!/usr/bin/env python3
+"""Numbers at their limits: near-singular bodies and numbers out of range are solved with a certificate, or refused with
+the reason; results have the same bits in every run."""
+import math
+import re
+import shutil
+import unittest
+
+from harness import CONTACT, PRESSURE, PROGRAM, SUPPORT, ProgramTest, block, read_vtu
+
+SINGULAR = re.compile(r"^case\.nml: the stiffness is singular to rounding at the node \S+, \S+: its condition number "
+                      r"is above \de\d+(; .+)?\n$")
+UNCERTAIN = re.compile(r"^case\.nml: the certificate FAILED on the full model; see the listing; the condition number "
+                       r"of the stiffness is about \de\d+\n$")
+NOT_FINITE = re.compile(r"\b(nan|inf|infinity|null)\b|\*\*", re.IGNORECASE)
+
+
+class NumbersTest(ProgramTest):
+    """Runs a deck that may be refused for its numbers."""
+
+    def attempt(self, text):
+        """Runs a deck and returns its exit status and what was printed on standard error."""
+        self.write("case.nml", text)
+        shutil.rmtree(self.directory / "results", ignore_errors=True)
+        run = self.run_command([PROGRAM, "--quiet", "--output", "results", "case.nml"], None)
+        return run.returncode, run.stderr
+
+    def is_solved(self, text):
+        """Whether a deck is solved with a true certificate. Otherwise it must be refused, or marked, with an estimate
+        of the condition number."""
+        status, message = self.attempt(text)
+        if status == 2:
+            self.assertRegex(message, SINGULAR)
+            self.assertFalse((self.directory / "results").exists())
+            return False
+        summary = self.result("case", "results").summary
+        self.assertIs(summary["certificate"]["passed"] and summary["converged"], status == 0, text)
+        if status == 4:
+            self.assertIn("  Condition number    about ", (self.directory / "results/case.lst").read_text())
+            self.assertGreater(summary["condition"], 1e8)
+            if summary["converged"]:
+                self.assertRegex(message, UNCERTAIN)
+        return status == 0
+
+
+class NearSingular(NumbersTest):
+    """Bodies whose stiffness has few digits."""
+
+    def test_slivers(self):
+        for groups, limit in (((SUPPORT, PRESSURE, CONTACT), 1e4), ((PRESSURE, CONTACT), 1e4),
+                              (("support set = 'left'  ux = 0.0  uy = 0.0", PRESSURE, CONTACT), 1e4)):
+            for height in (1e1, 1e3, 1e4, 1e5, 1e6, 1e8, 1e12):
+                is_solved = self.is_solved(block(*groups, mesh=f"size = 1.0, {height}  cells = 8, 4"))
+                if height < limit:
+                    self.assertTrue(is_solved, f"{groups} {height}")
+
+    def test_flat_bodies_on_their_obstacle(self):
+        # What is short across the line of contact is stiff, not soft: no digit is lost.
+        for width in (1e3, 1e6, 1e12):
+            mesh = f"size = {width}, 1.0  cells = 8, 4"
+            self.assertTrue(self.is_solved(block(SUPPORT, PRESSURE, CONTACT, mesh=mesh)))
+
+    def test_rows_of_cells_far_thinner_than_others(self):
+        for grading in (1e6, 1e-6, 1e9, 1e-9, 1e12, 1e-12):
+            is_solved = self.is_solved(block(SUPPORT, PRESSURE, CONTACT,
+                                             mesh=f"size = 4.0, 2.0  cells = 8, 4  grading = {grading}"))
+            self.assertTrue(is_solved or not 1e-6 <= grading <= 1e6, grading)
+
+    def test_all_but_incompressible(self):
+        for element in ("quad4", "quad8", "tri3", "tri6"):
+            for poisson in (0.4999, 0.499999, 0.4999999999, 0.49999999999999, 0.4999999999999999):
+                is_solved = self.is_solved(block(
+                    SUPPORT, PRESSURE, CONTACT, mesh=f"size = 4.0, 2.0  cells = 8, 4  element = '{element}'",
+                    material=f"young = 100.0  poisson = {poisson}"))
+                self.assertTrue(is_solved or poisson > 0.4999999, f"{element} {poisson}")
+
+    def test_hardly_held(self):
+        for spring in (1.0, 1e-3, 1e-6, 1e-9, 1e-12, 1e-15, 1e-300):
+            is_solved = self.is_solved(block(f"support set = 'left'  spring_n = {spring}  spring_t = {spring}",
+                                             "load set = 'right'  traction = 1.0, 0.5"))
+            self.assertTrue(is_solved or spring < 1e-3, spring)
+
+    def test_springs_that_only_help_may_be_as_soft_as_they_like(self):
+        for spring in (1e-6, 1e-15, 1e-300):
+            self.assertTrue(self.is_solved(block(f"support set = 'left'  spring_n = {spring}", PRESSURE, CONTACT)))
+
+    def test_reason_is_named(self):
+        for text, reason in (
+                (block(SUPPORT, PRESSURE, CONTACT, mesh="size = 1.0, 1e8  cells = 8, 4"),
+                 "; element 1 is 2e8 times as long as wide"),
+                (block(SUPPORT, PRESSURE, CONTACT, material="young = 1.0  poisson = 0.4999999999999999",
+                       mesh="size = 4.0, 2.0  cells = 8, 4  element = 'tri3'"),
+                 "; Poisson's ratio of 0.4999999999999999 makes a material all but incompressible"),
+                (block("support set = 'left'  spring_n = 1e-15  spring_t = 1e-15", PRESSURE),
+                 "; the stiffness of springs and that of the body differ by a factor of ")):
+            status, message = self.attempt(text)
+            self.assertEqual(status, 2)
+            self.assertIn(reason, message)
+
+    def test_materials_twelve_powers_of_ten_apart(self):
+        # Two halves, one upon the other.
+        self.write("halves.inp", halves(8, 8))
+        forces = []
+        for ratio in ("1e6", "1e9", "1e12"):
+            for hard, soft in (("upper", "lower"), ("lower", "upper")):
+                is_solved = self.is_solved(block(
+                    f"material region = '{hard}'  young = 100{ratio[1:]}  poisson = 0.3",
+                    "support set = 'top'  ux = 0.0  uy = -1e-3", CONTACT, mesh="kind = 'file'  file = 'halves.inp'",
+                    material=f"region = '{soft}'  young = 100.0  poisson = 0.3"))
+                # Moved as a whole, the stiff half loses as many digits as it is stiffer.
+                self.assertTrue(is_solved or (hard == "upper" and ratio != "1e6"), f"{ratio} {hard}")
+            forces.append(self.result("case", "results").forces)
+        # The stiff half bends by 1e-9 of the soft one's displacements at the most.
+        self.assert_close(forces[1], forces[2], 1e-7*max(map(abs, forces[1])))
+
+
+def halves(n_columns, n_rows):
+    """An Abaqus file of a square: the lower half is the set lower, the upper one upper; sides are bottom and top."""
+    lines = ["*NODE"]
+    for j in range(n_rows + 1):
+        for i in range(n_columns + 1):
+            lines.append(f"{1 + i + j*(n_columns + 1)}, {i/n_columns}, {j/n_rows}")
+    for name, rows in (("lower", range(n_rows//2)), ("upper", range(n_rows//2, n_rows))):
+        lines.append(f"*ELEMENT, TYPE=CPE4, ELSET={name}")
+        for j in rows:
+            for i in range(n_columns):
+                first = 1 + i + j*(n_columns + 1)
+                lines.append(f"{1 + i + j*n_columns}, {first}, {first + 1}, {first + n_columns + 2}, "
+                             f"{first + n_columns + 1}")
+    for name, side, row in (("bottom", "S1", 0), ("top", "S3", n_rows - 1)):
+        lines.append(f"*SURFACE, NAME={name}")
+        lines += [f"{1 + i + row*n_columns}, {side}" for i in range(n_columns)]
+    return "\n".join(lines) + "\n"
+
+
+class Range(NumbersTest):
+    """Numbers near the largest and the smallest: no file has one that is not finite."""
+
+    def assert_finite(self):
+        """Checks every number in every file of the case."""
+        for name, content in self.contents("results").items():
+            if name.endswith(".vtu"):
+                for array, values in read_vtu(content)[0].items():
+                    flat = [x for value in values for x in (value if isinstance(value, tuple) else (value,))]
+                    self.assertTrue(all(map(math.isfinite, flat)), f"{name} {array}")
+            else:
+                text = content.decode("utf-8").replace('"friction_below": null', "")
+                self.assertIsNone(NOT_FINITE.search(text), name)
+
+    def assert_solved_or_refused(self, text):
+        """A deck is solved, with numbers that are all finite, or refused for its range; returns whether it is."""
+        status, message = self.attempt(text)
+        if status in (1, 2):
+            self.assertFalse(list((self.directory / "results").glob("*")), text)
+            self.assertRegex(message, "range of (double precision|finite numbers)|too little for its areas|singular to "
+                             "rounding")
+            self.assertEqual(message.count("\n"), 1)
+            return False
+        self.assert_finite()
+        if status != 0:
+            self.assertIn("certificate FAILED", message)
+        return status == 0
+
+    def test_every_quantity_far_from_one(self):
+        forms = {
+            "length": lambda x: block(SUPPORT, PRESSURE, CONTACT, mesh=f"size = 4{x}, 2{x}  cells = 8, 4"),
+            "young": lambda x: block(SUPPORT, PRESSURE, CONTACT, material=f"young = 1{x}  poisson = 0.25"),
+            "thickness": lambda x: block(SUPPORT, PRESSURE, CONTACT,
+                                         material=f"young = 100.0  poisson = 0.25  thickness = 1{x}"),
+            "load": lambda x: block(SUPPORT, CONTACT, f"load set = 'top'  pressure = 1{x}"),
+            "young and load": lambda x: block(SUPPORT, CONTACT, f"load set = 'top'  pressure = 1{x}",
+                                              material=f"young = 1{x}  poisson = 0.25"),
+            "body force": lambda x: block(SUPPORT, CONTACT, f"load body_force = 0.0, -1{x}"),
+            "friction": lambda x: block(SUPPORT, PRESSURE, f"contact set = 'bottom'  friction = 1{x}"),
+            "slip bound": lambda x: block(SUPPORT, PRESSURE, f"contact set = 'bottom'  slip_bound = 1{x}"),
+            "displacement": lambda x: block(f"support set = 'left'  ux = 1{x}", PRESSURE, CONTACT),
+            "spring": lambda x: block(f"support set = 'left'  spring_n = 1{x}", PRESSURE, CONTACT)}
+        for name, form in forms.items():
+            for exponent in (-300, -200, -150, -12, 12, 150, 200, 300):
+                with self.subTest(quantity=name, exponent=exponent):
+                    is_solved = self.assert_solved_or_refused(form(f"e{exponent}"))
+                    if abs(exponent) == 12 and name not in ("displacement", "spring"):
+                        self.assertTrue(is_solved)
+
+    def test_every_method_far_from_one(self):
+        for method in ("newton", "splitting", "fixed_point", "psor"):
+            for material, load in (("1e-310", "1.0"), ("1e306", "1.0"), ("100.0", "1e-310"), ("100.0", "1e306")):
+                with self.subTest(method=method, young=material, load=load):
+                    self.assert_solved_or_refused(block(
+                        SUPPORT, CONTACT, f"load set = 'top'  pressure = {load}", f"solver method = '{method}'",
+                        material=f"young = {material}  poisson = 0.25"))
+
+    def test_obstacle_beyond_all_numbers(self):
+        for distance in ("1e100", "1e200", "1e300"):
+            self.assert_solved_or_refused(block(
+                "support set = 'left'  ux = 0.0  uy = 0.0", PRESSURE,
+                f"contact set = 'bottom'  obstacle = 'plane'  point = 0.0, -{distance}  normal = 0.0, 1.0"))
+
+
+class IllPosed(NumbersTest):
+    """Contact problems that make no sense, as they are made by mistake: one sentence each, and nothing written."""
+
+    def refuse(self, status, message, *groups):
+        text = block(*groups)
+        self.assertEqual(self.attempt(text), (status, f"case.nml:{message}\n"), text)
+        self.assertEqual(self.files(), ["case.nml"])
+
+    def test_nothing_holds_the_body(self):
+        nothing, advice = " nothing holds the body against a ", "; add a support or a contact set"
+        self.refuse(2, nothing + "translation along (0.0, -1.0)" + advice, PRESSURE)
+        self.refuse(2, nothing + "translation along (0.4472, -0.8944) with clockwise rotation" + advice, PRESSURE,
+                    "support point = 0.0, 0.0  ux = 0.0  uy = 0.0")
+
+    def test_obstacle_that_cannot_hold_the_body(self):
+        flies, advice = " the body flies off: no contact forces can balance the loads against a ", \
+            "; add a support, or a load that presses the body on its obstacle"
+        self.refuse(2, flies + "translation along (0.0, 1.0)" + advice, SUPPORT, CONTACT,
+                    "load set = 'top'  traction = 0.0, 1.0")
+        self.refuse(2, flies + "translation along (1.0, 0.3)" + advice, PRESSURE, CONTACT,
+                    "load set = 'left'  traction = 2.0, 0.0")
+        self.refuse(2, flies + "translation along (-0.4472, 0.8944) with counter-clockwise rotation" + advice, CONTACT,
+                    "support point = 0.0, 0.0  ux = 0.0  uy = 0.0", "load set = 'right'  traction = 0.0, 1.0")
+
+    def test_supports_that_contradict_each_other(self):
+        self.refuse(1, "4: the support contradicts an earlier one at the node 0.0, 2.0", SUPPORT,
+                    "support set = 'left'  ux = 1.0", PRESSURE, CONTACT)
+        self.refuse(1, "4: the support contradicts an earlier one at the node 0.0, 0.0",
+                    "support set = 'left'  uy = 0.0", "support set = 'bottom'  uy = 1.0", PRESSURE, CONTACT)
+
+    def test_contact_set_that_supports_hold(self):
+        message = "5: supports hold every contact node; nothing is left that could come into contact"
+        for held in ("ux = 0.0  uy = 0.0", "uy = 0.0", "uy = 0.1", "un = 0.0"):
+            self.refuse(1, message, f"support set = 'bottom'  {held}", PRESSURE, CONTACT)
+
+    def test_obstacle_on_the_wrong_side(self):
+        message = "5: the boundary does not face its obstacle; the normal of the obstacle must point to the body"
+        for normal in ("0.0, -1.0", "1.0, 0.0"):
+            self.refuse(1, message, SUPPORT, PRESSURE, f"contact set = 'bottom'  obstacle = 'plane'  normal = {normal}")
+
+    def test_friction_that_locks_is_a_solution(self):
+        # Held along x at the bottom, or with friction that no load exceeds, every point sticks.
+        for groups in ((SUPPORT, PRESSURE, "contact set = 'bottom'  friction = 1e6"),
+                       ("support set = 'bottom'  ux = 0.0", PRESSURE, CONTACT)):
+            self.assertEqual(self.attempt(block(*groups)), (0, ""))
+            self.assertEqual(set(self.result("case", "results")["status"]), {"stick"})
+
+    def test_body_that_nothing_loads_is_at_rest(self):
+        for groups in ((SUPPORT, CONTACT), (CONTACT,), ("support set = 'left'  ux = 0.0  uy = 0.0",)):
+            self.assertEqual(self.attempt(block(*groups)), (0, ""))
+            self.assertEqual(max(map(abs, self.result("case", "results").forces), default=0.0), 0.0)
+
+
+class Bits(ProgramTest):
+    """The same bits in every run and with any number of threads, on meshes large enough for threads to be used."""
+
+    def test_runs_and_threads(self):
+        # From 10 000 elements on elements are shared among threads, and a cut factor is made on two.
+        push = "load set = 'right'  traction = -0.2, 0.1"
+        for name, mesh, solver in (("cut", "cells = 128, 80", "factorization = 'substructured'"),
+                                   ("sparse", "cells = 72, 72  element = 'tri6'", "factorization = 'sparse'")):
+            self.write(f"{name}.nml", block(SUPPORT, PRESSURE, push, CONTACT, f"solver {solver}",
+                                            mesh=f"size = 4.0, 2.0  {mesh}"))
+        files = []
+        for i, n_threads in enumerate(("1", "2", "2")):
+            self.run_program("--quiet", "--output", f"run{i}", "--threads", n_threads, "cut.nml", "sparse.nml")
+            files.append({name: content for name, content in self.contents(f"run{i}").items()
+                          if name.endswith((".csv", ".vtu"))})
+        self.assertEqual(len(files[0]), 6)
+        self.assertTrue(files[0] == files[1], "one thread and two differ")
+        self.assertTrue(files[1] == files[2], "two runs differ")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,62 @@
+"""What the tests of --verify share: results in a directory, and what a forger would do to them."""
+import re
+import struct
+from pathlib import Path
+
+from harness import ProgramTest
+
+ROOT = Path(__file__).resolve().parents[2]
+PUSH = "load set = 'right'  traction = -1.5, 0.3"  # part of the floor sticks, part slides, part opens
+MEMBER = re.compile(r'    \{"name": "([^"]*)", "bytes": \d+, "checksum": "[0-9a-f]{32}"\}')
+SEAL = '  "checksum": "'
+
+
+def checksum(content):
+    """The sum of all 32-bit words and the sum of these sums, modulo 2^64."""
+    words = sums = 0
+    for word, in struct.iter_unpack("<I", content + bytes(-len(content) % 4)):
+        words += word
+        sums += words
+    return f"{words % 2**64:016x}{sums % 2**64:016x}"
+
+
+class Verification(ProgramTest):
+    """Cases in the directory `results`."""
+
+    def setUp(self):
+        super().setUp()
+        self.results = self.directory / "results"
+
+    def solve_into_results(self, *decks, status=0):
+        """Solves decks, given by their texts or paths."""
+        names = [deck if isinstance(deck, Path) else self.write(f"case_{number}.nml", deck)
+                 for number, deck in enumerate(decks)]
+        self.run_program("--quiet", "--output", "results", *names, status=status)
+
+    def verify(self, status=0):
+        """Verifies the results; what was said on standard error, or on standard output if all is well."""
+        run = self.run_program("--verify", "results", status=status)
+        return run.stdout if status == 0 else run.stderr
+
+    def seal(self, name):
+        """Does what a forger would: gives a case the seal that its files have now."""
+        path = self.results / f"{name}.summary.json"
+
+        def sealed(match):
+            file = self.results / match[1]
+            return (f'    {{"name": "{match[1]}", "bytes": {file.stat().st_size},'
+                    f' "checksum": "{checksum(file.read_bytes())}"}}')
+        text = MEMBER.sub(sealed, path.read_text(encoding="utf-8"))
+        text = text[:text.rindex(SEAL)]
+        path.write_text(f'{text}{SEAL}{checksum(text.encode())}"\n}}\n', encoding="utf-8")
+
+    def assert_forgery_is_found(self, file, change, expected, name="case_0"):
+        """Changes the content of a file and the seal, and checks what is said of it."""
+        contents = self.contents("results")
+        changed = change(contents[file])
+        self.assertNotEqual(changed, contents[file], "nothing was changed")
+        (self.results / file).write_bytes(changed)
+        self.seal(name)
+        self.assertRegex(self.verify(status=4), expected)
+        for key, content in contents.items():
+            (self.results / key).write_bytes(content)
