@@ -1,21 +1,28 @@
 #!/usr/bin/env bash
-# Feeds the program with spoilt decks, meshes and reduced problems; whatever it does but solve or refuse them with a
-# sentence is an error. The spoilt files are the same in every run. Usage: fuzz.sh [COUNT [FIRST]]
-#   COUNT    spoilt files of each format, 10000 by default; half of them meet the sanitizers, half a memory limit
+# Feeds the program with spoilt decks, meshes, tables, reduced problems and command lines; whatever it does but solve or
+# refuse them with a sentence is an error. The spoilt files are the same in every run. Usage: fuzz.sh [COUNT [FIRST]]
+#   COUNT    spoilt files of each format (a tenth as many command lines), 10000 by default. One in ten meets the
+#            sanitizers, the others a memory limit and the run-time checks of the debug build
 #   FIRST    number of the first one, 0 by default
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
 
 count=${1:-10000}
 first=${2:-0}
+round=10000
 scripts/setup.sh build
 for preset in sanitize debug; do
    scripts/build.sh "$preset"
 done
-half=$(((count + 1) / 2))
 status=0
-for format in deck gmsh abaqus reduced; do
-   python3 -B scripts/fuzz.py build/sanitize/bin/amontons "$format" "$half" "$first" || status=1
-   python3 -B scripts/fuzz.py build/debug/bin/amontons "$format" "$((count - half))" "$((first + half))" || status=1
+fuzz() { (($3 == 0)) || python3 -B scripts/fuzz.py "build/$1/bin/amontons" "$2" "$3" "$4" || status=1; }
+for ((done = 0; done < count; done += round)); do
+   n=$((count - done < round ? count - done : round))
+   start=$((first + done))
+   for format in deck gmsh_2 gmsh_2_binary gmsh_4 gmsh_4_binary abaqus table reduced fclib; do
+      fuzz sanitize "$format" $((n / 10)) "$start"
+      fuzz debug "$format" $((n - n / 10)) $((start + n / 10))
+   done
+   fuzz debug command $((n / 10)) "$start"
 done
 exit "$status"

@@ -5,14 +5,17 @@
 module amontons_hdf5_file
    use, intrinsic :: iso_c_binding, only: c_loc, c_null_ptr, c_ptr
    use amontons_error, only: error_t, input_refused, new_error, system_failure
-   use amontons_kinds, only: dp
+   use amontons_kinds, only: dp, int64
    use amontons_output_file, only: new_output_file, output_file_t
+   use amontons_text, only: to_text
    use hdf5, only: h5dclose_f, h5dcreate_f, h5dget_space_f, h5dget_type_f, h5dopen_f, h5dread_f, h5dwrite_f, &
       h5eset_auto_f, h5f_acc_rdonly_f, h5f_acc_trunc_f, h5f_scope_local_f, h5fclose_f, h5fcreate_f, h5fflush_f, &
-      h5fget_file_image_f, h5fopen_f, h5gclose_f, h5gcreate_f, h5lexists_f, h5open_f, h5p_file_access_f, h5pclose_f, &
-      h5pcreate_f, h5pset_fapl_core_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
+      h5fget_file_image_f, h5fget_filesize_f, h5fopen_f, h5gclose_f, h5gcreate_f, h5lexists_f, h5open_f, &
+      h5p_file_access_f, h5pclose_f, h5pcreate_f, h5pset_fapl_core_f, h5s_scalar_f, h5sclose_f, h5screate_f, &
+      h5screate_simple_f, &
       h5sget_simple_extent_npoints_f, h5t_float_f, h5t_integer_f, h5t_native_character, h5t_native_double, &
-      h5t_native_integer, h5tclose_f, h5tcopy_f, h5tget_class_f, h5tset_size_f, hid_t, hsize_t, size_t
+      h5t_native_integer, h5tclose_f, h5tcopy_f, h5tget_class_f, h5tget_size_f, h5tset_size_f, &
+      hid_t, hsize_t, size_t
    implicit none (type, external)
    private
 
@@ -161,7 +164,7 @@ contains
       integer(hid_t), intent(out) :: id !! the library's number of it
       integer, intent(out) :: n !! number of its values
       integer(hid_t) :: space
-      integer(hsize_t) :: n_values
+      integer(hsize_t) :: n_values, n_bytes
       integer :: status
 
       id = -1
@@ -179,8 +182,10 @@ contains
          return
       end if
       call h5sclose_f(space, status)
-      if (n_values > huge(n)) then
-         call self%refuse(path//': too many values')
+      ! A value takes a byte at the least, so that a damaged file cannot ask for all memory.
+      call h5fget_filesize_f(self%id, n_bytes, status)
+      if (n_values < 0 .or. n_values > min(n_bytes, int(huge(n), hsize_t))) then
+         call self%refuse(path//' announces '//to_text(int(n_values, int64))//' values, more than the file can hold')
       else
          n = int(n_values)
       end if
@@ -194,12 +199,16 @@ contains
       integer, intent(in) :: classes(:) !! classes of the types that are right
       character(*), intent(in) :: expected !! what they are, for the message
       integer(hid_t) :: kind
+      integer(size_t) :: n_bytes
+      integer(size_t), parameter :: most_bytes = 16
       integer :: class, status
 
       if (allocated(self%error)) return
       call h5dget_type_f(id, kind, status)
       if (status == 0) call h5tget_class_f(kind, class, status)
-      if (status /= 0) class = -1
+      if (status == 0) call h5tget_size_f(kind, n_bytes, status)
+      ! The library takes memory for numbers of any size.
+      if (status /= 0 .or. n_bytes > most_bytes) class = -1
       call h5tclose_f(kind, status)
       if (.not. any(classes == class)) call self%refuse(path//': expected '//expected)
    end subroutine hdf5_file_check_type

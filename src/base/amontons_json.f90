@@ -1,7 +1,7 @@
 !> Values as JSON writes them.
 module amontons_json
    use amontons_kinds, only: dp
-   use amontons_text, only: to_text
+   use amontons_text, only: to_text, utf_8_width
    implicit none (type, external)
    private
 
@@ -62,17 +62,25 @@ contains
       text = trim(merge('true ', 'false', value))
    end function truth
 
-   !> A text as a JSON string. Of the control characters only tabs can stand in a deck.
+   !> A text as a JSON string. Bytes that are no UTF-8 are taken for Latin-1; JSON would not be JSON with them.
    pure function string(value) result(text)
       character(*), intent(in) :: value !! the text
       character(:), allocatable :: text
-      character, parameter :: tab = achar(9)
-      integer :: i
+      character(6) :: escape
+      integer :: i, width
 
       text = '"'
-      do i = 1, len(value)
-         if (scan(value(i:i), '"\'//tab) > 0) text = text//'\'
-         text = text//merge('t', value(i:i), value(i:i) == tab)
+      i = 1
+      do while (i <= len(value))
+         width = utf_8_width(value(i:))
+         if (scan(value(i:i), '"\') > 0) text = text//'\'
+         if (width == 0) then
+            write (escape, '("\u", z4.4)') iachar(value(i:i))
+            text = text//escape
+         else
+            text = text//value(i:i + width - 1)
+         end if
+         i = i + max(1, width)
       end do
       text = text//'"'
    end function string

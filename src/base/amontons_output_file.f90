@@ -1,6 +1,7 @@
 !> Files that appear whole or not at all: written under a temporary name, renamed when complete.
 module amontons_output_file
    use amontons_error, only: error_t, new_error, system_failure
+   use amontons_file_lock, only: file_lock_t, lock_directory
    use amontons_kinds, only: int64
    use amontons_system, only: remove_file, rename_file
    use amontons_temporary_file, only: create_temporary, forget_temporary, hold_signals, release_signals
@@ -86,18 +87,22 @@ contains
       call new_error(error, system_failure, self%path//': cannot write this file: '//trim(reason))
    end subroutine output_file_finish
 
-   !> Gives finished files their final names, all of them even if a signal comes meanwhile; after an error, none.
+   !> Gives finished files their final names, all of them even if a signal comes meanwhile; after an error, none. Files
+   !> of another run in the same directory come before them all or after them all.
    subroutine commit_files(files, error)
       type(output_file_t), intent(inout) :: files(:) !! the finished files, or those that were begun before an error
       type(error_t), allocatable, intent(inout) :: error
          !! why they are not complete, if they are not: they are then discarded; or why one cannot be renamed
+      type(file_lock_t) :: lock
       integer :: i
 
       call hold_signals()
+      if (.not. allocated(error)) call lock_directory(lock, files(1)%path(:index(files(1)%path, '/', back=.true.)))
       do i = 1, size(files)
          if (.not. allocated(error)) call files(i)%commit(error)
          if (allocated(error)) call files(i)%discard()
       end do
+      call lock%release()
       call release_signals()
    end subroutine commit_files
 

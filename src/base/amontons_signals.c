@@ -47,17 +47,42 @@ void amontons_release_signals(void)
         raise(atomic_load(&pending));
 }
 
+static void remove_temporaries(void)
+{
+    for (temporary_t *file = atomic_load(&temporaries); file; file = file->next)
+        if (file->path[0])
+            unlink(file->path);
+}
+
 /* Removes the temporary files, then lets the signal end the process as if nothing had been arranged. */
 static void end_process(int number)
 {
     int none = 0, before = errno;
     atomic_store(&pending, number);
     if (atomic_compare_exchange_strong(&holders, &none, dying)) {
-        for (temporary_t *file = atomic_load(&temporaries); file; file = file->next)
-            if (file->path[0])
-                unlink(file->path);
+        remove_temporaries();
         signal(number, SIG_DFL);
         raise(number);
+    }
+    errno = before;
+}
+
+/* What the signals of a fault did before: the run-time library tells where it happened. */
+static struct sigaction tellers[NSIG];
+
+/* As end_process, for the signals that a fault of the program raises; they may be sent from outside, too. A fault of
+   the program's own cannot wait: it happens again on return, and is then told. */
+static void end_fault(int number, siginfo_t *information, void *context)
+{
+    (void)context;
+    int none = 0, before = errno;
+    int is_sent = information->si_code <= 0;
+    atomic_store(&pending, number);
+    if (atomic_compare_exchange_strong(&holders, &none, dying) || !is_sent) {
+        remove_temporaries();
+        sigaction(number, &tellers[number], NULL);
+        if (is_sent)
+            raise(number);
     }
     errno = before;
 }
@@ -135,26 +160,61 @@ void amontons_forget_temporary(const char *name)
         }
 }
 
+/* Has a signal that asks for the end remove the temporary files first. One that is ignored stays so; one that somebody
+   else takes, other than the run-time library, is left to him. */
+static void arrange_end(int number, int is_library_taken)
+{
+    struct sigaction action, found;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = end_process;
+    action.sa_flags = SA_RESTART;
+    sigfillset(&action.sa_mask);
+    if (sigaction(number, NULL, &found) == 0 && found.sa_handler != SIG_IGN
+        && (found.sa_handler == SIG_DFL || is_library_taken))
+        sigaction(number, &action, NULL);
+}
+
+/* Has a signal of a fault remove the temporary files before it is told. */
+static void arrange_fault(int number)
+{
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_sigaction = end_fault;
+    action.sa_flags = SA_SIGINFO;
+    sigfillset(&action.sa_mask);
+    if (sigaction(number, NULL, &tellers[number]) == 0 && tellers[number].sa_handler != SIG_IGN)
+        sigaction(number, &action, NULL);
+}
+
 /* Makes the process behave: a standard stream that is closed stays unusable instead of becoming the next file that is
-   opened; a closed pipe and a limit on file sizes are errors of a write, not the end; and any other signal that asks
-   for the end gets it after the temporary files are removed. One that is ignored stays so. */
+   opened; a closed pipe and a limit on file sizes are errors of a write, not the end; and any other signal that ends
+   the process does so after the temporary files are removed. */
 void amontons_prepare_process(void)
 {
-    static const int ends[] = {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGALRM, SIGVTALRM, SIGUSR1, SIGUSR2, SIGXCPU};
-    struct sigaction action, found;
+    static const int ends[] = {SIGHUP, SIGINT, SIGTERM, SIGALRM, SIGVTALRM, SIGPROF, SIGPOLL, SIGUSR1, SIGUSR2,
+#ifdef SIGPWR
+        SIGPWR,
+#endif
+#ifdef SIGSTKFLT
+        SIGSTKFLT,
+#endif
+    };
+    static const int library_ends[] = {SIGQUIT, SIGXCPU};
+    static const int faults[] = {SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSEGV, SIGSYS, SIGTRAP};
 
     for (int file = STDIN_FILENO; file <= STDERR_FILENO; file++)
         if (fcntl(file, F_GETFD) == -1 && open("/dev/null", file == STDIN_FILENO ? O_WRONLY : O_RDONLY) != file)
             break;
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
-    memset(&action, 0, sizeof action);
-    action.sa_handler = end_process;
-    action.sa_flags = SA_RESTART;
-    sigfillset(&action.sa_mask);
     for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++)
-        if (sigaction(ends[i], NULL, &found) == 0 && found.sa_handler == SIG_DFL)
-            sigaction(ends[i], &action, NULL);
+        arrange_end(ends[i], 0);
+    for (int number = SIGRTMIN; number <= SIGRTMAX; number++)
+        arrange_end(number, 0);
+    for (size_t i = 0; i < sizeof library_ends / sizeof library_ends[0]; i++)
+        arrange_end(library_ends[i], 1);
+    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; i++)
+        arrange_fault(faults[i]);
 }
 
 static volatile sig_atomic_t interrupt = 0;

@@ -81,18 +81,6 @@ int amontons_truncate(const char *path, long n_bytes)
     return truncate(path, (off_t)n_bytes) == 0 ? 0 : errno;
 }
 
-/* Returns when every byte of a file is on the disk. Returns 0 or the system's error number. */
-int amontons_synchronize(const char *path)
-{
-    int file = open(path, O_RDONLY);
-    if (file < 0)
-        return errno;
-    /* Devices and some file systems know no synchronisation. */
-    int code = fsync(file) == 0 || errno == EINVAL || errno == EROFS ? 0 : errno;
-    close(file);
-    return code;
-}
-
 /* Writes a text to an open file, all of it. Returns 0 or the system's error number. */
 int amontons_write(int file, const char *text, long n_bytes)
 {
@@ -106,6 +94,22 @@ int amontons_write(int file, const char *text, long n_bytes)
         }
     }
     return 0;
+}
+
+/* Appends bytes to a file, or to a new one that nothing may have the name of, and returns when they are on the disk. A
+   link is not followed. Returns 0 or the system's error number. */
+int amontons_append(const char *path, int is_new, const char *bytes, long n_bytes)
+{
+    int file = open(path, O_WRONLY | O_APPEND | O_CLOEXEC | O_NOFOLLOW | (is_new ? O_CREAT | O_EXCL : 0), 0666);
+    if (file < 0)
+        return errno;
+    int code = amontons_write(file, bytes, n_bytes);
+    /* Devices and some file systems know no synchronisation. */
+    if (code == 0 && fsync(file) != 0 && errno != EINVAL && errno != EROFS)
+        code = errno;
+    if (close(file) != 0 && code == 0)
+        code = errno;
+    return code;
 }
 
 /* Opens a file to read from it. Returns its number, or minus the system's error number. */

@@ -6,8 +6,8 @@ module amontons_system
    implicit none (type, external)
    private
 
-   public :: absolute_path, available_memory_mb, cut_file, error_text, make_directory, peak_memory_mb, remove_file, &
-      rename_file, resident_memory_mb, return_memory, synchronize_file, wall_seconds
+   public :: absolute_path, append_to_file, available_memory_mb, cut_file, error_text, make_directory, peak_memory_mb, &
+      remove_file, rename_file, resident_memory_mb, return_memory, wall_seconds
 
    ! allow(assumed-size): C takes an address and knows no shape
    interface
@@ -49,12 +49,14 @@ module amontons_system
          integer(c_int) :: code
       end function c_truncate
 
-      function c_synchronize(path) bind(c, name='amontons_synchronize') result(code)
-         import :: c_char, c_int
+      function c_append(path, is_new, bytes, n_bytes) bind(c, name='amontons_append') result(code)
+         import :: c_char, c_int, c_long
          implicit none (type, external)
-         character(c_char), intent(in) :: path(*)
+         character(c_char), intent(in) :: path(*), bytes(*)
+         integer(c_int), value :: is_new
+         integer(c_long), value :: n_bytes
          integer(c_int) :: code
-      end function c_synchronize
+      end function c_append
 
       subroutine c_error_text(code, text, size) bind(c, name='amontons_error_text')
          import :: c_char, c_int
@@ -153,15 +155,18 @@ contains
       if (code /= 0) call new_error(error, system_failure, path//': cannot cut this file: '//error_text(code))
    end subroutine cut_file
 
-   !> Returns when every byte of a file is on the disk, so that not even a power failure loses it.
-   subroutine synchronize_file(path, error)
-      character(*), intent(in) :: path !! name of the file, which no unit keeps bytes of
-      type(error_t), allocatable, intent(out) :: error !! the disk failed
+   !> Writes bytes to the end of a file, or to a new one. On return they are on the disk, so that not even a power
+   !> failure loses them.
+   subroutine append_to_file(path, is_new, bytes, error)
+      character(*), intent(in) :: path !! name of the file, which is no link
+      logical, intent(in) :: is_new !! whether the file is made; nothing may have its name
+      character(*), intent(in) :: bytes !! the bytes
+      type(error_t), allocatable, intent(out) :: error !! not all of them could be written
       integer :: code
 
-      code = int(c_synchronize(path//c_null_char))
+      code = int(c_append(path//c_null_char, merge(1_c_int, 0_c_int, is_new), bytes, len(bytes, c_long)))
       if (code /= 0) call new_error(error, system_failure, path//': cannot write this file: '//error_text(code))
-   end subroutine synchronize_file
+   end subroutine append_to_file
 
    !> The most memory this process ever held [MB].
    real(dp) function peak_memory_mb()

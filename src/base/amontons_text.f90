@@ -6,7 +6,7 @@ module amontons_text
    private
 
    public :: as_lines, comma_separated, lower_case, nearest_word, newline, quoted, read_integer, read_real, to_text, &
-      to_text_17
+      to_text_17, utf_8_width
 
    !> The end of a line.
    character(*), parameter :: newline = new_line('a')
@@ -272,5 +272,56 @@ contains
       are_swapped = i > 1 .and. j > 1
       if (are_swapped) are_swapped = a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)
    end function are_swapped
+
+   !> Number of bytes of the UTF-8 character that a text begins with; 0 for none, or for a control character.
+   pure integer function utf_8_width(text) result(width)
+      character(*), intent(in) :: text !! the text
+      integer, parameter :: blank = 32, delete = 127
+      ! The first bytes of characters of two bytes, of three and of four, and what is behind them.
+      integer, parameter :: firsts(4) = [194, 224, 240, 245]
+      integer :: first
+
+      width = 0
+      if (len(text) == 0) return
+      first = iachar(text(1:1))
+      if (first >= blank .and. first < delete) width = 1
+      if (first < firsts(1) .or. first >= firsts(4)) return
+      width = 1 + count(first >= firsts)
+      if (len(text) < width) then
+         width = 0
+      else if (verify(text(2:width), continuations()) > 0 .or. .not. may_follow(first, iachar(text(2:2)))) then
+         width = 0
+      end if
+   end function utf_8_width
+
+   !> Whether a byte may follow the first one of a UTF-8 character: it must not be longer than need be, nor half a pair
+   !> of UTF-16, nor beyond the last character.
+   pure logical function may_follow(first, second)
+      integer, intent(in) :: first !! the first byte
+      integer, intent(in) :: second !! the byte behind it, from 128 to 191
+
+      select case (first)
+      case (224)
+         may_follow = second >= 160
+      case (237)
+         may_follow = second < 160
+      case (240)
+         may_follow = second >= 144
+      case (244)
+         may_follow = second < 144
+      case default
+         may_follow = .true.
+      end select
+   end function may_follow
+
+   !> The bytes that UTF-8 goes on with behind the first one.
+   pure function continuations() result(bytes)
+      character(64) :: bytes
+      integer :: i
+
+      do i = 1, len(bytes)
+         bytes(i:i) = achar(127 + i)
+      end do
+   end function continuations
 
 end module amontons_text

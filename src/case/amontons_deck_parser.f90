@@ -181,11 +181,11 @@ contains
       call read_integer(contents%text(cursor%token%first:cursor%token%last), assignment%subscript, ok)
       ok = ok .and. assignment%subscript > 0 .and. cursor%ahead%kind == ')'
       do while (cursor%token%kind /= ')' .and. cursor%token%kind /= '=' .and. .not. is_at_end(cursor))
-         subscript%last = cursor%token%last
+         call extend(subscript, cursor%token)
          call advance(cursor, contents%text)
       end do
       if (cursor%token%kind == ')') then
-         subscript%last = cursor%token%last
+         call extend(subscript, cursor%token)
          call advance(cursor, contents%text)
       end if
       if (ok) return
@@ -267,12 +267,20 @@ contains
       is_joined = is_touching(cursor)
       call advance(cursor, contents%text)
       is_joined = is_joined .and. is_touching(cursor) .and. scan(cursor%ahead%kind, word_token//text_token) > 0
-      count%last = cursor%token%last
+      call extend(count, cursor%token)
       if (.not. (ok .and. n_times > 0 .and. is_joined)) then
          call refuse_value(contents, assignment, 'expected a count joined to a value, such as 2*0.0', count)
       end if
       call advance(cursor, contents%text)
    end subroutine read_repeat_count
+
+   !> Joins a token to one before it, if both stand on one line: what a message quotes ends with its line.
+   pure subroutine extend(token, next)
+      type(deck_token_t), intent(inout) :: token !! the token
+      type(deck_token_t), intent(in) :: next !! the token behind it
+
+      if (next%line == token%line) token%last = next%last
+   end subroutine extend
 
    !> Moves on to the next token.
    subroutine advance(cursor, text)

@@ -3,7 +3,8 @@
 !> A build without the HDF5 library has `amontons_fclib_file.absent.f90` in this place.
 module amontons_fclib_file
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_error, only: error_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
+   use amontons_error, only: error_t, input_refused, new_error
    use amontons_hdf5_file, only: create_hdf5_file, hdf5_file_t, open_hdf5_file
    use amontons_kinds, only: dp
    use amontons_output_file, only: output_file_t
@@ -22,10 +23,58 @@ module amontons_fclib_file
    !> The value of `nz` that stands for compressed rows.
    integer, parameter :: compressed_rows = -2
 
+   ! allow(assumed-size): C takes an address and knows no shape
+   interface
+      function c_ends_well(procedure, argument) bind(c, name='amontons_ends_well') result(answer)
+         import :: c_char, c_int
+         implicit none (type, external)
+         interface
+            subroutine procedure(argument) bind(c)
+               import :: c_char
+               implicit none (type, external)
+               character(c_char), intent(in) :: argument(*)
+            end subroutine procedure
+         end interface
+         character(c_char), intent(in) :: argument(*)
+         integer(c_int) :: answer
+      end function c_ends_well
+   end interface
+
 contains
 
-   !> Reads a file.
+   !> Reads a file, in another process first: the library of Debian 12, HDF5 1.10, crashes on some damaged files.
    subroutine read_fclib_file(system, name, error)
+      type(reduced_system_t), intent(out) :: system !! the reduced problem
+      character(*), intent(in) :: name !! name of the file
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the file
+
+      if (c_ends_well(try_file, name//c_null_char) /= 0) then
+         call read_contents(system, name, error)
+      else
+         call new_error(error, input_refused, name//': this HDF5 file is damaged')
+      end if
+   end subroutine read_fclib_file
+
+   !> Reads a file for nothing.
+   ! allow(assumed-size): C gives an address and knows no shape
+   subroutine try_file(name) bind(c)
+      character(c_char), intent(in) :: name(*) !! name of the file, ended by a zero
+      type(reduced_system_t) :: system
+      type(error_t), allocatable :: error
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      i = 1
+      do while (name(i) /= c_null_char)
+         text = text//name(i)
+         i = i + 1
+      end do
+      call read_contents(system, text, error)
+   end subroutine try_file
+
+   !> Reads what a file holds.
+   subroutine read_contents(system, name, error)
       type(reduced_system_t), intent(out) :: system !! the reduced problem
       character(*), intent(in) :: name !! name of the file
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the file
@@ -52,7 +101,7 @@ contains
       end if
       call file%close()
       call move_alloc(file%error, error)
-   end subroutine read_fclib_file
+   end subroutine read_contents
 
    !> Refuses what is no reduced problem in the plane.
    subroutine check_kind(file)
@@ -98,7 +147,7 @@ contains
 
    !> Reads a vector of finite numbers.
    subroutine read_vector(values, file, path, n)
-      real(dp), allocatable, intent(out) :: values(:) !! the vector (n), zero where there is a fault
+      real(dp), allocatable, intent(out) :: values(:) !! the vector (n), of any length where there is a fault
       type(hdf5_file_t), intent(inout) :: file !! the file
       character(*), intent(in) :: path !! path of the data set
       integer, intent(in) :: n !! number of its values
@@ -109,8 +158,7 @@ contains
       do i = 1, size(values)
          if (.not. ieee_is_finite(values(i))) call file%refuse(path//': number '//to_text(i)//' is not finite')
       end do
-      if (allocated(file%error)) values = spread(0.0_dp, 1, n)
-      values = values(:n)
+      if (.not. allocated(file%error)) values = values(:n)
    end subroutine read_vector
 
    !> Reads W: triplets, compressed columns or compressed rows, counted from 0.
@@ -131,7 +179,7 @@ contains
       call file%read_integers('/fclib_local/W/p', p)
       call file%read_integers('/fclib_local/W/i', i)
       is_by_column = nz == compressed_columns
-      if (nz < 0) call expand(p, nz, file, n)
+      if (nz < 0) call expand(p, nz, file, n, size(i))
       if (allocated(file%error)) return
       call check_indices(p, nz, file, n, '/fclib_local/W/p')
       call check_indices(i, nz, file, n, '/fclib_local/W/i')
@@ -144,17 +192,21 @@ contains
    end subroutine read_matrix
 
    !> Turns the pointers of compressed columns or rows into the row or column of every entry.
-   subroutine expand(p, nz, file, n)
+   subroutine expand(p, nz, file, n, n_indices)
       integer, allocatable, intent(inout) :: p(:) !! pointers (n + 1); rows or columns of the entries on return
       integer, intent(inout) :: nz !! number of entries on return
       type(hdf5_file_t), intent(inout) :: file !! the file
       integer, intent(in) :: n !! number of rows
+      integer, intent(in) :: n_indices !! number of indices that the entries can have
       character(*), parameter :: path = '/fclib_local/W/p'
       integer :: j
 
       if (size(p) < n + 1) call file%refuse(path//': expected '//to_text(n + 1)//' pointers, found '//to_text(size(p)))
       if (allocated(file%error)) return
       if (p(1) /= 0 .or. any(p(2:n + 1) < p(:n))) call file%refuse(path//': expected pointers that ascend from 0')
+      if (allocated(file%error)) return
+      if (p(n + 1) > n_indices) call file%refuse(path//': expected pointers up to the number of indices, '// &
+         to_text(n_indices)//', found '//to_text(p(n + 1)))
       if (allocated(file%error)) return
       nz = p(n + 1)
       p = [(spread(j - 1, 1, p(j + 1) - p(j)), j=1, n)]

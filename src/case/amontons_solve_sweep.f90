@@ -48,7 +48,8 @@ module amontons_solve_sweep
 
 contains
 
-   !> Solves all cases of a sweep that no earlier run has done. The table keeps its temporary name.
+   !> Solves all cases of a sweep that no earlier run has done. The table keeps its temporary name, and its lock until
+   !> it is written, unless the sweep was interrupted.
    subroutine solve_sweep(workshop, config, directory, monitor, result, error)
       type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the sweep needs another
       type(config_t), intent(in) :: config !! the deck
@@ -80,18 +81,30 @@ contains
       if (allocated(error)) return
       result%n_resumed = result%tally%n_cases
       call solve_batches(task, workshop%body, monitor, result, error)
-      if (allocated(error)) return
-      call result%certified%timings%lap(phase_solve)
+      if (.not. allocated(error)) call finish_sweep(task, workshop%body, directory, config%name, monitor, result, error)
+      if (allocated(error) .or. result%is_interrupted) call result%checkpoint%close()
+   end subroutine solve_sweep
 
+   !> Keeps the fields that are asked for and certifies one case, unless the sweep was interrupted.
+   subroutine finish_sweep(task, body, directory, name, monitor, result, error)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(inout) :: body !! the body; left with the loads and the friction of the case certified
+      character(*), intent(in) :: directory !! output directory
+      character(*), intent(in) :: name !! name of the case
+      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
+      type(sweep_result_t), intent(inout) :: result !! gains the case and its certificate
+      type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
+
+      call result%certified%timings%lap(phase_solve)
       result%is_interrupted = result%tally%n_cases < task%sweep%n_cases()
-      call keep_fields(task, workshop%body, directory, config%name, monitor, result, error)
+      call keep_fields(task, body, directory, name, monitor, result, error)
       if (allocated(error)) return
       call result%certified%timings%lap(phase_write)
       if (.not. result%is_interrupted .and. result%tally%residual_case > 0) &
-         call certify_worst(task, workshop%body, result, error)
+         call certify_worst(task, body, result, error)
       if (allocated(error)) return
       call result%certified%timings%lap(phase_recover)
-   end subroutine solve_sweep
+   end subroutine finish_sweep
 
    !> Writes the fields that the deck asks for, once all cases are done.
    subroutine keep_fields(task, body, directory, name, monitor, result, error)

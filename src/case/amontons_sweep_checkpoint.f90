@@ -2,13 +2,18 @@
 !>
 !> Two files grow batch by batch and are removed or renamed at the end. NAME.sweep.part holds the table so far.
 !> NAME.sweep.checkpoint begins with the key of the sweep, a text that tells sweeps apart; each further line counts the
-!> bytes of the table and holds the tally of their cases. A line is written when its rows are on the disk. What stands
-!> behind the last whole line, or behind the bytes that it counts, was in flight and is cut off.
+!> bytes of the table and holds the tally of their cases, the checksum of the table and that of the line. A line is
+!> written when its rows are on the disk. What stands behind the last whole line, or behind the bytes that it counts,
+!> was in flight and is cut off. Where a checksum is wrong, all begins anew.
+!>
+!> The checkpoint is locked as long as its run is at work: no second one writes to the same table.
 module amontons_sweep_checkpoint
    use amontons_error, only: error_t, new_error, system_failure
+   use amontons_file_lock, only: file_lock_t, lock_file
    use amontons_kinds, only: int64
+   use amontons_running_checksum, only: checksum_of_start, running_checksum
    use amontons_sweep_tally, only: sweep_tally_t
-   use amontons_system, only: cut_file, remove_file, rename_file, synchronize_file
+   use amontons_system, only: append_to_file, cut_file, remove_file, rename_file
    use amontons_text, only: newline, to_text
    use amontons_text_file, only: read_text_file
    implicit none (type, external)
@@ -25,9 +30,11 @@ module amontons_sweep_checkpoint
       character(:), allocatable, public :: table_path !! where the table grows
       character(:), allocatable :: path !! where its progress is noted
       integer(int64) :: table_bytes = 0 !! bytes of the table
-      integer(int64) :: bytes = 0 !! bytes of the notes
+      integer(int64) :: table_checksum = 0 !! checksum of the table
+      type(file_lock_t) :: lock !! the lock on the notes
    contains
       procedure, public :: append => sweep_checkpoint_append
+      procedure, public :: close => sweep_checkpoint_close
       procedure, public :: commit => sweep_checkpoint_commit
       procedure, public :: remove => sweep_checkpoint_remove
    end type sweep_checkpoint_t
@@ -41,53 +48,89 @@ contains
       character(*), intent(in) :: key !! what the rows depend on, lines of text
       character(*), intent(in) :: header !! first line of the table
       type(sweep_tally_t), intent(out) :: tally !! the cases that are done already
-      type(error_t), allocatable, intent(out) :: error !! the files cannot be written
+      type(error_t), allocatable, intent(out) :: error !! the files cannot be written, or another run writes them
+      integer(int64) :: notes_bytes
       logical :: is_found
 
       checkpoint%table_path = stem//'.sweep.part'
       checkpoint%path = stem//'.sweep.checkpoint'
-      call find_checkpoint(checkpoint, key, tally, is_found)
+      call lock_file(checkpoint%lock, checkpoint%path, error)
+      if (allocated(error)) return
+      call find_checkpoint(checkpoint, key, tally, notes_bytes, is_found)
       if (is_found) then
          call cut_file(checkpoint%table_path, checkpoint%table_bytes, error)
-         if (.not. allocated(error)) call cut_file(checkpoint%path, checkpoint%bytes, error)
+         if (.not. allocated(error)) call cut_file(checkpoint%path, notes_bytes, error)
       else
-         ! What has these names now, a link perhaps, is not written through.
+         ! What has this name now, a link perhaps, is not written through. The notes keep their file, which is locked.
          call remove_file(checkpoint%table_path)
-         call remove_file(checkpoint%path)
-         call write_bytes(checkpoint%table_path, 'new', header, checkpoint%table_bytes, error)
-         if (.not. allocated(error)) call write_bytes(checkpoint%path, 'new', key, checkpoint%bytes, error)
+         call append_to_file(checkpoint%table_path, .true., header, error)
+         checkpoint%table_bytes = len(header)
+         checkpoint%table_checksum = running_checksum(header)
+         if (.not. allocated(error)) call cut_file(checkpoint%path, 0_int64, error)
+         if (.not. allocated(error)) call append_to_file(checkpoint%path, .false., key, error)
       end if
+      if (allocated(error)) call checkpoint%close()
    end subroutine open_sweep_checkpoint
 
    !> Looks for a checkpoint with the same key, and for its last whole line.
-   subroutine find_checkpoint(checkpoint, key, tally, is_found)
-      type(sweep_checkpoint_t), intent(inout) :: checkpoint !! gains the bytes of both files that count
+   subroutine find_checkpoint(checkpoint, key, tally, notes_bytes, is_found)
+      type(sweep_checkpoint_t), intent(inout) :: checkpoint !! gains the bytes of the table that count
       character(*), intent(in) :: key !! what the rows depend on
       type(sweep_tally_t), intent(out) :: tally !! the cases of the last whole line
-      logical, intent(out) :: is_found !! whether there is such a line
+      integer(int64), intent(out) :: notes_bytes !! the bytes of the notes that count
+      logical, intent(out) :: is_found !! whether there is such a line, and the table that it tells of
       type(error_t), allocatable :: error
       type(sweep_tally_t) :: noted
       character(:), allocatable :: text
-      integer(int64) :: n_bytes, size_of_table
-      integer :: last, first, status
+      integer(int64) :: n_bytes, noted_checksum, found_checksum
+      integer :: last, first
       logical :: ok
 
       is_found = .false.
-      inquire (file=checkpoint%table_path, size=size_of_table)
+      notes_bytes = 0
       call read_text_file(checkpoint%path, text, error)
       if (allocated(error)) return
       if (index(text, key) /= 1) return
       last = index(text, line_end, back=.true.) + len(line_end) - 1
       if (last < len(key) + len(line_end)) return
       first = index(text(:last - len(line_end)), newline, back=.true.) + 1
-      read (text(first:last), *, iostat=status) n_bytes
-      call noted%read(text(first + index(text(first:last), ' '):last), ok)
-      is_found = status == 0 .and. ok .and. n_bytes <= size_of_table
+      call read_line(text(first:last - len(line_end)), n_bytes, noted, noted_checksum, ok)
+      if (.not. ok) return
+      call checksum_of_start(checkpoint%table_path, n_bytes, found_checksum, ok)
+      is_found = ok .and. found_checksum == noted_checksum
       if (.not. is_found) return
       tally = noted
       checkpoint%table_bytes = n_bytes
-      checkpoint%bytes = last
+      checkpoint%table_checksum = noted_checksum
+      notes_bytes = last
    end subroutine find_checkpoint
+
+   !> Reads a line of the notes.
+   subroutine read_line(line, n_bytes, tally, table_checksum, ok)
+      character(*), intent(in) :: line !! the line without its end
+      integer(int64), intent(out) :: n_bytes !! bytes of the table
+      type(sweep_tally_t), intent(out) :: tally !! the tally of their cases
+      integer(int64), intent(out) :: table_checksum !! their checksum
+      logical, intent(out) :: ok !! whether the line is as it was written
+      integer(int64) :: line_checksum
+      integer :: first, middle, last, status
+
+      first = index(line, ' ')
+      last = index(line, ' ', back=.true.)
+      middle = index(line(:last - 1), ' ', back=.true.)
+      n_bytes = 0
+      table_checksum = 0
+      line_checksum = 0
+      ok = first < middle
+      if (ok) read (line(:first), *, iostat=status) n_bytes
+      if (ok) ok = status == 0
+      if (ok) read (line(middle:last), *, iostat=status) table_checksum
+      if (ok) ok = status == 0
+      if (ok) read (line(last:), *, iostat=status) line_checksum
+      if (ok) ok = status == 0
+      if (ok) ok = line_checksum == running_checksum(line(:last - 1))
+      if (ok) call tally%read(line(first:middle), ok)
+   end subroutine read_line
 
    !> Appends the rows of a batch; they are safe on return.
    subroutine sweep_checkpoint_append(self, rows, tally, error)
@@ -95,47 +138,23 @@ contains
       character(*), intent(in) :: rows !! the rows, lines of text
       type(sweep_tally_t), intent(in) :: tally !! the cases done, these included
       type(error_t), allocatable, intent(out) :: error !! the files cannot be written
-
-      call write_bytes(self%table_path, 'old', rows, self%table_bytes, error)
-      if (allocated(error)) return
-      call write_bytes(self%path, 'old', to_text(self%table_bytes)//' '//tally%text()//line_end, self%bytes, error)
-   end subroutine sweep_checkpoint_append
-
-   !> Writes bytes to the end of a file, or to a new one, and has them put on the disk.
-   subroutine write_bytes(path, file_status, bytes, n_bytes, error)
-      character(*), intent(in) :: path !! name of the file
-      character(*), intent(in) :: file_status !! 'old' to append, 'new' to begin
-      character(*), intent(in) :: bytes !! what is written
-      integer(int64), intent(inout) :: n_bytes !! size of the file before, and after
-      type(error_t), allocatable, intent(out) :: error !! not everything could be written
-      character(256) :: reason
+      character(:), allocatable :: line
       integer(int64) :: found
-      integer :: unit, status
 
-      reason = ''
-      open (newunit=unit, file=path, status=file_status, position='append', action='write', access='stream', &
-         form='unformatted', iostat=status, iomsg=reason)
-      if (status == 0) then
-         write (unit, iostat=status, iomsg=reason) bytes
-         if (status == 0) flush (unit, iostat=status, iomsg=reason)
-         if (status == 0) then
-            close (unit, iostat=status, iomsg=reason)
-         else
-            close (unit, iostat=status)
-         end if
-      end if
-      if (file_status == 'new') n_bytes = 0
-      n_bytes = n_bytes + len(bytes)
-      ! What a full disk refuses is lost without a word; and no other run may write here meanwhile.
-      inquire (file=path, size=found)
-      if (status == 0 .and. found /= n_bytes) reason = to_text(found)//' bytes in the place of '//to_text(n_bytes)// &
-         ': the disk may be full, or another run may write to it'
-      if (len_trim(reason) == 0) then
-         call synchronize_file(path, error)
+      ! Not every file system has locks.
+      inquire (file=self%table_path, size=found)
+      if (found == self%table_bytes) then
+         call append_to_file(self%table_path, .false., rows, error)
       else
-         call new_error(error, system_failure, path//': cannot write this file: '//trim(reason))
+         call new_error(error, system_failure, self%table_path//': cannot write this file: '//to_text(found)// &
+            ' bytes in the place of '//to_text(self%table_bytes)//': another run may write to it')
       end if
-   end subroutine write_bytes
+      if (allocated(error)) return
+      self%table_bytes = self%table_bytes + len(rows)
+      self%table_checksum = running_checksum(rows, self%table_checksum)
+      line = to_text(self%table_bytes)//' '//tally%text()//' '//to_text(self%table_checksum)
+      call append_to_file(self%path, .false., line//' '//to_text(running_checksum(line))//line_end, error)
+   end subroutine sweep_checkpoint_append
 
    !> Gives the complete table its final name.
    subroutine sweep_checkpoint_commit(self, path, error)
@@ -152,5 +171,12 @@ contains
 
       call remove_file(self%path)
    end subroutine sweep_checkpoint_remove
+
+   !> Lets another run have the files.
+   subroutine sweep_checkpoint_close(self)
+      class(sweep_checkpoint_t), intent(inout) :: self !! the checkpoint
+
+      call self%lock%release()
+   end subroutine sweep_checkpoint_close
 
 end module amontons_sweep_checkpoint

@@ -39,6 +39,7 @@ contains
       if (.not. allocated(error)) call result%checkpoint%commit(stem//'.sweep.csv', error)
       call commit_files(files, error)
       if (.not. allocated(error)) call result%checkpoint%remove()
+      call result%checkpoint%close()
       call release_signals()
    end subroutine write_sweep_report
 

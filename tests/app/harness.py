@@ -6,6 +6,7 @@ may take. Standard library only.
 import csv
 import json
 import os
+import shutil
 import struct
 import subprocess
 import tempfile
@@ -15,6 +16,10 @@ from pathlib import Path
 
 PROGRAM = os.environ["AMONTONS"]
 SUFFIXES = ("contact.csv", "contact.vtu", "deck.nml", "lst", "summary.json", "vtu")
+# Whether a test may mount a small file system of its own.
+CAN_MOUNT = shutil.which("unshare") and subprocess.run(
+    ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", "mount -t tmpfs none /mnt"],
+    capture_output=True, check=False).returncode == 0
 COLUMNS = ("point", "x", "y", "normal_x", "normal_y", "weight", "gap", "slip", "normal_force", "tangential_force",
            "normal_stress", "tangential_stress", "status")
 

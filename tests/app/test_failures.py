@@ -4,22 +4,16 @@ import os
 import random
 import re
 import shutil
-import signal
 import subprocess
 import time
 import unittest
 
-from harness import CONTACT, PRESSURE, PROGRAM, SOUND, SUPPORT, ProgramTest, block, results_of
+from harness import CAN_MOUNT, CONTACT, PRESSURE, PROGRAM, SOUND, SUPPORT, ProgramTest, block, results_of
 
 FLIES_OFF = "the body flies off: no contact forces can balance the loads against a "
 ADVICE = "; add a support, or a load that presses the body on its obstacle\n"
 SLOW = block(SUPPORT, "load set = 'top'  pressure = 3.0", CONTACT, "solver method = 'psor'  max_iterations = 2")
 LIFTED = block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0")
-
-
-CAN_MOUNT = shutil.which("unshare") and subprocess.run(
-    ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", "mount -t tmpfs none /mnt"],
-    capture_output=True, check=False).returncode == 0
 
 
 class NumericalFailure(ProgramTest):
@@ -150,6 +144,61 @@ class SystemFailure(ProgramTest):
             failed.add(match[1])
         self.assertEqual(sorted(failed), results_of("case"))
 
+    @unittest.skipUnless(CAN_MOUNT, "file systems cannot be mounted here")
+    def test_disk_without_room_for_another_file(self):
+        self.run_program("--output", "results", "case.nml")
+        (self.directory / "disk").mkdir()
+        # Its root and the older file are files as well.
+        for n_free in range(len(results_of("case"))):
+            run = self.run_command(["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", f"""
+                mount -t tmpfs -o nr_inodes={n_free + 2} none disk || exit
+                cp case.nml disk/case.lst && {{ "$0" --output disk case.nml; status=$?; }}
+                cmp case.nml disk/case.lst && ls -A disk && exit $status""", PROGRAM], 3)
+            self.assertEqual(run.stdout, "case.lst\n")
+            self.assertRegex(run.stderr, r"^case\.nml: disk/case\.[a-z.]+: cannot write this file: No space left on ")
+
+    @unittest.skipUnless(CAN_MOUNT, "file systems cannot be mounted here")
+    def test_file_system_that_is_read_only(self):
+        (self.directory / "disk").mkdir()
+        for output, sentence in (("disk", "case.lst: cannot write this file"),
+                                 ("disk/more", ": cannot make this directory")):
+            run = self.run_command(["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", f"""
+                mount -t tmpfs none disk && cp case.nml disk/case.lst && mount -o remount,ro disk || exit
+                "$0" --output {output} case.nml; status=$?
+                cmp case.nml disk/case.lst && ls -A disk && exit $status""", PROGRAM], 3)
+            self.assertEqual(run.stdout, "case.lst\n")
+            self.assertIn(sentence, run.stderr)
+            self.assertIn("Read-only file system", run.stderr)
+
+    def test_directory_that_vanishes(self):
+        choice = random.Random(1736)
+        self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, mesh="size = 4.0, 2.0  cells = 48, 24"))
+        begin = time.monotonic()
+        self.run_program("--output", "expected", "case.nml")
+        duration = time.monotonic() - begin
+        statuses = set()
+        for i in range(40):
+            results = self.directory / "results"
+            results.mkdir(exist_ok=True)
+            run = subprocess.Popen([PROGRAM, "--quiet", "--output", "results", "case.nml"], cwd=self.directory,
+                                   stderr=subprocess.PIPE, encoding="utf-8")
+            self.addCleanup(run.kill)
+            while i % 4 and run.poll() is None and not os.listdir(results):
+                pass
+            time.sleep(choice.uniform(0.0, duration/(1 if i % 4 == 0 else 20)))
+            results.rename(self.directory / f"gone {i}")
+            _, message = run.communicate(timeout=self.timeout)
+            statuses.add(run.returncode)
+            if run.returncode == 3:
+                self.assertRegex(message, r"^case\.nml: results/[a-z.]*: cannot (write|put) this file")
+                self.assertEqual(self.contents(f"gone {i}").keys() & set(results_of("case")), set())
+            else:
+                self.assertEqual((run.returncode, message), (0, ""))
+                places = [place for place in ("results", f"gone {i}") if (self.directory / place).exists()]
+                self.assertIn(results_of("case"), [sorted(self.contents(place)) for place in places])
+            shutil.rmtree(results, ignore_errors=True)
+        self.assertEqual(statuses, {0, 3})
+
     def test_links_laid_out_beforehand_are_not_followed(self):
         self.write("victim", "precious")
         process = subprocess.Popen(["sh", "-c", 'read go; exec "$0" --quiet case.nml', PROGRAM], cwd=self.directory,
@@ -212,67 +261,6 @@ class StandardOutput(ProgramTest):
     def test_not_converged_is_worse(self):
         self.write("slow.nml", SLOW)
         self.run_shell('"$0" slow.nml >&-', 4)
-
-
-class Signals(ProgramTest):
-    """A signal ends the program as usual, and each result is the whole old one or the whole new one."""
-
-    def solved(self, pressure, cells):
-        """A deck of a size that takes a while, and what it leaves, the times aside."""
-        deck = block(SUPPORT, f"load set = 'top'  pressure = {pressure}", CONTACT,
-                     mesh=f"size = 4.0, 2.0  cells = {cells}, {cells//2}")
-        self.run_program("--quiet", "--output", f"at {pressure}", self.write("case.nml", deck))
-        return {name: self.key(name, content) for name, content in self.contents(f"at {pressure}").items()}
-
-    @staticmethod
-    def key(name, content):
-        """What of a file is the same in every run."""
-        if name.endswith("summary.json"):
-            return content.partition(b'"seconds"')[0]
-        return content.partition(b"Time [s]")[0] if name.endswith(".lst") else content
-
-    def test_signals_at_any_moment(self):
-        choice = random.Random(1785)
-        cells = 160
-        old = self.solved(1.0, cells)
-        begin = time.monotonic()
-        new = self.solved(2.0, cells)
-        duration = time.monotonic() - begin
-        for name in old:
-            self.assertNotEqual(old[name], new[name], name)
-        ended = set()
-        for i in range(20):
-            shutil.rmtree(self.directory / "results", ignore_errors=True)
-            shutil.copytree(self.directory / "at 1.0", self.directory / "results")
-            number = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)[i % 3]
-            run = subprocess.Popen([PROGRAM, "--quiet", "--output", "results", "case.nml"], cwd=self.directory)
-            self.addCleanup(run.kill)
-            if i % 2:
-                # While the files are written.
-                deadline = time.monotonic() + self.timeout
-                while run.poll() is None and time.monotonic() < deadline:
-                    if len(os.listdir(self.directory / "results")) > len(old):
-                        break
-                time.sleep(choice.uniform(0.0, 0.02*duration))
-            else:
-                time.sleep(choice.uniform(0.0, duration))
-            run.send_signal(number)
-            ended.add(run.wait(self.timeout))
-            found = {name: self.key(name, content) for name, content in self.contents("results").items()}
-            self.assertIn(found, (old, new), sorted(found))
-            self.assertIn(run.returncode, (0, -number))
-        self.assertIn(-signal.SIGTERM, ended)
-
-    def test_signal_that_is_ignored_stays_so(self):
-        self.solved(1.0, 80)
-        with subprocess.Popen(["sh", "-c", 'trap "" INT HUP; echo; exec "$0" --quiet case.nml', PROGRAM],
-                              cwd=self.directory, stdout=subprocess.PIPE) as run:
-            self.addCleanup(run.kill)
-            run.stdout.readline()
-            while run.poll() is None:
-                run.send_signal(signal.SIGINT)
-                time.sleep(0.01)
-            self.assertEqual(run.returncode, 0)
 
 
 class NotConverged(ProgramTest):

@@ -1,18 +1,12 @@
 #!/usr/bin/env python3
-"""Sweeps: every row is the deck solved by itself, and an interrupted sweep loses at most what was in flight."""
+"""Sweeps: every row is the deck solved by itself."""
 import csv
 import itertools
 import json
-import os
-import pty
-import random
-import signal
-import subprocess
-import time
 import unittest
 from pathlib import Path
 
-from harness import CONTACT, PRESSURE, PROGRAM, SUPPORT, ProgramTest, block
+from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block
 
 INPUT = Path(__file__).resolve().parents[2] / "input"
 QUANTITIES = ["separated", "sliding", "sticking", "normal_force", "tangential_force"]
@@ -252,148 +246,6 @@ class Unsolved(SweepTest):
         self.assertEqual([row["outcome"] for row in rows], ["converged", "not_converged"])
         self.assertEqual(rows[1]["residual"], "")
         self.assertNotRegex((self.directory / "sweep.sweep.csv").read_text(encoding="utf-8"), "(?i)nan|inf")
-
-
-class Interruption(SweepTest):
-    """A sweep that ends before its time goes on where it was."""
-
-    def setUp(self):
-        super().setUp()
-        self.random = random.Random(1988)
-
-    def start(self, *arguments, **streams):
-        """Starts the program and does not wait for it."""
-        run = subprocess.Popen([PROGRAM, *arguments], cwd=self.directory, encoding="utf-8",
-                               **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | streams)
-        self.addCleanup(run.kill)
-        return run
-
-    def n_done(self):
-        """How many cases the checkpoint knows."""
-        path = self.directory / "sweep.sweep.checkpoint"
-        lines = path.read_bytes().split(b"\n") if path.exists() else []
-        whole = [line for line in lines[:-1] if line.endswith(b" rows")]
-        return int(whole[-1].split()[1]) if whole else 0
-
-    def wait_for_rows(self, run, n_least):
-        """Waits until so many cases are done, or all."""
-        while self.n_done() < n_least and run.poll() is None:
-            time.sleep(0.005)
-
-    def test_killed_at_any_moment_no_byte_is_lost(self):
-        self.write("sweep.nml", map_of_states(40))
-        begin = time.monotonic()
-        self.run_program("--quiet", "--output", "reference", "sweep.nml")
-        duration = time.monotonic() - begin
-        done = 0
-        for i in range(12):
-            run = self.start("--quiet", "--threads", str(1 + i % 2), "sweep.nml")
-            time.sleep(self.random.uniform(0.0, 0.5*duration))
-            run.kill()
-            run.communicate()
-            if (self.directory / "sweep.sweep.csv").exists():
-                break
-            self.assertGreaterEqual(self.n_done(), done)
-            done = self.n_done()
-        self.run_program("--quiet", "sweep.nml")
-        self.assertEqual(self.contents()["sweep.sweep.csv"], self.contents("reference")["sweep.sweep.csv"])
-        self.assertEqual([name for name in self.contents() if name.endswith((".part", ".checkpoint"))], [])
-        found, expected = self.summary(), self.summary(directory="reference")
-        for member in ("iterations", "residual", "extremes", "certificate", "quantities"):
-            self.assertEqual(found[member], expected[member])
-
-    def test_torn_files_are_cut_to_the_last_batch(self):
-        self.write("sweep.nml", map_of_states(2000))
-        run = self.start("--quiet", "sweep.nml")
-        self.wait_for_rows(run, 1000)
-        run.kill()
-        run.communicate()
-        done = self.n_done()
-        for name in ("sweep.sweep.part", "sweep.sweep.checkpoint"):
-            with open(self.directory / name, "ab") as file:
-                file.write(b"12345 torn")
-        run = self.start("--quiet", "sweep.nml")
-        self.wait_for_rows(run, done + 1)
-        run.send_signal(signal.SIGINT)
-        self.assertEqual(run.wait(), 5)
-        rows = self.contents()["sweep.sweep.part"].decode().splitlines()
-        self.assertEqual([row.split(",")[0] for row in rows], ["case"] + [str(i + 1) for i in range(self.n_done())])
-
-    def test_signals_stop_after_the_cases_under_way(self):
-        self.write("sweep.nml", map_of_states(20000))
-        done = 0
-        for number in (signal.SIGINT, signal.SIGTERM):
-            run = self.start("--quiet", "sweep.nml", "never_tried.nml")
-            self.wait_for_rows(run, done + 1)
-            run.send_signal(number)
-            _, message = run.communicate()
-            self.assertEqual(run.returncode, 5)
-            self.assertGreater(self.n_done(), done)
-            done = self.n_done()
-            self.assertEqual(message, f"sweep.nml: interrupted after {done} of 4000000 cases; the same command goes on "
-                                      "from there\n")
-            self.assertEqual(sorted(self.contents()), ["sweep.nml", "sweep.sweep.checkpoint", "sweep.sweep.part"])
-
-    def test_changed_deck_begins_anew(self):
-        self.write("sweep.nml", map_of_states(20000))
-        run = self.start("--quiet", "sweep.nml")
-        self.wait_for_rows(run, 500)
-        run.terminate()
-        run.communicate()
-        text = map_of_states(3).replace("poisson = 0.25", "poisson = 0.3")
-        self.run_program("--quiet", "--output", "fresh", self.write("sweep.nml", text))
-        self.run_program("--quiet", "sweep.nml")
-        self.assertEqual(self.contents()["sweep.sweep.csv"], self.contents("fresh")["sweep.sweep.csv"])
-        self.assertEqual(self.summary()["sweep"]["done_earlier"], 0)
-
-    def test_changed_table_of_friction_begins_anew(self):
-        deck = map_of_states(100).replace("friction = 0.3", "friction_table = 'friction.txt'")
-        self.write("sweep.nml", deck.replace("sweep friction =", "sweep friction_factor ="))
-        self.write("friction.txt", "0.0 0.1\n4.0 0.5\n")
-        run = self.start("--quiet", "sweep.nml")
-        self.wait_for_rows(run, 1)
-        run.kill()
-        run.communicate()
-        self.write("friction.txt", "0.0 0.1\n4.0 0.6\n")
-        self.run_program("--quiet", "sweep.nml")
-        self.run_program("--quiet", "--output", "fresh", "sweep.nml")
-        self.assertEqual(self.contents()["sweep.sweep.csv"], self.contents("fresh")["sweep.sweep.csv"])
-        self.assertEqual(self.summary()["sweep"]["done_earlier"], 0)
-
-    def test_full_disk_is_told_and_nothing_final_is_written(self):
-        self.write("sweep.nml", map_of_states(3))
-        run = self.run_command(["env", "ASAN_OPTIONS=detect_leaks=0", "prlimit", "--fsize=10", PROGRAM, "sweep.nml"], 3)
-        self.assertRegex(run.stderr, r"^sweep.nml: ./sweep.sweep.part: cannot write this file: ")
-        self.assertNotIn("sweep.sweep.csv", self.contents())
-
-    def test_links_laid_out_beforehand_are_not_followed(self):
-        self.write("sweep.nml", map_of_states(3))
-        for name in ("sweep.sweep.part", "sweep.sweep.checkpoint"):
-            (self.directory / name).symlink_to(self.write("victim", "precious"))
-        self.run_program("--quiet", "sweep.nml")
-        self.assertEqual(self.contents()["victim"], b"precious")
-
-    def test_progress_is_shown_on_a_terminal_only(self):
-        self.write("sweep.nml", map_of_states(3) + "&output fields_every = 200 /\n")
-        for quiet, expected in ((["--quiet"], False), ([], True)):
-            keyboard, screen = pty.openpty()
-            run = self.start(*quiet, "sweep.nml", stderr=screen)
-            run.communicate()
-            os.close(screen)
-            shown = b""
-            try:
-                while data := os.read(keyboard, 65536):
-                    shown += data
-            except OSError:
-                pass
-            os.close(keyboard)
-            self.assertEqual(run.returncode, 0)
-            if expected:
-                self.assertRegex(shown.decode(), r"(?s)\rsweep: 0 of 600 cases.*\rsweep: \d+ of 600 cases, \d+ a "
-                                 r"second, 0:00:\d\d left.*\rsweep: fields of 3 of 3 cases written")
-                self.assertTrue(shown.endswith(b" \r"), shown)
-            else:
-                self.assertEqual(shown, b"")
 
 
 if __name__ == "__main__":
