@@ -37,6 +37,9 @@ module amontons_certificate
       procedure :: largest => certificate_largest
    end type certificate_t
 
+   !> The share of |K| |u| that the largest rounding errors are a negligible part of.
+   real(dp), parameter :: rounding_share = 1.0e-5_dp
+
 contains
 
    !> Computes the certificate.
@@ -47,6 +50,7 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
       real(dp), allocatable :: internal(:, :), contact(:, :), reaction(:, :)
+      real(dp) :: force_size, least_scale
 
       call internal_forces(internal, body%mesh, body%materials, body%springs, body%coloring, displacement)
       contact = body%zone%rows%forces(force, body%mesh%n_nodes)
@@ -54,26 +58,43 @@ contains
       call split_imbalance(body%constraints, reaction, certificate%equilibrium)
       call check_points(certificate, body%zone, displacement, force, &
          max(maxval(abs(loads)), maxval(abs(reaction)), maxval(abs(contact))))
-      call check_resultants(certificate, body, displacement, loads, &
+      force_size = max(norm2(loads), norm2(reaction), norm2(contact))
+      least_scale = 0.0_dp
+      if (.not. any(abs(loads) > 0.0_dp)) least_scale = unstrained_scale(body, displacement, force_size)
+      call check_resultants(certificate, body, least_scale, loads, &
          reaction - spring_forces(body%mesh%n_nodes, body%springs, displacement), contact)
-      certificate%equilibrium = relative_imbalance(certificate%equilibrium, body, displacement, &
-         max(norm2(loads), norm2(reaction), norm2(contact)))
+      certificate%equilibrium = relative_imbalance(certificate%equilibrium, body, displacement, force_size)
       certificate%strain_energy = 0.5_dp*sum(internal*displacement)
-      ! Energies over the size of the displacements are forces, to which the same holds.
-      certificate%energy = relative_imbalance(relative(abs(sum(internal*displacement) &
-         - sum((loads + contact)*displacement) - sum(reaction*body%constraints%prescribed)), norm2(displacement)), &
-         body, displacement, relative(sum(abs(internal*displacement)), norm2(displacement)))
+      certificate%energy = relative(abs(sum(internal*displacement) - sum((loads + contact)*displacement) &
+         - sum(reaction*body%constraints%prescribed)), &
+         max(sum(abs(internal*displacement)), least_scale*norm2(displacement)))
       certificate%duality_gap = relative(certificate%duality_gap, sum(abs(internal*displacement)))
    end subroutine new_certificate
 
-   !> An imbalance over the size of the forces; where that is too much, over a 1e-5th of |K| |u| if this is larger:
-   !> what rounding leaves of displacements far larger than their differences is no imbalance.
+   !> What the forces on a body that nothing loads are measured by at the least: if they are all rounding errors of
+   !> |K| |u|, so that the body is moved without being strained, a share of it, otherwise nothing [F].
+   real(dp) function unstrained_scale(body, displacement, force_size) result(scale)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: force_size !! size of the forces [F]
+      ! Some hundred times the relative rounding error of a sum of a few dozen terms.
+      real(dp), parameter :: rounding = 1.0e-13_dp
+
+      scale = 0.0_dp
+      associate (uncancelled => uncancelled_forces(body%mesh, body%materials, displacement))
+         if (force_size <= rounding*uncancelled) scale = rounding_share*uncancelled
+      end associate
+   end function unstrained_scale
+
+   !> An imbalance over the size of the forces; where that is too much, over a share of |K| |u| if this is larger: what
+   !> rounding leaves of displacements far larger than their differences is no imbalance, as long as it does not show in
+   !> resultants and energy.
    real(dp) function relative_imbalance(imbalance, body, displacement, force_size) result(violation)
       real(dp), intent(in) :: imbalance !! norm of the unbalanced forces [F]
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force_size !! size of the forces [F]
-      real(dp), parameter :: suspicious = 1.0e-10_dp, rounding_share = 1.0e-5_dp
+      real(dp), parameter :: suspicious = 1.0e-10_dp
 
       violation = relative(imbalance, force_size)
       if (violation > suspicious) violation = relative(imbalance, max(force_size, &
@@ -145,10 +166,10 @@ contains
    end subroutine check_points
 
    !> Checks that all forces on the body balance. In a body of revolution only those along the axis need to.
-   subroutine check_resultants(certificate, body, displacement, loads, reaction, contact)
+   pure subroutine check_resultants(certificate, body, least_scale, loads, reaction, contact)
       type(certificate_t), intent(inout) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: least_scale !! what the forces are measured by at the least [F]
       real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       real(dp), intent(in) :: reaction(:, :) !! nodal reactions of supports and springs (2, n_nodes) [F]
       real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (2, n_nodes) [F]
@@ -158,10 +179,10 @@ contains
       certificate%load = sum(loads, dim=2)
       certificate%reaction = sum(reaction, dim=2)
       certificate%contact = sum(contact, dim=2)
-      norm = force_norm(loads, reaction, contact)
+      norm = max(force_norm(loads, reaction, contact), least_scale)
       resultant = certificate%load + certificate%reaction + certificate%contact
       if (body%is_axisymmetric) resultant(1) = 0.0_dp
-      certificate%resultant = relative_imbalance(norm2(resultant), body, displacement, norm)
+      certificate%resultant = relative(norm2(resultant), norm)
       if (body%is_axisymmetric) return
       center = 0.5_dp*(minval(body%mesh%coordinates, dim=2) + maxval(body%mesh%coordinates, dim=2))
       radius = maxval(maxval(body%mesh%coordinates, dim=2) - center)
@@ -172,7 +193,7 @@ contains
             moment = moment + arm(1)*f(2) - arm(2)*f(1)
          end associate
       end do
-      certificate%moment = relative_imbalance(abs(moment)/radius, body, displacement, norm)
+      certificate%moment = relative(abs(moment), norm*radius)
    end subroutine check_resultants
 
    !> The sum of all nodal forces' magnitudes, components taken singly: the scale of resultants [F].
