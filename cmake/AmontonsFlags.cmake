@@ -21,10 +21,11 @@ target_compile_options(amontons_flags INTERFACE
   "$<$<AND:${_gfortran},${_checked}>:-fcheck=all,no-array-temps;-finit-real=snan;-fbacktrace>")
 
 # Two builds of the same sources are the same to the last bit, wherever they lie: gfortran would put the full name of
-# the source file into the messages of its run-time library and into the module files. With -g, debuggers need it.
+# the source file into the messages of its run-time library and into the module files. With -g, debuggers need it. Only
+# the file's own name is left: gfortran looks for the folder before it.
 if(CMAKE_BUILD_TYPE STREQUAL "Release" AND CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
   string(APPEND CMAKE_Fortran_PREPROCESS_SOURCE
-    " && sed -i 's,^\\(# [0-9]* \\\"\\).*/src/,\\1src/,' <PREPROCESSED_SOURCE>")
+    " && sed -i 's,^\\(# [0-9]* \\\"\\)[^\\\"]*/,\\1,' <PREPROCESSED_SOURCE>")
 endif()
 
 if(AMONTONS_SANITIZE)

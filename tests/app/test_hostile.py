@@ -208,7 +208,8 @@ class Meshes(HostileTest):
             self.refuse_mesh("range.inp", block + f"*NSET, NSET=left, GENERATE\n1, {n}, 1\n")
         # A number is no announcement: nodes may have any.
         (self.directory / "far.inp").write_text(block.replace("3", "2147483647", 1).replace(" 3\n", " 2147483647\n"))
-        self.refuse("deck.nml", on_mesh("far.inp"), *(f"{line}: the mesh has no set '{name}'; it has no sets at all"
+        self.refuse("deck.nml", on_mesh("far.inp"), *(f"{line}: the mesh has no set '{name}'; it has no sets at all: "
+                                                      "name its boundaries in the mesh file, in Gmsh as physical curves"
                                                       for line, name in ((3, "left"), (4, "top"), (5, "bottom"))))
 
     def test_reduced_problems(self):
