@@ -100,9 +100,10 @@ contains
       call keep_fields(task, body, directory, name, monitor, result, error)
       if (allocated(error)) return
       call result%certified%timings%lap(phase_write)
-      if (.not. result%is_interrupted .and. result%tally%residual_case > 0) &
+      if (.not. result%is_interrupted .and. result%tally%residual_case > 0) then
          call certify_worst(task, body, result, error)
-      if (allocated(error)) return
+         if (allocated(error)) return
+      end if
       call result%certified%timings%lap(phase_recover)
    end subroutine finish_sweep
 

@@ -55,6 +55,9 @@ module amontons_sparse_factorization
       type(c_ptr) :: value !! Blocks of the supernodes.
    end type supernodes_t
 
+   !> Blocks of at most so many columns are faster without BLAS, whose calls have a lock for all threads; measured.
+   integer, parameter :: most_narrow = 16
+
    integer(c_int), parameter :: done = 0, not_positive_definite = 1
 
    ! allow(assumed-size): C takes an address and knows no shape
@@ -230,21 +233,20 @@ contains
       class(sparse_factorization_t), intent(in) :: self !! the factorisation
       integer, intent(in) :: n_steps !! how many columns
       real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
-      real(dp), allocatable :: below(:)
+      real(dp), allocatable :: x(:)
       integer(int64) :: at, rows
-      integer :: first, i, k, n_below, n_columns, n_rows
+      integer :: first, i, k, n_columns, n_rows
 
-      allocate (below(self%n))
+      allocate (x(self%n))
       do k = 1, size(self%column) - 1
          if (self%column(k) >= n_steps) exit
          call self%get_block(k, n_steps, first, n_columns, n_rows, at, rows)
-         n_below = n_rows - n_columns
-         call dtrsv('L', 'N', 'N', n_columns, self%value(at:), n_rows, y(first:), 1)
-         if (n_below == 0) cycle
-         call dgemv('N', n_below, n_columns, 1.0_dp, self%value(at + n_columns:), n_rows, y(first:), 1, &
-            0.0_dp, below, 1)
-         do i = 1, n_below
-            y(self%row(rows + i) + 1) = y(self%row(rows + i) + 1) - below(i)
+         x(:n_columns) = y(first:first + n_columns - 1)
+         x(n_columns + 1:n_rows) = 0.0_dp
+         call forward_columns(n_rows, n_columns, self%value(at:at + int(n_rows, int64)*n_columns - 1), x)
+         y(first:first + n_columns - 1) = x(:n_columns)
+         do i = n_columns + 1, n_rows
+            y(self%row(rows + i) + 1) = y(self%row(rows + i) + 1) + x(i)
          end do
       end do
    end subroutine sparse_substitute_forward
@@ -254,23 +256,66 @@ contains
       class(sparse_factorization_t), intent(in) :: self !! the factorisation
       integer, intent(in) :: n_steps !! how many columns
       real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
-      real(dp), allocatable :: below(:)
+      real(dp), allocatable :: x(:)
       integer(int64) :: at, rows
-      integer :: first, i, k, n_below, n_columns, n_rows
+      integer :: first, i, k, n_columns, n_rows
 
-      allocate (below(self%n))
+      allocate (x(self%n))
       do k = size(self%column) - 1, 1, -1
          if (self%column(k) >= n_steps) cycle
          call self%get_block(k, n_steps, first, n_columns, n_rows, at, rows)
-         n_below = n_rows - n_columns
-         do i = 1, n_below
-            below(i) = y(self%row(rows + i) + 1)
+         do i = 1, n_rows
+            x(i) = y(self%row(rows + i) + 1)
          end do
-         if (n_below > 0) call dgemv('T', n_below, n_columns, -1.0_dp, self%value(at + n_columns:), n_rows, below, 1, &
-            1.0_dp, y(first:), 1)
-         call dtrsv('L', 'T', 'N', n_columns, self%value(at:), n_rows, y(first:), 1)
+         call backward_columns(n_rows, n_columns, self%value(at:at + int(n_rows, int64)*n_columns - 1), x)
+         y(first:first + n_columns - 1) = x(:n_columns)
       end do
    end subroutine sparse_substitute_backward
+
+   !> Does the forward steps of some columns: x_1 := L_11^-1 x_1, x_2 := x_2 - L_21 x_1.
+   pure subroutine forward_columns(n_rows, n_columns, l, x)
+      integer, intent(in) :: n_rows !! how many rows, those of L_11 first
+      integer, intent(in) :: n_columns !! how many columns
+      real(dp), intent(in) :: l(n_rows, n_columns) !! the columns of L
+      real(dp), intent(inout) :: x(n_rows) !! the vector on the rows
+      integer :: j
+
+      if (n_columns > most_narrow) then
+         call dtrsv('L', 'N', 'N', n_columns, l, n_rows, x, 1)
+         if (n_rows > n_columns) call dgemv('N', n_rows - n_columns, n_columns, -1.0_dp, l(n_columns + 1, 1), n_rows, &
+            x, 1, 1.0_dp, x(n_columns + 1), 1)
+         return
+      end if
+      do j = 1, n_columns
+         x(j) = x(j)/l(j, j)
+         x(j + 1:) = x(j + 1:) - x(j)*l(j + 1:, j)
+      end do
+   end subroutine forward_columns
+
+   !> Does the backward steps of some columns: x_1 := L_11^-T (x_1 - L_21^T x_2).
+   pure subroutine backward_columns(n_rows, n_columns, l, x)
+      integer, intent(in) :: n_rows !! how many rows, those of L_11 first
+      integer, intent(in) :: n_columns !! how many columns
+      real(dp), intent(in) :: l(n_rows, n_columns) !! the columns of L
+      real(dp), intent(inout) :: x(n_rows) !! the vector on the rows
+      real(dp) :: taken
+      integer :: i, j
+
+      if (n_columns > most_narrow) then
+         if (n_rows > n_columns) call dgemv('T', n_rows - n_columns, n_columns, -1.0_dp, l(n_columns + 1, 1), n_rows, &
+            x(n_columns + 1), 1, 1.0_dp, x, 1)
+         call dtrsv('L', 'T', 'N', n_columns, l, n_rows, x, 1)
+         return
+      end if
+      do j = n_columns, 1, -1
+         taken = 0.0_dp
+         !$omp simd reduction(+:taken)
+         do i = j + 1, n_rows
+            taken = taken + l(i, j)*x(i)
+         end do
+         x(j) = (x(j) - taken)/l(j, j)
+      end do
+   end subroutine backward_columns
 
    !> The part of a supernode that lies in the first columns of L.
    pure subroutine sparse_get_block(self, k, n_steps, first, n_columns, n_rows, at, rows)
@@ -281,13 +326,13 @@ contains
       integer, intent(out) :: n_columns !! how many of its columns count
       integer, intent(out) :: n_rows !! its number of rows, the distance between columns in `value`
       integer(int64), intent(out) :: at !! where its block starts in `value`
-      integer(int64), intent(out) :: rows !! its rows below the columns that count start after this place in `row`
+      integer(int64), intent(out) :: rows !! its rows start after this place in `row`
 
       first = int(self%column(k)) + 1
       n_columns = min(int(self%column(k + 1)), n_steps) - first + 1
       n_rows = int(self%row_start(k + 1) - self%row_start(k))
       at = self%value_start(k) + 1
-      rows = self%row_start(k) + n_columns
+      rows = self%row_start(k)
    end subroutine sparse_get_block
 
    !> Copies the last block of L out of the supernodes; the first one may reach into the interior.
@@ -303,7 +348,6 @@ contains
       do k = size(self%column) - 1, 1, -1
          if (self%column(k + 1) <= n_interior) exit
          call self%get_block(k, self%n, first, n_columns, n_rows, at, rows)
-         rows = self%row_start(k)
          do j = max(first, n_interior + 1), first + n_columns - 1
             at = self%value_start(k) + 1 + (j - first)*int(n_rows, int64)
             do i = j - first + 1, n_rows
