@@ -149,7 +149,8 @@ contains
       if (vtk%has_head) then
          do i = 1, size(values, 2)
             do k = 1, size(component)
-               spread_out((i - 1)*size(component) + k) = merge(values(max(1, component(k)), i), 0.0_dp, component(k) > 0)
+               spread_out((i - 1)*size(component) + k) = &
+                  merge(values(max(1, component(k)), i), 0.0_dp, component(k) > 0)
             end do
          end do
       end if

@@ -64,21 +64,19 @@ contains
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       type(thread_state_t) :: threads
       type(cut_t) :: cut
-      integer, allocatable :: top(:)
-      integer :: p, k
+      integer :: p
 
       call new_cut(cut, matrix, n_trailing)
-      top = pack([(k, k=1, matrix%n)], cut%part_of == 0)
-      self%n_top = size(top)
+      self%n_top = size(cut%top)
       if (allocated(self%top)) deallocate (self%top)
       if (allocated(self%parts)) deallocate (self%parts)
       allocate (self%parts(n_parts))
 
       call hold_threads(threads, 1)
       !$omp parallel do default(none) schedule(static, 1) num_threads(min(n_parts, n_threads())) &
-      !$omp shared(self, matrix, cut, top)
+      !$omp shared(self, matrix, cut)
       do p = 1, n_parts
-         call analyze_part(self%parts(p), p, matrix, cut, top)
+         call analyze_part(self%parts(p), p, matrix, cut)
       end do
       !$omp end parallel do
       call release_threads(threads)
@@ -87,35 +85,33 @@ contains
          error = self%parts(p)%error
          return
       end do
-      call order_parts(self, matrix, n_trailing, cut, top)
-      call prepare_top(self, matrix, top)
+      call order_parts(self, matrix, n_trailing, cut)
+      call prepare_top(self, matrix, cut%top)
    end subroutine substructured_analyze
 
    !> Analyses a part.
-   subroutine analyze_part(part, p, matrix, cut, top)
+   subroutine analyze_part(part, p, matrix, cut)
       type(part_t), intent(inout) :: part !! the part
       integer, intent(in) :: p !! its number
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
       type(cut_t), intent(in) :: cut !! the cut
-      integer, intent(in) :: top(:) !! the unknowns of the top
       type(sparse_matrix_t) :: own_matrix
       integer, allocatable :: own(:)
 
-      call part_unknowns(cut, p, top, own, part%boundary)
+      call part_unknowns(cut, p, own, part%boundary)
       part%n_own = size(own)
-      call matrix%extract([own, top(part%boundary)], own_matrix, part%error)
+      call matrix%extract([own, cut%top(part%boundary)], own_matrix, part%error)
       if (allocated(part%error)) return
       allocate (part%factorization)
       call part%factorization%analyze(own_matrix, size(part%boundary), part%error)
    end subroutine analyze_part
 
    !> Sets the order of elimination, which is that of the parts, and adds up what they need.
-   subroutine order_parts(self, matrix, n_trailing, cut, top)
+   subroutine order_parts(self, matrix, n_trailing, cut)
       class(substructured_factorization_t), intent(inout) :: self !! the factorisation, its parts analysed
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
       integer, intent(in) :: n_trailing !! number of trailing unknowns
       type(cut_t), intent(in) :: cut !! the cut
-      integer, intent(in) :: top(:) !! the unknowns of the top
       integer, allocatable :: order(:), own(:)
       integer(int64) :: n_work_entries
       integer :: p, k, first
@@ -133,7 +129,7 @@ contains
                size(part%boundary, kind=int64)**2)
          end associate
       end do
-      order(first:) = top
+      order(first:) = cut%top
       call self%set_order(matrix, n_trailing, order)
       self%n_work_entries = n_work_entries
       self%n_flops = sum([(self%parts(p)%factorization%n_flops, p=1, n_parts)]) + real(self%n_top, dp)**3/3.0_dp

@@ -16,6 +16,7 @@ module amontons_substructures
    !> A cut. The interface and the trailing unknowns are the top.
    type :: cut_t
       integer, allocatable :: part_of(:) !! the part of each unknown, 0 for the top (n)
+      integer, allocatable :: top(:) !! the unknowns of the top, ascending
       logical, allocatable :: is_boundary(:, :)
          !! whether each unknown belongs to the top and couples to each part (n, n_parts)
       real(dp), private :: cost = 0.0_dp !! operations, roughly, of one thread for each part
@@ -30,7 +31,7 @@ contains
       integer, intent(in) :: n_trailing !! number of trailing unknowns, which belong to no part
       type(cut_t) :: across(2)
       real(dp), allocatable :: place(:, :)
-      integer :: axis
+      integer :: axis, k
 
       if (allocated(matrix%place)) then
          place = matrix%place(:, :matrix%n - n_trailing)
@@ -45,6 +46,7 @@ contains
       end do
       !$omp end parallel do
       cut = across(minloc(across%cost, dim=1))
+      cut%top = pack([(k, k=1, matrix%n)], cut%part_of == 0)
    end subroutine new_cut
 
    !> Stands in for places that nobody knows: neighbours in the matrix get neighbouring numbers.
@@ -116,16 +118,15 @@ contains
    end function cut_cost
 
    !> Lists the unknowns of a part and its boundary, both ascending.
-   pure subroutine part_unknowns(cut, p, top, own, boundary)
+   pure subroutine part_unknowns(cut, p, own, boundary)
       type(cut_t), intent(in) :: cut !! the cut
       integer, intent(in) :: p !! number of the part
-      integer, intent(in) :: top(:) !! the unknowns of the top, ascending
       integer, allocatable, intent(out) :: own(:) !! the unknowns of the part
-      integer, allocatable, intent(out) :: boundary(:) !! which unknowns of the top couple to them, by place in `top`
+      integer, allocatable, intent(out) :: boundary(:) !! which unknowns of the top couple to them, by place in it
       integer :: k
 
       own = pack([(k, k=1, size(cut%part_of))], cut%part_of == p)
-      boundary = pack([(k, k=1, size(top))], cut%is_boundary(top, p))
+      boundary = pack([(k, k=1, size(cut%top))], cut%is_boundary(cut%top, p))
    end subroutine part_unknowns
 
 end module amontons_substructures
