@@ -33,7 +33,7 @@ module amontons_newton
    !> The semismooth Newton method, in the displacements of a body and in the forces of a reduced problem.
    type, extends(contact_method_t) :: newton_t
       real(dp) :: most_share = 1.0_dp !! largest share of the diagonal that holds a step [-]
-      integer :: patience = huge(1) !! how many steps without a better pair end the iteration
+      integer :: patience = huge(1) !! how many steps without a much better pair end the iteration
    contains
       procedure :: solve => newton_solve
    end type newton_t
@@ -92,14 +92,16 @@ contains
       call judge(solution, problem)
    end subroutine newton_solve
 
-   !> Whether the last steps brought no better pair.
+   !> Whether the last steps brought no pair that is much better. Cycles of guesses may creep on all the same.
    pure logical function is_stuck(solution, patience)
       type(contact_solution_t), intent(in) :: solution !! the solution
       integer, intent(in) :: patience !! how many steps that may be
+      real(dp), parameter :: hardly_better = 0.9_dp
+      integer :: n
 
-      is_stuck = solution%n_iterations > patience
-      if (is_stuck) is_stuck = all(solution%history(solution%n_iterations - patience + 1:solution%n_iterations) &
-         > solution%residual)
+      n = solution%n_iterations - patience
+      is_stuck = n > 0
+      if (is_stuck) is_stuck = minval(solution%history(n + 1:n + patience)) > hardly_better*minval(solution%history(:n))
    end function is_stuck
 
    !> Measures the best pair anew, by the problem alone.
