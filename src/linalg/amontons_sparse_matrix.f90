@@ -89,7 +89,7 @@ contains
       integer, intent(in) :: element(:) !! the elements of each unknown
       integer, intent(out) :: status !! 0, or memory ran out
       integer, allocatable :: last_seen(:), row(:)
-      integer(int64) :: at
+      integer(int64) :: at, n_rows
       integer :: i, j, k, p
 
       allocate (last_seen(matrix%n), matrix%column_start(matrix%n + 1), row(most_entries(matrix%n, list_start)), &
@@ -99,6 +99,13 @@ contains
       at = 0
       do j = 1, matrix%n
          matrix%column_start(j) = at + 1
+         if (is_like_last(j, element_start, element)) then
+            ! Of two unknowns of a node the second couples to what the first does, but for the first itself.
+            n_rows = at - matrix%column_start(j - 1)
+            row(at + 1:at + n_rows) = row(at - n_rows + 1:at)
+            at = at + n_rows
+            cycle
+         end if
          at = at + 1
          row(at) = j
          do p = element_start(j), element_start(j + 1) - 1
@@ -117,6 +124,22 @@ contains
       allocate (matrix%row(at), stat=status)
       if (status == 0) matrix%row = row(:at)
    end subroutine list_rows
+
+   !> Whether an unknown belongs to the same elements as the one before it.
+   pure logical function is_like_last(unknown, element_start, element)
+      integer, intent(in) :: unknown !! the unknown
+      integer, intent(in) :: element_start(:) !! where each unknown starts in `element` (n + 1)
+      integer, intent(in) :: element(:) !! the elements of each unknown
+      integer :: first, last, n
+
+      is_like_last = .false.
+      if (unknown == 1) return
+      first = element_start(unknown - 1)
+      last = element_start(unknown)
+      n = element_start(unknown + 1) - last
+      if (n == 0 .or. last - first /= n) return
+      is_like_last = all(element(first:first + n - 1) == element(last:last + n - 1))
+   end function is_like_last
 
    !> How many entries the lower triangle can have at most: as if no two elements shared a pair of unknowns.
    pure integer(int64) function most_entries(n, list_start)
