@@ -8,6 +8,7 @@ program main
    use amontons_run, only: run_decks
    use amontons_run_verify, only: verify_directories
    use amontons_screen, only: complain
+   use amontons_system, only: return_large_arrays
    use amontons_terminal, only: prepare_process, print_line, standard_output
    use amontons_threads, only: n_threads, set_threads
    implicit none (type, external)
@@ -26,6 +27,7 @@ program main
    integer :: status
 
    call prepare_process()
+   call return_large_arrays()
    call read_command_line(command_line, error)
    if (.not. allocated(error)) call obey(command_line, status, error)
    if (allocated(error)) then

@@ -7,7 +7,7 @@ module amontons_system
    private
 
    public :: absolute_path, append_to_file, available_memory_mb, cut_file, error_text, make_directory, peak_memory_mb, &
-      remove_file, rename_file, resident_memory_mb, return_memory, wall_seconds
+      remove_file, rename_file, resident_memory_mb, return_large_arrays, return_memory, wall_seconds
 
    ! allow(assumed-size): C takes an address and knows no shape
    interface
@@ -77,6 +77,12 @@ module amontons_system
          implicit none (type, external)
          integer(c_long_long) :: kibibytes
       end function c_resident_memory
+
+      !> From now on large arrays go back to the system as soon as they are freed. For the program to call; the library
+      !> leaves its user's memory alone.
+      subroutine return_large_arrays() bind(c, name='amontons_return_large_arrays')
+         implicit none (type, external)
+      end subroutine return_large_arrays
 
       subroutine c_return_memory() bind(c, name='amontons_return_memory')
          implicit none (type, external)
