@@ -6,6 +6,7 @@
 
 extern void openblas_set_num_threads(int n_threads) __attribute__((weak));
 extern int openblas_get_num_threads(void) __attribute__((weak));
+extern int blas_thread_shutdown_(void) __attribute__((weak));
 extern char *openblas_get_corename(void) __attribute__((weak));
 extern char *openblas_get_config(void) __attribute__((weak));
 extern void gotoblas_dynamic_init(void) __attribute__((weak));
@@ -22,6 +23,14 @@ void amontons_set_blas_threads(int n_threads)
 int amontons_blas_threads(void)
 {
     return openblas_get_num_threads ? openblas_get_num_threads() : 1;
+}
+
+/* Ends the threads that OpenBLAS starts when it is loaded, and which wait for work with all their might for a while: up
+   to 50 ms of processor time. It starts them anew should it be given more than one thread. */
+void amontons_end_blas_threads(void)
+{
+    if (blas_thread_shutdown_)
+        blas_thread_shutdown_();
 }
 
 /* Returns OpenBLAS's name for the kernels that suit the instructions of this processor, or NULL. */

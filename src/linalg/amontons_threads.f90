@@ -23,6 +23,10 @@ module amontons_threads
          implicit none (type, external)
       end subroutine choose_blas_kernels
 
+      subroutine end_blas_threads() bind(c, name='amontons_end_blas_threads')
+         implicit none (type, external)
+      end subroutine end_blas_threads
+
       subroutine set_blas_threads(n) bind(c, name='amontons_set_blas_threads')
          import :: c_int
          implicit none (type, external)
@@ -45,6 +49,7 @@ contains
 
       call omp_set_num_threads(n)
       call set_blas_threads(1_c_int)
+      call end_blas_threads()
       call choose_blas_kernels()
    end subroutine set_threads
 
