@@ -197,8 +197,8 @@ long long amontons_available_memory(void)
     return available;
 }
 
-/* Has large arrays go back to the system when they are freed. Left to itself glibc raises its threshold to 32 MB as they
-   are, and keeps holes that nothing fits in: a tenth of the peak on half a million unknowns. */
+/* Has large arrays go back to the system when they are freed. Left to itself glibc raises its threshold to 32 MB as
+   they are, and keeps holes that nothing fits in: a tenth of the peak on half a million unknowns. */
 void amontons_return_large_arrays(void)
 {
 #ifdef __GLIBC__
