@@ -100,8 +100,8 @@ contains
       integer, intent(in) :: at !! where the case stands
       integer, intent(out) :: number !! its number
       character(:), allocatable, intent(out) :: stem !! name of its files without endings; empty if there is no case
-      character(*), parameter :: before_number = '<DataSet timestep="', behind_number = '" part="0" name="body" file="', &
-         behind_stem = '.vtu"/>'
+      character(*), parameter :: before_number = '<DataSet timestep="', &
+         behind_number = '" part="0" name="body" file="', behind_stem = '.vtu"/>'
       character(:), allocatable :: entries
       integer :: first, middle, last
       logical :: ok

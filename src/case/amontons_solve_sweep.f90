@@ -120,7 +120,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
 
       if (result%is_interrupted .or. task%sweep%n_fields() == 0) return
-      call write_sweep_fields(result%collection, result%grids, task, body, directory, name, monitor, &
+      call write_sweep_fields(result%collection, result%grids, task, body, directory//'/'//name, monitor, &
          result%is_interrupted, error)
    end subroutine keep_fields
 
