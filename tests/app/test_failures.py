@@ -332,8 +332,8 @@ class SeveralDecks(ProgramTest):
                 run = self.run_program(*check, "--output", "results", *decks, "other.nml", status=1)
                 first, second = (deck[:-4] for deck in decks)
                 self.assertEqual(run.stderr, f"{second}.nml: an earlier deck of this run, with the case name "
-                                 f"'{first}', leaves a file 'sound.contact.vtu' as the case '{second}' does; give this one "
-                                 "another &case name\n")
+                                 f"'{first}', leaves a file 'sound.contact.vtu' as the case '{second}' does; "
+                                 "give this one another &case name\n")
                 self.assertEqual([line.split(":")[0] for line in run.stdout.splitlines()], [first, "other"])
             self.run_program("--verify", "results")
             shutil.rmtree(self.directory/"results")
