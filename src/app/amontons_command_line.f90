@@ -5,7 +5,7 @@ module amontons_command_line
    implicit none (type, external)
    private
 
-   public :: append_argument, argument_t, command_line_t, read_command_line
+   public :: argument_t, command_line_t, read_command_line
 
    !> Options, as they are written.
    character(15), parameter :: option_names(*) = [character(15) :: '--output', '--check', '--quiet', '--threads', &

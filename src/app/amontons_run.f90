@@ -3,7 +3,7 @@ module amontons_run
    use amontons_all_solutions, only: find_all_solutions
    use amontons_body, only: estimate_body, estimate_t
    use amontons_collection, only: collection_t, new_collection
-   use amontons_command_line, only: append_argument, argument_t, command_line_t
+   use amontons_command_line, only: argument_t, command_line_t
    use amontons_conditioning, only: rounded
    use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_error, only: error_t, input_refused, new_error
@@ -28,6 +28,12 @@ module amontons_run
    !> Exit status of a sweep that a signal interrupted; the same command goes on with it.
    integer, parameter :: status_interrupted = 5
 
+   !> The files that a deck of the run may write.
+   type :: claim_t
+      character(:), allocatable :: name !! name of its case; not allocated if it was refused
+      logical :: has_grids = .false. !! whether NAME.vtu and NAME.contact.vtu are among them
+   end type claim_t
+
 contains
 
    !> Tries every deck, unless a signal interrupts a sweep; the largest exit status counts.
@@ -35,15 +41,14 @@ contains
       type(command_line_t), intent(in) :: command_line !! decks and options
       integer, intent(out) :: status !! exit status of the program
       type(workshop_t) :: workshop
-      type(argument_t), allocatable :: names(:)
+      type(claim_t) :: claims(size(command_line%decks))
       type(argument_t) :: grids(size(command_line%decks))
       type(error_t), allocatable :: error
       integer :: i, deck_status
 
       status = 0
-      allocate (names(0))
       do i = 1, size(command_line%decks)
-         call run_deck(command_line, command_line%decks(i)%text, workshop, names, grids(i), deck_status, error)
+         call run_deck(command_line, command_line%decks(i)%text, workshop, claims(:i), grids(i), deck_status, error)
          call tell_error(error, deck_status)
          status = max(status, deck_status)
          if (deck_status == status_interrupted) exit
@@ -83,11 +88,11 @@ contains
    end subroutine collect_grids
 
    !> Checks or solves one deck.
-   subroutine run_deck(command_line, deck, workshop, names, grid, status, error)
+   subroutine run_deck(command_line, deck, workshop, claims, grid, status, error)
       type(command_line_t), intent(in) :: command_line !! the options
       character(*), intent(in) :: deck !! name of the deck
       type(workshop_t), intent(inout) :: workshop !! what decks share
-      type(argument_t), allocatable, intent(inout) :: names(:) !! names of the cases so far
+      type(claim_t), intent(inout) :: claims(:) !! of the decks so far; the last one is this deck's
       type(argument_t), intent(inout) :: grid !! gains the name of a case that left grids to be shown
       integer, intent(out) :: status !! 0, `status_not_converged` or `status_interrupted`
       type(error_t), allocatable, intent(out) :: error !! the deck was refused or could not be solved, or told of
@@ -95,7 +100,7 @@ contains
       logical :: is_solved
 
       status = 0
-      call read_case(config, command_line, deck, names, error)
+      call read_case(config, command_line, deck, claims, error)
       if (allocated(error)) return
       if (config%reduced%is_given) then
          call run_reduced(command_line, config, is_solved, error)
@@ -113,11 +118,11 @@ contains
    end subroutine run_deck
 
    !> Reads a case and checks it against the options and the cases so far.
-   subroutine read_case(config, command_line, deck, names, error)
+   subroutine read_case(config, command_line, deck, claims, error)
       type(config_t), intent(out) :: config !! the case
       type(command_line_t), intent(in) :: command_line !! the options
       character(*), intent(in) :: deck !! name of the deck
-      type(argument_t), allocatable, intent(inout) :: names(:) !! names of the cases so far
+      type(claim_t), intent(inout) :: claims(:) !! of the decks so far; the last one is this deck's
       type(error_t), allocatable, intent(out) :: error !! the deck was refused
 
       if (command_line%is_reduced) then
@@ -126,25 +131,48 @@ contains
          call read_config(config, deck, error)
       end if
       if (allocated(error)) return
-      call claim_name(names, config, error)
+      call claim_name(claims, config, error)
       if (.not. allocated(error)) call check_options(command_line, config, error)
    end subroutine read_case
 
    !> Refuses a case that would write over the files of an earlier one of this run.
-   subroutine claim_name(names, config, error)
-      type(argument_t), allocatable, intent(inout) :: names(:) !! names of the cases so far
+   subroutine claim_name(claims, config, error)
+      type(claim_t), intent(inout) :: claims(:) !! of the decks so far; the last one becomes that of the case
       type(config_t), intent(in) :: config !! the case
       type(error_t), allocatable, intent(out) :: error !! the name is taken
+      character(:), allocatable :: grid
       integer :: i
 
-      do i = 1, size(names)
-         if (names(i)%text /= config%name) cycle
-         call new_error(error, input_refused, config%file//": an earlier deck of this run has the case name '"// &
-            config%name//"' too; give each its own &case name")
-         return
-      end do
-      call append_argument(names, config%name)
+      associate (claim => claims(size(claims)))
+         claim%has_grids = .not. (config%reduced%is_given .or. config%sweep%is_given())
+         do i = 1, size(claims) - 1
+            if (.not. allocated(claims(i)%name)) cycle
+            if (claims(i)%name == config%name) then
+               call new_error(error, input_refused, config%file//": an earlier deck of this run has the case name '" &
+                  //config%name//"' too; give each its own &case name")
+               return
+            end if
+            grid = shared_grid(claims(i)%name, config%name)
+            if (len(grid) == 0 .or. .not. (claim%has_grids .and. claims(i)%has_grids)) cycle
+            call new_error(error, input_refused, config%file//": an earlier deck of this run, with the case name '"// &
+               claims(i)%name//"', leaves a file '"//grid//"' as the case '"//config%name// &
+               "' does; give this one another &case name")
+            return
+         end do
+         claim%name = config%name
+      end associate
    end subroutine claim_name
+
+   !> The grid that two cases of different names would both write; empty if there is none.
+   pure function shared_grid(first, second) result(grid)
+      character(*), intent(in) :: first !! name of a case
+      character(*), intent(in) :: second !! name of another one
+      character(:), allocatable :: grid
+
+      grid = ''
+      if (first == second//'.contact') grid = first//'.vtu'
+      if (second == first//'.contact') grid = second//'.vtu'
+   end function shared_grid
 
    !> Refuses options that the kind of a case leaves no room for.
    subroutine check_options(command_line, config, error)

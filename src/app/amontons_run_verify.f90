@@ -1,5 +1,7 @@
 !> Verification of results that earlier runs left.
 module amontons_run_verify
+   use amontons_agreement, only: fault_text_t
+   use amontons_collection_check, only: check_collection
    use amontons_command_line, only: command_line_t
    use amontons_directory, only: file_name_t
    use amontons_error, only: error_t
@@ -33,6 +35,7 @@ contains
                   call verify_one(command_line, workshop, directory, names(k)%text, status, error)
                   if (allocated(error)) exit
                end do
+               call verify_collection(directory, status)
             end if
          end associate
          if (.not. allocated(error)) cycle
@@ -63,5 +66,17 @@ contains
          call complain(name//': NOT VERIFIED'//newline//verdict%faults)
       end if
    end subroutine verify_one
+
+   !> Verifies the collection of several cases, which belongs to none, and tells what is wrong with it.
+   subroutine verify_collection(directory, status)
+      character(*), intent(in) :: directory !! the directory
+      integer, intent(inout) :: status !! exit status so far
+      type(fault_text_t) :: faults
+
+      call check_collection(faults, directory)
+      if (faults%n == 0) return
+      status = max(status, status_not_converged)
+      call complain('cases.pvd: NOT VERIFIED'//newline//faults%text())
+   end subroutine verify_collection
 
 end module amontons_run_verify

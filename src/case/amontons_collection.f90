@@ -4,13 +4,18 @@
 module amontons_collection
    use amontons_error, only: error_t
    use amontons_output_file, only: new_output_file, output_file_t
-   use amontons_text, only: to_text
+   use amontons_seal, only: seal_t
+   use amontons_text, only: newline, to_text
    implicit none (type, external)
    private
 
-   public :: collection_t, new_collection
+   public :: case_entries, collection_head, collection_t, collection_tail, new_collection
 
-   character(*), parameter :: newline = new_line('a')
+   !> The lines before the cases.
+   character(*), parameter :: collection_head = '<?xml version="1.0"?>'//newline// &
+      '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">'//newline//'  <Collection>'//newline
+   !> The lines behind them.
+   character(*), parameter :: collection_tail = '  </Collection>'//newline//'</VTKFile>'//newline
 
    !> A collection being written.
    type :: collection_t
@@ -18,6 +23,7 @@ module amontons_collection
       type(output_file_t) :: file !! the file
       integer :: state = 0 !! status of the last write statement; nothing is written after a failure
       integer, public :: n_cases = 0 !! number of its cases
+      type(seal_t), public :: grids !! the seal of their files, for those who keep one
    contains
       procedure, public :: add => collection_add
       procedure, public :: discard => collection_discard
@@ -32,11 +38,10 @@ contains
       character(*), intent(in) :: path !! name of the file
       type(error_t), allocatable, intent(out) :: error !! the file cannot be opened
 
-      call new_output_file(collection%file, path, .false., error)
+      call new_output_file(collection%file, path, .true., error)
       if (allocated(error)) return
       ! allow(C181): `finish` checks the state
-      write (collection%file%unit, '(a)', iostat=collection%state) '<?xml version="1.0"?>'//newline// &
-         '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">'//newline//'  <Collection>'
+      write (collection%file%unit, iostat=collection%state) collection_head
    end subroutine new_collection
 
    !> Adds a case: STEM.vtu and STEM.contact.vtu.
@@ -44,16 +49,22 @@ contains
       class(collection_t), intent(inout) :: self !! the collection
       integer, intent(in) :: number !! number of the case
       character(*), intent(in) :: stem !! name of its files without endings, seen from the folder of the collection
-      character(:), allocatable :: head
 
       self%n_cases = self%n_cases + 1
-      if (self%state /= 0) return
-      head = '    <DataSet timestep="'//to_text(number)//'" part="'
       ! allow(C181): `finish` checks the state
-      write (self%file%unit, '(a)', iostat=self%state) &
-         head//'0" name="body" file="'//escaped(stem)//'.vtu"/>'//newline// &
-         head//'1" name="contact line" file="'//escaped(stem)//'.contact.vtu"/>'
+      if (self%state == 0) write (self%file%unit, iostat=self%state) case_entries(number, stem)
    end subroutine collection_add
+
+   !> The lines of a case.
+   pure function case_entries(number, stem) result(lines)
+      integer, intent(in) :: number !! number of the case
+      character(*), intent(in) :: stem !! name of its files without endings, seen from the folder of the collection
+      character(:), allocatable :: lines, head
+
+      head = '    <DataSet timestep="'//to_text(number)//'" part="'
+      lines = head//'0" name="body" file="'//escaped(stem)//'.vtu"/>'//newline// &
+         head//'1" name="contact line" file="'//escaped(stem)//'.contact.vtu"/>'//newline
+   end function case_entries
 
    !> Closes the collection; it still has its temporary name.
    subroutine collection_finish(self, file, error)
@@ -62,7 +73,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! not everything could be written
 
       ! allow(C181): the output file's own `finish` checks the state
-      if (self%state == 0) write (self%file%unit, '(a)', iostat=self%state) '  </Collection>'//newline//'</VTKFile>'
+      if (self%state == 0) write (self%file%unit, iostat=self%state) collection_tail
       call self%file%finish(self%state, error)
       file = self%file
    end subroutine collection_finish

@@ -10,7 +10,8 @@ module amontons_contact_check
    implicit none (type, external)
    private
 
-   public :: check_contact_rows, check_statuses, contact_table_t, law_scales_t, read_contact_rows, read_status
+   public :: check_contact_rows, check_statuses, contact_table_t, law_scales_t, read_contact_rows, read_status, &
+      status_fault
 
    !> Columns of numbers between the number of the point and its status.
    integer, parameter :: n_numbers = 11
@@ -132,20 +133,32 @@ contains
       logical, intent(in) :: is_guided(:) !! whether a support bears the shear (m)
       type(law_scales_t), intent(in) :: scales !! what counts as none
       character(:), allocatable :: wrong
-      real(dp) :: bound
-      integer :: p, m
+      integer :: p
 
-      m = size(table%status)
-      do p = 1, m
-         wrong = normal_fault(table%status(p), table%gap(p), table%force(p), scales)
-         bound = 0.0_dp
-         if (.not. is_guided(p)) bound = slip_bound(p) + friction(p)*max(0.0_dp, table%force(p))
-         if (len(wrong) == 0) wrong = tangential_fault(table%status(p), merge(0.0_dp, table%slip(p), is_guided(p)), &
-            table%force(m + p), bound, scales)
-         if (len(wrong) > 0) call faults%add(path//':'//to_text(p + 1), 'point '//to_text(p)//" is '"// &
-            trim(status_names(table%status(p)))//"', but "//wrong)
+      do p = 1, size(table%status)
+         wrong = status_fault(table, p, friction(p), slip_bound(p), is_guided(p), scales)
+         if (len(wrong) > 0) call faults%add(path//':'//to_text(p + 1), wrong)
       end do
    end subroutine check_statuses
+
+   !> What is wrong with the status of a point; empty if nothing is.
+   pure function status_fault(table, p, friction, slip_bound, is_guided, scales) result(fault)
+      type(contact_table_t), intent(in) :: table !! what is stated of the points; the tangential forces along the slip
+      integer, intent(in) :: p !! which point
+      real(dp), intent(in) :: friction !! its Coulomb coefficient [-]
+      real(dp), intent(in) :: slip_bound !! given bound of its tangential force [F]
+      logical, intent(in) :: is_guided !! whether a support bears its shear
+      type(law_scales_t), intent(in) :: scales !! what counts as none
+      character(:), allocatable :: fault
+      real(dp) :: bound
+
+      fault = normal_fault(table%status(p), table%gap(p), table%force(p), scales)
+      bound = 0.0_dp
+      if (.not. is_guided) bound = slip_bound + friction*max(0.0_dp, table%force(p))
+      if (len(fault) == 0) fault = tangential_fault(table%status(p), merge(0.0_dp, table%slip(p), is_guided), &
+         table%force(size(table%status) + p), bound, scales)
+      if (len(fault) > 0) fault = 'point '//to_text(p)//" is '"//trim(status_names(table%status(p)))//"', but "//fault
+   end function status_fault
 
    !> What is wrong with the gap and the normal force of a point: what is open bears none, what is closed has no gap.
    pure function normal_fault(status, gap, force, scales) result(wrong)

@@ -66,7 +66,7 @@ contains
             body%problem%gap), error)
          if (allocated(error)) return
       end if
-      call seal%add_outputs(files, error)
+      call seal%add_outputs(files, '', error)
       if (result%has_reduced_files .and. .not. allocated(error)) call seal%add_reduced(stem, error)
       if (allocated(error)) return
       call seal%add_inputs(config)

@@ -20,7 +20,7 @@ module amontons_seal
 
    !> What is known of a file.
    type :: sealed_file_t
-      character(:), allocatable :: name !! its name: without directory where it was written, as it was read otherwise
+      character(:), allocatable :: name !! its name: seen from the output directory if written, as it was read otherwise
       integer(int64) :: n_bytes = 0_int64 !! its size
       character(checksum_length) :: checksum = '' !! its checksum
    end type sealed_file_t
@@ -39,29 +39,31 @@ module amontons_seal
 contains
 
    !> Adds the files that are finished, under the names that they will have.
-   subroutine seal_add_outputs(self, files, error)
+   subroutine seal_add_outputs(self, files, folder, error)
       class(seal_t), intent(inout) :: self !! the seal
       type(output_file_t), intent(in) :: files(:) !! the files; those not yet begun are passed over
+      character(*), intent(in) :: folder !! where in the output directory they are: '', or with a slash behind it
       type(error_t), allocatable, intent(out) :: error !! one cannot be read
       integer :: i
 
       if (.not. allocated(self%files)) allocate (self%files(0))
       do i = 1, size(files)
          if (.not. allocated(files(i)%temporary_path)) cycle
-         call self%add_written(files(i)%temporary_path, files(i)%path, error)
+         call self%add_written(files(i)%temporary_path, files(i)%path, folder, error)
          if (allocated(error)) return
       end do
    end subroutine seal_add_outputs
 
    !> Adds a file that was written.
-   subroutine seal_add_written(self, path, final_path, error)
+   subroutine seal_add_written(self, path, final_path, folder, error)
       class(seal_t), intent(inout) :: self !! the seal
       character(*), intent(in) :: path !! its present name
       character(*), intent(in) :: final_path !! the name that it will have
+      character(*), intent(in) :: folder !! where in the output directory it is: '', or with a slash behind it
       type(error_t), allocatable, intent(out) :: error !! it cannot be read
 
       if (.not. allocated(self%files)) allocate (self%files(0))
-      call append_file(self%files, path, final_path(index(final_path, '/', back=.true.) + 1:), error)
+      call append_file(self%files, path, folder//final_path(index(final_path, '/', back=.true.) + 1:), error)
    end subroutine seal_add_written
 
    !> Adds the files of a reduced problem, which are written before the others.
@@ -70,9 +72,9 @@ contains
       character(*), intent(in) :: stem !! directory and name of the case
       type(error_t), allocatable, intent(out) :: error !! one cannot be read
 
-      call self%add_written(stem//'.reduced.dat', stem//'.reduced.dat', error)
+      call self%add_written(stem//'.reduced.dat', stem//'.reduced.dat', '', error)
       if (has_fclib .and. .not. allocated(error)) call self%add_written(stem//'.reduced.hdf5', &
-         stem//'.reduced.hdf5', error)
+         stem//'.reduced.hdf5', '', error)
    end subroutine seal_add_reduced
 
    !> Adds the files that a case was read from; the effective deck holds what its deck said. A file that cannot be read
@@ -127,10 +129,15 @@ contains
       type(sealed_file_t), allocatable, intent(inout) :: list(:) !! the list
       type(sealed_file_t), intent(in) :: file !! what to append
       type(sealed_file_t), allocatable :: longer(:)
+      integer :: i
 
       ! gfortran 12 loses the length of a text that a structure constructor puts into an array constructor.
       allocate (longer(size(list) + 1))
-      longer(:size(list)) = list
+      do i = 1, size(list)
+         longer(i)%n_bytes = list(i)%n_bytes
+         longer(i)%checksum = list(i)%checksum
+         call move_alloc(list(i)%name, longer(i)%name)
+      end do
       longer(size(longer)) = file
       call move_alloc(longer, list)
    end subroutine append
@@ -151,14 +158,25 @@ contains
    pure function list_text(list) result(text)
       type(sealed_file_t), intent(in) :: list(:) !! the files
       character(:), allocatable :: text
-      integer :: i
+      character(:), allocatable :: line, longer
+      integer :: i, n
 
-      text = ''
+      allocate (character(0) :: text)
+      n = 0
       do i = 1, size(list)
-         if (i > 1) text = text//','
-         text = text//newline//'    {"name": '//string(list(i)%name)//', "bytes": '//to_text(list(i)%n_bytes)// &
-            ', "checksum": "'//list(i)%checksum//'"}'
+         line = newline//'    {"name": '//string(list(i)%name)//', "bytes": '//to_text(list(i)%n_bytes)// &
+            ', "checksum": "'//list(i)%checksum//'"},'
+         ! A sweep may have many thousand files: the text grows by doubling.
+         if (n + len(line) > len(text)) then
+            allocate (character(2*(n + len(line))) :: longer)
+            longer(:n) = text(:n)
+            call move_alloc(longer, text)
+         end if
+         text(n + 1:n + len(line)) = line
+         n = n + len(line)
       end do
+      ! There is no comma behind the last one.
+      text = text(:max(0, n - 1))
    end function list_text
 
    !> Checks the seal of a summary and reads it.

@@ -12,6 +12,7 @@ module amontons_sweep_fields
    use amontons_kinds, only: dp
    use amontons_output_file, only: commit_files, output_file_t
    use amontons_result, only: result_t
+   use amontons_seal, only: seal_t
    use amontons_solve_case, only: load_body, recover
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
    use amontons_sweep_monitor, only: sweep_monitor_t
@@ -28,24 +29,25 @@ contains
 
    !> Writes NAME.sweep/NUMBER.vtu and NAME.sweep/NUMBER.contact.vtu of the cases that converged, and NAME.sweep.pvd,
    !> which keeps its temporary name. There is none without such cases, after an error, or where the monitor stops it.
-   subroutine write_sweep_fields(file, task, body, directory, name, monitor, is_stopped, error)
+   subroutine write_sweep_fields(file, seal, task, body, stem, monitor, is_stopped, error)
       type(output_file_t), allocatable, intent(out) :: file !! the finished collection, if there is one
+      type(seal_t), intent(out) :: seal !! the seal of the grids
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(inout) :: body !! the body; left with the loads and the friction of some case
-      character(*), intent(in) :: directory !! output directory
-      character(*), intent(in) :: name !! name of the case
+      character(*), intent(in) :: stem !! directory and name of the case
       class(sweep_monitor_t), intent(inout) :: monitor !! is told how far it is, and may stop it
       logical, intent(out) :: is_stopped !! whether it did
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(collection_t) :: collection
       type(contact_problem_t) :: problem
       type(chunk_t) :: chunk
-      integer :: n_cases, n_before
+      integer :: n_cases, n_before, slash
 
       is_stopped = .false.
-      call make_directory(directory//'/'//name//'.sweep', error)
+      slash = index(stem, '/', back=.true.)
+      call make_directory(stem//'.sweep', error)
       if (allocated(error)) return
-      call new_collection(collection, directory//'/'//name//'.sweep.pvd', error)
+      call new_collection(collection, stem//'.sweep.pvd', error)
       if (allocated(error)) return
       problem = task%model%problem
       n_cases = int(task%sweep%n_cases())
@@ -54,7 +56,7 @@ contains
          if (.not. task%sweep%has_fields(chunk%first, chunk%last)) cycle
          is_stopped = monitor%is_stopped()
          if (is_stopped) exit
-         call write_chunk(collection, task, body, problem, chunk, directory, name//'.sweep/', error)
+         call write_chunk(collection, task, body, problem, chunk, stem(:slash), stem(slash + 1:)//'.sweep/', error)
          if (allocated(error)) exit
          call monitor%report_fields((chunk%last - 1)/task%sweep%fields_every + 1, int(task%sweep%n_fields()))
       end do
@@ -63,17 +65,18 @@ contains
       else
          allocate (file)
          call collection%finish(file, error)
+         seal = collection%grids
       end if
    end subroutine write_sweep_fields
 
    !> Solves a chunk again and writes the fields of its cases.
    subroutine write_chunk(collection, task, body, problem, chunk, directory, folder, error)
-      type(collection_t), intent(inout) :: collection !! gains the cases
+      type(collection_t), intent(inout) :: collection !! gains the cases and the seal of their grids
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(inout) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! a copy of the model's
       type(chunk_t), intent(inout) :: chunk !! the chunk
-      character(*), intent(in) :: directory !! output directory
+      character(*), intent(in) :: directory !! output directory, a slash behind it
       character(*), intent(in) :: folder !! folder of the grids in it, a slash behind it
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(contact_solution_t) :: solutions(chunk_length)
@@ -87,22 +90,27 @@ contains
          result%solution = solutions(i)
          call load_case(task, body, number, result)
          call recover(body, result)
-         call write_grids(directory//'/'//folder//to_text(number), body, result, error)
+         call write_grids(collection%grids, directory, folder, to_text(number), body, result, error)
          if (allocated(error)) return
          call collection%add(number, folder//to_text(number))
       end do
    end subroutine write_chunk
 
    !> Writes the two grids of a case.
-   subroutine write_grids(stem, body, result, error)
-      character(*), intent(in) :: stem !! name of the files without endings
+   subroutine write_grids(seal, directory, folder, name, body, result, error)
+      type(seal_t), intent(inout) :: seal !! gains them
+      character(*), intent(in) :: directory !! output directory, a slash behind it
+      character(*), intent(in) :: folder !! folder of the grids in it, a slash behind it
+      character(*), intent(in) :: name !! name of the files without endings
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(output_file_t) :: files(2)
 
-      call write_vtu(files(1), stem//'.vtu', body, result, error)
-      if (.not. allocated(error)) call write_contact_vtu(files(2), stem//'.contact.vtu', body, result, error)
+      call write_vtu(files(1), directory//folder//name//'.vtu', body, result, error)
+      if (.not. allocated(error)) call write_contact_vtu(files(2), directory//folder//name//'.contact.vtu', body, &
+         result, error)
+      if (.not. allocated(error)) call seal%add_outputs(files, folder, error)
       call commit_files(files, error)
    end subroutine write_grids
 

@@ -15,7 +15,7 @@ module amontons_sweep_model
    implicit none (type, external)
    private
 
-   public :: new_sweep_model, sweep_model_t
+   public :: new_sweep_loads, new_sweep_model, sweep_model_t
 
    !> What all cases share, and the effect of each quantity.
    type :: sweep_model_t
@@ -42,44 +42,47 @@ contains
       type(config_t), intent(in) :: config !! the deck
       type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh, or S is not positive definite
       real(dp), allocatable :: condensed(:)
-      integer :: k, m, n
+      integer :: k
 
-      m = body%zone%n_points
-      n = size(config%sweep%axes)
-      allocate (model%load(2*m, n), model%friction(m, n), model%forces(2, body%mesh%n_nodes, n), source=0.0_dp)
-      call sum_loads(model%fixed_forces, body, config, 0, error)
+      call new_sweep_loads(model, body, config, error)
       if (allocated(error)) return
       call load_body(body, model%fixed_forces)
       model%problem = body%problem
+      allocate (model%load(2*body%zone%n_points, size(config%sweep%axes)), source=0.0_dp)
+      do k = 1, size(config%sweep%axes)
+         if (config%sweep%axes(k)%target /= swept_load) cycle
+         call body%condensation%condense_load(to_unknowns(model%forces(:, :, k), body%constraints, body%dof_map), &
+            condensed)
+         model%load(:, k) = condensed
+      end do
+      call model%problem%prepare_compliance(error)
+   end subroutine new_sweep_model
+
+   !> Separates loads and friction alone, which takes no condensed body; the contact problems stay undefined.
+   subroutine new_sweep_loads(model, body, config, error)
+      type(sweep_model_t), intent(out) :: model !! the model, for `case_forces` and `case_friction`
+      type(body_t), intent(in) :: body !! the body, its obstacles set
+      type(config_t), intent(in) :: config !! the deck
+      type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh
+      real(dp), allocatable :: forces(:, :)
+      integer :: k, n
+
+      n = size(config%sweep%axes)
+      allocate (model%friction(body%zone%n_points, n), model%forces(2, body%mesh%n_nodes, n), source=0.0_dp)
+      call sum_loads(model%fixed_forces, body, config, 0, error)
+      if (allocated(error)) return
       model%fixed_friction = body%zone%friction
       model%is_guided = body%zone%is_guided
       do k = 1, n
-         associate (axis => config%sweep%axes(k))
-            if (axis%target == swept_load) then
-               call add_load(k)
-            else
-               call separate_friction(model, body, config, k)
-            end if
-         end associate
-         if (allocated(error)) return
+         if (config%sweep%axes(k)%target == swept_load) then
+            call sum_loads(forces, body, config, k, error)
+            if (allocated(error)) return
+            model%forces(:, :, k) = forces
+         else
+            call separate_friction(model, body, config, k)
+         end if
       end do
-      call model%problem%prepare_compliance(error)
-
-   contains
-
-      !> Condenses the loads that a quantity multiplies.
-      subroutine add_load(axis)
-         integer, intent(in) :: axis !! number of the quantity
-         real(dp), allocatable :: forces(:, :)
-
-         call sum_loads(forces, body, config, axis, error)
-         if (allocated(error)) return
-         model%forces(:, :, axis) = forces
-         call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), condensed)
-         model%load(:, axis) = condensed
-      end subroutine add_load
-
-   end subroutine new_sweep_model
+   end subroutine new_sweep_loads
 
    !> Sums the nodal forces of all loads that a quantity multiplies, or of those that none does.
    subroutine sum_loads(forces, body, config, axis, error)
@@ -148,7 +151,7 @@ contains
    pure function sweep_model_case_friction(self, values) result(friction)
       class(sweep_model_t), intent(in) :: self !! the model
       real(dp), intent(in) :: values(:) !! value of each quantity [-]
-      real(dp) :: friction(self%problem%n_points)
+      real(dp) :: friction(size(self%fixed_friction))
 
       friction = self%fixed_friction + matmul(self%friction, values)
    end function sweep_model_case_friction

@@ -57,8 +57,10 @@ contains
       if (allocated(error)) return
       call write_text_file(files(2), stem//'.deck.nml', effective_deck(config), error)
       if (allocated(error)) return
-      call seal%add_outputs(files, error)
-      if (.not. allocated(error)) call seal%add_written(result%checkpoint%table_path, stem//'.sweep.csv', error)
+      seal = result%grids
+      call seal%add_outputs(files, '', error)
+      if (.not. allocated(error)) call seal%add_written(result%checkpoint%table_path, stem//'.sweep.csv', &
+         '', error)
       if (allocated(error)) return
       call seal%add_inputs(config)
       call result%certified%timings%lap(phase_write)

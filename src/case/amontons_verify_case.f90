@@ -27,7 +27,7 @@ module amontons_verify_case
    implicit none (type, external)
    private
 
-   public :: verify_case
+   public :: check_grids, verify_case
 
 contains
 

@@ -1,6 +1,6 @@
 !> The files of a sweep checked against each other: values, lengths and counts of every row, and what the summary tells
-!> of the rows together. A row holds no displacements: its forces and its residual cannot be computed again without
-!> solving the case, and are only sealed.
+!> of the rows together. A row holds no displacements: where the fields of its case are not kept, its forces and its
+!> residual cannot be computed again without solving the case, and are only sealed.
 module amontons_verify_sweep
    use amontons_agreement, only: agree, contradiction
    use amontons_config, only: config_t
@@ -17,6 +17,7 @@ module amontons_verify_sweep
    use amontons_sweep_table, only: append_row, read_status_runs, status_runs, sweep_header
    use amontons_sweep_tally, only: case_converged, case_result_t, outcome_names, quantity_labels, sweep_tally_t
    use amontons_text, only: newline, read_integer, to_text
+   use amontons_verify_fields, only: field_case_t, verify_fields
    implicit none (type, external)
    private
 
@@ -37,9 +38,10 @@ contains
       type(result_t) :: result
       type(csv_table_t) :: rows
       type(sweep_tally_t) :: tally
+      type(field_case_t), allocatable :: cases(:)
       type(error_t), allocatable :: error
       character(:), allocatable :: header, fault
-      integer :: i
+      integer :: i, n
 
       is_certified = .false.
       call prepare_case(workshop, config, result, error)
@@ -52,44 +54,51 @@ contains
          1 + size(config%sweep%axes) + n_columns, fault)
       if (len(fault) == 0 .and. rows%n_rows /= config%sweep%n_cases()) fault = to_text(rows%n_rows)// &
          ' rows, but the deck has '//to_text(config%sweep%n_cases())//' cases'
+      allocate (cases(config%sweep%n_fields() + 1))
+      n = 0
       do i = 1, rows%n_rows
-         if (len(fault) == 0) call check_row(rows, i, config, workshop%body%zone, tally, fault)
+         if (len(fault) > 0) exit
+         call check_row(rows, i, config, workshop%body%zone, cases(n + 1), fault)
+         call tally%add(cases(n + 1)%result)
+         if (config%sweep%has_fields(i, i) .and. cases(n + 1)%result%outcome == case_converged) n = n + 1
       end do
       if (len(fault) > 0) then
          call summary%faults%add(stem//'.sweep.csv', fault)
          return
       end if
       call check_summary(summary, workshop, tally)
+      call verify_fields(summary, workshop, config, stem, cases(:n), tally%residual_case)
       is_certified = tally%n_outcomes(case_converged) == tally%n_cases .and. &
          summary%value('certificate', 'passed') == 'true'
    end subroutine verify_sweep
 
    !> Checks a row: its lengths against its statuses, and that it is written as the program writes what it tells.
-   subroutine check_row(rows, row, config, zone, tally, fault)
+   subroutine check_row(rows, row, config, zone, case, fault)
       type(csv_table_t), intent(in) :: rows !! the table
       integer, intent(in) :: row !! which row
       type(config_t), intent(in) :: config !! the deck
       type(contact_zone_t), intent(in) :: zone !! the contact points
-      type(sweep_tally_t), intent(inout) :: tally !! gains the case
+      type(field_case_t), intent(out) :: case !! the case as the row tells of it
       character(:), allocatable, intent(inout) :: fault !! what is wrong; empty if nothing is
-      type(case_result_t) :: result
       character(:), allocatable :: runs, text
-      integer :: status(zone%n_points)
 
-      call read_row(rows, row, size(config%sweep%axes) + 2, result, status, fault)
-      if (len(fault) > 0) return
-      runs = ''
-      if (result%has_solution) then
-         call check_lengths(row, result%quantity(:3), zone, status, fault)
-         call status_runs(runs, status, zone%set)
-      end if
-      if (result%outcome == case_converged .and. .not. result%residual <= config%method%tolerance) fault = 'line '// &
-         to_text(row + 1)//': the residual of a converged case is above the tolerance'
-      text = ''
-      call append_row(text, config%sweep, row, result, runs)
-      if (len(fault) == 0 .and. rows%row(row)//newline /= text) fault = 'line '//to_text(row + 1)// &
-         ': its values, or its form, are not those of case '//to_text(row)
-      call tally%add(result)
+      case%number = row
+      allocate (case%status(zone%n_points))
+      associate (result => case%result)
+         call read_row(rows, row, size(config%sweep%axes) + 2, result, case%status, fault)
+         if (len(fault) > 0) return
+         runs = ''
+         if (result%has_solution) then
+            call check_lengths(row, result%quantity(:3), zone, case%status, fault)
+            call status_runs(runs, case%status, zone%set)
+         end if
+         if (result%outcome == case_converged .and. .not. result%residual <= config%method%tolerance) fault = &
+            'line '//to_text(row + 1)//': the residual of a converged case is above the tolerance'
+         text = ''
+         call append_row(text, config%sweep, row, result, runs)
+         if (len(fault) == 0 .and. rows%row(row)//newline /= text) fault = 'line '//to_text(row + 1)// &
+            ': its values, or its form, are not those of case '//to_text(row)
+      end associate
    end subroutine check_row
 
    !> Reads what a row tells of its case.

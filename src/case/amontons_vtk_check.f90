@@ -8,15 +8,14 @@ module amontons_vtk_check
    implicit none (type, external)
    private
 
-   public :: new_vtk_check, read_displacement, vtk_check_t
+   public :: new_vtk_check, read_array, read_displacement, vtk_check_t
 
-   !> The first array of a grid of the body.
-   character(*), parameter :: first_array = '<DataArray type="Float64" Name="displacement" NumberOfComponents="3" '// &
-      'format="appended" offset="0"/>'
    !> What stands before the values.
    character(*), parameter :: before_values = '<AppendedData encoding="raw">'//newline//'_'
    !> No head is longer [byte].
    integer, parameter :: longest_head = 16384
+   !> What stands before and behind the place of an array.
+   character(*), parameter :: before_offset = ' format="appended" offset="', behind_offset = '"/>'
    !> Components of a vector.
    integer, parameter :: n_space = 3
 
@@ -203,13 +202,27 @@ contains
       integer, intent(in) :: n_points !! number of points that it should have
       real(dp), allocatable, intent(out) :: displacement(:, :) !! the displacements (2, n_points) [L]
       character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
+      real(dp) :: vectors(n_space*n_points)
+
+      call read_array(path, 'displacement', n_space, vectors, fault)
+      if (len(fault) == 0) displacement = reshape([vectors(1::n_space), vectors(2::n_space)], [2, n_points], &
+         order=[2, 1])
+   end subroutine read_displacement
+
+   !> Reads an array of reals from a grid.
+   subroutine read_array(path, name, n_components, values, fault)
+      character(*), intent(in) :: path !! name of the file
+      character(*), intent(in) :: name !! name of the quantity
+      integer, intent(in) :: n_components !! numbers per point
+      real(dp), intent(out) :: values(:) !! the values, those of one point together; 0 after a fault
+      character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
       character(longest_head) :: head
-      real(dp), allocatable :: vectors(:, :)
-      integer(int64) :: n_bytes, found
-      integer :: unit, status, first
+      integer(int64) :: n_bytes, found, first
+      integer :: unit, status
 
       fault = ''
       head = ''
+      values = 0.0_dp
       open (newunit=unit, file=path, status='old', action='read', access='stream', form='unformatted', iostat=status)
       if (status /= 0) then
          fault = 'cannot be read'
@@ -217,22 +230,40 @@ contains
       end if
       inquire (unit=unit, size=n_bytes)
       read (unit, iostat=status) head(:min(n_bytes, len(head, int64)))
-      first = index(head, before_values) + len(before_values)
-      if (status /= 0 .or. index(head, first_array) == 0 .or. first == len(before_values)) then
-         fault = 'no displacements stand where they were written'
+      first = array_place(head, name, n_components)
+      if (status /= 0 .or. first < 1 .or. first > n_bytes) then
+         fault = 'no '//name//' stands where it was written'
       else
          read (unit, pos=first, iostat=status) found
-         if (status /= 0 .or. found /= 8_int64*n_space*n_points) then
-            fault = 'the displacements are not those of '//to_text(n_points)//' points'
+         if (status /= 0 .or. found /= 8_int64*size(values)) then
+            fault = 'the '//name//' is not that of '//to_text(size(values)/n_components)//' points'
          else
-            allocate (vectors(n_space, n_points))
-            read (unit, iostat=status) vectors
-            displacement = vectors(:2, :)
-            if (status /= 0) fault = 'the file ends within the displacements'
-            if (.not. all(abs(displacement) <= huge(1.0_dp))) fault = 'not all displacements are finite numbers'
+            read (unit, iostat=status) values
+            if (.not. all(abs(values) <= huge(1.0_dp))) fault = 'not every '//name//' is a finite number'
+            if (status /= 0) fault = 'the file ends within the '//name
          end if
       end if
       close (unit)
-   end subroutine read_displacement
+   end subroutine read_array
+
+   !> Where in a grid an array of reals begins with its length; 0 if its head does not tell.
+   pure integer(int64) function array_place(head, name, n_components) result(place)
+      character(*), intent(in) :: head !! the head
+      character(*), intent(in) :: name !! name of the quantity
+      integer, intent(in) :: n_components !! numbers per point
+      character(:), allocatable :: before
+      integer :: first, last, status
+
+      place = 0
+      before = '<DataArray type="Float64" Name="'//name//'"'
+      if (n_components > 1) before = before//' NumberOfComponents="'//to_text(n_components)//'"'
+      before = before//before_offset
+      first = index(head, before) + len(before)
+      last = first + index(head(first:), behind_offset) - 2
+      if (first == len(before) .or. last < first .or. index(head, before_values) == 0) return
+      read (head(first:last), *, iostat=status) place
+      if (status /= 0 .or. place < 0) place = -longest_head
+      place = min(place, huge(place) - longest_head) + index(head, before_values) + len(before_values)
+   end function array_place
 
 end module amontons_vtk_check

@@ -325,6 +325,28 @@ class SeveralDecks(ProgramTest):
             self.assertEqual(run.stdout.count("\n"), 2)
         self.assertAlmostEqual(self.result("sound").summary["resultants"]["normal"], 4.0)
 
+    def test_cases_that_would_share_a_grid_are_refused(self):
+        self.write("sound.contact.nml", SOUND)
+        for decks in (["sound.nml", "sound.contact.nml"], ["sound.contact.nml", "sound.nml"]):
+            for check in ([], ["--check"]):
+                run = self.run_program(*check, "--output", "results", *decks, "other.nml", status=1)
+                first, second = (deck[:-4] for deck in decks)
+                self.assertEqual(run.stderr, f"{second}.nml: an earlier deck of this run, with the case name "
+                                 f"'{first}', leaves a file 'sound.contact.vtu' as the case '{second}' does; "
+                                 "give this one another &case name\n")
+                self.assertEqual([line.split(":")[0] for line in run.stdout.splitlines()], [first, "other"])
+            self.run_program("--verify", "results")
+            shutil.rmtree(self.directory/"results")
+
+    def test_cases_that_share_no_file_may_have_such_names(self):
+        # A sweep leaves no NAME.vtu.
+        self.write("sound.contact.nml", SOUND + "&sweep friction = 0.3, 0.4 /")
+        self.run_program("--output", "results", "sound.nml", "sound.contact.nml")
+        for name in ("sound.sweep", "sound.reduced", "sound.deck", "sound.summary", "sound.contact.contact"):
+            self.write(f"{name}.nml", SOUND)
+            self.run_program("--output", "others", "sound.nml", f"{name}.nml")
+            self.run_program("--verify", "others")
+
     def test_the_same_deck_twice_is_refused(self):
         run = self.run_program("sound.nml", "./sound.nml", status=1)
         self.assertTrue(run.stderr.startswith("./sound.nml: an earlier deck "), run.stderr)

@@ -6,7 +6,7 @@ import shutil
 import struct
 import unittest
 
-from harness import CONTACT, PRESSURE, SUPPORT, block, read_vtu
+from harness import CONTACT, PRESSURE, SUPPORT, block
 from verification import PUSH, ROOT, Verification
 
 
@@ -22,27 +22,7 @@ class Forged(Verification):
         self.assertEqual(self.verify(), "case_0: verified\n")
 
     def test_every_array_of_the_grids(self):
-        for file in ("case_0.vtu", "case_0.contact.vtu"):
-            content = self.contents("results")[file]
-            arrays, _, _ = read_vtu(content)
-            offset = content.index(b'<AppendedData encoding="raw">\n_') + len(b'<AppendedData encoding="raw">\n_')
-            for name, values in arrays.items():
-                flat = [value for row in values for value in (row if isinstance(row, tuple) else (row,))]
-                is_real = isinstance(flat[0], float)
-                place = len(flat)//2
-
-                def change(content, at=offset + 8, flat=flat, is_real=is_real, place=place):
-                    # A real moves by a millionth of the largest one, an integer by one.
-                    if is_real:
-                        value = struct.pack("<d", flat[place] + 1e-6*max(1e-3, *map(abs, flat)))
-                    else:
-                        value = struct.pack("<i", flat[place] + 1)
-                    at += place*len(value)
-                    return content[:at] + value + content[at + len(value):]
-                with self.subTest(file=file, array=name):
-                    self.assert_forgery_is_found(file, change, rf"results/{file}: {name} of .* follows from the other|"
-                                                               "equilibrium")
-                offset += 8 + len(flat)*(8 if is_real else 4)
+        self.assert_every_array_is_checked("case_0.vtu", "case_0.contact.vtu")
 
     def test_structure_of_the_grids(self):
         begin = b'<AppendedData encoding="raw">\n_'
@@ -61,10 +41,10 @@ class Forged(Verification):
             return content[:at] + struct.pack("<d", float("nan")) + content[at + 8:]
 
         for file, change, expected in (
-                ("vtu", lambda content: content[:100], "no displacements stand where they were written"),
-                ("vtu", lambda content: content[:content.index(begin) + 1000], "ends within the displacements"),
-                ("vtu", with_length, "the displacements are not those of 45 points"),
-                ("vtu", with_no_number, "not all displacements are finite numbers"),
+                ("vtu", lambda content: content[:100], "no displacement stands where it was written"),
+                ("vtu", lambda content: content[:content.index(begin) + 1000], "ends within the displacement"),
+                ("vtu", with_length, "the displacement is not that of 45 points"),
+                ("vtu", with_no_number, "not every displacement is a finite number"),
                 ("vtu", with_second_length, "the length of gap is 8, expected 360 bytes"),
                 ("vtu", lambda content: content.replace(b'Name="slip"', b'Name="Slip"'), "from byte [0-9]+ on"),
                 ("vtu", lambda content: content + b"\n", "the file does not end as it was written"),
@@ -200,6 +180,71 @@ class Forged(Verification):
                 (lambda content: content[:content.rindex(b"\n5,") + 1], "4 rows, but the deck has 5 cases")):
             with self.subTest(expected=expected):
                 self.assert_forgery_is_found("case_0.sweep.csv", change, expected)
+
+
+class ForgedFields(Verification):
+    """The grids of a sweep."""
+
+    def setUp(self):
+        super().setUp()
+        self.solve_into_results(block(SUPPORT, PRESSURE, CONTACT, PUSH.replace("load", "load name = 'push' "),
+                                      "sweep load = 'push'  factor = 0.0, 1.0  count = 5",
+                                      "sweep friction = 0.2, 0.3", "output fields_every = 4"))
+
+    def test_seal_alone_is_sound(self):
+        self.seal("case_0")
+        self.assertEqual(self.verify(), "case_0: verified\n")
+
+    def test_every_array_of_the_grids(self):
+        self.assert_every_array_is_checked("case_0.sweep/9.vtu", "case_0.sweep/9.contact.vtu")
+
+    def test_grids_of_another_case(self):
+        for ending in ("vtu", "contact.vtu"):
+            other = (self.results/f"case_0.sweep/5.{ending}").read_bytes()
+            with self.subTest(ending=ending):
+                self.assert_forgery_is_found(f"case_0.sweep/9.{ending}", lambda _, other=other: other,
+                                             f"case_0.sweep/9.{ending}: .* follows from the other files")
+        # Both together agree with each other, but neither with the row nor with the loads of the case.
+        (self.results/"case_0.sweep/9.vtu").write_bytes((self.results/"case_0.sweep/5.vtu").read_bytes())
+        self.assert_forgery_is_found("case_0.sweep/9.contact.vtu", lambda _, other=other: other,
+                                     "the sum of its tangential forces is .* follows|equilibrium")
+
+    def test_collection(self):
+        for change, expected in ((lambda content: content.replace(b'"9"', b'"8"'), "the files of case 9 do not stand"),
+                                 (lambda content: content.replace(b"  </Coll", b"\n  </Coll"), "behind the last of 3"),
+                                 (lambda content: content[:40], "from byte 1 on")):
+            self.assert_forgery_is_found("case_0.sweep.pvd", change, f"results/case_0.sweep.pvd: .*{expected}")
+
+    def test_grids_that_belong_to_no_case(self):
+        (self.results/"case_0.sweep/2.vtu").write_bytes((self.results/"case_0.sweep/1.vtu").read_bytes())
+        self.assertEqual(self.verify(status=4), "case_0: NOT VERIFIED\nresults/case_0.sweep/2.vtu: it is no grid of "
+                         "this sweep\n")
+
+
+class Collection(Verification):
+    """cases.pvd, which belongs to no single case."""
+
+    def test_files_that_it_names(self):
+        names = ["a & <b>", 'two "words"', "three"]
+        self.solve_into_results(*(f"&case name = '{name}' /\n" + block(SUPPORT, PRESSURE, CONTACT) for name in names))
+        self.verify()
+        for ending in ("vtu", "contact.vtu"):
+            path = self.results/f"{names[0]}.{ending}"
+            content = path.read_bytes()
+            path.unlink()
+            self.assertIn(f"results/cases.pvd: it names '{path.name}', which is not there\n", self.verify(status=4))
+            path.write_bytes(content)
+        path = self.results/"cases.pvd"
+        content = path.read_bytes()
+        place = content.index(b"<Collection>") + 1
+        for other, byte in ((content[:place], 1), (content[:place + 100], None), (content[:-1], None),
+                            (content.replace(b'"3"', b'"1"'), None), (content.replace(b"&amp;", b"&"), None),
+                            (content.replace(b'part="1"', b'part="2"'), None), (content + b"\n", None)):
+            path.write_bytes(other)
+            self.assertRegex(self.verify(status=4), "^cases.pvd: NOT VERIFIED\nresults/cases.pvd: it is not written as "
+                             f"the program writes a collection, from byte {byte or '[0-9]+'} on\n$")
+            # The cases stay what they are.
+            self.assertEqual(self.run_program("--verify", "results", status=4).stdout.count(": verified\n"), 3)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@ import re
 import struct
 from pathlib import Path
 
-from harness import ProgramTest
+from harness import ProgramTest, read_vtu
 
 ROOT = Path(__file__).resolve().parents[2]
 PUSH = "load set = 'right'  traction = -1.5, 0.3"  # part of the floor sticks, part slides, part opens
@@ -52,7 +52,7 @@ class Verification(ProgramTest):
 
     def assert_forgery_is_found(self, file, change, expected, name="case_0"):
         """Changes the content of a file and the seal, and checks what is said of it."""
-        contents = self.contents("results")
+        contents = {**self.contents("results"), file: (self.results / file).read_bytes()}
         changed = change(contents[file])
         self.assertNotEqual(changed, contents[file], "nothing was changed")
         (self.results / file).write_bytes(changed)
@@ -60,3 +60,27 @@ class Verification(ProgramTest):
         self.assertRegex(self.verify(status=4), expected)
         for key, content in contents.items():
             (self.results / key).write_bytes(content)
+
+    def assert_every_array_is_checked(self, *files):
+        """Changes a number in the middle of each array of some grids."""
+        for file in files:
+            content = (self.results/file).read_bytes()
+            arrays, _, _ = read_vtu(content)
+            offset = content.index(b'<AppendedData encoding="raw">\n_') + len(b'<AppendedData encoding="raw">\n_')
+            for name, values in arrays.items():
+                flat = [value for row in values for value in (row if isinstance(row, tuple) else (row,))]
+                is_real = isinstance(flat[0], float)
+                place = len(flat)//2
+
+                def change(content, at=offset + 8, flat=flat, is_real=is_real, place=place):
+                    # A real moves by a millionth of the largest one, an integer by one.
+                    if is_real:
+                        value = struct.pack("<d", flat[place] + 1e-6*max(1e-3, *map(abs, flat)))
+                    else:
+                        value = struct.pack("<i", flat[place] + 1)
+                    at += place*len(value)
+                    return content[:at] + value + content[at + len(value):]
+                with self.subTest(file=file, array=name):
+                    self.assert_forgery_is_found(file, change, rf"results/{file}: {name} of .* follows from the other|"
+                                                               "equilibrium")
+                offset += 8 + len(flat)*(8 if is_real else 4)
