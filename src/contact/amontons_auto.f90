@@ -22,6 +22,8 @@ module amontons_auto
    real(dp), parameter :: coarse = 1.0e-6_dp
    !> Semidefinite problems with strong friction take most of these steps, and sometimes more than one round of them.
    integer, parameter :: n_newton_steps = 100, n_first_sweeps = 10, growth = 4
+   !> Where no number is finite, every round ends at once, but their size grows on.
+   integer, parameter :: most_sweeps = 100000000
    !> One path of Lemke's pivots then takes up to a second (0.2 s to 0.8 s measured at 200 to 300 points).
    integer, parameter :: most_points = 300
    !> Shares of the diagonal: more ends cycles of Newton's guesses, but is slow where there are none.
@@ -68,7 +70,7 @@ contains
          end if
          solution = best
          call run(psor_t(self%tolerance, n_sweeps, space=merge('dual  ', 'primal', problem%is_reduced())))
-         n_sweeps = growth*n_sweeps
+         n_sweeps = growth*min(n_sweeps, most_sweeps)
       end do
       solution = best
       solution%is_converged = solution%residual <= self%tolerance
