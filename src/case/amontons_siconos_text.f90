@@ -42,7 +42,7 @@ contains
       call input%check_count(n_contacts, 2, 'contacts')
       call take_choice(input, storage, 'the storage of W: 0 (dense), 1 (sparse block) or 2 (CSparse)', &
          [storage_dense, storage_blocks, storage_csparse])
-      call take_size(input, n_contacts)
+      if (.not. allocated(input%error)) call take_size(input, n_contacts)
       if (allocated(input%error)) return
       select case (storage)
       case (storage_dense)
