@@ -369,9 +369,10 @@ class SpoiltHdf5(ReducedTest):
         before = self.contents()
         text, hdf5 = (len(before[f"sound.reduced.{suffix}"]) for suffix in ("dat", "hdf5"))
         self.assertLess(text, hdf5)  # so that the text, which is written first, finds room
-        run = subprocess.run([PROGRAM, "--write-reduced", "sound.nml"], cwd=self.directory, capture_output=True,
-                             encoding="utf-8", timeout=self.timeout, check=False,
-                             preexec_fn=lambda: limit_files((text + hdf5)//2))
+        # Leaks are not looked for: gfortran's library loses the buffer of a file that it cannot write.
+        run = subprocess.run(["env", "ASAN_OPTIONS=detect_leaks=0", PROGRAM, "--write-reduced", "sound.nml"],
+                             cwd=self.directory, capture_output=True, encoding="utf-8", timeout=self.timeout,
+                             check=False, preexec_fn=lambda: limit_files((text + hdf5)//2))
         self.assertEqual(run.returncode, 3)
         self.assertRegex(run.stderr,
                          rf"^sound.nml: ./sound.reduced.hdf5: cannot write this file: .* of {hdf5} bytes .*\n$")
