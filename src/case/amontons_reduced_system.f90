@@ -108,7 +108,7 @@ contains
       call move_alloc(w%first, system%first)
       call move_alloc(w%row, system%row)
       call move_alloc(w%entry, system%entry)
-      diagonal = system%diagonal()
+      allocate (diagonal, source=system%diagonal())
       system%largest = max(0.0_dp, maxval(diagonal))
       place = 0
       if (any(diagonal < -noise*system%largest)) then

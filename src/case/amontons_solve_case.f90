@@ -185,7 +185,7 @@ contains
       end if
       call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), body%problem%load)
       ! The contact problem counts displacements from the prescribed ones.
-      prescribed = body%zone%rows%displacement(body%constraints%prescribed)
+      allocate (prescribed, source=body%zone%rows%displacement(body%constraints%prescribed))
       body%problem%gap = body%zone%gap - prescribed(:body%zone%n_points)
       body%problem%friction = merge(0.0_dp, body%zone%friction, body%zone%is_guided)
       body%problem%slip_bound = merge(0.0_dp, body%zone%slip_bound, body%zone%is_guided)

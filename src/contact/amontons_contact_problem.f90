@@ -57,7 +57,7 @@ contains
 
       problem%n_points = size(stiffness, 1)/2
       problem%is_held = is_held
-      problem%stiffness = stiffness
+      allocate (problem%stiffness, source=stiffness)
       allocate (problem%load(2*problem%n_points), problem%gap(problem%n_points), &
          problem%friction(problem%n_points), problem%slip_bound(problem%n_points), source=0.0_dp)
    end subroutine new_contact_problem
@@ -93,7 +93,7 @@ contains
       integer :: i
 
       if (self%is_reduced()) then
-         rho = self%compliance%reciprocal_diagonal()
+         allocate (rho, source=self%compliance%reciprocal_diagonal())
       else
          rho = [(self%stiffness(i, i), i=1, 2*self%n_points)]
       end if
@@ -122,7 +122,7 @@ contains
       integer :: i, info
 
       if (allocated(self%compliance)) return
-      factor = self%stiffness
+      allocate (factor, source=self%stiffness)
       if (.not. self%is_held) then
          self%shift = share*sum([(factor(i, i), i=1, size(factor, 1))])/(size(factor, 1)*self%n_points)
          do i = 1, size(factor, 1)

@@ -88,7 +88,9 @@ contains
       real(dp) :: unit(size(matrix, 1))
       integer :: i
 
-      unit = [(matrix(i, i), i=1, size(unit))]
+      do i = 1, size(unit)
+         unit(i) = matrix(i, i)
+      end do
       if (.not. any(unit > 0.0_dp)) unit = 1.0_dp
       unit = merge(unit, maxval(unit), unit > 0.0_dp)
    end function diagonal_units

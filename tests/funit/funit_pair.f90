@@ -92,7 +92,7 @@ contains
 
       character(:), allocatable :: reason
 
-      self%extents = actual
+      allocate (self%extents, source=actual)
       if (size(expected) == 0 .and. size(actual) <= 2) return
       if (size(actual) > 2) then
          reason = 'Rank outside the subset: compare shape(x) and [x].'
