@@ -15,11 +15,12 @@ status=0
 
 # Runs a command under memcheck; its own exit status must be the expected one.
 check() { # expected status, command...
-   local expected=$1 found=0
+   local expected=$1 found=0 words
    shift
+   words=${*##*/}
    "${memcheck[@]}" "$@" &>"$work/log" || found=$?
    if ((found == expected)); then
-      echo "ok    ${*##*/}"
+      echo "ok    ${words::100}"
    else
       printf 'FAIL  %s: exit status %d\n' "$*" "$found"
       cat "$work/log"
@@ -44,7 +45,9 @@ for method in newton splitting fixed_point psor lemke; do
    sed "s|^&solver|& method = '$method'  max_iterations = 100000|" "$work/held.nml" >"$work/$method.nml"
    check 0 "$program" --output "$work" "$work/$method.nml"
 done
-check 0 "$program" --output "$work" --reduced "$work"/held.reduced.*
+for problem in "$work"/held.reduced.*; do
+   check 0 "$program" --output "$work" --reduced "$problem"
+done
 check 0 "$program" --output "$work" input/hertz.nml input/long_bar_1.nml
 check 1 "$program" --output "$work" tests/bad/*.nml
 check 1 "$program" --output "$work" --reduced tests/reduced/bad/*
