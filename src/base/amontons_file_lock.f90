@@ -11,7 +11,7 @@ module amontons_file_lock
    !> A lock, or none.
    type :: file_lock_t
       private
-      integer(c_int) :: file = -1 !! the system's number of the open file; -1 for none
+      integer(c_int), public :: file = -1 !! the system's number of the open file; -1 for none
    contains
       procedure, public :: release => file_lock_release
    end type file_lock_t

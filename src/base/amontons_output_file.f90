@@ -1,5 +1,6 @@
 !> Files that appear whole or not at all: written under a temporary name, renamed when complete.
 module amontons_output_file
+   use, intrinsic :: iso_c_binding, only: c_int
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_file_lock, only: file_lock_t, lock_directory
    use amontons_kinds, only: int64
@@ -99,7 +100,7 @@ contains
       call hold_signals()
       if (.not. allocated(error)) call lock_directory(lock, files(1)%path(:index(files(1)%path, '/', back=.true.)))
       do i = 1, size(files)
-         if (.not. allocated(error)) call files(i)%commit(error)
+         if (.not. allocated(error)) call put_in_place(files(i), lock%file, error)
          if (allocated(error)) call files(i)%discard()
       end do
       call lock%release()
@@ -111,15 +112,24 @@ contains
       class(output_file_t), intent(inout) :: self !! the finished file
       type(error_t), allocatable, intent(out) :: error !! it cannot be renamed; it is then discarded
 
+      call put_in_place(self, -1_c_int, error)
+   end subroutine output_file_commit
+
+   !> Gives a finished file its final name.
+   subroutine put_in_place(file, directory, error)
+      class(output_file_t), intent(inout) :: file !! the finished file
+      integer(c_int), intent(in) :: directory !! its directory where that is open, -1 where not
+      type(error_t), allocatable, intent(out) :: error !! it cannot be renamed; it is then discarded
+
       call hold_signals()
-      call rename_file(self%temporary_path, self%path, error)
+      call rename_file(file%temporary_path, file%path, error, directory)
       if (allocated(error)) then
-         call self%discard()
+         call file%discard()
       else
-         call forget_temporary(self%temporary_path)
+         call forget_temporary(file%temporary_path)
       end if
       call release_signals()
-   end subroutine output_file_commit
+   end subroutine put_in_place
 
    !> Removes what was written; the final name stays as it was.
    subroutine output_file_discard(self)

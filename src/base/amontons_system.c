@@ -50,10 +50,15 @@ void amontons_absolute_path(const char *path, char *text, int size)
     snprintf(text, (size_t)size, "%s", realpath(path, resolved) ? resolved : path);
 }
 
-/* Puts a file in the place of another, in one step. Returns 0 or the system's error number. */
-int amontons_rename(const char *from, const char *to)
+/* Renames a file. Of two names in one directory that is open, when its number is not -1, only the last parts count: the
+   directory may have got another name itself. Returns 0 or the system's error number. */
+int amontons_rename(int directory, const char *from, const char *to)
 {
-    return rename(from, to) == 0 ? 0 : errno;
+    if (directory < 0)
+        return rename(from, to) == 0 ? 0 : errno;
+    const char *from_slash = strrchr(from, '/'), *to_slash = strrchr(to, '/');
+    return renameat(directory, from_slash ? from_slash + 1 : from, directory, to_slash ? to_slash + 1 : to) == 0 ? 0
+        : errno;
 }
 
 /* Removes a file. Returns 0 or the system's error number. */

@@ -27,9 +27,10 @@ module amontons_system
          integer(c_int), value :: size
       end subroutine c_absolute_path
 
-      function c_rename(from, to) bind(c, name='amontons_rename') result(code)
+      function c_rename(directory, from, to) bind(c, name='amontons_rename') result(code)
          import :: c_char, c_int
          implicit none (type, external)
+         integer(c_int), value :: directory
          character(c_char), intent(in) :: from(*), to(*)
          integer(c_int) :: code
       end function c_rename
@@ -121,13 +122,18 @@ contains
    end subroutine make_directory
 
    !> Puts a file in the place of another, in one step: a reader sees the old one or the new one.
-   subroutine rename_file(from, to, error)
+   subroutine rename_file(from, to, error, directory)
       character(*), intent(in) :: from !! the file's present name
       character(*), intent(in) :: to !! the file's new name; what had it before is replaced
       type(error_t), allocatable, intent(out) :: error !! the file cannot be renamed
+      integer(c_int), intent(in), optional :: directory
+         !! the system's number of the directory of both where that is open, which may itself get another name; else -1
+      integer(c_int) :: open_directory
       integer :: code
 
-      code = int(c_rename(from//c_null_char, to//c_null_char))
+      open_directory = -1
+      if (present(directory)) open_directory = directory
+      code = int(c_rename(open_directory, from//c_null_char, to//c_null_char))
       if (code /= 0) call new_error(error, system_failure, to//': cannot put this file in place: '//error_text(code))
    end subroutine rename_file
 
