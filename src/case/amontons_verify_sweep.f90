@@ -56,9 +56,9 @@ contains
          ' rows, but the deck has '//to_text(config%sweep%n_cases())//' cases'
       allocate (cases(config%sweep%n_fields() + 1))
       n = 0
-      do i = 1, rows%n_rows
-         if (len(fault) > 0) exit
+      do i = 1, merge(rows%n_rows, 0, len(fault) == 0)
          call check_row(rows, i, config, workshop%body%zone, cases(n + 1), fault)
+         if (len(fault) > 0) exit
          call tally%add(cases(n + 1)%result)
          if (config%sweep%has_fields(i, i) .and. cases(n + 1)%result%outcome == case_converged) n = n + 1
       end do
