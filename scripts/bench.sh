@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Measures the program on the long bar, alone and beside GetFEM, CalculiX and Siconos where their Debian packages are
 # installed (scripts/setup.sh peers installs them), and prints Markdown tables. Usage: bench.sh [--full] [--update]
-#   --full      up to 1024 x 1024 cells: about 20 minutes with all peers, and 4 GB of memory
+#   --full      up to 1024 x 1024 cells: about 5 minutes with all peers, and 4 GB of memory
 #   --update    writes what it prints into doc/performance.md, between the markers; takes --full with it
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Everything that is too slow for every change, with a line for each: coverage, the tests under the sanitizers and as
-# optimised code, valgrind, and whether a build can be repeated. About 40 minutes on two cores.
+# optimised code, valgrind, and whether a build can be repeated.
 # shellcheck disable=SC2317 # the function is called through check
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."

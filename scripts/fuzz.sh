@@ -9,6 +9,12 @@ cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
 
 count=${1:-10000}
 first=${2:-0}
+for number in "$count" "$first"; do
+   if [[ ! $number =~ ^[0-9]+$ ]]; then
+      echo "fuzz.sh: '$number' is no number of files." >&2
+      exit 1
+   fi
+done
 round=10000
 scripts/setup.sh build
 for preset in sanitize debug; do

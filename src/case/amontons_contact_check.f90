@@ -10,8 +10,8 @@ module amontons_contact_check
    implicit none (type, external)
    private
 
-   public :: check_contact_rows, check_statuses, contact_table_t, law_scales_t, read_contact_rows, read_status, &
-      status_fault
+   public :: check_contact_rows, check_statuses, contact_table_t, law_scales_t, new_law_scales, read_contact_rows, &
+      read_status, status_fault
 
    !> Columns of numbers between the number of the point and its status.
    integer, parameter :: n_numbers = 11
@@ -35,6 +35,18 @@ module amontons_contact_check
    end type law_scales_t
 
 contains
+
+   !> What is small beside the displacements and the forces of a case.
+   pure function new_law_scales(limit, displacement, loads, force) result(scales)
+      real(dp), intent(in) :: limit !! the share that counts as none [-]
+      real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: loads(:, :) !! loads of the nodes (2, n_nodes) [F]
+      real(dp), intent(in) :: force(:) !! contact forces (2m) [F]
+      type(law_scales_t) :: scales
+
+      scales%length = limit*maxval(abs(displacement))
+      scales%force = limit*max(maxval(abs(loads)), maxval(abs(force)))
+   end function new_law_scales
 
    !> Reads the table.
    subroutine read_contact_rows(table, path, n_points, fault)

@@ -1,9 +1,7 @@
 !> NAME.contact.csv: one row per contact point, in the order of the contact line, 17 significant digits.
 module amontons_contact_table
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_body, only: body_t
    use amontons_contact_rows, only: contact_rows_t
-   use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
    use amontons_result, only: result_t
@@ -11,7 +9,7 @@ module amontons_contact_table
    implicit none (type, external)
    private
 
-   public :: check_contact_points, contact_header, contact_point_t, contact_table_text, new_contact_point
+   public :: contact_header, contact_point_t, contact_table_text, new_contact_point
 
    !> The header of the table.
    character(*), parameter :: contact_header = 'point,x,y,normal_x,normal_y,weight,gap,slip,normal_force,'// &
@@ -78,23 +76,5 @@ contains
       end do
       text = contact_header//newline//as_lines(rows)
    end function contact_table_text
-
-   !> Refuses a result whose contact points have numbers beyond those that a file can hold.
-   pure subroutine check_contact_points(body, result, error)
-      type(body_t), intent(in) :: body !! the body
-      type(result_t), intent(in) :: result !! the result
-      type(error_t), allocatable, intent(out) :: error !! a number is not finite
-      type(contact_point_t) :: point
-      integer :: p
-
-      do p = 1, body%zone%n_points
-         call new_contact_point(point, body, result, p)
-         if (all(ieee_is_finite([point%position, point%normal, point%weight, point%gap, point%slip, &
-            point%normal_force, point%tangential_force, point%normal_stress, point%tangential_stress]))) cycle
-         call new_error(error, numerical_failure, &
-            'stresses on the contact line leave the range of double precision (1.8e308): choose other units')
-         return
-      end do
-   end subroutine check_contact_points
 
 end module amontons_contact_table

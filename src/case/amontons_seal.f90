@@ -4,7 +4,7 @@
 module amontons_seal
    use amontons_checksum, only: checksum_length, file_checksum, text_checksum
    use amontons_config, only: config_t
-   use amontons_error, only: error_t, new_error, system_failure
+   use amontons_error, only: error_t
    use amontons_fclib_file, only: has_fclib
    use amontons_json, only: string
    use amontons_kinds, only: int64
@@ -62,14 +62,12 @@ contains
       character(*), intent(in) :: folder !! where in the output directory it is: '', or with a slash behind it
       type(error_t), allocatable, intent(out) :: error !! it cannot be read
 
-      character(:), allocatable :: reason
-
       if (.not. allocated(self%files)) allocate (self%files(0))
       call append_file(self%files, path, folder//final_path(index(final_path, '/', back=.true.) + 1:), error)
       if (.not. allocated(error)) return
       ! Nobody knows the temporary name.
-      reason = error%message(index(error%message, ': ', back=.true.) + 2:)
-      call new_error(error, system_failure, final_path//': cannot write this file: '//reason)
+      ! not raised: only a directory that vanishes between writing and reading does it, at its own time
+      error%message = final_path//': cannot write this file'//error%message(index(error%message, ': ', back=.true.):)
    end subroutine seal_add_written
 
    !> Adds the files of a reduced problem, which are written before the others.

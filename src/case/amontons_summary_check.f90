@@ -2,8 +2,9 @@
 module amontons_summary_check
    use amontons_agreement, only: agree, contradiction, fault_text_t
    use amontons_certificate, only: certificate_t
+   use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_kinds, only: dp
-   use amontons_text, only: newline, read_real
+   use amontons_text, only: newline, read_real, to_text
    implicit none (type, external)
    private
 
@@ -16,6 +17,7 @@ module amontons_summary_check
       type(fault_text_t) :: faults !! what does not agree
    contains
       procedure :: expect_certificate => summary_check_expect_certificate
+      procedure :: expect_contact => summary_check_expect_contact
       procedure :: expect_number => summary_check_expect_number
       procedure :: expect_text => summary_check_expect_text
       procedure :: value => summary_check_value
@@ -99,6 +101,23 @@ contains
          call self%expect_number('certificate', 'dissipation', c%dissipation, abs(c%strain_energy))
       end associate
    end subroutine summary_check_expect_certificate
+
+   !> Compares the counts of the contact points and the sums of their forces.
+   subroutine summary_check_expect_contact(self, status, normal, tangential)
+      class(summary_check_t), intent(inout) :: self !! the summary
+      integer, intent(in) :: status(:) !! statuses of the points (m)
+      real(dp), intent(in) :: normal(:) !! their normal forces (m) [F]
+      real(dp), intent(in) :: tangential(:) !! their tangential forces (m) [F]
+      real(dp) :: scale
+
+      scale = sum(abs(normal)) + sum(abs(tangential))
+      call self%expect_text('counts', 'contact_points', to_text(size(status)))
+      call self%expect_text('counts', 'open', to_text(count(status == open_point)))
+      call self%expect_text('counts', 'stick', to_text(count(status == stick_point)))
+      call self%expect_text('counts', 'slip', to_text(count(status == slip_plus .or. status == slip_minus)))
+      call self%expect_number('resultants', 'normal', sum(normal), scale)
+      call self%expect_number('resultants', 'tangential', sum(tangential), scale)
+   end subroutine summary_check_expect_contact
 
    !> A member with the one that it is in.
    pure function full_name(section, member) result(name)

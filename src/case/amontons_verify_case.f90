@@ -7,10 +7,9 @@ module amontons_verify_case
    use amontons_certificate, only: new_certificate
    use amontons_config, only: config_t
    use amontons_contact_check, only: check_contact_rows, check_statuses, contact_table_t, law_scales_t, &
-      read_contact_rows
+      new_law_scales, read_contact_rows
    use amontons_contact_vtu, only: n_line_cells, show_contact_line
    use amontons_error, only: error_t
-   use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_json, only: truth
    use amontons_kinds, only: dp
    use amontons_lengths, only: new_lengths
@@ -86,10 +85,7 @@ contains
       if (size(table%status) == 0) return
       call check_contact_rows(summary%faults, stem//'.contact.csv', table, workshop%body, result%displacement)
       if (.not. result%solution%is_converged) return
-      associate (limit => certificate_limit(config%method%tolerance))
-         scales%length = limit*maxval(abs(result%displacement))
-         scales%force = limit*max(maxval(abs(result%loads)), maxval(abs(table%force)))
-      end associate
+      scales = new_law_scales(certificate_limit(config%method%tolerance), result%displacement, result%loads, table%force)
       call check_statuses(summary%faults, stem//'.contact.csv', table, workshop%body%zone%friction, &
          workshop%body%zone%slip_bound, workshop%body%zone%is_guided, scales)
    end subroutine check_points
@@ -114,25 +110,12 @@ contains
          call summary%expect_text('counts', 'nodes', to_text(body%mesh%n_nodes))
          call summary%expect_text('counts', 'elements', to_text(body%mesh%n_elements))
          call summary%expect_text('counts', 'dofs', to_text(body%dof_map%n_dofs))
-         call summary%expect_text('counts', 'contact_points', to_text(m))
-         call expect_statuses(summary, result%solution%status)
+         call summary%expect_contact(result%solution%status, force(:m), force(m + 1:))
          call summary%expect_number('lengths', 'separated', result%lengths%separated, 0.0_dp)
          call summary%expect_number('lengths', 'sliding', result%lengths%sliding, 0.0_dp)
          call summary%expect_number('lengths', 'sticking', result%lengths%sticking, 0.0_dp)
-         call summary%expect_number('resultants', 'normal', sum(force(:m)), sum(abs(force)))
-         call summary%expect_number('resultants', 'tangential', sum(force(m + 1:)), sum(abs(force)))
       end associate
    end subroutine check_summary
-
-   !> Checks how many points have which status.
-   subroutine expect_statuses(summary, status)
-      type(summary_check_t), intent(inout) :: summary !! the summary; gains the faults
-      integer, intent(in) :: status(:) !! statuses of the points
-
-      call summary%expect_text('counts', 'open', to_text(count(status == open_point)))
-      call summary%expect_text('counts', 'stick', to_text(count(status == stick_point)))
-      call summary%expect_text('counts', 'slip', to_text(count(status == slip_plus .or. status == slip_minus)))
-   end subroutine expect_statuses
 
    !> Checks all that the two grids show: mesh, stresses, contact quantities.
    subroutine check_grids(summary, workshop, result, stem)

@@ -5,7 +5,7 @@ module amontons_verify_fields
    use amontons_certificate, only: new_certificate
    use amontons_collection_check, only: compare_collection
    use amontons_config, only: config_t
-   use amontons_contact_check, only: contact_table_t, law_scales_t, status_fault
+   use amontons_contact_check, only: contact_table_t, law_scales_t, new_law_scales, status_fault
    use amontons_directory, only: file_name_t, list_directory
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
@@ -47,6 +47,7 @@ contains
       if (size(cases) == 0) return
       call new_sweep_loads(model, workshop%body, config, error)
       if (allocated(error)) then
+         ! not raised: the same loads were made when the case was prepared
          call summary%faults%add(stem//'.deck.nml', error%message)
          return
       end if
@@ -165,8 +166,7 @@ contains
          table%gap = -solution%displacement(:m)
          table%slip = solution%displacement(m + 1:)
          table%status = solution%status
-         scales%length = limit*maxval(abs(result%displacement))
-         scales%force = limit*max(maxval(abs(result%loads)), maxval(abs(table%force)))
+         scales = new_law_scales(limit, result%displacement, result%loads, table%force)
          do p = 1, m
             wrong = status_fault(table, p, zone%friction(p), zone%slip_bound(p), zone%is_guided(p), scales)
             if (len(wrong) > 0) call summary%faults%add(stem//'.contact.vtu', wrong)

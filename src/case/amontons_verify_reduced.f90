@@ -6,7 +6,6 @@ module amontons_verify_reduced
    use amontons_contact_check, only: check_statuses, contact_table_t, law_scales_t, read_status
    use amontons_csv_table, only: csv_table_t, read_csv_table
    use amontons_error, only: error_t
-   use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_json, only: truth
    use amontons_kinds, only: dp
    use amontons_reduced_check, only: new_reduced_check, reduced_check_t
@@ -134,13 +133,7 @@ contains
       call summary%expect_text('problem', 'entries', to_text(size(system%entry)))
       call summary%expect_number('problem', 'largest_compliance', system%largest, 0.0_dp)
       call summary%expect_number('problem', 'asymmetry', system%asymmetry, system%largest)
-      call summary%expect_text('counts', 'contact_points', to_text(system%n_contacts))
-      call summary%expect_text('counts', 'open', to_text(count(table%status == open_point)))
-      call summary%expect_text('counts', 'stick', to_text(count(table%status == stick_point)))
-      call summary%expect_text('counts', 'slip', to_text(count(table%status == slip_plus .or. &
-         table%status == slip_minus)))
-      call summary%expect_number('resultants', 'normal', sum(system%r(1::2)), sum(abs(system%r)))
-      call summary%expect_number('resultants', 'tangential', sum(system%r(2::2)), sum(abs(system%r)))
+      call summary%expect_contact(table%status, system%r(1::2), system%r(2::2))
    end subroutine check_summary
 
 end module amontons_verify_reduced

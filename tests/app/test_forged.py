@@ -180,6 +180,8 @@ class Forged(Verification):
                 (lambda content: content[:content.rindex(b"\n5,") + 1], "4 rows, but the deck has 5 cases")):
             with self.subTest(expected=expected):
                 self.assert_forgery_is_found("case_0.sweep.csv", change, expected)
+        self.assert_forgery_is_found("case_0.deck.nml", lambda content: content.replace(b"set = 'right'",
+                                     b"set = 'wrong'"), "the mesh has no set 'wrong'")
 
 
 class ForgedFields(Verification):
