@@ -43,10 +43,7 @@ contains
       open (newunit=file%unit, file=file%temporary_path, status='old', action='write', access='stream', &
          form=trim(merge('unformatted', 'formatted  ', is_binary)), iostat=status, iomsg=reason)
       file%is_open = status == 0
-      if (status == 0) return
-      call file%discard()
-      ! not raised: the system would have to take back what it just gave
-      call new_error(error, system_failure, path//': cannot write this file: '//trim(reason))
+      if (status /= 0) call give_up(file, trim(reason), error)
    end subroutine new_output_file
 
    !> Writes a text, lines with their ends, under a temporary name beside the final one.
@@ -84,9 +81,18 @@ contains
          if (n_bytes == next_byte - 1) return
          reason = 'only '//to_text(max(n_bytes, 0_int64))//' of '//to_text(next_byte - 1)//' bytes found room'
       end if
-      call self%discard()
-      call new_error(error, system_failure, self%path//': cannot write this file: '//trim(reason))
+      call give_up(self, trim(reason), error)
    end subroutine output_file_finish
+
+   !> Removes a file that cannot be written, and says so.
+   subroutine give_up(file, reason, error)
+      class(output_file_t), intent(inout) :: file !! the file, open or not
+      character(*), intent(in) :: reason !! why it cannot be written
+      type(error_t), allocatable, intent(out) :: error !! says it
+
+      call file%discard()
+      call new_error(error, system_failure, file%path//': cannot write this file: '//reason)
+   end subroutine give_up
 
    !> Gives finished files their final names, all of them even if a signal comes meanwhile; after an error, none. Files
    !> of another run in the same directory come before them all or after them all.

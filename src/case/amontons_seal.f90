@@ -66,7 +66,6 @@ contains
       call append_file(self%files, path, folder//final_path(index(final_path, '/', back=.true.) + 1:), error)
       if (.not. allocated(error)) return
       ! Nobody knows the temporary name.
-      ! not raised: only a directory that vanishes between writing and reading does it, at its own time
       error%message = final_path//': cannot write this file'//error%message(index(error%message, ': ', back=.true.):)
    end subroutine seal_add_written
 
