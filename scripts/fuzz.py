@@ -44,7 +44,7 @@ UNFINISHED = (".tmp", ".part", ".checkpoint")
 # The contact methods have no other integers of 8 bytes that could overflow.
 UNUSED_BOUNDS = re.compile(rb"[^\n]*(/src/contact/[^\n]*: signed integer overflow: [^\n]*'integer\(kind=8\)'"
                            rb"|runtime error: signed integer overflow: -9223372036854775808 - 1 cannot[^\n]*)\n")
-NO_NUMBER = re.compile(rb"(?<![\w'.])[-+]?(nan|inf|infinity)(?![\w'.])", re.IGNORECASE)
+NO_NUMBER = re.compile(rb"(?<![\w'.])[-+]?(nan|inf|infinity)(?![\w'.-])", re.IGNORECASE)
 
 
 class Program:
@@ -153,8 +153,9 @@ def bad_file(path, status):
             return "writes no number into the summary"
         if status == 0 and not (summary["converged"] and summary["certificate"]["passed"]):
             return "ends with status 0 although the summary says that it is not solved"
+    # Above the second empty line of a listing stand the words of the deck.
     elif (ending.endswith("csv") and NO_NUMBER.search(content.partition(b"\n")[2])
-          or ending == "lst" and NO_NUMBER.search(content.partition(b"\n\n")[2])):
+          or ending == "lst" and NO_NUMBER.search(content.split(b"\n\n", 2)[2])):
         return f"writes no number into {ending}"
     return None
 

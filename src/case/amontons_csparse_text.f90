@@ -235,9 +235,11 @@ contains
       character(*), intent(in) :: what !! 'row' or 'column'
 
       call input%take_numeral(value, 'a row or column of W')
-      if (value < 0 .or. value >= n) call refuse_word(input, 'expected a '//what//' from 0 to '//to_text(n - 1)// &
-         ', found '//to_text(value))
-      value = value + 1
+      if (value < 0 .or. value >= n) then
+         call refuse_word(input, 'expected a '//what//' from 0 to '//to_text(n - 1)//', found '//to_text(value))
+      else
+         value = value + 1
+      end if
    end subroutine take_index
 
    !> Takes a colon and the value of an entry.
