@@ -2,7 +2,7 @@
 !> as its last member, the checksum of the summary itself. `--verify` finds by it what was changed, even where no number
 !> follows from the others.
 module amontons_seal
-   use amontons_checksum, only: checksum_length, file_checksum, text_checksum
+   use amontons_checksum, only: checksum_length, checksum_t, file_checksum, text_checksum
    use amontons_config, only: config_t
    use amontons_error, only: error_t
    use amontons_fclib_file, only: has_fclib
@@ -120,10 +120,13 @@ contains
       character(*), intent(in) :: name !! the name in the list
       type(error_t), allocatable, intent(out) :: error !! it cannot be read
       type(sealed_file_t) :: file
+      type(checksum_t) :: checksum
 
-      call file_checksum(path, file%checksum, file%n_bytes, error)
+      call file_checksum(checksum, path, error)
       if (allocated(error)) return
       file%name = name
+      file%n_bytes = checksum%n_bytes
+      file%checksum = checksum%digits()
       call append(list, file)
    end subroutine append_file
 

@@ -6,7 +6,7 @@
 !> second whoever changes a result and its seal.
 module amontons_verify
    use amontons_agreement, only: fault_text_t
-   use amontons_checksum, only: checksum_length, file_checksum
+   use amontons_checksum, only: checksum_t, file_checksum
    use amontons_config, only: config_t, read_config
    use amontons_directory, only: file_name_t, list_directory
    use amontons_effective_deck, only: effective_deck
@@ -152,17 +152,17 @@ contains
       character(*), intent(in) :: path !! name of the file
       type(sealed_file_t), intent(in) :: sealed !! what is known of it
       type(error_t), allocatable :: error
-      character(checksum_length) :: checksum
-      integer(int64) :: n_bytes
+      type(checksum_t) :: checksum
 
-      call file_checksum(path, checksum, n_bytes, error)
+      call file_checksum(checksum, path, error)
       if (allocated(error)) then
          call faults%add(path, error%message(len(path) + 3:))
-      else if (n_bytes /= sealed%n_bytes) then
-         call faults%add(path, 'it was changed: '//to_text(n_bytes)//' bytes, but '//to_text(sealed%n_bytes)// &
+      else if (checksum%n_bytes /= sealed%n_bytes) then
+         call faults%add(path, 'it was changed: '//to_text(checksum%n_bytes)//' bytes, but '//to_text(sealed%n_bytes)// &
             ' were sealed')
-      else if (checksum /= sealed%checksum) then
-         call faults%add(path, 'it was changed: its checksum is '//checksum//', but '//sealed%checksum//' was sealed')
+      else if (checksum%digits() /= sealed%checksum) then
+         call faults%add(path, 'it was changed: its checksum is '//checksum%digits()//', but '//sealed%checksum// &
+            ' was sealed')
       end if
    end subroutine check_file
 
