@@ -11,7 +11,7 @@ module amontons_contact_check
    private
 
    public :: check_contact_rows, check_statuses, contact_table_t, law_scales_t, new_law_scales, read_contact_rows, &
-      read_status, status_fault
+      read_status
 
    !> Columns of numbers between the number of the point and its status.
    integer, parameter :: n_numbers = 11
@@ -136,20 +136,24 @@ contains
    end subroutine check_contact_rows
 
    !> Holds the statuses of a converged case against the contact law, point by point.
-   subroutine check_statuses(faults, path, table, friction, slip_bound, is_guided, scales)
+   subroutine check_statuses(faults, path, has_rows, table, friction, slip_bound, is_guided, scales)
       type(fault_text_t), intent(inout) :: faults !! gains what does not agree
       character(*), intent(in) :: path !! name of the file
+      logical, intent(in) :: has_rows !! whether it has a line for each point, behind one of names
       type(contact_table_t), intent(in) :: table !! what it states; the tangential forces along the slip
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients (m) [-]
       real(dp), intent(in) :: slip_bound(:) !! given bounds of the tangential force (m) [F]
       logical, intent(in) :: is_guided(:) !! whether a support bears the shear (m)
       type(law_scales_t), intent(in) :: scales !! what counts as none
-      character(:), allocatable :: wrong
+      character(:), allocatable :: place, wrong
       integer :: p
 
       do p = 1, size(table%status)
          wrong = status_fault(table, p, friction(p), slip_bound(p), is_guided(p), scales)
-         if (len(wrong) > 0) call faults%add(path//':'//to_text(p + 1), wrong)
+         if (len(wrong) == 0) cycle
+         place = path
+         if (has_rows) place = path//':'//to_text(p + 1)
+         call faults%add(place, wrong)
       end do
    end subroutine check_statuses
 

@@ -138,11 +138,15 @@ contains
       ! The reader of texts passes over a mark before UTF-8 text.
       if (len(fault) == 0 .and. n_bytes /= len(summary%text)) fault = 'it was changed: bytes stand before it'
       if (len(fault) > 0) call summary%faults%add(summary%path, fault)
-      do i = 1, size(seal%files)
-         call check_file(summary%faults, directory//'/'//seal%files(i)%name, seal%files(i))
+      do i = 1, seal%outputs%n
+         associate (file => seal%outputs%files(i))
+            call check_file(summary%faults, directory//'/'//file%name, file)
+         end associate
       end do
-      do i = 1, size(seal%inputs)
-         call check_file(summary%faults, seal%inputs(i)%name, seal%inputs(i))
+      do i = 1, seal%inputs%n
+         associate (file => seal%inputs%files(i))
+            call check_file(summary%faults, file%name, file)
+         end associate
       end do
    end subroutine check_seal
 
