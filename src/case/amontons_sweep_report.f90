@@ -50,7 +50,7 @@ contains
 
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
    subroutine write_files(files, seal, stem, config, body, result, error)
-      type(output_file_t), intent(inout) :: files(:) !! the finished files
+      type(output_file_t), intent(inout) :: files(:) !! the finished files, the summary last
       type(seal_t), intent(out) :: seal !! their seal
       character(*), intent(in) :: stem !! directory and name of the case
       type(config_t), intent(in) :: config !! the deck
