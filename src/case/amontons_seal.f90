@@ -128,33 +128,42 @@ contains
       type(checksum_t) :: checksum
 
       call file_checksum(checksum, path, error)
-      if (.not. allocated(error)) call self%append_known(name, checksum%n_bytes, checksum%digits())
+      if (.not. allocated(error)) call self%append_known(name, checksum)
    end subroutine sealed_list_append
 
-   !> Appends a file of which everything is known. The grids of a sweep are many thousands: room grows by doubling.
-   pure subroutine sealed_list_append_known(self, name, n_bytes, checksum)
+   !> Appends a file whose checksum is known.
+   pure subroutine sealed_list_append_known(self, name, checksum)
       class(sealed_list_t), intent(inout) :: self !! the list
-      character(*), intent(in) :: name !! its name
+      character(*), intent(in) :: name !! its name in the list
+      type(checksum_t), intent(in) :: checksum !! its checksum
+
+      call append(self, name, checksum%n_bytes, checksum%digits())
+   end subroutine sealed_list_append_known
+
+   !> Appends to a list. The grids of a sweep are many thousands: a full list grows by doubling.
+   pure subroutine append(list, name, n_bytes, checksum)
+      type(sealed_list_t), intent(inout) :: list !! the list
+      character(*), intent(in) :: name !! name of the file in it
       integer(int64), intent(in) :: n_bytes !! its size
       character(checksum_length), intent(in) :: checksum !! its checksum
       type(sealed_file_t), allocatable :: longer(:)
       integer :: i
 
-      if (.not. allocated(self%files)) allocate (self%files(8))
-      if (self%n == size(self%files)) then
-         allocate (longer(2*self%n))
-         do i = 1, self%n
-            longer(i)%n_bytes = self%files(i)%n_bytes
-            longer(i)%checksum = self%files(i)%checksum
-            call move_alloc(self%files(i)%name, longer(i)%name)
+      if (.not. allocated(list%files)) allocate (list%files(8))
+      if (list%n == size(list%files)) then
+         allocate (longer(2*list%n))
+         do i = 1, list%n
+            longer(i)%n_bytes = list%files(i)%n_bytes
+            longer(i)%checksum = list%files(i)%checksum
+            call move_alloc(list%files(i)%name, longer(i)%name)
          end do
-         call move_alloc(longer, self%files)
+         call move_alloc(longer, list%files)
       end if
-      self%n = self%n + 1
-      self%files(self%n)%name = name
-      self%files(self%n)%n_bytes = n_bytes
-      self%files(self%n)%checksum = checksum
-   end subroutine sealed_list_append_known
+      list%n = list%n + 1
+      list%files(list%n)%name = name
+      list%files(list%n)%n_bytes = n_bytes
+      list%files(list%n)%checksum = checksum
+   end subroutine append
 
    !> A summary with its seal, lines with their ends.
    function sealed_text(text, seal) result(sealed)
@@ -234,7 +243,8 @@ contains
             last = at_digits + len(before_digits) + checksum_length - 1
             if (index(line, before_name) /= 1 .or. at_bytes == 0 .or. at_digits < at_bytes .or. last > len(line)) return
             read (line(at_bytes + len(before_bytes):at_digits - 1), *, iostat=status) n_bytes
-            if (status == 0) call list%append_known(unescaped(line(len(before_name) + 1:at_bytes - 1)), n_bytes, &
+            if (status /= 0) return
+            call append(list, unescaped(line(len(before_name) + 1:at_bytes - 1)), n_bytes, &
                line(last - checksum_length + 1:last))
             first = first + len(line) + 1
          end associate

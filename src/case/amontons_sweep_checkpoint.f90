@@ -27,10 +27,10 @@ module amontons_sweep_checkpoint
    !> The two files.
    type :: sweep_checkpoint_t
       private
-      character(:), allocatable, public :: table_path !! where the table grows
+      character(:), allocatable :: table_path !! where the table grows
       character(:), allocatable :: path !! where its progress is noted
       logical, public :: is_anew = .false. !! whether an earlier run left rows that could not be gone on with
-      type(checksum_t) :: table !! checksum and bytes of the table
+      type(checksum_t), public :: table !! checksum and bytes of the table
       type(file_lock_t) :: lock !! the lock on the notes
    contains
       procedure, public :: append => sweep_checkpoint_append

@@ -64,9 +64,8 @@ contains
       if (allocated(error)) return
       seal = result%grids
       call seal%add_outputs(files, '', error)
-      if (.not. allocated(error)) call seal%add_written(result%checkpoint%table_path, stem//'.sweep.csv', &
-         '', error)
       if (allocated(error)) return
+      call seal%outputs%append_known(config%name//'.sweep.csv', result%checkpoint%table)
       call seal%add_inputs(config)
       call result%certified%timings%lap(phase_write)
       call write_text_file(files(size(files)), stem//'.summary.json', sealed_text(sweep_summary_text(config, body, &
