@@ -162,8 +162,8 @@ contains
       if (allocated(error)) then
          call faults%add(path, error%message(len(path) + 3:))
       else if (checksum%n_bytes /= sealed%n_bytes) then
-         call faults%add(path, 'it was changed: '//to_text(checksum%n_bytes)//' bytes, but '//to_text(sealed%n_bytes)// &
-            ' were sealed')
+         call faults%add(path, 'it was changed: '//to_text(checksum%n_bytes)//' bytes, but '// &
+            to_text(sealed%n_bytes)//' were sealed')
       else if (checksum%digits() /= sealed%checksum) then
          call faults%add(path, 'it was changed: its checksum is '//checksum%digits()//', but '//sealed%checksum// &
             ' was sealed')
