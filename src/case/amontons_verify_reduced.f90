@@ -52,7 +52,8 @@ contains
          call new_reduced_check(check, system)
          if (is_converged .and. system%n_contacts > 0) call check_statuses(summary%faults, stem//'.contact.csv', &
             .true., table, system%friction, spread(0.0_dp, 1, system%n_contacts), &
-            spread(.false., 1, system%n_contacts), law_scales_t(limit*length_scale(system), limit*maxval(abs(system%r))))
+            spread(.false., 1, system%n_contacts), law_scales_t(limit*length_scale(system), &
+            limit*maxval(abs(system%r))))
          call check_summary(summary, check, system, table, limit)
          is_certified = is_converged .and. check%largest() <= limit
       end associate
