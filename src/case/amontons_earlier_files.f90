@@ -7,9 +7,8 @@ module amontons_earlier_files
    use amontons_checksum, only: checksum_t, file_checksum
    use amontons_directory, only: file_name_t
    use amontons_error, only: error_t
-   use amontons_seal, only: read_seal, seal_t, sealed_file_t, sealed_list_t
+   use amontons_seal, only: read_sealed_summary, seal_t, sealed_file_t, sealed_list_t
    use amontons_system, only: absolute_path
-   use amontons_text_file, only: read_text_file
    implicit none (type, external)
    private
 
@@ -24,18 +23,13 @@ contains
       character(*), intent(in) :: name !! name of the case
       type(seal_t), intent(in) :: seal !! the seal of the new results
       type(seal_t) :: earlier
-      type(error_t), allocatable :: error
       character(:), allocatable :: summary, fault
       integer :: i, n
 
-      n = 0
-      allocate (files(n))
-      call read_text_file(directory//'/'//name//'.summary.json', summary, error)
-      if (allocated(error)) return
-      call read_seal(earlier, summary, fault)
-      if (len(fault) > 0) return
-      deallocate (files)
+      ! Where it cannot be read, or its seal is broken, nothing is named.
+      call read_sealed_summary(earlier, summary, directory//'/'//name//'.summary.json', fault)
       allocate (files(earlier%outputs%n))
+      n = 0
       do i = 1, earlier%outputs%n
          associate (file => earlier%outputs%files(i))
             if (.not. is_of_case(file%name, name) .or. is_among(seal%outputs, file%name)) cycle

@@ -10,10 +10,11 @@ module amontons_seal
    use amontons_kinds, only: int64
    use amontons_output_file, only: output_file_t
    use amontons_text, only: newline, to_text
+   use amontons_text_file, only: read_text_file
    implicit none (type, external)
    private
 
-   public :: read_seal, seal_t, sealed_file_t, sealed_list_t, sealed_text
+   public :: read_seal, read_sealed_summary, seal_t, sealed_file_t, sealed_list_t, sealed_text
 
    !> What stands before the checksum of the summary, and behind it.
    character(*), parameter :: before_checksum = '  "checksum": "', behind_checksum = '"'//newline//'}'//newline
@@ -201,6 +202,29 @@ contains
       ! There is no comma behind the last one.
       text = text(:max(0, n - 1))
    end function list_text
+
+   !> Reads a summary and its seal.
+   subroutine read_sealed_summary(seal, text, path, fault)
+      type(seal_t), intent(out) :: seal !! the seal; empty if there is a fault
+      character(:), allocatable, intent(out) :: text !! the summary; not allocated if it cannot be read
+      character(*), intent(in) :: path !! name of the file
+      character(:), allocatable, intent(out) :: fault !! why it is not what was written; empty if it is
+      type(checksum_t) :: checksum
+      type(error_t), allocatable :: error
+
+      ! A pipe, which somebody may have to write to, is none.
+      call file_checksum(checksum, path, error)
+      if (.not. allocated(error)) call read_text_file(path, text, error)
+      if (allocated(error)) then
+         if (allocated(text)) deallocate (text)
+         fault = error%message(len(path) + 3:)
+      else if (checksum%n_bytes /= len(text)) then
+         ! The reader of texts passes over a mark before UTF-8 text.
+         fault = 'it was changed: bytes stand before it'
+      else
+         call read_seal(seal, text, fault)
+      end if
+   end subroutine read_sealed_summary
 
    !> Checks the seal of a summary and reads it.
    subroutine read_seal(seal, text, fault)

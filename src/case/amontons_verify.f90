@@ -12,8 +12,7 @@ module amontons_verify
    use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_json, only: string
-   use amontons_kinds, only: int64
-   use amontons_seal, only: read_seal, seal_t, sealed_file_t
+   use amontons_seal, only: read_sealed_summary, seal_t, sealed_file_t
    use amontons_solve_case, only: workshop_t
    use amontons_summary_check, only: summary_check_t
    use amontons_text, only: to_text
@@ -122,21 +121,10 @@ contains
       type(summary_check_t), intent(inout) :: summary !! gains the text, if it can be read, and the faults
       character(*), intent(in) :: directory !! the directory of the results
       type(seal_t) :: seal
-      type(error_t), allocatable :: error
       character(:), allocatable :: fault
-      integer(int64) :: n_bytes
       integer :: i
 
-      call read_text_file(summary%path, summary%text, error)
-      if (allocated(error)) then
-         if (allocated(summary%text)) deallocate (summary%text)
-         call summary%faults%add(summary%path, error%message(len(summary%path) + 3:))
-         return
-      end if
-      call read_seal(seal, summary%text, fault)
-      inquire (file=summary%path, size=n_bytes)
-      ! The reader of texts passes over a mark before UTF-8 text.
-      if (len(fault) == 0 .and. n_bytes /= len(summary%text)) fault = 'it was changed: bytes stand before it'
+      call read_sealed_summary(seal, summary%text, summary%path, fault)
       if (len(fault) > 0) call summary%faults%add(summary%path, fault)
       do i = 1, seal%outputs%n
          associate (file => seal%outputs%files(i))

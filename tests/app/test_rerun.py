@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """A case solved again into the directory of an earlier run: what that left and this one does not write is removed."""
 import json
+import os
 import shutil
 import subprocess
 import time
@@ -97,6 +98,15 @@ class Kept(Rerun):
         self.solve_into_results(sweep(0))
         self.assertLess(set(before) - {"case_0.sweep.pvd"}, {*self.found(), "case_0.sweep.pvd"})
         self.assertIn("case_0.sweep.pvd", self.found())
+
+    def test_summary_that_is_a_pipe_is_not_waited_for(self):
+        self.solve_into_results(SINGLE)
+        summary = self.results/"case_0.summary.json"
+        summary.unlink()
+        os.mkfifo(summary)
+        self.assertIn("case_0.summary.json: cannot read this file: Invalid argument", self.verify(status=4))
+        self.solve_into_results(SINGLE)
+        self.assert_left()
 
     def test_file_that_the_new_run_reads(self):
         self.run_program("--quiet", "--output", "results", "--write-reduced", self.write("case_0.nml", SMALL))
