@@ -5,70 +5,61 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-struct sums {
-    uint64_t words, sums;
-};
+enum { word_size = 4 };
 
-/* Adds bytes, a multiple of 4 of them unless they are the last. */
-static struct sums add_bytes(struct sums total, const unsigned char *bytes, size_t n_bytes)
+/* Adds bytes to the checksum of those before them. The last word counts with zeros for the bytes that it lacks: what
+   comes in their place is added to both sums. */
+void amontons_add_to_checksum(uint64_t total[2], int64_t n_before, const char *bytes, int64_t n_bytes)
 {
-    uint64_t words = total.words, sums = total.sums;
+    uint64_t words = total[0], sums = total[1];
     uint32_t word;
-    for (; n_bytes >= sizeof word; bytes += sizeof word, n_bytes -= sizeof word) {
-        memcpy(&word, bytes, sizeof word);
+    for (int place = (int)(n_before % word_size); place % word_size != 0 && n_bytes > 0; place++, n_bytes--) {
+        uint64_t more = (uint64_t)(unsigned char)*bytes++ << 8 * place;
+        words += more;
+        sums += more;
+    }
+    for (; n_bytes >= word_size; bytes += word_size, n_bytes -= word_size) {
+        memcpy(&word, bytes, word_size);
         words += word;
         sums += words;
     }
     if (n_bytes > 0) {
         word = 0;
-        memcpy(&word, bytes, n_bytes);
+        memcpy(&word, bytes, (size_t)n_bytes);
         words += word;
         sums += words;
     }
-    return (struct sums){words, sums};
-}
-
-/* Writes the sums as 32 hexadecimal digits; the text has room for the zero behind them. */
-static void write_digits(struct sums total, char *digits)
-{
-    snprintf(digits, 33, "%016" PRIx64 "%016" PRIx64, total.words, total.sums);
-}
-
-/* The checksum of a text. */
-void amontons_checksum_of_text(const char *text, long n_bytes, char *digits)
-{
-    write_digits(add_bytes((struct sums){0, 0}, (const unsigned char *)text, (size_t)n_bytes), digits);
+    total[0] = words;
+    total[1] = sums;
 }
 
 /* Fills a buffer from a file as far as the file goes. Returns how many bytes, or minus the system's error number. */
-static long fill(int file, unsigned char *buffer, size_t size)
+static int64_t fill(int file, char *buffer, int64_t size)
 {
-    size_t n_read = 0;
+    int64_t n_read = 0;
     while (n_read < size) {
-        ssize_t n = read(file, buffer + n_read, size - n_read);
+        ssize_t n = read(file, buffer + n_read, (size_t)(size - n_read));
         if (n == 0)
             break;
         if (n > 0)
-            n_read += (size_t)n;
+            n_read += n;
         else if (errno != EINTR)
             return -errno;
     }
-    return (long)n_read;
+    return n_read;
 }
 
-/* The checksum of a file and its size. Returns 0 or the system's error number. What a pipe held is gone when it has
-   been read: it has no checksum. */
-int amontons_checksum_of_file(const char *path, char *digits, long long *n_bytes)
+/* Adds a file, or its first bytes if it has more than so many. Returns 0 or the system's error number. What a pipe held
+   is gone when it has been read: it has no checksum. */
+int amontons_checksum_of_file(const char *path, int64_t most, uint64_t total[2], int64_t *n_bytes)
 {
-    enum { size = 1 << 17 };
+    const int64_t size = 1 << 17;
     int file = open(path, O_RDONLY | O_NONBLOCK);
     if (file < 0)
         return errno;
@@ -77,19 +68,16 @@ int amontons_checksum_of_file(const char *path, char *digits, long long *n_bytes
         close(file);
         return EINVAL;
     }
-    unsigned char *buffer = malloc(size);
-    long n = buffer ? size : -ENOMEM;
-    struct sums total = {0, 0};
-    *n_bytes = 0;
+    char *buffer = malloc((size_t)size);
+    int64_t n = buffer ? size : -ENOMEM;
     while (n == size) {
-        n = fill(file, buffer, size);
+        n = fill(file, buffer, most - *n_bytes < size ? most - *n_bytes : size);
         if (n > 0) {
-            total = add_bytes(total, buffer, (size_t)n);
+            amontons_add_to_checksum(total, *n_bytes, buffer, n);
             *n_bytes += n;
         }
     }
     free(buffer);
     close(file);
-    write_digits(total, digits);
     return n < 0 ? (int)-n : 0;
 }

@@ -10,7 +10,7 @@ module amontons_directory
 
    !> Name of a file.
    type :: file_name_t
-      character(:), allocatable :: text !! the name, without directory
+      character(:), allocatable :: text !! the name
    end type file_name_t
 
    ! allow(assumed-size): C takes an address and knows no shape
@@ -37,7 +37,7 @@ module amontons_directory
 
 contains
 
-   !> The names of all that a directory holds, in alphabetical order.
+   !> The names of all that a directory holds, without their directory, in alphabetical order.
    subroutine list_directory(names, path, error)
       type(file_name_t), allocatable, intent(out) :: names(:) !! the names
       character(*), intent(in) :: path !! name of the directory

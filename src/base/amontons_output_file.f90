@@ -1,10 +1,11 @@
 !> Files that appear whole or not at all: written under a temporary name, renamed when complete.
 module amontons_output_file
    use, intrinsic :: iso_c_binding, only: c_int
+   use amontons_directory, only: file_name_t
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_file_lock, only: file_lock_t, lock_directory
    use amontons_kinds, only: int64
-   use amontons_system, only: remove_file, rename_file
+   use amontons_system, only: remove_directory, remove_file, rename_file
    use amontons_temporary_file, only: create_temporary, forget_temporary, hold_signals, release_signals
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -96,22 +97,38 @@ contains
 
    !> Gives finished files their final names, all of them even if a signal comes meanwhile; after an error, none. Files
    !> of another run in the same directory come before them all or after them all.
-   subroutine commit_files(files, error)
+   !>
+   !> Files of an earlier run that have no successor are removed before the last file gets its name: as long as that
+   !> still has its old content, which names them, a run that is killed here can be made good by the next one.
+   subroutine commit_files(files, error, earlier)
       type(output_file_t), intent(inout) :: files(:) !! the finished files, or those that were begun before an error
       type(error_t), allocatable, intent(inout) :: error
          !! why they are not complete, if they are not: they are then discarded; or why one cannot be renamed
+      type(file_name_t), intent(in), optional :: earlier(:) !! files to remove, and their directories if then empty
       type(file_lock_t) :: lock
       integer :: i
 
       call hold_signals()
       if (.not. allocated(error)) call lock_directory(lock, files(1)%path(:index(files(1)%path, '/', back=.true.)))
       do i = 1, size(files)
+         if (i == size(files) .and. present(earlier) .and. .not. allocated(error)) call remove_files(earlier)
          if (.not. allocated(error)) call put_in_place(files(i), lock%file, error)
          if (allocated(error)) call files(i)%discard()
       end do
       call lock%release()
       call release_signals()
    end subroutine commit_files
+
+   !> Removes files, and the directories that hold nothing more.
+   subroutine remove_files(files)
+      type(file_name_t), intent(in) :: files(:) !! the files
+      integer :: i
+
+      do i = 1, size(files)
+         call remove_file(files(i)%text)
+         call remove_directory(files(i)%text(:index(files(i)%text, '/', back=.true.)))
+      end do
+   end subroutine remove_files
 
    !> Gives the finished file its final name.
    subroutine output_file_commit(self, error)

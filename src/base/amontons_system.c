@@ -67,6 +67,12 @@ int amontons_remove(const char *path)
     return unlink(path) == 0 ? 0 : errno;
 }
 
+/* Removes a directory that holds nothing. Returns 0 or the system's error number. */
+int amontons_remove_directory(const char *path)
+{
+    return rmdir(path) == 0 ? 0 : errno;
+}
+
 /* Puts the system's words for an error number into a text of a given size, ended by a zero. */
 void amontons_error_text(int code, char *text, int size)
 {

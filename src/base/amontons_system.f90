@@ -7,7 +7,7 @@ module amontons_system
    private
 
    public :: absolute_path, append_to_file, available_memory_mb, cut_file, error_text, make_directory, peak_memory_mb, &
-      remove_file, rename_file, resident_memory_mb, return_large_arrays, return_memory, wall_seconds
+      remove_directory, remove_file, rename_file, resident_memory_mb, return_large_arrays, return_memory, wall_seconds
 
    ! allow(assumed-size): C takes an address and knows no shape
    interface
@@ -41,6 +41,13 @@ module amontons_system
          character(c_char), intent(in) :: path(*)
          integer(c_int) :: code
       end function c_remove
+
+      function c_remove_directory(path) bind(c, name='amontons_remove_directory') result(code)
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(c_char), intent(in) :: path(*)
+         integer(c_int) :: code
+      end function c_remove_directory
 
       function c_truncate(path, n_bytes) bind(c, name='amontons_truncate') result(code)
          import :: c_char, c_int, c_long
@@ -155,6 +162,15 @@ contains
       code = int(c_remove(path//c_null_char))
       if (code /= 0) return
    end subroutine remove_file
+
+   !> Removes a directory if it holds nothing.
+   subroutine remove_directory(path)
+      character(*), intent(in) :: path !! name of the directory
+      integer :: code
+
+      code = int(c_remove_directory(path//c_null_char))
+      if (code /= 0) return
+   end subroutine remove_directory
 
    !> Cuts a file behind a number of bytes.
    subroutine cut_file(path, n_bytes, error)

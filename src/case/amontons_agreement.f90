@@ -17,10 +17,15 @@ module amontons_agreement
    !> How many faults are told: the first ones show what was changed, the others only how much.
    integer, parameter :: most_told = 20
 
+   !> A fault.
+   type :: fault_t
+      character(:), allocatable :: text !! what is wrong with which file, lines of text
+   end type fault_t
+
    !> Faults found so far.
    type :: fault_text_t
       private
-      character(:), allocatable :: lines !! a line of text for each of the first, `most_told` at the most
+      type(fault_t) :: told(most_told) !! the first of them
       integer, public :: n = 0 !! number of faults
    contains
       procedure, public :: add => fault_text_add
@@ -83,9 +88,8 @@ contains
       character(*), intent(in) :: file !! name of the file
       character(*), intent(in) :: sentence !! what is wrong with it
 
-      if (self%n == 0) self%lines = ''
       self%n = self%n + 1
-      if (self%n <= most_told) self%lines = self%lines//newline//file//': '//printable(sentence)
+      if (self%n <= most_told) self%told(self%n)%text = file//': '//printable(sentence)
    end subroutine fault_text_add
 
    !> A text that quotes what was changed, with question marks for all that is no letter, digit or sign.
@@ -105,27 +109,27 @@ contains
    pure subroutine fault_text_append(self, other)
       class(fault_text_t), intent(inout) :: self !! the faults
       type(fault_text_t), intent(in) :: other !! the other list
+      integer :: i
 
-      if (other%n == 0) return
-      if (self%n == 0) self%lines = ''
-      if (self%n < most_told) self%lines = self%lines//other%lines
+      do i = 1, min(other%n, most_told - self%n)
+         self%told(self%n + i)%text = other%told(i)%text
+      end do
       self%n = self%n + other%n
    end subroutine fault_text_append
 
-   !> The faults, a line of text for each, without the end of the last one; empty if there is none.
+   !> The faults as lines of text, without the end of the last one; empty if there is none.
    pure function fault_text_text(self) result(text)
       class(fault_text_t), intent(in) :: self !! the faults
       character(:), allocatable :: text
-      integer :: i, n_told
+      integer :: i
 
       text = ''
       if (self%n == 0) return
-      text = self%lines(2:)
-      n_told = 1
-      do i = 1, len(text)
-         if (text(i:i) == newline) n_told = n_told + 1
+      text = self%told(1)%text
+      do i = 2, min(self%n, most_told)
+         text = text//newline//self%told(i)%text
       end do
-      if (self%n > n_told) text = text//newline//to_text(self%n - n_told)//' more faults follow'
+      if (self%n > most_told) text = text//newline//to_text(self%n - most_told)//' more faults follow'
    end function fault_text_text
 
 end module amontons_agreement

@@ -11,7 +11,7 @@ module amontons_contact_check
    private
 
    public :: check_contact_rows, check_statuses, contact_table_t, law_scales_t, new_law_scales, read_contact_rows, &
-      read_status, status_fault
+      read_point_rows
 
    !> Columns of numbers between the number of the point and its status.
    integer, parameter :: n_numbers = 11
@@ -48,33 +48,46 @@ contains
       scales%force = limit*max(maxval(abs(loads)), maxval(abs(force)))
    end function new_law_scales
 
-   !> Reads the table.
+   !> Reads NAME.contact.csv of a body.
    subroutine read_contact_rows(table, path, n_points, fault)
       type(contact_table_t), intent(out) :: table !! what it states
       character(*), intent(in) :: path !! name of the file
       integer, intent(in) :: n_points !! number of contact points
       character(:), allocatable, intent(out) :: fault !! why it cannot be read; empty if it can
-      type(csv_table_t) :: rows
-      integer :: p, i
 
-      call read_csv_table(rows, path, contact_header, n_numbers + 2, fault)
-      if (len(fault) == 0 .and. rows%n_rows /= n_points) fault = to_text(rows%n_rows)//' rows, but there are '// &
-         to_text(n_points)//' contact points'
-      if (len(fault) > 0) return
       allocate (table%numbers(n_numbers, n_points), table%status(n_points))
-      do p = 1, n_points
-         if (rows%field(p, 1) /= to_text(p)) fault = 'line '//to_text(p + 1)//': expected point '//to_text(p)// &
-            ", found '"//rows%field(p, 1)//"'"
-         do i = 1, n_numbers
-            call rows%get_number(p, i + 1, table%numbers(i, p), fault)
-         end do
-         call read_status(rows, p, n_numbers + 2, table%status(p), fault)
-         if (len(fault) > 0) return
-      end do
+      call read_point_rows(path, contact_header, table%numbers, table%status, fault)
+      if (len(fault) > 0) return
       table%gap = table%numbers(at_gap, :)
       table%slip = table%numbers(at_slip, :)
       table%force = [table%numbers(at_normal_force, :), table%numbers(at_tangential_force, :)]
    end subroutine read_contact_rows
+
+   !> Reads a table with a row for each contact point: its number, columns of numbers, its status.
+   subroutine read_point_rows(path, header, numbers, status, fault)
+      character(*), intent(in) :: path !! name of the file
+      character(*), intent(in) :: header !! its first line
+      real(dp), intent(out) :: numbers(:, :) !! the numbers (columns, m)
+      integer, intent(out) :: status(:) !! the statuses (m)
+      character(:), allocatable, intent(out) :: fault !! why it cannot be read; empty if it can
+      type(csv_table_t) :: rows
+      integer :: p, i, n
+
+      n = size(numbers, 1)
+      call read_csv_table(rows, path, header, n + 2, fault)
+      if (len(fault) == 0 .and. rows%n_rows /= size(status)) fault = to_text(rows%n_rows)//' rows, but there are '// &
+         to_text(size(status))//' contact points'
+      if (len(fault) > 0) return
+      do p = 1, size(status)
+         if (rows%field(p, 1) /= to_text(p)) fault = 'line '//to_text(p + 1)//': expected point '//to_text(p)// &
+            ", found '"//rows%field(p, 1)//"'"
+         do i = 1, n
+            call rows%get_number(p, i + 1, numbers(i, p), fault)
+         end do
+         call read_status(rows, p, n + 2, status(p), fault)
+         if (len(fault) > 0) return
+      end do
+   end subroutine read_point_rows
 
    !> Reads a status.
    pure subroutine read_status(rows, row, column, status, fault)
@@ -136,20 +149,24 @@ contains
    end subroutine check_contact_rows
 
    !> Holds the statuses of a converged case against the contact law, point by point.
-   subroutine check_statuses(faults, path, table, friction, slip_bound, is_guided, scales)
+   subroutine check_statuses(faults, path, has_rows, table, friction, slip_bound, is_guided, scales)
       type(fault_text_t), intent(inout) :: faults !! gains what does not agree
       character(*), intent(in) :: path !! name of the file
+      logical, intent(in) :: has_rows !! whether it has a line for each point, behind one of names
       type(contact_table_t), intent(in) :: table !! what it states; the tangential forces along the slip
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients (m) [-]
       real(dp), intent(in) :: slip_bound(:) !! given bounds of the tangential force (m) [F]
       logical, intent(in) :: is_guided(:) !! whether a support bears the shear (m)
       type(law_scales_t), intent(in) :: scales !! what counts as none
-      character(:), allocatable :: wrong
+      character(:), allocatable :: place, wrong
       integer :: p
 
       do p = 1, size(table%status)
          wrong = status_fault(table, p, friction(p), slip_bound(p), is_guided(p), scales)
-         if (len(wrong) > 0) call faults%add(path//':'//to_text(p + 1), wrong)
+         if (len(wrong) == 0) cycle
+         place = path
+         if (has_rows) place = path//':'//to_text(p + 1)
+         call faults%add(place, wrong)
       end do
    end subroutine check_statuses
 

@@ -3,6 +3,7 @@ module amontons_name_check
    use amontons_config, only: config_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_mesh, only: mesh_t
+   use amontons_text, only: newline
    implicit none (type, external)
    private
 
@@ -69,7 +70,7 @@ contains
       type(error_t), allocatable, intent(inout) :: error !! the faults
 
       if (allocated(error)) then
-         error%message = error%message//new_line('a')//origin//fault%message
+         error%message = error%message//newline//origin//fault%message
       else
          call new_error(error, input_refused, origin//fault%message)
       end if

@@ -1,6 +1,8 @@
 !> The files of a solved reduced problem: all of them, each whole, or none.
 module amontons_reduced_report
    use amontons_config, only: config_t
+   use amontons_directory, only: file_name_t
+   use amontons_earlier_files, only: find_earlier_files
    use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_friction_law, only: status_names
@@ -35,21 +37,24 @@ contains
       type(reduced_result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(output_file_t) :: files(n_files + merge(1, 0, allocated(result%all_solutions)))
+      type(file_name_t), allocatable :: earlier(:)
+      type(seal_t) :: seal
 
       call make_directory(directory, error)
       if (allocated(error)) return
-      call write_files(files, directory//'/'//config%name, config, result, error)
-      call commit_files(files, error)
+      call write_files(files, seal, directory//'/'//config%name, config, result, error)
+      if (.not. allocated(error)) call find_earlier_files(earlier, directory, config%name, seal)
+      call commit_files(files, error, earlier)
    end subroutine write_reduced_report
 
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
-   subroutine write_files(files, stem, config, result, error)
-      type(output_file_t), intent(inout) :: files(:) !! the finished files
+   subroutine write_files(files, seal, stem, config, result, error)
+      type(output_file_t), intent(inout) :: files(:) !! the finished files, the summary last
+      type(seal_t), intent(out) :: seal !! their seal
       character(*), intent(in) :: stem !! directory and name of the case
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
-      type(seal_t) :: seal
 
       call write_text_file(files(1), stem//'.lst', reduced_listing_text(config, result), error)
       if (allocated(error)) return
@@ -58,7 +63,7 @@ contains
       call write_text_file(files(3), stem//'.deck.nml', effective_deck(config), error)
       if (allocated(error)) return
       if (allocated(result%all_solutions)) then
-         call write_text_file(files(n_files + 1), stem//'.solutions.csv', solutions_table_text(result%all_solutions, &
+         call write_text_file(files(n_files), stem//'.solutions.csv', solutions_table_text(result%all_solutions, &
             spread(0.0_dp, 1, result%system%n_contacts)), error)
          if (allocated(error)) return
       end if
@@ -67,8 +72,8 @@ contains
       if (allocated(error)) return
       call seal%add_inputs(config)
       call result%timings%lap(phase_write)
-      call write_text_file(files(4), stem//'.summary.json', sealed_text(reduced_summary_text(config, result), &
-         seal), error)
+      call write_text_file(files(size(files)), stem//'.summary.json', sealed_text(reduced_summary_text(config, &
+         result), seal), error)
    end subroutine write_files
 
    !> The table: one row per contact, 17 significant digits.

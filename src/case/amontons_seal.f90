@@ -2,7 +2,7 @@
 !> as its last member, the checksum of the summary itself. `--verify` finds by it what was changed, even where no number
 !> follows from the others.
 module amontons_seal
-   use amontons_checksum, only: checksum_length, file_checksum, text_checksum
+   use amontons_checksum, only: checksum_length, checksum_t, file_checksum, text_checksum
    use amontons_config, only: config_t
    use amontons_error, only: error_t
    use amontons_fclib_file, only: has_fclib
@@ -10,10 +10,11 @@ module amontons_seal
    use amontons_kinds, only: int64
    use amontons_output_file, only: output_file_t
    use amontons_text, only: newline, to_text
+   use amontons_text_file, only: read_text_file
    implicit none (type, external)
    private
 
-   public :: read_seal, seal_t, sealed_file_t, sealed_text
+   public :: read_seal, read_sealed_summary, seal_t, sealed_file_t, sealed_list_t, sealed_text
 
    !> What stands before the checksum of the summary, and behind it.
    character(*), parameter :: before_checksum = '  "checksum": "', behind_checksum = '"'//newline//'}'//newline
@@ -25,10 +26,19 @@ module amontons_seal
       character(checksum_length) :: checksum = '' !! its checksum
    end type sealed_file_t
 
+   !> A list of files.
+   type :: sealed_list_t
+      type(sealed_file_t), allocatable :: files(:) !! the files, and room for more
+      integer :: n = 0 !! number of files
+   contains
+      procedure :: append => sealed_list_append
+      procedure :: append_known => sealed_list_append_known
+   end type sealed_list_t
+
    !> The files of a case.
    type :: seal_t
-      type(sealed_file_t), allocatable :: files(:) !! those written
-      type(sealed_file_t), allocatable :: inputs(:) !! those read: mesh, tables, reduced problem
+      type(sealed_list_t) :: outputs !! those written
+      type(sealed_list_t) :: inputs !! those read: mesh, tables, reduced problem
    contains
       procedure :: add_inputs => seal_add_inputs
       procedure :: add_outputs => seal_add_outputs
@@ -46,7 +56,6 @@ contains
       type(error_t), allocatable, intent(out) :: error !! one cannot be read
       integer :: i
 
-      if (.not. allocated(self%files)) allocate (self%files(0))
       do i = 1, size(files)
          if (.not. allocated(files(i)%temporary_path)) cycle
          call self%add_written(files(i)%temporary_path, files(i)%path, folder, error)
@@ -62,8 +71,7 @@ contains
       character(*), intent(in) :: folder !! where in the output directory it is: '', or with a slash behind it
       type(error_t), allocatable, intent(out) :: error !! it cannot be read
 
-      if (.not. allocated(self%files)) allocate (self%files(0))
-      call append_file(self%files, path, folder//final_path(index(final_path, '/', back=.true.) + 1:), error)
+      call self%outputs%append(path, folder//final_path(index(final_path, '/', back=.true.) + 1:), error)
       if (.not. allocated(error)) return
       ! Nobody knows the temporary name.
       error%message = final_path//': cannot write this file'//error%message(index(error%message, ': ', back=.true.):)
@@ -87,7 +95,6 @@ contains
       type(config_t), intent(in) :: config !! the case
       integer :: i
 
-      allocate (self%inputs(0))
       if (config%reduced%is_given) then
          call add(config%reduced%path)
          return
@@ -108,41 +115,55 @@ contains
          character(*), intent(in) :: path !! its name; empty for none
          type(error_t), allocatable :: unreadable
 
-         if (len(path) > 0) call append_file(self%inputs, path, path, unreadable)
+         if (len(path) > 0) call self%inputs%append(path, path, unreadable)
       end subroutine add
 
    end subroutine seal_add_inputs
 
-   !> Appends a file to a list.
-   subroutine append_file(list, path, name, error)
-      type(sealed_file_t), allocatable, intent(inout) :: list(:) !! the list
+   !> Appends a file as it is now.
+   subroutine sealed_list_append(self, path, name, error)
+      class(sealed_list_t), intent(inout) :: self !! the list
       character(*), intent(in) :: path !! where the file is now
-      character(*), intent(in) :: name !! the name in the list
+      character(*), intent(in) :: name !! its name in the list
       type(error_t), allocatable, intent(out) :: error !! it cannot be read
-      type(sealed_file_t) :: file
+      type(checksum_t) :: checksum
 
-      call file_checksum(path, file%checksum, file%n_bytes, error)
-      if (allocated(error)) return
-      file%name = name
-      call append(list, file)
-   end subroutine append_file
+      call file_checksum(checksum, path, error)
+      if (.not. allocated(error)) call self%append_known(name, checksum)
+   end subroutine sealed_list_append
 
-   !> Appends to a list.
-   pure subroutine append(list, file)
-      type(sealed_file_t), allocatable, intent(inout) :: list(:) !! the list
-      type(sealed_file_t), intent(in) :: file !! what to append
+   !> Appends a file whose checksum is known.
+   pure subroutine sealed_list_append_known(self, name, checksum)
+      class(sealed_list_t), intent(inout) :: self !! the list
+      character(*), intent(in) :: name !! its name in the list
+      type(checksum_t), intent(in) :: checksum !! its checksum
+
+      call append(self, name, checksum%n_bytes, checksum%digits())
+   end subroutine sealed_list_append_known
+
+   !> Appends to a list. The grids of a sweep are many thousands: a full list grows by doubling.
+   pure subroutine append(list, name, n_bytes, checksum)
+      type(sealed_list_t), intent(inout) :: list !! the list
+      character(*), intent(in) :: name !! name of the file in it
+      integer(int64), intent(in) :: n_bytes !! its size
+      character(checksum_length), intent(in) :: checksum !! its checksum
       type(sealed_file_t), allocatable :: longer(:)
       integer :: i
 
-      ! gfortran 12 loses the length of a text that a structure constructor puts into an array constructor.
-      allocate (longer(size(list) + 1))
-      do i = 1, size(list)
-         longer(i)%n_bytes = list(i)%n_bytes
-         longer(i)%checksum = list(i)%checksum
-         call move_alloc(list(i)%name, longer(i)%name)
-      end do
-      longer(size(longer)) = file
-      call move_alloc(longer, list)
+      if (.not. allocated(list%files)) allocate (list%files(8))
+      if (list%n == size(list%files)) then
+         allocate (longer(2*list%n))
+         do i = 1, list%n
+            longer(i)%n_bytes = list%files(i)%n_bytes
+            longer(i)%checksum = list%files(i)%checksum
+            call move_alloc(list%files(i)%name, longer(i)%name)
+         end do
+         call move_alloc(longer, list%files)
+      end if
+      list%n = list%n + 1
+      list%files(list%n)%name = name
+      list%files(list%n)%n_bytes = n_bytes
+      list%files(list%n)%checksum = checksum
    end subroutine append
 
    !> A summary with its seal, lines with their ends.
@@ -152,24 +173,24 @@ contains
       character(:), allocatable :: sealed
 
       sealed = text(:index(text, newline//'}', back=.true.) - 1)//','//newline// &
-         '  "files": ['//list_text(seal%files)//'],'//newline// &
+         '  "files": ['//list_text(seal%outputs)//'],'//newline// &
          '  "inputs": ['//list_text(seal%inputs)//'],'//newline
       sealed = sealed//before_checksum//text_checksum(sealed)//behind_checksum
    end function sealed_text
 
    !> A list of files as elements of a JSON array.
    pure function list_text(list) result(text)
-      type(sealed_file_t), intent(in) :: list(:) !! the files
+      type(sealed_list_t), intent(in) :: list !! the files
       character(:), allocatable :: text
       character(:), allocatable :: line, longer
       integer :: i, n
 
       allocate (character(0) :: text)
       n = 0
-      do i = 1, size(list)
-         line = newline//'    {"name": '//string(list(i)%name)//', "bytes": '//to_text(list(i)%n_bytes)// &
-            ', "checksum": "'//list(i)%checksum//'"},'
-         ! A sweep may have many thousand files: the text grows by doubling.
+      do i = 1, list%n
+         line = newline//'    {"name": '//string(list%files(i)%name)//', "bytes": '// &
+            to_text(list%files(i)%n_bytes)//', "checksum": "'//list%files(i)%checksum//'"},'
+         ! As the list, the text grows by doubling.
          if (n + len(line) > len(text)) then
             allocate (character(2*(n + len(line))) :: longer)
             longer(:n) = text(:n)
@@ -182,6 +203,29 @@ contains
       text = text(:max(0, n - 1))
    end function list_text
 
+   !> Reads a summary and its seal.
+   subroutine read_sealed_summary(seal, text, path, fault)
+      type(seal_t), intent(out) :: seal !! the seal; empty if there is a fault
+      character(:), allocatable, intent(out) :: text !! the summary; not allocated if it cannot be read
+      character(*), intent(in) :: path !! name of the file
+      character(:), allocatable, intent(out) :: fault !! why it is not what was written; empty if it is
+      type(checksum_t) :: checksum
+      type(error_t), allocatable :: error
+
+      ! A pipe, which somebody may have to write to, is none.
+      call file_checksum(checksum, path, error)
+      if (.not. allocated(error)) call read_text_file(path, text, error)
+      if (allocated(error)) then
+         if (allocated(text)) deallocate (text)
+         fault = error%message(len(path) + 3:)
+      else if (checksum%n_bytes /= len(text)) then
+         ! The reader of texts passes over a mark before UTF-8 text.
+         fault = 'it was changed: bytes stand before it'
+      else
+         call read_seal(seal, text, fault)
+      end if
+   end subroutine read_sealed_summary
+
    !> Checks the seal of a summary and reads it.
    subroutine read_seal(seal, text, fault)
       type(seal_t), intent(out) :: seal !! the seal
@@ -189,7 +233,6 @@ contains
       character(:), allocatable, intent(out) :: fault !! why it is not what was written; empty if it is
       integer :: last
 
-      allocate (seal%files(0), seal%inputs(0))
       last = index(text, before_checksum, back=.true.) - 1
       if (last < 0) then
          fault = 'it carries no checksum of its own: it is cut short, or of an earlier version of the program'
@@ -199,20 +242,20 @@ contains
          fault = 'it was changed: its own checksum is '//text_checksum(text(:last))
       else
          fault = ''
-         call read_list(seal%files, text, '  "files": [')
+         call read_list(seal%outputs, text, '  "files": [')
          call read_list(seal%inputs, text, '  "inputs": [')
       end if
    end subroutine read_seal
 
    !> Reads a list of files, one on a line, from a summary that is as it was written.
    pure subroutine read_list(list, text, head)
-      type(sealed_file_t), allocatable, intent(inout) :: list(:) !! the list
+      type(sealed_list_t), intent(inout) :: list !! the list
       character(*), intent(in) :: text !! the summary
       character(*), intent(in) :: head !! the line before the list
       character(*), parameter :: before_name = '    {"name": "', before_bytes = '", "bytes": ', &
          before_digits = ', "checksum": "'
-      type(sealed_file_t) :: file
-      integer :: first, at_bytes, at_digits, status
+      integer(int64) :: n_bytes
+      integer :: first, last, at_bytes, at_digits, status
 
       first = index(text, newline//head//newline)
       if (first == 0) return
@@ -221,11 +264,12 @@ contains
          associate (line => text(first:first + index(text(first:), newline) - 2))
             at_bytes = index(line, before_bytes, back=.true.)
             at_digits = index(line, before_digits, back=.true.)
-            if (index(line, before_name) /= 1 .or. at_bytes == 0 .or. at_digits < at_bytes) return
-            file%name = unescaped(line(len(before_name) + 1:at_bytes - 1))
-            read (line(at_bytes + len(before_bytes):at_digits - 1), *, iostat=status) file%n_bytes
-            file%checksum = line(at_digits + len(before_digits):)
-            if (status == 0) call append(list, file)
+            last = at_digits + len(before_digits) + checksum_length - 1
+            if (index(line, before_name) /= 1 .or. at_bytes == 0 .or. at_digits < at_bytes .or. last > len(line)) return
+            read (line(at_bytes + len(before_bytes):at_digits - 1), *, iostat=status) n_bytes
+            if (status /= 0) return
+            call append(list, unescaped(line(len(before_name) + 1:at_bytes - 1)), n_bytes, &
+               line(last - checksum_length + 1:last))
             first = first + len(line) + 1
          end associate
       end do

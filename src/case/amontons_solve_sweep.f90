@@ -130,7 +130,7 @@ contains
       type(sweep_model_t), intent(in) :: model !! its contact problems
       character(:), allocatable :: key
 
-      key = '! Amontons '//version//', a sweep under way; contact problem '//to_text(model%fingerprint())//newline// &
+      key = '! Amontons '//version//', a sweep under way; contact problem '//model%fingerprint()//newline// &
          effective_deck(config)
    end function sweep_key
 

@@ -8,10 +8,10 @@
 !>
 !> The checkpoint is locked as long as its run is at work: no second one writes to the same table.
 module amontons_sweep_checkpoint
+   use amontons_checksum, only: checksum_length, checksum_t, file_checksum, text_checksum
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_file_lock, only: file_lock_t, lock_file
    use amontons_kinds, only: int64
-   use amontons_running_checksum, only: checksum_of_start, running_checksum
    use amontons_sweep_tally, only: sweep_tally_t
    use amontons_system, only: append_to_file, cut_file, remove_file, rename_file
    use amontons_text, only: newline, to_text
@@ -27,10 +27,10 @@ module amontons_sweep_checkpoint
    !> The two files.
    type :: sweep_checkpoint_t
       private
-      character(:), allocatable, public :: table_path !! where the table grows
+      character(:), allocatable :: table_path !! where the table grows
       character(:), allocatable :: path !! where its progress is noted
-      integer(int64) :: table_bytes = 0 !! bytes of the table
-      integer(int64) :: table_checksum = 0 !! checksum of the table
+      logical, public :: is_anew = .false. !! whether an earlier run left rows that could not be gone on with
+      type(checksum_t), public :: table !! checksum and bytes of the table
       type(file_lock_t) :: lock !! the lock on the notes
    contains
       procedure, public :: append => sweep_checkpoint_append
@@ -58,14 +58,13 @@ contains
       if (allocated(error)) return
       call find_checkpoint(checkpoint, key, tally, notes_bytes, is_found)
       if (is_found) then
-         call cut_file(checkpoint%table_path, checkpoint%table_bytes, error)
+         call cut_file(checkpoint%table_path, checkpoint%table%n_bytes, error)
          if (.not. allocated(error)) call cut_file(checkpoint%path, notes_bytes, error)
       else
          ! What has this name now, a link perhaps, is not written through. The notes keep their file, which is locked.
          call remove_file(checkpoint%table_path)
          call append_to_file(checkpoint%table_path, .true., header, error)
-         checkpoint%table_bytes = len(header)
-         checkpoint%table_checksum = running_checksum(header)
+         call checkpoint%table%add(header)
          if (.not. allocated(error)) call cut_file(checkpoint%path, 0_int64, error)
          if (.not. allocated(error)) call append_to_file(checkpoint%path, .false., key, error)
       end if
@@ -82,7 +81,9 @@ contains
       type(error_t), allocatable :: error
       type(sweep_tally_t) :: noted
       character(:), allocatable :: text
-      integer(int64) :: n_bytes, noted_checksum, found_checksum
+      type(checksum_t) :: found
+      character(checksum_length) :: noted_checksum
+      integer(int64) :: n_bytes
       integer :: last, first
       logical :: ok
 
@@ -90,18 +91,19 @@ contains
       notes_bytes = 0
       call read_text_file(checkpoint%path, text, error)
       if (allocated(error)) return
+      checkpoint%is_anew = index(text, line_end) > 0
       if (index(text, key) /= 1) return
       last = index(text, line_end, back=.true.) + len(line_end) - 1
       if (last < len(key) + len(line_end)) return
       first = index(text(:last - len(line_end)), newline, back=.true.) + 1
       call read_line(text(first:last - len(line_end)), n_bytes, noted, noted_checksum, ok)
       if (.not. ok) return
-      call checksum_of_start(checkpoint%table_path, n_bytes, found_checksum, ok)
-      is_found = ok .and. found_checksum == noted_checksum
+      call file_checksum(found, checkpoint%table_path, error, n_bytes)
+      is_found = .not. allocated(error) .and. found%n_bytes == n_bytes .and. found%digits() == noted_checksum
       if (.not. is_found) return
+      checkpoint%is_anew = .false.
+      checkpoint%table = found
       tally = noted
-      checkpoint%table_bytes = n_bytes
-      checkpoint%table_checksum = noted_checksum
       notes_bytes = last
    end subroutine find_checkpoint
 
@@ -110,27 +112,31 @@ contains
       character(*), intent(in) :: line !! the line without its end
       integer(int64), intent(out) :: n_bytes !! bytes of the table
       type(sweep_tally_t), intent(out) :: tally !! the tally of their cases
-      integer(int64), intent(out) :: table_checksum !! their checksum
+      character(checksum_length), intent(out) :: table_checksum !! their checksum
       logical, intent(out) :: ok !! whether the line is as it was written
-      integer(int64) :: line_checksum
-      integer :: first, middle, last, status
+      integer :: first, last, status
 
-      first = index(line, ' ')
-      last = index(line, ' ', back=.true.)
-      middle = index(line(:last - 1), ' ', back=.true.)
       n_bytes = 0
-      table_checksum = 0
-      line_checksum = 0
-      ok = first < middle
-      if (ok) read (line(:first), *, iostat=status) n_bytes
-      if (ok) ok = status == 0
-      if (ok) read (line(middle:last), *, iostat=status) table_checksum
-      if (ok) ok = status == 0
-      if (ok) read (line(last:), *, iostat=status) line_checksum
-      if (ok) ok = status == 0
-      if (ok) ok = line_checksum == running_checksum(line(:last - 1))
-      if (ok) call tally%read(line(first:middle), ok)
+      table_checksum = ''
+      ! Behind bytes and tally: a blank, the checksum of the table, a blank, that of the line.
+      first = index(line, ' ')
+      last = len(line) - 2*(checksum_length + 1)
+      ok = first > 0 .and. first < last
+      if (ok) ok = line == with_checksum(line(:last + checksum_length + 1))
+      if (.not. ok) return
+      table_checksum = line(last + 2:)
+      read (line(:first), *, iostat=status) n_bytes
+      ok = status == 0
+      if (ok) call tally%read(line(first:last), ok)
    end subroutine read_line
+
+   !> A line of the notes with its checksum.
+   pure function with_checksum(line) result(text)
+      character(*), intent(in) :: line !! the line
+      character(len(line) + 1 + checksum_length) :: text
+
+      text = line//' '//text_checksum(line)
+   end function with_checksum
 
    !> Appends the rows of a batch; they are safe on return.
    subroutine sweep_checkpoint_append(self, rows, tally, error)
@@ -143,17 +149,16 @@ contains
 
       ! Not every file system has locks.
       inquire (file=self%table_path, size=found)
-      if (found == self%table_bytes) then
+      if (found == self%table%n_bytes) then
          call append_to_file(self%table_path, .false., rows, error)
       else
          call new_error(error, system_failure, self%table_path//': cannot write this file: '//to_text(found)// &
-            ' bytes in the place of '//to_text(self%table_bytes)//': another run may write to it')
+            ' bytes in the place of '//to_text(self%table%n_bytes)//': another run may write to it')
       end if
       if (allocated(error)) return
-      self%table_bytes = self%table_bytes + len(rows)
-      self%table_checksum = running_checksum(rows, self%table_checksum)
-      line = to_text(self%table_bytes)//' '//tally%text()//' '//to_text(self%table_checksum)
-      call append_to_file(self%path, .false., line//' '//to_text(running_checksum(line))//line_end, error)
+      call self%table%add(rows)
+      line = to_text(self%table%n_bytes)//' '//tally%text()//' '//self%table%digits()
+      call append_to_file(self%path, .false., with_checksum(line)//line_end, error)
    end subroutine sweep_checkpoint_append
 
    !> Gives the complete table its final name.

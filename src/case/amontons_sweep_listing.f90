@@ -92,6 +92,8 @@ contains
          if (tally%residual_case > 0) text = text//line('Largest residual', scientific(tally%residual)// &
             ' in case '//to_text(tally%residual_case)//', tolerance '//scientific(config%method%tolerance))
          if (result%n_resumed > 0) text = text//line('Done earlier', to_text(result%n_resumed)//' cases')
+         if (result%checkpoint%is_anew) text = text//line('Note', 'an interrupted run had left rows of another '// &
+            'deck or version, or damaged ones: all cases were solved anew')
          text = text//line('Cases a second', short(result%cases_per_second()))
       end associate
    end function solution_text

@@ -5,6 +5,7 @@
 module amontons_sweep_model
    use amontons_assembly, only: to_unknowns
    use amontons_body, only: body_t
+   use amontons_checksum, only: checksum_length, checksum_t
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_error, only: error_t
@@ -169,39 +170,24 @@ contains
       end do
    end function sweep_model_case_forces
 
-   !> A number that tells whether two models are the same to the last bit: files that a deck names may have changed
+   !> A text that tells whether two models are the same to the last bit: files that a deck names may have changed
    !> although the deck has not.
-   pure integer(int64) function sweep_model_fingerprint(self) result(print)
+   pure function sweep_model_fingerprint(self) result(digits)
       class(sweep_model_t), intent(in) :: self !! the model
+      character(checksum_length) :: digits
+      type(checksum_t) :: checksum
       integer :: j
 
-      print = 0
       associate (problem => self%problem)
          do j = 1, size(problem%stiffness, 2)
-            call mix(print, problem%stiffness(:, j))
+            call checksum%add(problem%stiffness(:, j))
          end do
-         call mix(print, problem%load)
-         call mix(print, problem%gap)
-         call mix(print, self%fixed_friction)
-         call mix(print, problem%slip_bound)
+         call checksum%add([problem%load, problem%gap, self%fixed_friction, problem%slip_bound])
       end associate
       do j = 1, size(self%load, 2)
-         call mix(print, self%load(:, j))
-         call mix(print, self%friction(:, j))
+         call checksum%add([self%load(:, j), self%friction(:, j)])
       end do
-
+      digits = checksum%digits()
    end function sweep_model_fingerprint
-
-   !> Mixes the bits of some numbers into a fingerprint.
-   pure subroutine mix(print, numbers)
-      integer(int64), intent(inout) :: print !! the fingerprint
-      real(dp), intent(in) :: numbers(:) !! the numbers
-      integer :: i
-
-      do i = 1, size(numbers)
-         print = ieor(ishftc(print, 13), transfer(numbers(i), print))
-         print = ieor(print, shiftr(print, 7))
-      end do
-   end subroutine mix
 
 end module amontons_sweep_model

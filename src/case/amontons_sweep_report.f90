@@ -2,6 +2,8 @@
 module amontons_sweep_report
    use amontons_body, only: body_t
    use amontons_config, only: config_t
+   use amontons_directory, only: file_name_t
+   use amontons_earlier_files, only: find_earlier_files
    use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
@@ -30,28 +32,31 @@ contains
       type(sweep_result_t), intent(inout) :: result !! the result of all cases; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(output_file_t) :: files(n_files + merge(1, 0, allocated(result%collection)))
+      type(file_name_t), allocatable :: earlier(:)
+      type(seal_t) :: seal
       character(:), allocatable :: stem
 
-      if (allocated(result%collection)) files(n_files + 1) = result%collection
+      if (allocated(result%collection)) files(n_files) = result%collection
       stem = directory//'/'//config%name
-      call write_files(files, stem, config, body, result, error)
+      call write_files(files, seal, stem, config, body, result, error)
+      if (.not. allocated(error)) call find_earlier_files(earlier, directory, config%name, seal)
       call hold_signals()
       if (.not. allocated(error)) call result%checkpoint%commit(stem//'.sweep.csv', error)
-      call commit_files(files, error)
+      call commit_files(files, error, earlier)
       if (.not. allocated(error)) call result%checkpoint%remove()
       call result%checkpoint%close()
       call release_signals()
    end subroutine write_sweep_report
 
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
-   subroutine write_files(files, stem, config, body, result, error)
-      type(output_file_t), intent(inout) :: files(:) !! the finished files
+   subroutine write_files(files, seal, stem, config, body, result, error)
+      type(output_file_t), intent(inout) :: files(:) !! the finished files, the summary last
+      type(seal_t), intent(out) :: seal !! their seal
       character(*), intent(in) :: stem !! directory and name of the case
       type(config_t), intent(in) :: config !! the deck
       type(body_t), intent(in) :: body !! the body
       type(sweep_result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
-      type(seal_t) :: seal
 
       call write_text_file(files(1), stem//'.lst', sweep_listing_text(config, body, result), error)
       if (allocated(error)) return
@@ -59,12 +64,11 @@ contains
       if (allocated(error)) return
       seal = result%grids
       call seal%add_outputs(files, '', error)
-      if (.not. allocated(error)) call seal%add_written(result%checkpoint%table_path, stem//'.sweep.csv', &
-         '', error)
       if (allocated(error)) return
+      call seal%outputs%append_known(config%name//'.sweep.csv', result%checkpoint%table)
       call seal%add_inputs(config)
       call result%certified%timings%lap(phase_write)
-      call write_text_file(files(3), stem//'.summary.json', sealed_text(sweep_summary_text(config, body, &
+      call write_text_file(files(size(files)), stem//'.summary.json', sealed_text(sweep_summary_text(config, body, &
          result), seal), error)
    end subroutine write_files
 

@@ -6,14 +6,13 @@
 !> second whoever changes a result and its seal.
 module amontons_verify
    use amontons_agreement, only: fault_text_t
-   use amontons_checksum, only: checksum_length, file_checksum
+   use amontons_checksum, only: checksum_t, file_checksum
    use amontons_config, only: config_t, read_config
    use amontons_directory, only: file_name_t, list_directory
    use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_json, only: string
-   use amontons_kinds, only: int64
-   use amontons_seal, only: read_seal, seal_t, sealed_file_t
+   use amontons_seal, only: read_sealed_summary, seal_t, sealed_file_t
    use amontons_solve_case, only: workshop_t
    use amontons_summary_check, only: summary_check_t
    use amontons_text, only: to_text
@@ -122,27 +121,20 @@ contains
       type(summary_check_t), intent(inout) :: summary !! gains the text, if it can be read, and the faults
       character(*), intent(in) :: directory !! the directory of the results
       type(seal_t) :: seal
-      type(error_t), allocatable :: error
       character(:), allocatable :: fault
-      integer(int64) :: n_bytes
       integer :: i
 
-      call read_text_file(summary%path, summary%text, error)
-      if (allocated(error)) then
-         if (allocated(summary%text)) deallocate (summary%text)
-         call summary%faults%add(summary%path, error%message(len(summary%path) + 3:))
-         return
-      end if
-      call read_seal(seal, summary%text, fault)
-      inquire (file=summary%path, size=n_bytes)
-      ! The reader of texts passes over a mark before UTF-8 text.
-      if (len(fault) == 0 .and. n_bytes /= len(summary%text)) fault = 'it was changed: bytes stand before it'
+      call read_sealed_summary(seal, summary%text, summary%path, fault)
       if (len(fault) > 0) call summary%faults%add(summary%path, fault)
-      do i = 1, size(seal%files)
-         call check_file(summary%faults, directory//'/'//seal%files(i)%name, seal%files(i))
+      do i = 1, seal%outputs%n
+         associate (file => seal%outputs%files(i))
+            call check_file(summary%faults, directory//'/'//file%name, file)
+         end associate
       end do
-      do i = 1, size(seal%inputs)
-         call check_file(summary%faults, seal%inputs(i)%name, seal%inputs(i))
+      do i = 1, seal%inputs%n
+         associate (file => seal%inputs%files(i))
+            call check_file(summary%faults, file%name, file)
+         end associate
       end do
    end subroutine check_seal
 
@@ -152,17 +144,17 @@ contains
       character(*), intent(in) :: path !! name of the file
       type(sealed_file_t), intent(in) :: sealed !! what is known of it
       type(error_t), allocatable :: error
-      character(checksum_length) :: checksum
-      integer(int64) :: n_bytes
+      type(checksum_t) :: checksum
 
-      call file_checksum(path, checksum, n_bytes, error)
+      call file_checksum(checksum, path, error)
       if (allocated(error)) then
          call faults%add(path, error%message(len(path) + 3:))
-      else if (n_bytes /= sealed%n_bytes) then
-         call faults%add(path, 'it was changed: '//to_text(n_bytes)//' bytes, but '//to_text(sealed%n_bytes)// &
-            ' were sealed')
-      else if (checksum /= sealed%checksum) then
-         call faults%add(path, 'it was changed: its checksum is '//checksum//', but '//sealed%checksum//' was sealed')
+      else if (checksum%n_bytes /= sealed%n_bytes) then
+         call faults%add(path, 'it was changed: '//to_text(checksum%n_bytes)//' bytes, but '// &
+            to_text(sealed%n_bytes)//' were sealed')
+      else if (checksum%digits() /= sealed%checksum) then
+         call faults%add(path, 'it was changed: its checksum is '//checksum%digits()//', but '//sealed%checksum// &
+            ' was sealed')
       end if
    end subroutine check_file
 

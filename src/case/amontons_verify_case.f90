@@ -87,8 +87,10 @@ contains
       if (.not. result%solution%is_converged) return
       scales = new_law_scales(certificate_limit(config%method%tolerance), result%displacement, result%loads, &
          table%force)
-      call check_statuses(summary%faults, stem//'.contact.csv', table, workshop%body%zone%friction, &
-         workshop%body%zone%slip_bound, workshop%body%zone%is_guided, scales)
+      associate (zone => workshop%body%zone)
+         call check_statuses(summary%faults, stem//'.contact.csv', .true., table, zone%friction, zone%slip_bound, &
+            zone%is_guided, scales)
+      end associate
    end subroutine check_points
 
    !> Checks the numbers of the summary.

@@ -5,7 +5,7 @@ module amontons_verify_fields
    use amontons_certificate, only: new_certificate
    use amontons_collection_check, only: compare_collection
    use amontons_config, only: config_t
-   use amontons_contact_check, only: contact_table_t, law_scales_t, new_law_scales, status_fault
+   use amontons_contact_check, only: check_statuses, contact_table_t, new_law_scales
    use amontons_directory, only: file_name_t, list_directory
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
@@ -14,7 +14,7 @@ module amontons_verify_fields
    use amontons_summary_check, only: summary_check_t
    use amontons_sweep_model, only: new_sweep_loads, sweep_model_t
    use amontons_sweep_tally, only: case_result_t
-   use amontons_text, only: to_text
+   use amontons_text, only: read_integer, to_text
    use amontons_verify_case, only: check_grids
    use amontons_vtk_check, only: read_array, read_displacement
    implicit none (type, external)
@@ -59,25 +59,30 @@ contains
          stem(index(stem, '/', back=.true.) + 1:)//'.sweep/')
    end subroutine verify_fields
 
-   !> Tells of grids that are none of this sweep, as an earlier one of the same name may leave them.
+   !> Tells of grids that are none of this sweep, as an interrupted one of the same name may leave them.
    subroutine check_surplus(summary, folder, numbers)
       type(summary_check_t), intent(inout) :: summary !! gains the faults
       character(*), intent(in) :: folder !! the folder of the grids
       integer, intent(in) :: numbers(:) !! numbers of the cases whose grids should be there
       type(file_name_t), allocatable :: files(:)
       type(error_t), allocatable :: error
-      integer :: i, k
+      logical, allocatable :: has_grids(:)
+      integer :: i, number
+      logical :: ok
 
       ! What is missing is told when it is read.
       call list_directory(files, folder, error)
       if (allocated(error)) return
+      allocate (has_grids(0:maxval([0, numbers])), source=.false.)
+      has_grids(numbers) = .true.
       do i = 1, size(files)
          associate (name => files(i)%text)
             if (index(name//'/', '.vtu/') == 0) cycle
-            do k = 1, size(numbers)
-               if (name == to_text(numbers(k))//'.vtu' .or. name == to_text(numbers(k))//'.contact.vtu') exit
-            end do
-            if (k > size(numbers)) call summary%faults%add(folder//'/'//name, 'it is no grid of this sweep')
+            call read_integer(name(:index(name, '.') - 1), number, ok)
+            if (ok) ok = number >= 0 .and. number < size(has_grids)
+            if (ok) ok = has_grids(number) .and. (name == to_text(number)//'.vtu' .or. &
+               name == to_text(number)//'.contact.vtu')
+            if (.not. ok) call summary%faults%add(folder//'/'//name, 'it is no grid of this sweep')
          end associate
       end do
    end subroutine check_surplus
@@ -149,10 +154,8 @@ contains
       type(result_t), intent(inout) :: result !! what the grids state; gains the certificate
       character(*), intent(in) :: stem !! name of the grids without endings
       type(contact_table_t) :: table
-      type(law_scales_t) :: scales
-      character(:), allocatable :: wrong
       real(dp) :: limit
-      integer :: p, m
+      integer :: m
 
       limit = certificate_limit(config%method%tolerance)
       associate (body => workshop%body, zone => workshop%body%zone, solution => result%solution)
@@ -166,11 +169,8 @@ contains
          table%gap = -solution%displacement(:m)
          table%slip = solution%displacement(m + 1:)
          table%status = solution%status
-         scales = new_law_scales(limit, result%displacement, result%loads, table%force)
-         do p = 1, m
-            wrong = status_fault(table, p, zone%friction(p), zone%slip_bound(p), zone%is_guided(p), scales)
-            if (len(wrong) > 0) call summary%faults%add(stem//'.contact.vtu', wrong)
-         end do
+         call check_statuses(summary%faults, stem//'.contact.vtu', .false., table, zone%friction, zone%slip_bound, &
+            zone%is_guided, new_law_scales(limit, result%displacement, result%loads, table%force))
       end associate
    end subroutine check_law
 

@@ -3,8 +3,7 @@
 module amontons_verify_reduced
    use amontons_agreement, only: agree, contradiction
    use amontons_config, only: config_t
-   use amontons_contact_check, only: check_statuses, contact_table_t, law_scales_t, read_status
-   use amontons_csv_table, only: csv_table_t, read_csv_table
+   use amontons_contact_check, only: check_statuses, contact_table_t, law_scales_t, read_point_rows
    use amontons_error, only: error_t
    use amontons_json, only: truth
    use amontons_kinds, only: dp
@@ -19,9 +18,6 @@ module amontons_verify_reduced
    private
 
    public :: verify_reduced
-
-   !> Columns of the table.
-   integer, parameter :: n_columns = 6
 
 contains
 
@@ -55,8 +51,9 @@ contains
          call check_displacements(summary, system, table, stem//'.contact.csv')
          call new_reduced_check(check, system)
          if (is_converged .and. system%n_contacts > 0) call check_statuses(summary%faults, stem//'.contact.csv', &
-            table, system%friction, spread(0.0_dp, 1, system%n_contacts), spread(.false., 1, system%n_contacts), &
-            law_scales_t(limit*length_scale(system), limit*maxval(abs(system%r))))
+            .true., table, system%friction, spread(0.0_dp, 1, system%n_contacts), &
+            spread(.false., 1, system%n_contacts), law_scales_t(limit*length_scale(system), &
+            limit*maxval(abs(system%r))))
          call check_summary(summary, check, system, table, limit)
          is_certified = is_converged .and. check%largest() <= limit
       end associate
@@ -68,27 +65,14 @@ contains
       character(*), intent(in) :: path !! name of the file
       integer, intent(in) :: n_contacts !! number of contacts
       character(:), allocatable, intent(out) :: fault !! why it cannot be read; empty if it can
-      type(csv_table_t) :: rows
-      real(dp) :: numbers(4)
-      integer :: p, i
+      real(dp) :: numbers(4, n_contacts)
 
-      call read_csv_table(rows, path, reduced_header, n_columns, fault)
-      if (len(fault) == 0 .and. rows%n_rows /= n_contacts) fault = to_text(rows%n_rows)//' rows, but there are '// &
-         to_text(n_contacts)//' contacts'
+      allocate (table%status(n_contacts))
+      call read_point_rows(path, reduced_header, numbers, table%status, fault)
       if (len(fault) > 0) return
-      allocate (table%gap(n_contacts), table%slip(n_contacts), table%force(2*n_contacts), table%status(n_contacts))
-      do p = 1, n_contacts
-         if (rows%field(p, 1) /= to_text(p)) fault = 'line '//to_text(p + 1)//': expected point '//to_text(p)// &
-            ", found '"//rows%field(p, 1)//"'"
-         do i = 1, 4
-            call rows%get_number(p, i + 1, numbers(i), fault)
-         end do
-         call read_status(rows, p, n_columns, table%status(p), fault)
-         if (len(fault) > 0) return
-         table%gap(p) = numbers(1)
-         table%slip(p) = numbers(2)
-         table%force([p, p + n_contacts]) = [numbers(3), -numbers(4)]
-      end do
+      table%gap = numbers(1, :)
+      table%slip = numbers(2, :)
+      table%force = [numbers(3, :), -numbers(4, :)]
    end subroutine read_table
 
    !> Compares the displacements with those that the forces make.

@@ -3,6 +3,7 @@
 import os
 import pty
 import random
+import re
 import signal
 import subprocess
 import time
@@ -10,10 +11,12 @@ import unittest
 
 from harness import CAN_MOUNT, PROGRAM
 from test_sweep import SweepTest, map_of_states
+from verification import checksum
 
 
 class Interruption(SweepTest):
     """A sweep that ends before its time goes on where it was."""
+    ANEW = b"all cases were solved anew"
 
     def setUp(self):
         super().setUp()
@@ -192,6 +195,38 @@ class Interruption(SweepTest):
         self.run_program("--quiet", "sweep.nml")
         self.assertEqual(self.contents()["sweep.sweep.csv"], self.contents("fresh")["sweep.sweep.csv"])
         self.assertEqual(self.summary()["sweep"]["done_earlier"], 0)
+        self.assertIn(self.ANEW, self.contents()["sweep.lst"])
+        self.assertNotIn(self.ANEW, self.contents("fresh")["sweep.lst"])
+
+    def test_checkpoint_of_another_form_begins_anew(self):
+        # As an earlier version wrote it: sums of another kind, in decimal digits.
+        self.write("sweep.nml", map_of_states(6))
+        self.run_program("--quiet", "--output", "fresh", "sweep.nml")
+        while self.n_done() == 0:
+            run = self.start("--quiet", "--threads", "1", "sweep.nml")
+            self.wait_for_rows(run, 1)
+            run.kill()
+            run.communicate()
+        path = self.directory / "sweep.sweep.checkpoint"
+        path.write_bytes(re.sub(rb" [0-9a-f]{32} [0-9a-f]{32} rows", b" -73110 2218931 rows", path.read_bytes()))
+        self.run_program("--quiet", "sweep.nml")
+        self.assertIn(self.ANEW, self.contents()["sweep.lst"])
+        self.assertEqual(self.summary()["sweep"]["done_earlier"], 0)
+        self.assertEqual(self.contents()["sweep.sweep.csv"], self.contents("fresh")["sweep.sweep.csv"])
+
+    def test_checksums_of_the_checkpoint_are_those_of_its_texts(self):
+        self.write("sweep.nml", map_of_states(2000))
+        run = self.start("--quiet", "sweep.nml")
+        self.wait_for_rows(run, 1000)
+        run.kill()
+        run.communicate()
+        table = self.contents()["sweep.sweep.part"]
+        lines = [line for line in self.contents()["sweep.sweep.checkpoint"].splitlines() if line.endswith(b" rows")]
+        self.assertTrue(lines)
+        for line in lines:
+            noted, own = line.decode().split()[-3:-1]
+            self.assertEqual(noted, checksum(table[:int(line.split()[0])]))
+            self.assertEqual(own, checksum(line[:-len(f" {own} rows")]))
 
     def test_changed_table_of_friction_begins_anew(self):
         deck = map_of_states(100).replace("friction = 0.3", "friction_table = 'friction.txt'")
