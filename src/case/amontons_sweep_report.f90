@@ -63,7 +63,7 @@ contains
          '', error)
       if (allocated(error)) return
       call seal%add_inputs(config)
-      call result%certified%timings%lap(phase_write)
+      call result%certified%timings%begin(phase_write)
       call write_text_file(files(3), stem//'.summary.json', sealed_text(sweep_summary_text(config, body, &
          result), seal), error)
    end subroutine write_files
