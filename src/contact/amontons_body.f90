@@ -105,7 +105,7 @@ contains
       end do
    end subroutine measure_cells
 
-   !> Assembles and factorises the stiffness and condenses it to the contact points. What follows condenses, too.
+   !> Assembles and factorises the stiffness and condenses it to the contact points; the clock goes on condensing.
    subroutine condense_body(body, factorization, timings, error)
       type(body_t), intent(inout) :: body !! the body
       character(*), intent(in) :: factorization !! one of `factorization_names`
