@@ -60,24 +60,33 @@ static void replace(const char *text, int n_columns)
     amontons_write(STDERR_FILENO, line, n + n_columns);
 }
 
-/* Draws the line as it is after some seconds, cut to the width of the terminal, between two characters. */
-static void draw(long seconds)
+/* Puts together the line as it is after some seconds, cut to the width of the terminal, between two characters. Returns
+   its length, 0 where there is nothing to tell. */
+static int compose(char *line, long seconds)
 {
-    char line[longest];
     struct winsize size;
-    int n_most = longest - 1;
+    int n = 0, n_most = longest - 1;
 
     pthread_mutex_lock(&words);
-    int n = has_seconds ? snprintf(line, sizeof line, "%s: %s, %ld s", name, work, seconds)
-        : snprintf(line, sizeof line, "%s: %s", name, work);
+    if (work[0])
+        n = has_seconds ? snprintf(line, longest, "%s: %s, %ld s", name, work, seconds)
+            : snprintf(line, longest, "%s: %s", name, work);
     pthread_mutex_unlock(&words);
     if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > echo && size.ws_col - echo <= n_most)
         n_most = size.ws_col - echo - 1;
     if (n > n_most)
         for (n = n_most; n > 0 && ((unsigned char)line[n] & 0xc0) == 0x80; n--)
             ;
+    return n;
+}
+
+/* Draws the line as it is after some seconds. */
+static void draw(long seconds)
+{
+    char line[longest];
     pthread_mutex_lock(&screen);
-    if (!is_elsewhere() && is_ready() && !atomic_load(&is_abandoned))
+    int n = compose(line, seconds);
+    if (n > 0 && !is_elsewhere() && is_ready() && !atomic_load(&is_abandoned))
         replace(line, n);
     pthread_mutex_unlock(&screen);
 }
@@ -183,10 +192,14 @@ void amontons_abandon_line(void)
         erase();
 }
 
-/* Prints a text, all of it, in the place of the line. Returns 0 or the system's error number. */
+/* Prints a text, all of it, in the place of the line, which comes back with the next work that is noted. Returns 0 or
+   the system's error number. */
 int amontons_print(int file, const char *text, long n_bytes)
 {
     pthread_mutex_lock(&screen);
+    pthread_mutex_lock(&words);
+    work[0] = '\0';
+    pthread_mutex_unlock(&words);
     erase();
     int code = amontons_write(file, text, n_bytes);
     pthread_mutex_unlock(&screen);

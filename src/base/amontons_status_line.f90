@@ -1,7 +1,8 @@
 !> The line on a terminal that tells what a long run is at.
 !>
-!> A program opens and closes it. Between the two the line is drawn anew each second, from the first second on, and is
-!> gone before anything is printed; without a terminal, or where no program has opened it, nothing is shown.
+!> A program opens and closes it. Between the two it is drawn anew each second, from the end of the first one on;
+!> `print_line` removes it, until more work is noted. Without a terminal, or where no program has opened it, nothing is
+!> shown.
 module amontons_status_line
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
    implicit none (type, external)

@@ -123,6 +123,8 @@ class Progress(ProgramTest):
         result, rest = terminal.end(0)
         self.assertRegex(result, r"^case: solved, \d+ iterations, .* sticking [\d.E-]+$")
         self.assertEqual(rest, "")
+        # And does not come back behind it.
+        self.assertTrue(terminal.shown.endswith(b"\r\n"), terminal.shown)
 
     def test_line_is_gone_before_an_error(self):
         unlock = self.locked("results")
