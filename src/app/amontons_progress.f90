@@ -1,25 +1,21 @@
-!> The progress of a sweep on a terminal, and the signals that interrupt it.
+!> The progress of a sweep on the status line, and the signals that interrupt it.
 module amontons_progress
-   use, intrinsic :: iso_fortran_env, only: error_unit
    use amontons_kinds, only: dp
+   use amontons_status_line, only: note_work
    use amontons_sweep_monitor, only: sweep_monitor_t
    use amontons_system, only: wall_seconds
-   use amontons_terminal, only: has_terminal, hold_interrupts, is_interrupted, release_interrupts
+   use amontons_terminal, only: hold_interrupts, is_interrupted, release_interrupts
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: new_progress, progress_t
+   public :: progress_t
 
-   !> Watches a sweep. From the first report until `finish`, SIGINT and SIGTERM stop it after the cases under way; a
-   !> line on standard error, if that is a terminal, is written anew with each report.
+   !> Watches a sweep. From the first report until `finish`, SIGINT and SIGTERM stop it after the cases under way.
    type, extends(sweep_monitor_t) :: progress_t
       private
-      character(:), allocatable :: name !! name of the case
-      logical :: is_shown = .false. !! whether anybody is shown anything
       real(dp) :: start = 0.0_dp !! when the first report came [s]
       integer :: n_before = -1 !! cases done at the first report; -1 before it
-      integer :: width = 0 !! length of the line shown
    contains
       procedure, public :: finish => progress_finish
       procedure, public :: is_stopped => progress_is_stopped
@@ -28,16 +24,6 @@ module amontons_progress
    end type progress_t
 
 contains
-
-   !> Begins to watch.
-   subroutine new_progress(progress, name, may_show)
-      type(progress_t), intent(out) :: progress !! the watch
-      character(*), intent(in) :: name !! name of the case
-      logical, intent(in) :: may_show !! whether anything may be shown
-
-      progress%name = name
-      if (may_show) progress%is_shown = has_terminal()
-   end subroutine new_progress
 
    !> Whether a signal has asked the program to stop.
    logical function progress_is_stopped(self) result(is_stopped)
@@ -59,8 +45,8 @@ contains
          self%start = wall_seconds()
          call hold_interrupts()
       end if
-      call show(self, self%name//': '//progress_text(n_done, n_cases, n_done - self%n_before, &
-         wall_seconds() - self%start))
+      call note_work(progress_text(n_done, n_cases, n_done - self%n_before, wall_seconds() - self%start), &
+         is_timed=.false.)
    end subroutine progress_report
 
    !> Shows how far the fields are.
@@ -69,35 +55,17 @@ contains
       integer, intent(in) :: n_done !! cases whose fields are written
       integer, intent(in) :: n_fields !! all cases whose fields are asked for
 
-      call show(self, self%name//': fields of '//to_text(n_done)//' of '//to_text(n_fields)//' cases written')
+      call note_work('fields of '//to_text(n_done)//' of '//to_text(n_fields)//' cases written', is_timed=.false.)
+      associate (unused => self)
+      end associate
    end subroutine progress_report_fields
 
-   !> Ends the watch and removes its line from the terminal.
+   !> Ends the watch.
    subroutine progress_finish(self)
       class(progress_t), intent(inout) :: self !! the watch
 
       if (self%n_before >= 0) call release_interrupts()
-      if (self%width == 0) return
-      ! Blanks over the line, then back to where it began.
-      call show(self, '')
-      call show(self, '')
    end subroutine progress_finish
-
-   !> Writes a line over the one before it.
-   subroutine show(self, line)
-      class(progress_t), intent(inout) :: self !! the watch
-      character(*), intent(in) :: line !! the line
-      character, parameter :: carriage_return = achar(13)
-      integer :: status
-
-      if (.not. self%is_shown) return
-      ! A terminal that goes away must not end the sweep.
-      write (error_unit, '(a)', advance='no', iostat=status) carriage_return//line// &
-         repeat(' ', max(0, self%width - len(line)))
-      if (status == 0) flush (error_unit, iostat=status)
-      self%is_shown = status == 0
-      self%width = len(line)
-   end subroutine show
 
    !> How far a sweep is, how fast, and how long it will take: '128 of 861 cases, 10500 a second, 0:00:12 left'.
    pure function progress_text(n_done, n_cases, n_timed, seconds) result(text)

@@ -10,16 +10,18 @@ module amontons_run
    use amontons_kinds, only: dp
    use amontons_listing_text, only: short
    use amontons_output_file, only: commit_files, output_file_t
-   use amontons_progress, only: new_progress, progress_t
+   use amontons_progress, only: progress_t
    use amontons_report, only: write_report
    use amontons_result, only: certificate_limit, result_t, status_not_converged
    use amontons_run_reduced, only: export_case, run_reduced
    use amontons_screen, only: complain, tell
    use amontons_solve_case, only: prepare_case, solve_case, workshop_t
    use amontons_solve_sweep, only: solve_sweep, sweep_result_t
+   use amontons_status_line, only: close_status_line, open_status_line
    use amontons_sweep_report, only: write_sweep_report
    use amontons_sweep_tally, only: case_converged
    use amontons_text, only: to_text
+   use amontons_timings, only: phase_solve, phase_write
    implicit none (type, external)
    private
 
@@ -102,6 +104,7 @@ contains
       status = 0
       call read_case(config, command_line, deck, claims, error)
       if (allocated(error)) return
+      if (.not. command_line%is_quiet) call open_status_line(config%name)
       if (config%reduced%is_given) then
          call run_reduced(command_line, config, is_solved, error)
          if (.not. is_solved) status = status_not_converged
@@ -112,6 +115,7 @@ contains
       else
          call report_case(command_line, config, workshop, grid, status, error)
       end if
+      call close_status_line()
       ! What is wrong with a body or a solution is told with the deck it came from.
       if (.not. allocated(error)) return
       if (index(error%message, config%file) /= 1) error%message = config%file//': '//error%message
@@ -196,7 +200,7 @@ contains
 
       call prepare_case(workshop, config, result, error)
       if (allocated(error)) return
-      call estimate_body(workshop%body, config%factorization, estimate, error)
+      call estimate_body(workshop%body, config%factorization, result%timings, estimate, error)
       if (.not. allocated(error)) call tell(command_line, check_text(config, workshop, estimate), error)
    end subroutine check_case
 
@@ -220,8 +224,10 @@ contains
       end if
       if (command_line%wants_all_solutions) then
          allocate (result%all_solutions)
+         call result%timings%begin(phase_solve)
          call find_all_solutions(result%all_solutions, workshop%body%problem, error)
          if (allocated(error)) return
+         call result%timings%begin(phase_write)
       end if
       call write_report(command_line%output, config, workshop%body, result, error)
       if (allocated(error)) return
@@ -246,7 +252,6 @@ contains
       type(progress_t) :: progress
 
       status = 0
-      call new_progress(progress, config%name, .not. command_line%is_quiet)
       call solve_sweep(workshop, config, command_line%output, progress, result, error)
       call progress%finish()
       if (allocated(error)) return

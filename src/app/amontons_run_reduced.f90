@@ -13,6 +13,7 @@ module amontons_run_reduced
    use amontons_screen, only: complain, tell
    use amontons_solve_reduced, only: find_reduced_solutions, prepare_reduced, reduced_result_t, solve_reduced
    use amontons_text, only: to_text
+   use amontons_timings, only: phase_solve, phase_write
    implicit none (type, external)
    private
 
@@ -40,8 +41,10 @@ contains
       result%has_reduced_files = command_line%writes_reduced
       if (command_line%wants_all_solutions) then
          allocate (result%all_solutions)
+         call result%timings%begin(phase_solve)
          call find_reduced_solutions(result%all_solutions, result%system, error)
          if (allocated(error)) return
+         call result%timings%begin(phase_write)
       end if
       call write_reduced_report(command_line%output, config, result, error)
       if (allocated(error)) return

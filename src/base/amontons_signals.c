@@ -13,6 +13,8 @@
 #include <string.h>
 #include <unistd.h>
 
+void amontons_abandon_line(void);
+
 /* A file that is to be removed if a signal ends the process. Nodes are used again and never freed, so that a handler
    can walk over them at any time. */
 typedef struct temporary {
@@ -47,20 +49,22 @@ void amontons_release_signals(void)
         raise(atomic_load(&pending));
 }
 
-static void remove_temporaries(void)
+/* What a process takes away before it ends: its temporary files, its line on the terminal. */
+static void clear_up(void)
 {
     for (temporary_t *file = atomic_load(&temporaries); file; file = file->next)
         if (file->path[0])
             unlink(file->path);
+    amontons_abandon_line();
 }
 
-/* Removes the temporary files, then lets the signal end the process as if nothing had been arranged. */
+/* Clears up, then lets the signal end the process as if nothing had been arranged. */
 static void end_process(int number)
 {
     int none = 0, before = errno;
     atomic_store(&pending, number);
     if (atomic_compare_exchange_strong(&holders, &none, dying)) {
-        remove_temporaries();
+        clear_up();
         signal(number, SIG_DFL);
         raise(number);
     }
@@ -79,7 +83,7 @@ static void end_fault(int number, siginfo_t *information, void *context)
     int is_sent = information->si_code <= 0;
     atomic_store(&pending, number);
     if (atomic_compare_exchange_strong(&holders, &none, dying) || !is_sent) {
-        remove_temporaries();
+        clear_up();
         sigaction(number, &tellers[number], NULL);
         if (is_sent)
             raise(number);
@@ -222,9 +226,12 @@ static const int interrupts[] = {SIGINT, SIGTERM};
 enum { n_interrupts = sizeof interrupts / sizeof interrupts[0] };
 static struct sigaction before[n_interrupts];
 
-static void note_interrupt(int signal)
+static void note_interrupt(int number)
 {
-    interrupt = signal;
+    if (interrupt)
+        end_process(number);
+    else
+        interrupt = number;
 }
 
 /* From now on the first SIGINT or SIGTERM is noted, and the second ends the process. One that is ignored stays so. */
@@ -233,8 +240,8 @@ void amontons_hold_interrupts(void)
     struct sigaction action;
     memset(&action, 0, sizeof action);
     action.sa_handler = note_interrupt;
-    action.sa_flags = SA_RESTART | (int)SA_RESETHAND;
-    sigemptyset(&action.sa_mask);
+    action.sa_flags = SA_RESTART;
+    sigfillset(&action.sa_mask);
     interrupt = 0;
     for (int i = 0; i < n_interrupts; i++)
         if (sigaction(interrupts[i], NULL, &before[i]) == 0 && before[i].sa_handler != SIG_IGN)

@@ -163,12 +163,6 @@ long amontons_read_input(int file, char *text, long n_bytes)
     }
 }
 
-/* Whether somebody watches standard error on a terminal. */
-int amontons_error_is_terminal(void)
-{
-    return isatty(STDERR_FILENO);
-}
-
 /* The number after a word in a file of the system such as /proc/meminfo; -1 where there is none. */
 static long long number_after(const char *file, const char *word)
 {

@@ -6,7 +6,7 @@ module amontons_terminal
    implicit none (type, external)
    private
 
-   public :: has_terminal, hold_interrupts, is_interrupted, prepare_process, print_line, release_interrupts
+   public :: hold_interrupts, is_interrupted, prepare_process, print_line, release_interrupts
    public :: standard_error, standard_output
 
    !> What `print_line` writes to.
@@ -20,20 +20,14 @@ module amontons_terminal
          implicit none (type, external)
       end subroutine prepare_process
 
-      function c_write(file, text, n_bytes) bind(c, name='amontons_write') result(code)
+      function c_print(file, text, n_bytes) bind(c, name='amontons_print') result(code)
          import :: c_char, c_int, c_long
          implicit none (type, external)
          integer(c_int), value :: file
          character(c_char), intent(in) :: text(*)
          integer(c_long), value :: n_bytes
          integer(c_int) :: code
-      end function c_write
-
-      function c_error_is_terminal() bind(c, name='amontons_error_is_terminal') result(answer)
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int) :: answer
-      end function c_error_is_terminal
+      end function c_print
 
       function c_interrupt() bind(c, name='amontons_interrupt') result(signal)
          import :: c_int
@@ -54,22 +48,18 @@ module amontons_terminal
 
 contains
 
-   !> Prints lines at once, past the buffers of the run-time library, which loses them without a word on a full disk.
+   !> Prints lines at once, in the place of the status line if there is one, and past the buffers of the run-time
+   !> library, which loses them without a word on a full disk.
    subroutine print_line(stream, text, error)
       integer, intent(in) :: stream !! `standard_output` or `standard_error`
       character(*), intent(in) :: text !! the lines, without the last one's end
       type(error_t), allocatable, intent(out) :: error !! not everything could be written
       integer :: code
 
-      code = int(c_write(int(stream, c_int), text//new_line('a'), len(text, c_long) + 1_c_long))
+      code = int(c_print(int(stream, c_int), text//new_line('a'), len(text, c_long) + 1_c_long))
       if (code /= 0) call new_error(error, system_failure, trim(merge('standard output', 'standard error ', &
          stream == standard_output))//': cannot write: '//error_text(code))
    end subroutine print_line
-
-   !> Whether standard error is shown on a terminal.
-   logical function has_terminal()
-      has_terminal = c_error_is_terminal() /= 0
-   end function has_terminal
 
    !> Whether a signal has asked the program to stop since `hold_interrupts`. Any thread may ask.
    logical function is_interrupted()

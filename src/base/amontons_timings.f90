@@ -1,6 +1,7 @@
 !> Where the time of a case goes, phase by phase.
 module amontons_timings
    use amontons_kinds, only: dp
+   use amontons_status_line, only: note_work
    use amontons_system, only: wall_seconds
    implicit none (type, external)
    private
@@ -29,29 +30,33 @@ module amontons_timings
    !> Wall-clock time spent in each phase.
    type :: timings_t
       real(dp) :: seconds(size(phase_names)) = 0.0_dp !! time of each phase [s]
-      real(dp), private :: last = 0.0_dp !! when the phase under way began [s]
+      real(dp), private :: last = 0.0_dp !! until when the time is booked [s]
+      integer, private :: phase = phase_read !! the phase under way
    contains
-      procedure :: lap => timings_lap
+      procedure :: begin => timings_begin
    end type timings_t
 
 contains
 
-   !> Starts the clock.
+   !> Starts the clock in the phase of reading.
    subroutine new_timings(timings)
       type(timings_t), intent(out) :: timings !! the clock
 
       timings%last = wall_seconds()
+      call note_work(trim(phase_names(timings%phase)), is_timed=.true.)
    end subroutine new_timings
 
-   !> Books the time since the last call on a phase.
-   subroutine timings_lap(self, phase)
+   !> Books the time since the last call on the phase under way, and begins another or goes on with the same.
+   subroutine timings_begin(self, phase)
       class(timings_t), intent(inout) :: self !! the clock
-      integer, intent(in) :: phase !! the phase that ends now
+      integer, intent(in) :: phase !! the phase that begins
       real(dp) :: now
 
       now = wall_seconds()
-      self%seconds(phase) = self%seconds(phase) + now - self%last
+      self%seconds(self%phase) = self%seconds(self%phase) + now - self%last
       self%last = now
-   end subroutine timings_lap
+      self%phase = phase
+      call note_work(trim(phase_names(phase)), is_timed=.true.)
+   end subroutine timings_begin
 
 end module amontons_timings

@@ -75,7 +75,7 @@ contains
       if (result%has_reduced_files .and. .not. allocated(error)) call seal%add_reduced(stem, error)
       if (allocated(error)) return
       call seal%add_inputs(config)
-      call result%timings%lap(phase_write)
+      call result%timings%begin(phase_write)
       call write_text_file(files(size(files)), stem//'.summary.json', sealed_text(summary_text(config, body, result), &
          seal), error)
    end subroutine write_files

@@ -21,7 +21,7 @@ module amontons_solve_case
    use amontons_name_check, only: check_names
    use amontons_rectangle, only: new_rectangle_mesh
    use amontons_result, only: result_t
-   use amontons_timings, only: new_timings, phase_condense, phase_read, phase_recover, phase_solve
+   use amontons_timings, only: new_timings, phase_condense, phase_recover, phase_solve, phase_write
    use amontons_uniqueness, only: new_uniqueness
    implicit none (type, external)
    private
@@ -66,7 +66,6 @@ contains
          ! Loads and friction that a sweep varies need not balance as they stand.
          if (.not. config%sweep%is_given()) call check_balance(body%motions, body%mesh, body%zone, result%loads, error)
       end associate
-      call result%timings%lap(phase_read)
    end subroutine prepare_case
 
    !> Makes the body of a case.
@@ -134,8 +133,8 @@ contains
       if (allocated(error)) return
       associate (body => workshop%body, solution => result%solution)
          call load_body(body, result%loads)
-         call result%timings%lap(phase_condense)
 
+         call result%timings%begin(phase_solve)
          call start_solution(workshop, result)
          call method%solve(body%problem, solution, error)
          if (allocated(error)) return
@@ -143,12 +142,13 @@ contains
          if (allocated(error)) return
          if (solution%is_at_rest) call compare_with_exact(body, config, result, error)
          if (allocated(error)) return
-         call result%timings%lap(phase_solve)
 
+         call result%timings%begin(phase_recover)
          call certify(body, result, error)
          if (allocated(error)) return
          call new_uniqueness(result%uniqueness, body%problem)
-         call result%timings%lap(phase_recover)
+         ! What the caller does with the result is to write it.
+         call result%timings%begin(phase_write)
       end associate
       if (.not. result%solution%is_converged) return
       workshop%last_case = config%name
@@ -164,6 +164,7 @@ contains
 
       if (workshop%is_condensed) then
          result%shared_with = workshop%first_case
+         call result%timings%begin(phase_condense)
       else
          call condense_body(workshop%body, config%factorization, result%timings, error)
          workshop%is_condensed = .not. allocated(error)

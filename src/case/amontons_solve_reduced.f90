@@ -13,7 +13,7 @@ module amontons_solve_reduced
    use amontons_reduced_check, only: new_reduced_check, reduced_check_t
    use amontons_reduced_file, only: read_reduced_file
    use amontons_reduced_system, only: reduced_system_t
-   use amontons_timings, only: new_timings, phase_read, phase_recover, phase_solve, timings_t
+   use amontons_timings, only: new_timings, phase_recover, phase_solve, phase_write, timings_t
    use amontons_uniqueness, only: new_uniqueness, uniqueness_t
    implicit none (type, external)
    private
@@ -47,7 +47,6 @@ contains
          return
       end if
       if (config%reduced%has_friction) result%system%friction = config%reduced%friction
-      call result%timings%lap(phase_read)
    end subroutine prepare_reduced
 
    !> Reads and solves the problem of a case.
@@ -81,6 +80,7 @@ contains
       class(contact_method_t), allocatable :: method
       type(contact_problem_t) :: problem
 
+      call result%timings%begin(phase_solve)
       call new_contact_method(method, options, error)
       if (allocated(error)) return
       call new_contact_solution(result%solution, result%system%n_contacts)
@@ -94,7 +94,7 @@ contains
          if (allocated(error)) return
          call new_uniqueness(result%uniqueness, problem)
       end if
-      call result%timings%lap(phase_solve)
+      call result%timings%begin(phase_recover)
       associate (system => result%system)
          call system%set_solution(result%solution%force, system%length_unit()/system%compliance_unit())
          if (.not. all(ieee_is_finite([system%r, system%u]))) then
@@ -104,7 +104,8 @@ contains
          end if
          call new_reduced_check(result%check, system)
       end associate
-      call result%timings%lap(phase_recover)
+      ! What the caller does with the result is to write it.
+      call result%timings%begin(phase_write)
    end subroutine solve_prepared
 
    !> Finds all solutions of a problem of few contacts.

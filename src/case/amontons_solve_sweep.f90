@@ -26,7 +26,7 @@ module amontons_solve_sweep
    use amontons_system, only: make_directory, wall_seconds
    use amontons_text, only: newline, to_text
    use amontons_threads, only: n_threads
-   use amontons_timings, only: phase_condense, phase_recover, phase_solve, phase_write
+   use amontons_timings, only: phase_recover, phase_solve, phase_write
    use amontons_version, only: version
    implicit none (type, external)
    private
@@ -74,8 +74,8 @@ contains
       task%sweep = config%sweep
       call new_sweep_model(task%model, workshop%body, config, error)
       if (allocated(error)) return
-      call result%certified%timings%lap(phase_condense)
 
+      call result%certified%timings%begin(phase_solve)
       call make_directory(directory, error)
       if (allocated(error)) return
       call open_sweep_checkpoint(result%checkpoint, directory//'/'//config%name, sweep_key(config, task%model), &
@@ -97,16 +97,16 @@ contains
       type(sweep_result_t), intent(inout) :: result !! gains the case and its certificate
       type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
 
-      call result%certified%timings%lap(phase_solve)
+      call result%certified%timings%begin(phase_write)
       result%is_interrupted = result%tally%n_cases < task%sweep%n_cases()
       call keep_fields(task, body, directory, name, monitor, result, error)
       if (allocated(error)) return
-      call result%certified%timings%lap(phase_write)
+      call result%certified%timings%begin(phase_recover)
       if (.not. result%is_interrupted .and. result%tally%residual_case > 0) then
          call certify_worst(task, body, result, error)
          if (allocated(error)) return
       end if
-      call result%certified%timings%lap(phase_recover)
+      call result%certified%timings%begin(phase_write)
    end subroutine finish_sweep
 
    !> Writes the fields that the deck asks for, once all cases are done.

@@ -67,7 +67,7 @@ contains
       if (allocated(error)) return
       call seal%outputs%append_known(config%name//'.sweep.csv', result%checkpoint%table)
       call seal%add_inputs(config)
-      call result%certified%timings%lap(phase_write)
+      call result%certified%timings%begin(phase_write)
       call write_text_file(files(size(files)), stem//'.summary.json', sealed_text(sweep_summary_text(config, body, &
          result), seal), error)
    end subroutine write_files

@@ -105,7 +105,7 @@ contains
       end do
    end subroutine measure_cells
 
-   !> Assembles and factorises the stiffness and condenses it to the contact points.
+   !> Assembles and factorises the stiffness and condenses it to the contact points; the clock goes on condensing.
    subroutine condense_body(body, factorization, timings, error)
       type(body_t), intent(inout) :: body !! the body
       character(*), intent(in) :: factorization !! one of `factorization_names`
@@ -115,6 +115,7 @@ contains
       real(dp), allocatable :: condensed(:, :)
       logical :: is_held
 
+      call timings%begin(phase_assemble)
       is_held = body%motions%n_free == 0
       if (.not. is_held .and. body%zone%n_points == 0) then
          call new_error(error, numerical_failure, 'nothing holds the body against a '//body%motions%describe( &
@@ -124,16 +125,15 @@ contains
       call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, body%constraints, &
          body%dof_map, error)
       if (allocated(error)) return
-      call timings%lap(phase_assemble)
+      call timings%begin(phase_factorize)
       call new_condensation(body%condensation, stiffness, factorization, is_held, body%zone, body%constraints, &
          body%dof_map, error)
       if (allocated(error)) call explain_refusal(body, error)
       if (allocated(error)) return
-      call timings%lap(phase_factorize)
+      call timings%begin(phase_condense)
       call body%condensation%condense_stiffness(condensed, error)
       if (allocated(error)) return
       call new_contact_problem(body%problem, condensed, is_held)
-      call timings%lap(phase_condense)
    end subroutine condense_body
 
    !> Says of a stiffness that the factorisation refused where it is singular, how ill-conditioned it must be and why.
@@ -156,17 +156,20 @@ contains
    end subroutine explain_refusal
 
    !> Estimates the work without doing it: assembles and orders the stiffness, but makes no factor.
-   subroutine estimate_body(body, factorization, estimate, error)
+   subroutine estimate_body(body, factorization, timings, estimate, error)
       type(body_t), intent(in) :: body !! the body
       character(*), intent(in) :: factorization !! one of `factorization_names`
+      type(timings_t), intent(inout) :: timings !! gains the time of assembly
       type(estimate_t), intent(out) :: estimate !! the estimate
       type(error_t), allocatable, intent(out) :: error !! too large for the memory
       type(sparse_matrix_t) :: stiffness
       class(factorization_t), allocatable :: analysis
 
+      call timings%begin(phase_assemble)
       call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, body%constraints, &
          body%dof_map, error)
       if (allocated(error)) return
+      call timings%begin(phase_factorize)
       call analyze_matrix(analysis, factorization, stiffness, body%dof_map%n_trailing, error)
       if (allocated(error)) return
       stiffness = sparse_matrix_t()

@@ -1,7 +1,5 @@
 #!/usr/bin/env python3
 """Sweeps that are interrupted, killed, spoilt or run twice: nothing that was done is lost, nothing wrong is kept."""
-import os
-import pty
 import random
 import re
 import signal
@@ -273,28 +271,6 @@ class Interruption(SweepTest):
             (self.directory / name).symlink_to(self.write("victim", "precious"))
         self.run_program("--quiet", "sweep.nml")
         self.assertEqual(self.contents()["victim"], b"precious")
-
-    def test_progress_is_shown_on_a_terminal_only(self):
-        self.write("sweep.nml", map_of_states(3) + "&output fields_every = 200 /\n")
-        for quiet, expected in ((["--quiet"], False), ([], True)):
-            keyboard, screen = pty.openpty()
-            run = self.start(*quiet, "sweep.nml", stderr=screen)
-            run.communicate()
-            os.close(screen)
-            shown = b""
-            try:
-                while data := os.read(keyboard, 65536):
-                    shown += data
-            except OSError:
-                pass
-            os.close(keyboard)
-            self.assertEqual(run.returncode, 0)
-            if expected:
-                self.assertRegex(shown.decode(), r"(?s)\rsweep: 0 of 600 cases.*\rsweep: \d+ of 600 cases, \d+ a "
-                                 r"second, 0:00:\d\d left.*\rsweep: fields of 3 of 3 cases written")
-                self.assertTrue(shown.endswith(b" \r"), shown)
-            else:
-                self.assertEqual(shown, b"")
 
 
 if __name__ == "__main__":
