@@ -21,10 +21,6 @@ module amontons_new_factorization
    real(dp), parameter :: most_band_operations = 2.0e8_dp
    !> Number of unknowns beyond which the width of the band is not even looked at.
    integer, parameter :: most_band_unknowns = 50000
-   !> Number of unknowns from which on the matrix is cut for two threads; a round number, not a measured one. It must
-   !> not depend on the number of threads, so that the digits do not either.
-   integer, parameter :: least_cut_unknowns = 60000
-
 contains
 
    !> Makes a factorisation of a matrix with its last unknowns eliminated last.
@@ -60,7 +56,7 @@ contains
       case default
          if (suits_band(matrix, n_trailing)) then
             allocate (band_factorization_t :: factorization)
-         else if (matrix%n < least_cut_unknowns) then
+         else if (.not. allocated(matrix%place)) then
             allocate (sparse_factorization_t :: factorization)
          else
             allocate (substructured_factorization_t :: factorization)
