@@ -13,7 +13,7 @@ module amontons_substructured_factorization
    use amontons_factorization, only: factorization_t
    use amontons_graph, only: graph_t, new_graph
    use amontons_kinds, only: dp, int64
-   use amontons_lapack, only: dpotrf, dsyrk, dtrsm
+   use amontons_lapack, only: dgemm, dpotrf, dsyrk, dtrsm
    use amontons_ordering, only: graph_places
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_substructures, only: new_substructures, substructures_t
@@ -28,7 +28,7 @@ module amontons_substructured_factorization
 
    !> What a substructure leaves on its boundary until the next larger one takes it up.
    type :: remainder_t
-      real(dp), allocatable :: s(:, :) !! lower triangle (n_boundary, n_boundary)
+      real(dp), allocatable :: s(:) !! lower triangle in panels of columns, see `row_0`
       integer :: refused = 0 !! position of the first pivot that was not positive, here or in the parts; 0 for none
    end type remainder_t
 
@@ -47,6 +47,9 @@ module amontons_substructured_factorization
       procedure, public :: n_factor_entries => substructured_n_factor_entries
       procedure, public, nopass :: name => substructured_name
    end type substructured_factorization_t
+
+   !> Number of columns of a panel.
+   integer, parameter :: panel = 192
 
 contains
 
@@ -74,19 +77,11 @@ contains
       if (allocated(error)) return
       call new_substructures(self%substructures, graph, dissection, self%matrix)
       call count_work(self)
-      block
-      integer :: kk
-      do kk = self%substructures%n-20, self%substructures%n
-      print *, kk, self%substructures%n_own(kk), self%substructures%n_boundary(kk), self%substructures%part(:,kk), &
- self%substructures%first_below(kk)
-      end do
-      print *, 'flops', self%n_flops, self%n_factor_entries()*8.0e-6_dp, self%n_work_entries*8e-6_dp, &
- size(self%substructures%place)*4e-6_dp
-      end block
    end subroutine substructured_analyze
 
-   !> Adds up the operations, and the numbers that are held for a while: those of the substructures that wait to be
-   !> taken up, when large parts are worked on at the same time and small ones one after the other.
+   !> Adds up the operations, and the numbers that are held for a while: what waits on boundaries to be taken up when
+   !> the two parts of the top are worked on at the same time. More threads need little more, since parts shrink as
+   !> their number grows.
    subroutine count_work(self)
       type(substructured_factorization_t), intent(inout) :: self !! the factorisation, its substructures known
       integer(int64) :: most(0:self%substructures%n), left(0:self%substructures%n)
@@ -100,15 +95,12 @@ contains
          part = self%substructures%part(:, k)
          n_own = self%substructures%n_own(k)
          n_boundary = self%substructures%n_boundary(k)
-         left(k) = self%substructures%n_boundary(k)**2_int64
-         if (self%substructures%is_large(k)) then
-            most(k) = max(sum(most(part)), left(k) + sum(left(part)))
-         else
-            most(k) = max(most(part(1)), left(part(1)) + most(part(2)), left(k) + sum(left(part)))
-         end if
+         left(k) = row_0(self%substructures%n_boundary(k), self%substructures%n_boundary(k)) &
+            + self%substructures%n_boundary(k)
+         most(k) = max(most(part(1)), left(part(1)) + most(part(2)), left(k) + sum(left(part)))
          self%n_flops = self%n_flops + n_own**3/3.0_dp + n_own**2*n_boundary + n_own*n_boundary**2
       end do
-      self%n_work_entries = most(self%substructures%n)
+      self%n_work_entries = sum(most(part))
    end subroutine count_work
 
    !> Computes the blocks of the substructures.
@@ -130,14 +122,15 @@ contains
       associate (top => self%substructures%n)
          allocate (remainders(0:top))
          call hold_threads(threads, 1)
+         call fill(self%substructures, self%matrix, self%value)
+         self%matrix = sparse_matrix_t()
          !$omp parallel default(none) num_threads(n_threads()) shared(self, remainders)
          !$omp single
-         call condense(self%substructures, self%matrix, top, self%value, remainders)
+         call condense(self%substructures, top, self%value, remainders)
          !$omp end single
          !$omp end parallel
          if (remainders(top)%refused == 0) call factorize_top(self, remainders(top)%refused)
          call release_threads(threads)
-         self%matrix = sparse_matrix_t()
          if (remainders(top)%refused > 0) then
             call self%refuse(remainders(top)%refused, error)
          else
@@ -146,10 +139,24 @@ contains
       end associate
    end subroutine substructured_complete
 
-   !> Condenses a substructure, its parts first; the top is only put together.
-   recursive subroutine condense(substructures, matrix, k, value, remainders)
+   !> Fills the blocks with the columns of the matrix.
+   subroutine fill(substructures, matrix, value)
       type(substructures_t), intent(in) :: substructures !! the substructures
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix
+      real(dp), contiguous, intent(out) :: value(:) !! the blocks
+      integer :: k
+
+      !$omp parallel do default(none) schedule(dynamic, 256) num_threads(n_threads()) shared(substructures, matrix, value)
+      do k = 1, substructures%n
+         call fill_block(matrix, substructures%first(k), substructures%n_rows(k), substructures%n_own(k), &
+            value(substructures%block_start(k):substructures%block_start(k + 1) - 1))
+      end do
+      !$omp end parallel do
+   end subroutine fill
+
+   !> Condenses a substructure, its parts first; the top is only put together.
+   recursive subroutine condense(substructures, k, value, remainders)
+      type(substructures_t), intent(in) :: substructures !! the substructures
       integer, intent(in) :: k !! number of the substructure
       real(dp), intent(inout) :: value(:) !! the blocks; those of the substructure and its parts are filled
       type(remainder_t), intent(inout) :: remainders(0:) !! what the substructures leave
@@ -157,25 +164,24 @@ contains
 
       if (.not. substructures%is_large(k)) then
          do i = substructures%first_below(k), k
-            call eliminate(substructures, matrix, i, value, remainders)
+            call eliminate(substructures, i, value, remainders)
          end do
          return
       end if
       do i = 1, 2
          part = substructures%part(i, k)
          if (part == 0) cycle
-         !$omp task default(none) shared(substructures, matrix, value, remainders) firstprivate(part)
-         call condense(substructures, matrix, part, value, remainders)
+         !$omp task default(none) shared(substructures, value, remainders) firstprivate(part)
+         call condense(substructures, part, value, remainders)
          !$omp end task
       end do
       !$omp taskwait
-      call eliminate(substructures, matrix, k, value, remainders)
+      call eliminate(substructures, k, value, remainders)
    end subroutine condense
 
    !> Puts the matrix of a substructure together and eliminates its own unknowns, unless it is the top.
-   subroutine eliminate(substructures, matrix, k, value, remainders)
+   subroutine eliminate(substructures, k, value, remainders)
       type(substructures_t), intent(in) :: substructures !! the substructures
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
       integer, intent(in) :: k !! number of the substructure
       real(dp), intent(inout) :: value(:) !! the blocks
       type(remainder_t), intent(inout) :: remainders(0:) !! takes up those of the parts, gains that of the substructure
@@ -186,20 +192,19 @@ contains
          past => substructures%block_start(k + 1), part => substructures%part(:, k))
          remainders(k)%refused = maxval(remainders(part)%refused)
          if (remainders(k)%refused > 0) return
-         call add_columns(matrix, substructures%first(k), n_rows, n_own, value(first:past - 1))
          do i = 1, 2
             if (part(i) > 0) call add_to_own(places(substructures, part(i)), remainders(part(i))%s, n_rows, n_own, &
                value(first:past - 1))
          end do
          if (k < substructures%n) then
-            allocate (remainders(k)%s(n_boundary, n_boundary))
+            allocate (remainders(k)%s(row_0(n_boundary, n_boundary) + n_boundary))
             call eliminate_own(n_rows, n_own, n_boundary, value(first:past - 1), remainders(k)%s, info)
             if (info > 0) remainders(k)%refused = substructures%first(k) + info - 1
          end if
          do i = 1, 2
             if (part(i) == 0) cycle
             if (k < substructures%n) call add_to_boundary(places(substructures, part(i)), remainders(part(i))%s, n_own, &
-               remainders(k)%s)
+               n_boundary, remainders(k)%s)
             deallocate (remainders(part(i))%s)
          end do
       end associate
@@ -214,8 +219,8 @@ contains
       place = substructures%place(substructures%boundary_start(k):substructures%boundary_start(k + 1) - 1)
    end function places
 
-   !> Fills a block with the columns of the matrix.
-   pure subroutine add_columns(matrix, first, n_rows, n_own, block)
+   !> Fills a block with its columns of the matrix.
+   pure subroutine fill_block(matrix, first, n_rows, n_own, block)
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix
       integer, intent(in) :: first !! the first column
       integer, intent(in) :: n_rows !! number of rows of the block
@@ -230,36 +235,53 @@ contains
             block(matrix%row(at), j) = matrix%value(at)
          end do
       end do
-   end subroutine add_columns
+   end subroutine fill_block
+
+   !> Where row 0 of a column would lie in a lower triangle that is stored in panels of columns, each full from the first
+   !> row of its first column on.
+   pure integer(int64) function row_0(n, j)
+      integer, intent(in) :: n !! order of the triangle
+      integer, intent(in) :: j !! number of the column
+      integer(int64) :: before
+
+      before = (j - 1)/panel*panel
+      row_0 = before*n - before*(before - panel)/2 + (j - 1 - before)*(n - before) - before
+   end function row_0
 
    !> Adds what a part has left in the columns of the own unknowns.
    pure subroutine add_to_own(place, s, n_rows, n_own, block)
       integer, intent(in) :: place(:) !! the rows of the part's boundary
-      real(dp), contiguous, intent(in) :: s(:, :) !! what it has left there
+      real(dp), contiguous, intent(in) :: s(:) !! what it has left there, in panels
       integer, intent(in) :: n_rows !! number of rows of the block
       integer, intent(in) :: n_own !! number of its columns
       real(dp), intent(inout) :: block(n_rows, n_own) !! the block
+      integer(int64) :: at
       integer :: i, j
 
       do j = 1, size(place)
          if (place(j) > n_own) exit
+         at = row_0(size(place), j)
          do i = j, size(place)
-            block(place(i), place(j)) = block(place(i), place(j)) + s(i, j)
+            block(place(i), place(j)) = block(place(i), place(j)) + s(at + i)
          end do
       end do
    end subroutine add_to_own
 
    !> Adds what a part has left in the columns of the boundary.
-   pure subroutine add_to_boundary(place, s, n_own, sum)
+   pure subroutine add_to_boundary(place, s, n_own, n_boundary, sum)
       integer, intent(in) :: place(:) !! the rows of the part's boundary
-      real(dp), contiguous, intent(in) :: s(:, :) !! what it has left there
-      integer, intent(in) :: n_own !! number of own unknowns
-      real(dp), contiguous, intent(inout) :: sum(:, :) !! what the substructure leaves
+      real(dp), contiguous, intent(in) :: s(:) !! what it has left there, in panels
+      integer, intent(in) :: n_own !! number of own unknowns of the substructure
+      integer, intent(in) :: n_boundary !! number of its boundary unknowns
+      real(dp), contiguous, intent(inout) :: sum(:) !! what it leaves, in panels
+      integer(int64) :: at, to
       integer :: i, j
 
       do j = count(place <= n_own) + 1, size(place)
+         at = row_0(size(place), j)
+         to = row_0(n_boundary, place(j) - n_own) - n_own
          do i = j, size(place)
-            sum(place(i) - n_own, place(j) - n_own) = sum(place(i) - n_own, place(j) - n_own) + s(i, j)
+            sum(to + place(i)) = sum(to + place(i)) + s(at + i)
          end do
       end do
    end subroutine add_to_boundary
@@ -270,13 +292,22 @@ contains
       integer, intent(in) :: n_own !! number of own unknowns
       integer, intent(in) :: n_boundary !! number of boundary unknowns
       real(dp), intent(inout) :: block(n_rows, n_own) !! the own columns
-      real(dp), intent(out) :: s(n_boundary, n_boundary) !! lower triangle
+      real(dp), intent(out) :: s(row_0(n_boundary, n_boundary) + n_boundary) !! lower triangle in panels
       integer, intent(out) :: info !! 0, or which own unknown has a pivot that is not positive
+      integer(int64) :: at
+      integer :: j, lds, n_left
 
       call dpotrf('L', n_own, block, n_rows, info)
       if (info /= 0 .or. n_boundary == 0) return
       call dtrsm('R', 'L', 'T', 'N', n_boundary, n_own, 1.0_dp, block, n_rows, block(n_own + 1, 1), n_rows)
-      call dsyrk('L', 'N', n_boundary, n_own, -1.0_dp, block(n_own + 1, 1), n_rows, 0.0_dp, s, n_boundary)
+      do j = 1, n_boundary, panel
+         at = row_0(n_boundary, j) + j
+         lds = n_boundary - j + 1
+         n_left = lds - panel
+         call dsyrk('L', 'N', min(panel, lds), n_own, -1.0_dp, block(n_own + j, 1), n_rows, 0.0_dp, s(at), lds)
+         if (n_left > 0) call dgemm('N', 'T', n_left, panel, n_own, -1.0_dp, block(n_own + j + panel, 1), n_rows, &
+            block(n_own + j, 1), n_rows, 0.0_dp, s(at + panel), lds)
+      end do
    end subroutine eliminate_own
 
    !> Factorises the top, on all threads.

@@ -76,8 +76,9 @@ contains
       integer, allocatable, intent(out) :: first_group(:) !! position of the first group of each piece, and past the last
       integer :: open(size(dissection%order)), n_open, k, p, i
 
-      substructures%n = count(dissection%piece_start > 0)
-      allocate (first_group(substructures%n + 1), substructures%first_below(substructures%n))
+      ! There is a top even where there is no unknown.
+      substructures%n = max(1, count(dissection%piece_start > 0))
+      allocate (first_group(substructures%n + 1), substructures%first_below(substructures%n), source=1)
       allocate (substructures%part(2, substructures%n), source=0)
       k = 0
       n_open = 0
