@@ -22,6 +22,8 @@ module amontons_dissection
          !! first position of the set that the piece was cut from or, if it was not cut, is (n groups)
    end type dissection_t
 
+   !> Where a group of a set lies.
+   integer, parameter :: before = 1, beyond = 2, separator = 3
    !> Sets of at most so many groups are not cut any further; measured, larger ones cost fill and smaller ones time.
    integer, parameter :: leaf_size = 8
    !> Sets of more groups are a task for a thread of its own.
@@ -90,39 +92,53 @@ contains
       integer, intent(inout) :: groups(:) !! the groups of the set, in their order on return
       integer, intent(out) :: n_before !! how many lie before the cut; none if all lie at one place
       integer, intent(out) :: n_beyond !! how many lie beyond it and are not of the separator
-      integer, parameter :: before = 1, beyond = 2, separator = 3
-      integer, allocatable :: old(:)
+      integer :: old(size(groups)), next(3), i, k
       logical, allocatable :: is_before(:)
-      integer(int64) :: at
-      integer :: i, next(3)
 
-      call cut_places(place(:, groups), is_before)
-      n_before = count(is_before)
+      n_before = 0
       n_beyond = 0
-      if (n_before == 0) return
+      call cut_places(place(:, groups), is_before)
+      if (.not. any(is_before)) return
       old = groups
       side(old) = merge(before, beyond, is_before)
       do i = 1, size(old)
          if (is_before(i)) cycle
-         do at = graph%start(old(i)), graph%start(old(i) + 1) - 1
-            if (side(graph%neighbour(at)) /= before) cycle
-            side(old(i)) = separator
-            exit
-         end do
+         if (couples(graph, side, old(i), before)) side(old(i)) = separator
       end do
-      n_beyond = count(side(old) == beyond)
-      ! Two sides that do not couple still get a separator, so that no set is cut in more than two.
-      if (n_before + n_beyond == size(old)) then
-         side(old(findloc(is_before, .false., dim=1))) = separator
-         n_beyond = n_beyond - 1
+      if (any(side(old) == beyond)) then
+         ! What couples to nothing beyond the separator need not be of it: nodes in the middle of edges that cross it.
+         do i = 1, size(old)
+            if (side(old(i)) /= separator) cycle
+            if (.not. couples(graph, side, old(i), beyond)) side(old(i)) = before
+         end do
       end if
+      ! Two sides that do not couple still get a separator, so that no set is cut in more than two.
+      if (all(side(old) /= separator)) side(old(findloc(is_before, .false., dim=1))) = separator
+      n_before = count(side(old) == before)
+      n_beyond = count(side(old) == beyond)
       next = [1, n_before + 1, n_before + n_beyond + 1]
       do i = 1, size(old)
-         groups(next(side(old(i)))) = old(i)
-         next(side(old(i))) = next(side(old(i))) + 1
+         k = side(old(i))
+         groups(next(k)) = old(i)
+         next(k) = next(k) + 1
       end do
       side(old) = 0
    end subroutine split
+
+   !> Whether a group couples to one on a given side.
+   pure logical function couples(graph, side, group, with)
+      type(graph_t), intent(in) :: graph !! the graph
+      integer, intent(in) :: side(:) !! the side of each group
+      integer, intent(in) :: group !! the group
+      integer, intent(in) :: with !! the side
+      integer(int64) :: at
+
+      do at = graph%start(group), graph%start(group + 1) - 1
+         couples = side(graph%neighbour(at)) == with
+         if (couples) return
+      end do
+      couples = .false.
+   end function couples
 
    !> Cuts a set of places at the median of the coordinate that varies most.
    pure subroutine cut_places(place, is_before)
