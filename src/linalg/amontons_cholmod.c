@@ -1,11 +1,9 @@
 /* A thin layer over CHOLMOD and CAMD: their structures change with the version, so none crosses into Fortran. */
-#define _DEFAULT_SOURCE
 #include <camd.h>
 #include <cholmod.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <sys/mman.h>
 
 /* What a call reports; the Fortran side has the same numbers. */
 enum { done = 0, not_positive_definite = 1, out_of_memory = 2 };
@@ -69,24 +67,6 @@ static void choose(cholmod_common *common)
     common->quick_return_if_not_posdef = 1;
 }
 
-/* Gives an analysed factor its numbers, on large pages where the system has them: with small ones the page faults take
-   a tenth of the factorisation. Left to itself CHOLMOD would allocate the same on small pages. */
-static int allocate_values(cholmod_factor *factor, cholmod_common *common)
-{
-    const size_t page = (size_t)1 << 21, n_bytes = factor->xsize * sizeof(double);
-    factor->x = aligned_alloc(page, (n_bytes + page - 1) / page * page);
-    if (!factor->x)
-        return 0;
-#ifdef MADV_HUGEPAGE
-    madvise(factor->x, n_bytes, MADV_HUGEPAGE);
-#endif
-    factor->xtype = CHOLMOD_REAL;
-    factor->dtype = CHOLMOD_DOUBLE;
-    common->malloc_count++;
-    common->memory_inuse += n_bytes;
-    return 1;
-}
-
 /* The matrix as CHOLMOD wants it: its lower triangle by columns, counted from 0, in the order of elimination. */
 static cholmod_sparse view_matrix(int64_t n, int64_t *column_start, int64_t *row, double *value)
 {
@@ -125,8 +105,6 @@ int amontons_cholmod_factorize(void *opaque, int64_t n, int64_t *column_start, i
     cholmod_common *common = &handle->common;
     cholmod_factor *factor = handle->factor;
     cholmod_sparse matrix = view_matrix(n, column_start, row, value);
-    if (!allocate_values(factor, common))
-        return out_of_memory;
     cholmod_l_factorize(&matrix, factor, common);
     cholmod_l_free_work(common);
 

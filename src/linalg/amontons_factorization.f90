@@ -78,7 +78,7 @@ module amontons_factorization
          import :: dp, factorization_t
          implicit none (type, external)
          class(factorization_t), intent(in) :: self !! the factorisation
-         integer, intent(in) :: n_steps !! how many columns
+         integer, intent(in) :: n_steps !! how many columns, at least those before the trailing ones
          real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
       end subroutine substitute
 

@@ -16,14 +16,11 @@ module amontons_new_factorization
    !> Kinds of factorisations, as a deck writes them; the first stands for the quickest of the others.
    character(13), parameter :: factorization_names(*) = [character(13) :: 'auto', 'band', 'sparse', 'substructured']
 
-   !> Number of operations of a band factorisation up to which it is the quicker one; measured on squares, where the two
-   !> meet between 8 000 and 18 000 unknowns, depending on how fast the BLAS is.
-   real(dp), parameter :: most_band_operations = 2.0e8_dp
+   !> Number of operations of a band factorisation up to which it is the quicker one; measured on squares, where it meets
+   !> the substructured one at about 4 000 unknowns.
+   real(dp), parameter :: most_band_operations = 3.0e7_dp
    !> Number of unknowns beyond which the width of the band is not even looked at.
-   integer, parameter :: most_band_unknowns = 50000
-   !> Number of unknowns from which on the matrix is cut for two threads; a round number, not a measured one. It must
-   !> not depend on the number of threads, so that the digits do not either.
-   integer, parameter :: least_cut_unknowns = 60000
+   integer, parameter :: most_band_unknowns = 10000
 
 contains
 
@@ -60,7 +57,7 @@ contains
       case default
          if (suits_band(matrix, n_trailing)) then
             allocate (band_factorization_t :: factorization)
-         else if (matrix%n < least_cut_unknowns) then
+         else if (.not. allocated(matrix%place)) then
             allocate (sparse_factorization_t :: factorization)
          else
             allocate (substructured_factorization_t :: factorization)

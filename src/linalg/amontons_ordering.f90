@@ -1,16 +1,15 @@
 !> Elimination orders of a sparse symmetric matrix that leave its trailing unknowns last.
 module amontons_ordering
    use, intrinsic :: iso_c_binding, only: c_int, c_int64_t
-   use amontons_dissection, only: dissect
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_graph, only: graph_t, new_graph
-   use amontons_kinds, only: int64
+   use amontons_kinds, only: dp, int64
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: half_bandwidth, minimum_degree, nested_dissection, positions, reverse_cuthill_mckee
+   public :: graph_places, half_bandwidth, minimum_degree, positions, reverse_cuthill_mckee
 
    !> The groups taken so far, in order.
    type :: queue_t
@@ -57,32 +56,37 @@ contains
       call graph%expand(int(group_order) + 1, order)
    end subroutine minimum_degree
 
-   !> Nested dissection order: little fill, less than by minimum degree, for unknowns whose places are known.
-   pure subroutine nested_dissection(matrix, n_trailing, order)
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix, with places
-      integer, intent(in) :: n_trailing !! number of trailing unknowns
-      integer, intent(out) :: order(:) !! position k holds unknown order(k) (n)
-      type(graph_t) :: graph
-      integer, allocatable :: group_order(:)
-
-      call new_graph(graph, matrix, n_trailing)
-      allocate (group_order(graph%n))
-      call dissect(graph, matrix%place(:, graph%first_unknown(:graph%n)), group_order)
-      call graph%expand(group_order, order)
-   end subroutine nested_dissection
-
    !> Reverse Cuthill-McKee order: a narrow band.
-   !>
-   !> The level structure grows from the trailing unknowns, so that reversed they come last.
    pure subroutine reverse_cuthill_mckee(matrix, n_trailing, order)
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix
       integer, intent(in) :: n_trailing !! number of trailing unknowns
       integer, intent(out) :: order(:) !! position k holds unknown order(k) (n)
       type(graph_t) :: graph
+
+      call new_graph(graph, matrix, n_trailing)
+      call graph%expand(narrow_order(graph), order)
+   end subroutine reverse_cuthill_mckee
+
+   !> Stands in for places that nobody knows: neighbours in the graph get neighbouring numbers.
+   pure function graph_places(graph) result(place)
+      type(graph_t), intent(in) :: graph !! the graph
+      real(dp), allocatable :: place(:, :)
+      integer, allocatable :: position(:)
+
+      allocate (position, source=positions(narrow_order(graph)))
+      allocate (place(2, graph%n - graph%n_trailing), source=0.0_dp)
+      place(1, :) = position(:graph%n - graph%n_trailing)
+   end function graph_places
+
+   !> The groups in reverse Cuthill-McKee order.
+   !>
+   !> The level structure grows from the trailing unknowns, so that reversed they come last.
+   pure function narrow_order(graph) result(group_order)
+      type(graph_t), intent(in) :: graph !! the graph
+      integer, allocatable :: group_order(:)
       type(queue_t) :: queue
       integer :: seed
 
-      call new_graph(graph, matrix, n_trailing)
       allocate (queue%group(graph%n), queue%has(graph%n))
       queue%has = .false.
       do seed = graph%n - graph%n_trailing + 1, graph%n
@@ -92,8 +96,8 @@ contains
       do seed = 1, graph%n - graph%n_trailing
          if (.not. queue%has(seed)) call append_component(graph, seed, 1, queue)
       end do
-      call graph%expand(queue%group(graph%n:1:-1), order)
-   end subroutine reverse_cuthill_mckee
+      group_order = queue%group(graph%n:1:-1)
+   end function narrow_order
 
    !> Takes everything connected to a group, starting from a group far out.
    pure subroutine append_component(graph, seed, lowest, queue)

@@ -4,9 +4,9 @@ module amontons_sparse_factorization
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_factorization, only: factorization_t
    use amontons_kinds, only: dp, int64
-   use amontons_lapack, only: dgemv, dtrsv
-   use amontons_ordering, only: minimum_degree, nested_dissection, positions
+   use amontons_ordering, only: minimum_degree
    use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_supernode, only: backward_columns, forward_columns
    use amontons_text, only: to_text
    use amontons_threads, only: hold_threads, release_threads, thread_state_t
    implicit none (type, external)
@@ -55,9 +55,6 @@ module amontons_sparse_factorization
       type(c_ptr) :: value !! Blocks of the supernodes.
    end type supernodes_t
 
-   !> Blocks of at most so many columns are faster without BLAS, whose calls have a lock for all threads; measured.
-   integer, parameter :: most_narrow = 16
-
    integer(c_int), parameter :: done = 0, not_positive_definite = 1
 
    ! allow(assumed-size): C takes an address and knows no shape
@@ -104,21 +101,21 @@ contains
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
       integer, intent(in) :: n_trailing !! how many unknowns, the last ones, are eliminated last
       type(error_t), allocatable, intent(out) :: error !! memory ran out
+      type(sparse_matrix_t) :: permuted
       integer, allocatable :: order(:)
       type(thread_state_t) :: threads
       integer(c_int) :: code
 
       call sparse_free(self)
       allocate (order(matrix%n))
-      if (allocated(matrix%place)) then
-         call nested_dissection(matrix, n_trailing, order)
-      else
-         call minimum_degree(matrix, n_trailing, order, error)
-         if (allocated(error)) return
-      end if
-      call self%set_order(matrix, n_trailing, order)
-      call permute(matrix, order, self%matrix_column, self%matrix_row, self%matrix_value, error)
+      call minimum_degree(matrix, n_trailing, order, error)
       if (allocated(error)) return
+      call self%set_order(matrix, n_trailing, order)
+      call matrix%permute(order, permuted, error)
+      if (allocated(error)) return
+      self%matrix_column = permuted%column_start - 1
+      self%matrix_row = permuted%row - 1_int64
+      call move_alloc(permuted%value, self%matrix_value)
 
       call hold_threads(threads)
       code = cholmod_analyze(int(self%n, int64), self%matrix_column, self%matrix_row, self%matrix_value, self%handle, &
@@ -155,49 +152,6 @@ contains
             ' unknowns, whose factor alone takes '//to_text(8*self%n_entries/1000000)//' MB')
       end select
    end subroutine sparse_complete
-
-   !> Writes the lower triangle of P K P^T by columns, rows in any order, counted from 0.
-   pure subroutine permute(matrix, order, column_start, row, value, error)
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-      integer, intent(in) :: order(:) !! position k holds unknown order(k) (n)
-      integer(int64), allocatable, intent(out) :: column_start(:) !! where each column starts, and past the last
-      integer(int64), allocatable, intent(out) :: row(:) !! row of each entry
-      real(dp), allocatable, intent(out) :: value(:) !! value of each entry
-      type(error_t), allocatable, intent(out) :: error !! memory ran out
-      integer, allocatable :: position(:)
-      integer(int64) :: at, place
-      integer :: i, j, k, status
-
-      allocate (row(size(matrix%row, kind=int64)), value(size(matrix%row, kind=int64)), stat=status)
-      if (status /= 0) then
-         ! not raised: no test may use up the machine's memory
-         call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(matrix%n)//' unknowns')
-         return
-      end if
-      allocate (position, source=positions(order))
-      allocate (column_start(matrix%n + 1))
-      column_start = 0
-      do k = 1, matrix%n
-         do at = matrix%column_start(k), matrix%column_start(k + 1) - 1
-            j = min(position(matrix%row(at)), position(k))
-            column_start(j) = column_start(j) + 1
-         end do
-      end do
-      ! Holds the end of each column first; filling backwards from it leaves the start.
-      do j = 2, matrix%n + 1
-         column_start(j) = column_start(j) + column_start(j - 1)
-      end do
-      do k = 1, matrix%n
-         do at = matrix%column_start(k), matrix%column_start(k + 1) - 1
-            i = max(position(matrix%row(at)), position(k))
-            j = min(position(matrix%row(at)), position(k))
-            place = column_start(j)
-            row(place) = i - 1
-            value(place) = matrix%value(at)
-            column_start(j) = place - 1
-         end do
-      end do
-   end subroutine permute
 
    !> Lets the components show CHOLMOD's arrays.
    subroutine view(self, supernodes)
@@ -271,51 +225,6 @@ contains
          y(first:first + n_columns - 1) = x(:n_columns)
       end do
    end subroutine sparse_substitute_backward
-
-   !> Does the forward steps of some columns: x_1 := L_11^-1 x_1, x_2 := x_2 - L_21 x_1.
-   pure subroutine forward_columns(n_rows, n_columns, l, x)
-      integer, intent(in) :: n_rows !! how many rows, those of L_11 first
-      integer, intent(in) :: n_columns !! how many columns
-      real(dp), intent(in) :: l(n_rows, n_columns) !! the columns of L
-      real(dp), intent(inout) :: x(n_rows) !! the vector on the rows
-      integer :: j
-
-      if (n_columns > most_narrow) then
-         call dtrsv('L', 'N', 'N', n_columns, l, n_rows, x, 1)
-         if (n_rows > n_columns) call dgemv('N', n_rows - n_columns, n_columns, -1.0_dp, l(n_columns + 1, 1), n_rows, &
-            x, 1, 1.0_dp, x(n_columns + 1), 1)
-         return
-      end if
-      do j = 1, n_columns
-         x(j) = x(j)/l(j, j)
-         x(j + 1:) = x(j + 1:) - x(j)*l(j + 1:, j)
-      end do
-   end subroutine forward_columns
-
-   !> Does the backward steps of some columns: x_1 := L_11^-T (x_1 - L_21^T x_2).
-   pure subroutine backward_columns(n_rows, n_columns, l, x)
-      integer, intent(in) :: n_rows !! how many rows, those of L_11 first
-      integer, intent(in) :: n_columns !! how many columns
-      real(dp), intent(in) :: l(n_rows, n_columns) !! the columns of L
-      real(dp), intent(inout) :: x(n_rows) !! the vector on the rows
-      real(dp) :: taken
-      integer :: i, j
-
-      if (n_columns > most_narrow) then
-         if (n_rows > n_columns) call dgemv('T', n_rows - n_columns, n_columns, -1.0_dp, l(n_columns + 1, 1), n_rows, &
-            x(n_columns + 1), 1, 1.0_dp, x, 1)
-         call dtrsv('L', 'T', 'N', n_columns, l, n_rows, x, 1)
-         return
-      end if
-      do j = n_columns, 1, -1
-         taken = 0.0_dp
-         !$omp simd reduction(+:taken)
-         do i = j + 1, n_rows
-            taken = taken + l(i, j)*x(i)
-         end do
-         x(j) = (x(j) - taken)/l(j, j)
-      end do
-   end subroutine backward_columns
 
    !> The part of a supernode that lies in the first columns of L.
    pure subroutine sparse_get_block(self, k, n_steps, first, n_columns, n_rows, at, rows)

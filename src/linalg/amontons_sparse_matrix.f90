@@ -18,9 +18,9 @@ module amontons_sparse_matrix
    contains
       procedure :: add_element => sparse_matrix_add_element
       procedure :: diagonal => sparse_matrix_diagonal
-      procedure :: extract => sparse_matrix_extract
       procedure :: multiply => sparse_matrix_multiply
       procedure :: norm => sparse_matrix_norm
+      procedure :: permute => sparse_matrix_permute
       procedure :: shift_diagonal => sparse_matrix_shift_diagonal
    end type sparse_matrix_t
 
@@ -207,84 +207,50 @@ contains
       end do
    end function sorting_order
 
-   !> The matrix of some of the unknowns, in the order given.
-   pure subroutine sparse_matrix_extract(self, unknowns, part, error)
-      class(sparse_matrix_t), intent(in) :: self !! the matrix
-      integer, intent(in) :: unknowns(:) !! the unknowns, distinct
-      type(sparse_matrix_t), intent(out) :: part !! their matrix, with their places
+   !> The matrix P K P^T with its unknowns in another order. Rows ascend no more within a column.
+   subroutine sparse_matrix_permute(self, order, permuted, error)
+      class(sparse_matrix_t), intent(in) :: self !! the matrix K
+      integer, intent(in) :: order(:) !! position k holds unknown order(k) (n)
+      type(sparse_matrix_t), intent(out) :: permuted !! the matrix by position, without places
       type(error_t), allocatable, intent(out) :: error !! memory ran out
-      integer, allocatable :: number(:)
-      integer(int64) :: at
-      integer :: j, k, status
+      integer, allocatable :: position(:)
+      integer(int64) :: at, place
+      integer :: i, j, k, status
 
-      allocate (number(self%n), source=0)
-      part%n = size(unknowns)
-      do k = 1, part%n
-         number(unknowns(k)) = k
-      end do
-      call start_columns(self, unknowns, number, part%column_start)
-      allocate (part%row(part%column_start(part%n + 1) - 1), part%value(part%column_start(part%n + 1) - 1), stat=status)
+      permuted%n = self%n
+      allocate (permuted%row(size(self%row, kind=int64)), permuted%value(size(self%row, kind=int64)), stat=status)
       if (status /= 0) then
          ! not raised: no test may use up the machine's memory
-         call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(part%n)//' unknowns')
+         call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(self%n)//' unknowns')
          return
       end if
-      part%row = 0
-      do k = 1, part%n
-         do at = self%column_start(unknowns(k)), self%column_start(unknowns(k) + 1) - 1
-            j = number(self%row(at))
-            if (j > 0) call insert(part, max(j, k), min(j, k), self%value(at))
+      allocate (position(self%n))
+      do k = 1, self%n
+         position(order(k)) = k
+      end do
+      allocate (permuted%column_start(self%n + 1), source=0_int64)
+      do k = 1, self%n
+         do at = self%column_start(k), self%column_start(k + 1) - 1
+            j = min(position(self%row(at)), position(k))
+            permuted%column_start(j) = permuted%column_start(j) + 1
          end do
       end do
-      if (allocated(self%place)) part%place = self%place(:, unknowns)
-   end subroutine sparse_matrix_extract
-
-   !> Finds where the columns of a part of the matrix start.
-   pure subroutine start_columns(matrix, unknowns, number, column_start)
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer, intent(in) :: unknowns(:) !! the unknowns of the part
-      integer, intent(in) :: number(:) !! number of each unknown in the part, 0 for none (n)
-      integer(int64), allocatable, intent(out) :: column_start(:) !! where each column starts, and past the last
-      integer(int64) :: at, n_entries, next
-      integer :: j, k
-
-      allocate (column_start(size(unknowns) + 1), source=0_int64)
-      do k = 1, size(unknowns)
-         do at = matrix%column_start(unknowns(k)), matrix%column_start(unknowns(k) + 1) - 1
-            j = min(number(matrix%row(at)), k)
-            if (j > 0) column_start(j) = column_start(j) + 1
+      ! Holds the end of each column first; filling backwards from it leaves the start.
+      permuted%column_start(1) = permuted%column_start(1) + 1
+      do j = 2, self%n + 1
+         permuted%column_start(j) = permuted%column_start(j) + permuted%column_start(j - 1)
+      end do
+      do k = self%n, 1, -1
+         do at = self%column_start(k + 1) - 1, self%column_start(k), -1
+            i = max(position(self%row(at)), position(k))
+            j = min(position(self%row(at)), position(k))
+            place = permuted%column_start(j) - 1
+            permuted%row(place) = i
+            permuted%value(place) = self%value(at)
+            permuted%column_start(j) = place
          end do
       end do
-      next = 1
-      do k = 1, size(unknowns)
-         n_entries = column_start(k)
-         column_start(k) = next
-         next = next + n_entries
-      end do
-      column_start(size(unknowns) + 1) = next
-   end subroutine start_columns
-
-   !> Puts an entry in its place among the rows so far of its column, at most a few dozen. Row 0 marks what is free.
-   pure subroutine insert(matrix, row, column, value)
-      type(sparse_matrix_t), intent(inout) :: matrix !! the matrix, with room for the entry
-      integer, intent(in) :: row !! its row
-      integer, intent(in) :: column !! its column
-      real(dp), intent(in) :: value !! its value
-      integer(int64) :: place
-
-      place = matrix%column_start(column)
-      do while (matrix%row(place) > 0)
-         place = place + 1
-      end do
-      do while (place > matrix%column_start(column))
-         if (matrix%row(place - 1) < row) exit
-         matrix%row(place) = matrix%row(place - 1)
-         matrix%value(place) = matrix%value(place - 1)
-         place = place - 1
-      end do
-      matrix%row(place) = row
-      matrix%value(place) = value
-   end subroutine insert
+   end subroutine sparse_matrix_permute
 
    !> The product y = K x.
    pure subroutine sparse_matrix_multiply(self, x, y)

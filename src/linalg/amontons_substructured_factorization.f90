@@ -1,20 +1,24 @@
-!> Substructured Cholesky: the body cut in parts that several threads factorise at the same time.
+!> Substructured Cholesky: condensation from the pieces of a dissection upwards, on several threads.
 !>
-!> The unknowns are those of each part, then the interface, which couples the parts, then the trailing ones; interface
-!> and trailing ones together are the top. A part p eliminates its own unknowns with its boundary b, the unknowns of the
-!> top it couples to, last: its Schur complement is S_p = K_bb - K_bp K_pp^-1 K_pb. The top has the Schur complement
-!> K_tt + sum over p of (S_p - K_bb), which is factorised as a dense matrix.
+!> The rows of a substructure are its own unknowns p and its boundary b. Its matrix is the part of K that p brings,
+!> plus what its two parts have left on their boundaries; eliminating p leaves S = F_bb - F_bp F_pp^-1 F_pb on its own
+!> boundary. This is the multifrontal method (Duff and Reid, ACM Trans. Math. Softw. 9, 1983); its fronts are our
+!> substructures. The last substructure, the top, has the trailing unknowns among its own and no boundary.
 !>
-!> The cut depends on the matrix alone and sums run in a fixed order, so results do not depend on the number of threads.
+!> Sums run in the order of the substructures, so results do not depend on the number of threads.
 module amontons_substructured_factorization
    use amontons_dense, only: cholesky_factor_tiled
+   use amontons_dissection, only: dissection_t, new_dissection
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_factorization, only: factorization_t
+   use amontons_graph, only: graph_t, new_graph
    use amontons_kinds, only: dp, int64
-   use amontons_lapack, only: dgemv, dtrsv
-   use amontons_sparse_factorization, only: sparse_factorization_t
+   use amontons_lapack, only: dgemm, dpotrf, dsyrk, dtrsm
+   use amontons_ordering, only: graph_places
    use amontons_sparse_matrix, only: sparse_matrix_t
-   use amontons_substructures, only: cut_t, n_parts, new_cut, part_unknowns
+   use amontons_substructures, only: new_substructures, substructures_t
+   use amontons_supernode, only: backward_columns, forward_columns
+   use amontons_system, only: advise_large_pages
    use amontons_text, only: to_text
    use amontons_threads, only: hold_threads, n_threads, release_threads, thread_state_t
    implicit none (type, external)
@@ -22,28 +26,18 @@ module amontons_substructured_factorization
 
    public :: substructured_factorization_t
 
-   !> A part of the body. Its own unknowns have consecutive positions.
-   type :: part_t
-      type(sparse_factorization_t), allocatable :: factorization !! its factor, with the boundary trailing
-      integer :: first = 1 !! position of its first unknown
-      integer :: n_own = 0 !! number of unknowns of its own
-      integer, allocatable :: boundary(:) !! place in the top of each boundary unknown, ascending
-      real(dp), allocatable :: schur(:, :) !! Schur complement on the boundary, while the top is made
-      type(error_t), allocatable :: error !! what went wrong in its thread
-   end type part_t
+   !> What a substructure leaves on its boundary until the next larger one takes it up.
+   type :: remainder_t
+      real(dp), allocatable :: s(:) !! lower triangle in panels of columns, see `row_0`
+      integer :: refused = 0 !! position of the first pivot that was not positive, here or in the parts; 0 for none
+   end type remainder_t
 
-   !> A vector of one part.
-   type :: part_vector_t
-      real(dp), allocatable :: y(:) !! by position in the part's factorisation
-   end type part_vector_t
-
-   !> The parts, and the factor of the top.
+   !> The columns of L in the blocks of the substructures.
    type, extends(factorization_t) :: substructured_factorization_t
       private
-      type(part_t), allocatable :: parts(:) !! The parts.
-      integer :: n_top = 0 !! Number of unknowns of the top.
-      type(sparse_matrix_t) :: top_matrix !! K_tt minus each K_bb, from `analyze` to `complete`.
-      real(dp), allocatable :: top(:, :) !! The factor of the top, in the lower triangle (n_top, n_top).
+      type(substructures_t) :: substructures !! The substructures.
+      type(sparse_matrix_t) :: matrix !! P K P^T with the rows of the substructures, from `analyze` to `complete`.
+      real(dp), allocatable :: value(:) !! The blocks: the columns of each substructure on its rows (n_rows, n_own).
    contains
       procedure, public :: analyze => substructured_analyze
       procedure, public :: complete => substructured_complete
@@ -54,337 +48,463 @@ module amontons_substructured_factorization
       procedure, public, nopass :: name => substructured_name
    end type substructured_factorization_t
 
+   !> Number of columns of a panel.
+   integer, parameter :: panel = 192
+
 contains
 
-   !> Cuts the matrix and analyses the parts.
+   !> Dissects the matrix and finds the substructures.
    subroutine substructured_analyze(self, matrix, n_trailing, error)
       class(substructured_factorization_t), intent(inout) :: self !! the factorisation
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
       integer, intent(in) :: n_trailing !! how many unknowns, the last ones, are eliminated last
       type(error_t), allocatable, intent(out) :: error !! memory ran out
-      type(thread_state_t) :: threads
-      type(cut_t) :: cut
-      integer :: p
+      type(graph_t) :: graph
+      type(dissection_t) :: dissection
+      integer, allocatable :: order(:)
 
-      call new_cut(cut, matrix, n_trailing)
-      self%n_top = size(cut%top)
-      if (allocated(self%top)) deallocate (self%top)
-      if (allocated(self%parts)) deallocate (self%parts)
-      allocate (self%parts(n_parts))
-
-      call hold_threads(threads, 1)
-      !$omp parallel do default(none) schedule(static, 1) num_threads(min(n_parts, n_threads())) &
-      !$omp shared(self, matrix, cut)
-      do p = 1, n_parts
-         call analyze_part(self%parts(p), p, matrix, cut)
-      end do
-      !$omp end parallel do
-      call release_threads(threads)
-      do p = 1, n_parts
-         if (.not. allocated(self%parts(p)%error)) cycle
-         error = self%parts(p)%error
-         return
-      end do
-      call order_parts(self, matrix, n_trailing, cut)
-      call prepare_top(self, matrix, cut%top)
+      if (allocated(self%value)) deallocate (self%value)
+      call new_graph(graph, matrix, n_trailing)
+      if (allocated(matrix%place)) then
+         call new_dissection(dissection, graph, matrix%place(:, graph%first_unknown(:graph%n - graph%n_trailing)))
+      else
+         call new_dissection(dissection, graph, graph_places(graph))
+      end if
+      allocate (order(matrix%n))
+      call graph%expand(dissection%order, order)
+      call self%set_order(matrix, n_trailing, order)
+      call matrix%permute(order, self%matrix, error)
+      if (allocated(error)) return
+      call new_substructures(self%substructures, graph, dissection, self%matrix)
+      call count_work(self)
    end subroutine substructured_analyze
 
-   !> Analyses a part.
-   subroutine analyze_part(part, p, matrix, cut)
-      type(part_t), intent(inout) :: part !! the part
-      integer, intent(in) :: p !! its number
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-      type(cut_t), intent(in) :: cut !! the cut
-      type(sparse_matrix_t) :: own_matrix
-      integer, allocatable :: own(:)
+   !> Adds up the operations, and the numbers that are held for a while: what waits on boundaries to be taken up when
+   !> the two parts of the top are worked on at the same time. More threads need little more, since parts shrink as
+   !> their number grows.
+   subroutine count_work(self)
+      type(substructured_factorization_t), intent(inout) :: self !! the factorisation, its substructures known
+      integer(int64) :: most(0:self%substructures%n), left(0:self%substructures%n)
+      integer :: k, part(2)
+      real(dp) :: n_own, n_boundary
 
-      call part_unknowns(cut, p, own, part%boundary)
-      part%n_own = size(own)
-      call matrix%extract([own, cut%top(part%boundary)], own_matrix, part%error)
-      if (allocated(part%error)) return
-      allocate (part%factorization)
-      call part%factorization%analyze(own_matrix, size(part%boundary), part%error)
-   end subroutine analyze_part
-
-   !> Sets the order of elimination, which is that of the parts, and adds up what they need.
-   subroutine order_parts(self, matrix, n_trailing, cut)
-      class(substructured_factorization_t), intent(inout) :: self !! the factorisation, its parts analysed
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-      integer, intent(in) :: n_trailing !! number of trailing unknowns
-      type(cut_t), intent(in) :: cut !! the cut
-      integer, allocatable :: order(:), own(:)
-      integer(int64) :: n_work_entries
-      integer :: p, k, first
-
-      allocate (order(matrix%n))
-      first = 1
-      n_work_entries = 0
-      do p = 1, n_parts
-         associate (part => self%parts(p))
-            own = pack([(k, k=1, matrix%n)], cut%part_of == p)
-            part%first = first
-            order(first:first + part%n_own - 1) = own(part%factorization%order(:part%n_own))
-            first = first + part%n_own
-            n_work_entries = n_work_entries + max(part%factorization%n_work_entries, &
-               size(part%boundary, kind=int64)**2)
-         end associate
+      most(0) = 0
+      left(0) = 0
+      self%n_flops = 0.0_dp
+      do k = 1, self%substructures%n
+         part = self%substructures%part(:, k)
+         n_own = self%substructures%n_own(k)
+         n_boundary = self%substructures%n_boundary(k)
+         left(k) = row_0(self%substructures%n_boundary(k), self%substructures%n_boundary(k)) &
+            + self%substructures%n_boundary(k)
+         most(k) = max(most(part(1)), left(part(1)) + most(part(2)), left(k) + sum(left(part)))
+         self%n_flops = self%n_flops + n_own**3/3.0_dp + n_own**2*n_boundary + n_own*n_boundary**2
       end do
-      order(first:) = cut%top
-      call self%set_order(matrix, n_trailing, order)
-      self%n_work_entries = n_work_entries
-      self%n_flops = sum([(self%parts(p)%factorization%n_flops, p=1, n_parts)]) + real(self%n_top, dp)**3/3.0_dp
-   end subroutine order_parts
+      self%n_work_entries = sum(most(part))
+   end subroutine count_work
 
-   !> Makes K_tt without the entries that the parts bring along, once for each part that does.
-   subroutine prepare_top(self, matrix, top)
-      class(substructured_factorization_t), intent(inout) :: self !! the factorisation, its parts analysed
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-      integer, intent(in) :: top(:) !! the unknowns of the top
-      type(error_t), allocatable :: error
-      logical, allocatable :: has(:)
-      real(dp), allocatable :: factor(:)
-      integer(int64) :: at
-      integer :: p, j
-
-      call matrix%extract(top, self%top_matrix, error)
-      allocate (factor(size(self%top_matrix%row, kind=int64)), source=1.0_dp)
-      allocate (has(self%n_top))
-      do p = 1, n_parts
-         has = .false.
-         has(self%parts(p)%boundary) = .true.
-         do j = 1, self%n_top
-            if (.not. has(j)) cycle
-            do at = self%top_matrix%column_start(j), self%top_matrix%column_start(j + 1) - 1
-               if (has(self%top_matrix%row(at))) factor(at) = factor(at) - 1.0_dp
-            end do
-         end do
-      end do
-      self%top_matrix%value = factor*self%top_matrix%value
-   end subroutine prepare_top
-
-   !> Computes the factors of the parts and that of the top.
+   !> Computes the blocks of the substructures.
    subroutine substructured_complete(self, error)
       class(substructured_factorization_t), intent(inout) :: self !! the factorisation
       type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory ran out
+      type(remainder_t), allocatable :: remainders(:)
       type(thread_state_t) :: threads
-      integer :: p, info
-
-      call hold_threads(threads, 1)
-      !$omp parallel do default(none) schedule(static, 1) num_threads(min(n_parts, n_threads())) shared(self)
-      do p = 1, n_parts
-         call complete_part(self%parts(p))
-      end do
-      !$omp end parallel do
-      info = 0
-      call check_parts(self, error)
-      if (.not. allocated(error)) call sum_top(self, error)
-      if (.not. allocated(error)) call cholesky_factor_tiled(self%top, info)
-      call release_threads(threads)
-      if (allocated(error)) return
-      if (info > 0) then
-         call self%refuse(self%n - self%n_top + info, error)
-      else
-         call check_top(self, error)
-      end if
-   end subroutine substructured_complete
-
-   !> Computes the factor and the Schur complement of a part.
-   subroutine complete_part(part)
-      type(part_t), intent(inout) :: part !! the part, analysed
       integer :: status
 
-      call part%factorization%complete(part%error)
-      if (allocated(part%error)) return
-      allocate (part%schur(size(part%boundary), size(part%boundary)), stat=status)
+      allocate (self%value(self%n_factor_entries()), stat=status)
       if (status /= 0) then
-         call new_error(part%error, system_failure, 'memory ran out for the Schur complement of '// &
-            to_text(size(part%boundary))//' unknowns') ! not raised: no test may use up memory
+         call new_error(error, system_failure, 'memory ran out while factorising '//to_text(self%n)// &
+            ' unknowns, whose factor alone takes '//to_text(8*self%n_factor_entries()/1000000)// &
+            ' MB') ! not raised: no test may use up memory
          return
       end if
-      call part%factorization%schur_complement(part%schur)
-   end subroutine complete_part
+      call advise_large_pages(self%value)
+      associate (top => self%substructures%n)
+         allocate (remainders(0:top))
+         call hold_threads(threads, 1)
+         call fill(self%substructures, self%matrix, self%value)
+         self%matrix = sparse_matrix_t()
+         !$omp parallel default(none) num_threads(n_threads()) shared(self, remainders)
+         !$omp single
+         call condense(self%substructures, top, self%value, remainders)
+         !$omp end single
+         !$omp end parallel
+         if (remainders(top)%refused == 0) call factorize_top(self, remainders(top)%refused)
+         call release_threads(threads)
+         if (remainders(top)%refused > 0) then
+            call self%refuse(remainders(top)%refused, error)
+         else
+            call self%check_pivots(pivots(self), error)
+         end if
+      end associate
+   end subroutine substructured_complete
 
-   !> Hands on the error of the first part that has one, a refused pivot by its number in the whole matrix.
-   subroutine check_parts(self, error)
-      class(substructured_factorization_t), intent(inout) :: self !! the factorisation, its parts completed
-      type(error_t), allocatable, intent(out) :: error !! a part is not positive definite, or memory ran out
-      integer :: p, unknown
+   !> Fills the blocks with the columns of the matrix.
+   subroutine fill(substructures, matrix, value)
+      type(substructures_t), intent(in) :: substructures !! the substructures
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
+      real(dp), contiguous, intent(out) :: value(:) !! the blocks
+      integer :: k
 
-      do p = 1, n_parts
-         if (.not. allocated(self%parts(p)%error)) cycle
-         associate (part => self%parts(p))
-            unknown = part%factorization%refused_unknown
-            if (unknown > part%n_own) then
-               call self%refuse(self%n - self%n_top + part%boundary(unknown - part%n_own), error)
-            else if (unknown > 0) then
-               call self%refuse(part%first - 1 + findloc(part%factorization%order, unknown, dim=1), error)
-            else
-               error = part%error
-            end if
-         end associate
-         return
+      !$omp parallel do default(none) schedule(dynamic, 256) num_threads(n_threads()) shared(substructures, matrix, value)
+      do k = 1, substructures%n
+         call fill_block(matrix, substructures%first(k), substructures%n_rows(k), substructures%n_own(k), &
+            value(substructures%block_start(k):substructures%block_start(k + 1) - 1))
       end do
-   end subroutine check_parts
+      !$omp end parallel do
+   end subroutine fill
 
-   !> Adds up the Schur complement of the top, part after part.
-   subroutine sum_top(self, error)
-      class(substructured_factorization_t), intent(inout) :: self !! the factorisation, its parts completed
-      type(error_t), allocatable, intent(out) :: error !! memory ran out
-      integer(int64) :: at
-      integer :: p, i, j, status
+   !> Condenses a substructure, its parts first; the top is only put together.
+   recursive subroutine condense(substructures, k, value, remainders)
+      type(substructures_t), intent(in) :: substructures !! the substructures
+      integer, intent(in) :: k !! number of the substructure
+      real(dp), intent(inout) :: value(:) !! the blocks; those of the substructure and its parts are filled
+      type(remainder_t), intent(inout) :: remainders(0:) !! what the substructures leave
+      integer :: i, part
 
-      allocate (self%top(self%n_top, self%n_top), stat=status)
-      if (status /= 0) then
-         call new_error(error, system_failure, 'memory ran out for the interface of '//to_text(self%n_top)// &
-            ' unknowns') ! not raised: no test may use up memory
-         return
-      end if
-      self%top = 0.0_dp
-      do j = 1, self%n_top
-         do at = self%top_matrix%column_start(j), self%top_matrix%column_start(j + 1) - 1
-            self%top(self%top_matrix%row(at), j) = self%top_matrix%value(at)
+      if (.not. substructures%is_large(k)) then
+         do i = substructures%first_below(k), k
+            call eliminate(substructures, i, value, remainders)
          end do
+         return
+      end if
+      do i = 1, 2
+         part = substructures%part(i, k)
+         if (part == 0) cycle
+         !$omp task default(none) shared(substructures, value, remainders) firstprivate(part)
+         call condense(substructures, part, value, remainders)
+         !$omp end task
       end do
-      self%top_matrix = sparse_matrix_t()
-      do p = 1, n_parts
-         associate (boundary => self%parts(p)%boundary, schur => self%parts(p)%schur)
-            do j = 1, size(boundary)
-               do i = j, size(boundary)
-                  self%top(boundary(i), boundary(j)) = self%top(boundary(i), boundary(j)) + schur(i, j)
-               end do
-            end do
-         end associate
-         deallocate (self%parts(p)%schur)
-      end do
-   end subroutine sum_top
+      !$omp taskwait
+      call eliminate(substructures, k, value, remainders)
+   end subroutine condense
 
-   !> Refuses pivots of the top that have shrunk to rounding errors. Those of the parts have passed.
-   subroutine check_top(self, error)
-      class(substructured_factorization_t), intent(inout) :: self !! the factorisation
-      type(error_t), allocatable, intent(out) :: error !! a pivot is not larger than its rounding error
+   !> Puts the matrix of a substructure together and eliminates its own unknowns, unless it is the top.
+   subroutine eliminate(substructures, k, value, remainders)
+      type(substructures_t), intent(in) :: substructures !! the substructures
+      integer, intent(in) :: k !! number of the substructure
+      real(dp), intent(inout) :: value(:) !! the blocks
+      type(remainder_t), intent(inout) :: remainders(0:) !! takes up those of the parts, gains that of the substructure
+      integer :: i, info
+
+      associate (n_own => substructures%n_own(k), n_rows => substructures%n_rows(k), &
+         n_boundary => substructures%n_boundary(k), first => substructures%block_start(k), &
+         past => substructures%block_start(k + 1), part => substructures%part(:, k))
+         remainders(k)%refused = maxval(remainders(part)%refused)
+         if (remainders(k)%refused > 0) return
+         do i = 1, 2
+            if (part(i) > 0) call add_to_own(places(substructures, part(i)), remainders(part(i))%s, n_rows, n_own, &
+               value(first:past - 1))
+         end do
+         if (k < substructures%n) then
+            allocate (remainders(k)%s(row_0(n_boundary, n_boundary) + n_boundary))
+            call eliminate_own(n_rows, n_own, n_boundary, value(first:past - 1), remainders(k)%s, info)
+            if (info > 0) remainders(k)%refused = substructures%first(k) + info - 1
+         end if
+         do i = 1, 2
+            if (part(i) == 0) cycle
+            if (k < substructures%n) call add_to_boundary(places(substructures, part(i)), remainders(part(i))%s, n_own, &
+               n_boundary, remainders(k)%s)
+            deallocate (remainders(part(i))%s)
+         end do
+      end associate
+   end subroutine eliminate
+
+   !> Which rows of the next larger substructure the boundary of a substructure is.
+   pure function places(substructures, k) result(place)
+      type(substructures_t), intent(in) :: substructures !! the substructures
+      integer, intent(in) :: k !! number of the substructure
+      integer, allocatable :: place(:)
+
+      place = substructures%place(substructures%boundary_start(k):substructures%boundary_start(k + 1) - 1)
+   end function places
+
+   !> Fills a block with its columns of the matrix.
+   pure subroutine fill_block(matrix, first, n_rows, n_own, block)
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
+      integer, intent(in) :: first !! the first column
+      integer, intent(in) :: n_rows !! number of rows of the block
+      integer, intent(in) :: n_own !! number of its columns
+      real(dp), intent(out) :: block(n_rows, n_own) !! the block
+      integer(int64) :: at
       integer :: j
 
-      call self%check_pivots([sqrt(self%diagonal(:self%n - self%n_top)), (self%top(j, j), j=1, self%n_top)], error)
-   end subroutine check_top
+      block = 0.0_dp
+      do j = 1, n_own
+         do at = matrix%column_start(first - 1 + j), matrix%column_start(first + j) - 1
+            block(matrix%row(at), j) = matrix%value(at)
+         end do
+      end do
+   end subroutine fill_block
+
+   !> Where row 0 of a column would lie in a lower triangle that is stored in panels of columns, each full from the first
+   !> row of its first column on.
+   pure integer(int64) function row_0(n, j)
+      integer, intent(in) :: n !! order of the triangle
+      integer, intent(in) :: j !! number of the column
+      integer(int64) :: before
+
+      before = (j - 1)/panel*panel
+      row_0 = before*n - before*(before - panel)/2 + (j - 1 - before)*(n - before) - before
+   end function row_0
+
+   !> Adds what a part has left in the columns of the own unknowns.
+   pure subroutine add_to_own(place, s, n_rows, n_own, block)
+      integer, intent(in) :: place(:) !! the rows of the part's boundary
+      real(dp), contiguous, intent(in) :: s(:) !! what it has left there, in panels
+      integer, intent(in) :: n_rows !! number of rows of the block
+      integer, intent(in) :: n_own !! number of its columns
+      real(dp), intent(inout) :: block(n_rows, n_own) !! the block
+      integer(int64) :: at
+      integer :: i, j
+
+      do j = 1, size(place)
+         if (place(j) > n_own) exit
+         at = row_0(size(place), j)
+         do i = j, size(place)
+            block(place(i), place(j)) = block(place(i), place(j)) + s(at + i)
+         end do
+      end do
+   end subroutine add_to_own
+
+   !> Adds what a part has left in the columns of the boundary.
+   pure subroutine add_to_boundary(place, s, n_own, n_boundary, sum)
+      integer, intent(in) :: place(:) !! the rows of the part's boundary
+      real(dp), contiguous, intent(in) :: s(:) !! what it has left there, in panels
+      integer, intent(in) :: n_own !! number of own unknowns of the substructure
+      integer, intent(in) :: n_boundary !! number of its boundary unknowns
+      real(dp), contiguous, intent(inout) :: sum(:) !! what it leaves, in panels
+      integer(int64) :: at, to
+      integer :: i, j
+
+      do j = count(place <= n_own) + 1, size(place)
+         at = row_0(size(place), j)
+         to = row_0(n_boundary, place(j) - n_own) - n_own
+         do i = j, size(place)
+            sum(to + place(i)) = sum(to + place(i)) + s(at + i)
+         end do
+      end do
+   end subroutine add_to_boundary
+
+   !> Factorises the own columns, L_11 L_11^T = F_pp and L_21 = F_bp L_11^-T, and leaves -L_21 L_21^T.
+   pure subroutine eliminate_own(n_rows, n_own, n_boundary, block, s, info)
+      integer, intent(in) :: n_rows !! number of rows
+      integer, intent(in) :: n_own !! number of own unknowns
+      integer, intent(in) :: n_boundary !! number of boundary unknowns
+      real(dp), intent(inout) :: block(n_rows, n_own) !! the own columns
+      real(dp), intent(out) :: s(row_0(n_boundary, n_boundary) + n_boundary) !! lower triangle in panels
+      integer, intent(out) :: info !! 0, or which own unknown has a pivot that is not positive
+      integer(int64) :: at
+      integer :: j, lds, n_left
+
+      call dpotrf('L', n_own, block, n_rows, info)
+      if (info /= 0 .or. n_boundary == 0) return
+      call dtrsm('R', 'L', 'T', 'N', n_boundary, n_own, 1.0_dp, block, n_rows, block(n_own + 1, 1), n_rows)
+      do j = 1, n_boundary, panel
+         at = row_0(n_boundary, j) + j
+         lds = n_boundary - j + 1
+         n_left = lds - panel
+         call dsyrk('L', 'N', min(panel, lds), n_own, -1.0_dp, block(n_own + j, 1), n_rows, 0.0_dp, s(at), lds)
+         if (n_left > 0) call dgemm('N', 'T', n_left, panel, n_own, -1.0_dp, block(n_own + j + panel, 1), n_rows, &
+            block(n_own + j, 1), n_rows, 0.0_dp, s(at + panel), lds)
+      end do
+   end subroutine eliminate_own
+
+   !> Factorises the top, on all threads.
+   subroutine factorize_top(self, refused)
+      type(substructured_factorization_t), target, intent(inout) :: self !! the factorisation, the top put together
+      integer, intent(out) :: refused !! position of the first pivot that is not positive; 0 for none
+      real(dp), contiguous, pointer :: top(:, :)
+
+      associate (n => self%substructures%n_own(self%substructures%n))
+         top(1:n, 1:n) => self%value(self%substructures%block_start(self%substructures%n):)
+      end associate
+      call cholesky_factor_tiled(top, refused)
+      if (refused > 0) refused = self%substructures%first(self%substructures%n) - 1 + refused
+   end subroutine factorize_top
+
+   !> The diagonal of L.
+   pure function pivots(self)
+      type(substructured_factorization_t), intent(in) :: self !! the factorisation
+      real(dp) :: pivots(self%n)
+      integer(int64) :: at
+      integer :: j, k
+
+      do k = 1, self%substructures%n
+         at = self%substructures%block_start(k)
+         do j = self%substructures%first(k), self%substructures%first(k + 1) - 1
+            pivots(j) = self%value(at)
+            at = at + self%substructures%n_rows(k) + 1
+         end do
+      end do
+   end function pivots
 
    !> Does the forward steps of the first columns.
    subroutine substructured_substitute_forward(self, n_steps, y)
       class(substructured_factorization_t), intent(in) :: self !! the factorisation
-      integer, intent(in) :: n_steps !! how many columns
+      integer, intent(in) :: n_steps !! how many columns, at least those before the trailing ones
       real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
-      type(part_vector_t) :: local(n_parts)
+      real(dp), allocatable :: gain(:)
       type(thread_state_t) :: threads
-      integer :: p, n_interior, m
 
-      n_interior = self%n - self%n_top
+      allocate (gain(size(self%substructures%place, kind=int64)))
       call hold_threads(threads, 1)
-      !$omp parallel do default(none) schedule(static, 1) num_threads(min(n_parts, n_threads())) &
-      !$omp shared(self, n_steps, y, local)
-      do p = 1, n_parts
-         call forward_part(self%parts(p), n_steps, y, local(p)%y)
-      end do
-      !$omp end parallel do
+      !$omp parallel default(none) num_threads(n_threads()) shared(self, n_steps, y, gain)
+      !$omp single
+      call go_forward(self%substructures, self%value, self%substructures%n, n_steps, y, gain)
+      !$omp end single
+      !$omp end parallel
       call release_threads(threads)
-      do p = 1, n_parts
-         associate (part => self%parts(p))
-            associate (place => n_interior + part%boundary(part%factorization%trailing_order))
-               y(place) = y(place) + local(p)%y(part%n_own + 1:)
-            end associate
-         end associate
-      end do
-      m = n_steps - n_interior
-      if (m <= 0) return
-      call dtrsv('L', 'N', 'N', m, self%top, self%n_top, y(n_interior + 1:), 1)
-      if (m < self%n_top) call dgemv('N', self%n_top - m, m, -1.0_dp, self%top(m + 1, 1), self%n_top, &
-         y(n_interior + 1:), 1, 1.0_dp, y(n_steps + 1:), 1)
    end subroutine substructured_substitute_forward
 
-   !> Does the forward steps of a part.
-   subroutine forward_part(part, n_steps, y, local)
-      type(part_t), intent(in) :: part !! the part
-      integer, intent(in) :: n_steps !! how many columns of the whole
-      real(dp), intent(inout) :: y(:) !! the vector of the whole; the part's own unknowns are changed
-      real(dp), allocatable, intent(out) :: local(:) !! the part's vector; its boundary holds what the top gains
+   !> Does the forward steps of a substructure, those of its parts first.
+   recursive subroutine go_forward(substructures, value, k, n_steps, y, gain)
+      type(substructures_t), intent(in) :: substructures !! the substructures
+      real(dp), contiguous, intent(in) :: value(:) !! their blocks
+      integer, intent(in) :: k !! number of the substructure
+      integer, intent(in) :: n_steps !! how many columns
+      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position
+      real(dp), contiguous, intent(inout) :: gain(:) !! what the boundaries gain
+      integer :: i, part
 
-      allocate (local(part%factorization%n))
-      local(:part%n_own) = y(part%first:part%first + part%n_own - 1)
-      local(part%n_own + 1:) = 0.0_dp
-      call part%factorization%substitute_forward(n_part_steps(part, n_steps), local)
-      y(part%first:part%first + part%n_own - 1) = local(:part%n_own)
-   end subroutine forward_part
+      if (.not. substructures%is_large(k)) then
+         do i = substructures%first_below(k), k
+            call step_forward(substructures, value, i, n_steps, y, gain)
+         end do
+         return
+      end if
+      do i = 1, 2
+         part = substructures%part(i, k)
+         if (part == 0) cycle
+         !$omp task default(none) shared(substructures, value, n_steps, y, gain) firstprivate(part)
+         call go_forward(substructures, value, part, n_steps, y, gain)
+         !$omp end task
+      end do
+      !$omp taskwait
+      call step_forward(substructures, value, k, n_steps, y, gain)
+   end subroutine go_forward
+
+   !> Does the forward steps of one substructure.
+   subroutine step_forward(substructures, value, k, n_steps, y, gain)
+      type(substructures_t), intent(in) :: substructures !! the substructures
+      real(dp), contiguous, intent(in) :: value(:) !! their blocks
+      integer, intent(in) :: k !! number of the substructure
+      integer, intent(in) :: n_steps !! how many columns
+      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position
+      real(dp), contiguous, intent(inout) :: gain(:) !! what the boundaries gain
+      real(dp) :: x(substructures%n_rows(k))
+      integer(int64) :: at
+      integer :: i, part
+
+      associate (n_own => substructures%n_own(k), first => substructures%first(k), start => substructures%boundary_start)
+         x(:n_own) = y(first:first + n_own - 1)
+         x(n_own + 1:) = 0.0_dp
+         do i = 1, 2
+            part = substructures%part(i, k)
+            if (part == 0) cycle
+            do at = start(part), start(part + 1) - 1
+               x(substructures%place(at)) = x(substructures%place(at)) + gain(at)
+            end do
+         end do
+         call forward_columns(size(x), min(n_own, n_steps - first + 1), value(substructures%block_start(k):), x)
+         y(first:first + n_own - 1) = x(:n_own)
+         gain(start(k):start(k + 1) - 1) = x(n_own + 1:)
+      end associate
+   end subroutine step_forward
 
    !> Does the backward steps of the first columns.
    subroutine substructured_substitute_backward(self, n_steps, y)
       class(substructured_factorization_t), intent(in) :: self !! the factorisation
-      integer, intent(in) :: n_steps !! how many columns
+      integer, intent(in) :: n_steps !! how many columns, at least those before the trailing ones
       real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
+      real(dp), allocatable :: known(:)
       type(thread_state_t) :: threads
-      integer :: p, n_interior, m
 
-      n_interior = self%n - self%n_top
-      m = n_steps - n_interior
-      if (m > 0) then
-         if (m < self%n_top) call dgemv('T', self%n_top - m, m, -1.0_dp, self%top(m + 1, 1), self%n_top, &
-            y(n_steps + 1:), 1, 1.0_dp, y(n_interior + 1:), 1)
-         call dtrsv('L', 'T', 'N', m, self%top, self%n_top, y(n_interior + 1:), 1)
-      end if
+      allocate (known(size(self%substructures%place, kind=int64)))
       call hold_threads(threads, 1)
-      !$omp parallel do default(none) schedule(static, 1) num_threads(min(n_parts, n_threads())) &
-      !$omp shared(self, n_steps, y, n_interior)
-      do p = 1, n_parts
-         call backward_part(self%parts(p), n_steps, n_interior, y)
-      end do
-      !$omp end parallel do
+      !$omp parallel default(none) num_threads(n_threads()) shared(self, n_steps, y, known)
+      !$omp single
+      call go_backward(self%substructures, self%value, self%substructures%n, n_steps, y, known)
+      !$omp end single
+      !$omp end parallel
       call release_threads(threads)
    end subroutine substructured_substitute_backward
 
-   !> Does the backward steps of a part.
-   subroutine backward_part(part, n_steps, n_interior, y)
-      type(part_t), intent(in) :: part !! the part
-      integer, intent(in) :: n_steps !! how many columns of the whole
-      integer, intent(in) :: n_interior !! how many unknowns come before the top
-      real(dp), intent(inout) :: y(:) !! the vector of the whole; the part's own unknowns are changed
-      real(dp), allocatable :: local(:)
-
-      allocate (local(part%factorization%n))
-      local(:part%n_own) = y(part%first:part%first + part%n_own - 1)
-      local(part%n_own + 1:) = y(n_interior + part%boundary(part%factorization%trailing_order))
-      call part%factorization%substitute_backward(n_part_steps(part, n_steps), local)
-      y(part%first:part%first + part%n_own - 1) = local(:part%n_own)
-   end subroutine backward_part
-
-   !> How many of the first columns of L are a part's own.
-   pure integer function n_part_steps(part, n_steps)
-      type(part_t), intent(in) :: part !! the part
+   !> Does the backward steps of a substructure, and then those of its parts.
+   recursive subroutine go_backward(substructures, value, k, n_steps, y, known)
+      type(substructures_t), intent(in) :: substructures !! the substructures
+      real(dp), contiguous, intent(in) :: value(:) !! their blocks
+      integer, intent(in) :: k !! number of the substructure
       integer, intent(in) :: n_steps !! how many columns
+      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position
+      real(dp), contiguous, intent(inout) :: known(:) !! the vector on the boundaries
+      integer :: i, part
 
-      n_part_steps = max(0, min(part%n_own, n_steps - part%first + 1))
-   end function n_part_steps
+      if (.not. substructures%is_large(k)) then
+         do i = k, substructures%first_below(k), -1
+            call step_backward(substructures, value, i, n_steps, y, known)
+         end do
+         return
+      end if
+      call step_backward(substructures, value, k, n_steps, y, known)
+      do i = 1, 2
+         part = substructures%part(i, k)
+         if (part == 0) cycle
+         !$omp task default(none) shared(substructures, value, n_steps, y, known) firstprivate(part)
+         call go_backward(substructures, value, part, n_steps, y, known)
+         !$omp end task
+      end do
+      !$omp taskwait
+   end subroutine go_backward
+
+   !> Does the backward steps of one substructure.
+   subroutine step_backward(substructures, value, k, n_steps, y, known)
+      type(substructures_t), intent(in) :: substructures !! the substructures
+      real(dp), contiguous, intent(in) :: value(:) !! their blocks
+      integer, intent(in) :: k !! number of the substructure
+      integer, intent(in) :: n_steps !! how many columns
+      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position
+      real(dp), contiguous, intent(inout) :: known(:) !! the vector on the boundaries
+      real(dp) :: x(substructures%n_rows(k))
+      integer :: i, part
+
+      associate (n_own => substructures%n_own(k), first => substructures%first(k), start => substructures%boundary_start)
+         x(:n_own) = y(first:first + n_own - 1)
+         x(n_own + 1:) = known(start(k):start(k + 1) - 1)
+         call backward_columns(size(x), min(n_own, n_steps - first + 1), value(substructures%block_start(k):), x)
+         y(first:first + n_own - 1) = x(:n_own)
+         do i = 1, 2
+            part = substructures%part(i, k)
+            if (part > 0) known(start(part):start(part + 1) - 1) = &
+               x(substructures%place(start(part):start(part + 1) - 1))
+         end do
+      end associate
+   end subroutine step_backward
 
    !> Copies the last block of the top's factor.
    subroutine substructured_trailing_factor(self, l22)
       class(substructured_factorization_t), intent(in) :: self !! the factorisation
       real(dp), contiguous, intent(out) :: l22(:, :)
          !! lower triangular, zeros above, by trailing position (n_trailing, n_trailing)
-      integer :: j, n_interface
+      integer(int64) :: at
+      integer :: j
 
-      n_interface = self%n_top - self%n_trailing
-      do j = 1, self%n_trailing
-         l22(:j - 1, j) = 0.0_dp
-         l22(j:, j) = self%top(n_interface + j:, n_interface + j)
-      end do
+      associate (n_top => self%substructures%n_own(self%substructures%n))
+         do j = 1, self%n_trailing
+            l22(:j - 1, j) = 0.0_dp
+            at = self%substructures%block_start(self%substructures%n) &
+               + (n_top - self%n_trailing + j - 1)*(n_top + 1_int64)
+            l22(j:, j) = self%value(at:at + self%n_trailing - j)
+         end do
+      end associate
    end subroutine substructured_trailing_factor
 
-   !> The number of stored entries of the parts and of the top.
+   !> The number of stored entries, the unused ones above the diagonal included.
    pure function substructured_n_factor_entries(self) result(n_entries)
       class(substructured_factorization_t), intent(in) :: self !! the factorisation
       integer(int64) :: n_entries
-      integer :: p
 
-      n_entries = int(self%n_top, int64)**2
-      do p = 1, n_parts
-         n_entries = n_entries + self%parts(p)%factorization%n_factor_entries()
-      end do
+      n_entries = self%substructures%block_start(self%substructures%n + 1) - 1
    end function substructured_n_factor_entries
 
    !> The word `substructured`.
