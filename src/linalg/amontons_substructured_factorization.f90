@@ -11,13 +11,13 @@ module amontons_substructured_factorization
    use amontons_dissection, only: dissection_t, new_dissection
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_factorization, only: factorization_t
+   use amontons_frontal_matrix, only: add_to_boundary, add_to_own, eliminate_own, fill_own, n_remaining
    use amontons_graph, only: graph_t, new_graph
    use amontons_kinds, only: dp, int64
-   use amontons_lapack, only: dgemm, dpotrf, dsyrk, dtrsm
    use amontons_ordering, only: graph_places
    use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_substructure_steps, only: go_backward, go_forward
    use amontons_substructures, only: new_substructures, substructures_t
-   use amontons_supernode, only: backward_columns, forward_columns
    use amontons_system, only: advise_large_pages
    use amontons_text, only: to_text
    use amontons_threads, only: hold_threads, n_threads, release_threads, thread_state_t
@@ -28,7 +28,7 @@ module amontons_substructured_factorization
 
    !> What a substructure leaves on its boundary until the next larger one takes it up.
    type :: remainder_t
-      real(dp), allocatable :: s(:) !! lower triangle in panels of columns, see `row_0`
+      real(dp), allocatable :: s(:) !! as `amontons_frontal_matrix` has it (n_remaining(n_boundary))
       integer :: refused = 0 !! position of the first pivot that was not positive, here or in the parts; 0 for none
    end type remainder_t
 
@@ -47,9 +47,6 @@ module amontons_substructured_factorization
       procedure, public :: n_factor_entries => substructured_n_factor_entries
       procedure, public, nopass :: name => substructured_name
    end type substructured_factorization_t
-
-   !> Number of columns of a panel.
-   integer, parameter :: panel = 192
 
 contains
 
@@ -95,8 +92,7 @@ contains
          part = self%substructures%part(:, k)
          n_own = self%substructures%n_own(k)
          n_boundary = self%substructures%n_boundary(k)
-         left(k) = row_0(self%substructures%n_boundary(k), self%substructures%n_boundary(k)) &
-            + self%substructures%n_boundary(k)
+         left(k) = n_remaining(self%substructures%n_boundary(k))
          most(k) = max(most(part(1)), left(part(1)) + most(part(2)), left(k) + sum(left(part)))
          self%n_flops = self%n_flops + n_own**3/3.0_dp + n_own**2*n_boundary + n_own*n_boundary**2
       end do
@@ -148,7 +144,7 @@ contains
 
       !$omp parallel do default(none) schedule(dynamic, 256) num_threads(n_threads()) shared(substructures, matrix, value)
       do k = 1, substructures%n
-         call fill_block(matrix, substructures%first(k), substructures%n_rows(k), substructures%n_own(k), &
+         call fill_own(matrix, substructures%first(k), substructures%n_rows(k), substructures%n_own(k), &
             value(substructures%block_start(k):substructures%block_start(k + 1) - 1))
       end do
       !$omp end parallel do
@@ -179,7 +175,7 @@ contains
       call eliminate(substructures, k, value, remainders)
    end subroutine condense
 
-   !> Puts the matrix of a substructure together and eliminates its own unknowns, unless it is the top.
+   !> Adds to the matrix of a substructure what its parts have left, and eliminates its own unknowns unless it is the top.
    subroutine eliminate(substructures, k, value, remainders)
       type(substructures_t), intent(in) :: substructures !! the substructures
       integer, intent(in) :: k !! number of the substructure
@@ -187,18 +183,18 @@ contains
       type(remainder_t), intent(inout) :: remainders(0:) !! takes up those of the parts, gains that of the substructure
       integer :: i, info
 
-      associate (n_own => substructures%n_own(k), n_rows => substructures%n_rows(k), &
-         n_boundary => substructures%n_boundary(k), first => substructures%block_start(k), &
-         past => substructures%block_start(k + 1), part => substructures%part(:, k))
+      associate (n_own => substructures%n_own(k), n_boundary => substructures%n_boundary(k), &
+         first => substructures%block_start(k), past => substructures%block_start(k + 1), &
+         part => substructures%part(:, k))
          remainders(k)%refused = maxval(remainders(part)%refused)
          if (remainders(k)%refused > 0) return
          do i = 1, 2
-            if (part(i) > 0) call add_to_own(places(substructures, part(i)), remainders(part(i))%s, n_rows, n_own, &
-               value(first:past - 1))
+            if (part(i) > 0) call add_to_own(places(substructures, part(i)), remainders(part(i))%s, n_own, &
+               n_own + n_boundary, value(first:past - 1))
          end do
          if (k < substructures%n) then
-            allocate (remainders(k)%s(row_0(n_boundary, n_boundary) + n_boundary))
-            call eliminate_own(n_rows, n_own, n_boundary, value(first:past - 1), remainders(k)%s, info)
+            allocate (remainders(k)%s(n_remaining(n_boundary)))
+            call eliminate_own(n_own + n_boundary, n_own, value(first:past - 1), remainders(k)%s, info)
             if (info > 0) remainders(k)%refused = substructures%first(k) + info - 1
          end if
          do i = 1, 2
@@ -218,97 +214,6 @@ contains
 
       place = substructures%place(substructures%boundary_start(k):substructures%boundary_start(k + 1) - 1)
    end function places
-
-   !> Fills a block with its columns of the matrix.
-   pure subroutine fill_block(matrix, first, n_rows, n_own, block)
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer, intent(in) :: first !! the first column
-      integer, intent(in) :: n_rows !! number of rows of the block
-      integer, intent(in) :: n_own !! number of its columns
-      real(dp), intent(out) :: block(n_rows, n_own) !! the block
-      integer(int64) :: at
-      integer :: j
-
-      block = 0.0_dp
-      do j = 1, n_own
-         do at = matrix%column_start(first - 1 + j), matrix%column_start(first + j) - 1
-            block(matrix%row(at), j) = matrix%value(at)
-         end do
-      end do
-   end subroutine fill_block
-
-   !> Where row 0 of a column would lie in a lower triangle that is stored in panels of columns, each full from the first
-   !> row of its first column on.
-   pure integer(int64) function row_0(n, j)
-      integer, intent(in) :: n !! order of the triangle
-      integer, intent(in) :: j !! number of the column
-      integer(int64) :: before
-
-      before = (j - 1)/panel*panel
-      row_0 = before*n - before*(before - panel)/2 + (j - 1 - before)*(n - before) - before
-   end function row_0
-
-   !> Adds what a part has left in the columns of the own unknowns.
-   pure subroutine add_to_own(place, s, n_rows, n_own, block)
-      integer, intent(in) :: place(:) !! the rows of the part's boundary
-      real(dp), contiguous, intent(in) :: s(:) !! what it has left there, in panels
-      integer, intent(in) :: n_rows !! number of rows of the block
-      integer, intent(in) :: n_own !! number of its columns
-      real(dp), intent(inout) :: block(n_rows, n_own) !! the block
-      integer(int64) :: at
-      integer :: i, j
-
-      do j = 1, size(place)
-         if (place(j) > n_own) exit
-         at = row_0(size(place), j)
-         do i = j, size(place)
-            block(place(i), place(j)) = block(place(i), place(j)) + s(at + i)
-         end do
-      end do
-   end subroutine add_to_own
-
-   !> Adds what a part has left in the columns of the boundary.
-   pure subroutine add_to_boundary(place, s, n_own, n_boundary, sum)
-      integer, intent(in) :: place(:) !! the rows of the part's boundary
-      real(dp), contiguous, intent(in) :: s(:) !! what it has left there, in panels
-      integer, intent(in) :: n_own !! number of own unknowns of the substructure
-      integer, intent(in) :: n_boundary !! number of its boundary unknowns
-      real(dp), contiguous, intent(inout) :: sum(:) !! what it leaves, in panels
-      integer(int64) :: at, to
-      integer :: i, j
-
-      do j = count(place <= n_own) + 1, size(place)
-         at = row_0(size(place), j)
-         to = row_0(n_boundary, place(j) - n_own) - n_own
-         do i = j, size(place)
-            sum(to + place(i)) = sum(to + place(i)) + s(at + i)
-         end do
-      end do
-   end subroutine add_to_boundary
-
-   !> Factorises the own columns, L_11 L_11^T = F_pp and L_21 = F_bp L_11^-T, and leaves -L_21 L_21^T.
-   pure subroutine eliminate_own(n_rows, n_own, n_boundary, block, s, info)
-      integer, intent(in) :: n_rows !! number of rows
-      integer, intent(in) :: n_own !! number of own unknowns
-      integer, intent(in) :: n_boundary !! number of boundary unknowns
-      real(dp), intent(inout) :: block(n_rows, n_own) !! the own columns
-      real(dp), intent(out) :: s(row_0(n_boundary, n_boundary) + n_boundary) !! lower triangle in panels
-      integer, intent(out) :: info !! 0, or which own unknown has a pivot that is not positive
-      integer(int64) :: at
-      integer :: j, lds, n_left
-
-      call dpotrf('L', n_own, block, n_rows, info)
-      if (info /= 0 .or. n_boundary == 0) return
-      call dtrsm('R', 'L', 'T', 'N', n_boundary, n_own, 1.0_dp, block, n_rows, block(n_own + 1, 1), n_rows)
-      do j = 1, n_boundary, panel
-         at = row_0(n_boundary, j) + j
-         lds = n_boundary - j + 1
-         n_left = lds - panel
-         call dsyrk('L', 'N', min(panel, lds), n_own, -1.0_dp, block(n_own + j, 1), n_rows, 0.0_dp, s(at), lds)
-         if (n_left > 0) call dgemm('N', 'T', n_left, panel, n_own, -1.0_dp, block(n_own + j + panel, 1), n_rows, &
-            block(n_own + j, 1), n_rows, 0.0_dp, s(at + panel), lds)
-      end do
-   end subroutine eliminate_own
 
    !> Factorises the top, on all threads.
    subroutine factorize_top(self, refused)
@@ -357,61 +262,6 @@ contains
       call release_threads(threads)
    end subroutine substructured_substitute_forward
 
-   !> Does the forward steps of a substructure, those of its parts first.
-   recursive subroutine go_forward(substructures, value, k, n_steps, y, gain)
-      type(substructures_t), intent(in) :: substructures !! the substructures
-      real(dp), contiguous, intent(in) :: value(:) !! their blocks
-      integer, intent(in) :: k !! number of the substructure
-      integer, intent(in) :: n_steps !! how many columns
-      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position
-      real(dp), contiguous, intent(inout) :: gain(:) !! what the boundaries gain
-      integer :: i, part
-
-      if (.not. substructures%is_large(k)) then
-         do i = substructures%first_below(k), k
-            call step_forward(substructures, value, i, n_steps, y, gain)
-         end do
-         return
-      end if
-      do i = 1, 2
-         part = substructures%part(i, k)
-         if (part == 0) cycle
-         !$omp task default(none) shared(substructures, value, n_steps, y, gain) firstprivate(part)
-         call go_forward(substructures, value, part, n_steps, y, gain)
-         !$omp end task
-      end do
-      !$omp taskwait
-      call step_forward(substructures, value, k, n_steps, y, gain)
-   end subroutine go_forward
-
-   !> Does the forward steps of one substructure.
-   subroutine step_forward(substructures, value, k, n_steps, y, gain)
-      type(substructures_t), intent(in) :: substructures !! the substructures
-      real(dp), contiguous, intent(in) :: value(:) !! their blocks
-      integer, intent(in) :: k !! number of the substructure
-      integer, intent(in) :: n_steps !! how many columns
-      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position
-      real(dp), contiguous, intent(inout) :: gain(:) !! what the boundaries gain
-      real(dp) :: x(substructures%n_rows(k))
-      integer(int64) :: at
-      integer :: i, part
-
-      associate (n_own => substructures%n_own(k), first => substructures%first(k), start => substructures%boundary_start)
-         x(:n_own) = y(first:first + n_own - 1)
-         x(n_own + 1:) = 0.0_dp
-         do i = 1, 2
-            part = substructures%part(i, k)
-            if (part == 0) cycle
-            do at = start(part), start(part + 1) - 1
-               x(substructures%place(at)) = x(substructures%place(at)) + gain(at)
-            end do
-         end do
-         call forward_columns(size(x), min(n_own, n_steps - first + 1), value(substructures%block_start(k):), x)
-         y(first:first + n_own - 1) = x(:n_own)
-         gain(start(k):start(k + 1) - 1) = x(n_own + 1:)
-      end associate
-   end subroutine step_forward
-
    !> Does the backward steps of the first columns.
    subroutine substructured_substitute_backward(self, n_steps, y)
       class(substructured_factorization_t), intent(in) :: self !! the factorisation
@@ -429,57 +279,6 @@ contains
       !$omp end parallel
       call release_threads(threads)
    end subroutine substructured_substitute_backward
-
-   !> Does the backward steps of a substructure, and then those of its parts.
-   recursive subroutine go_backward(substructures, value, k, n_steps, y, known)
-      type(substructures_t), intent(in) :: substructures !! the substructures
-      real(dp), contiguous, intent(in) :: value(:) !! their blocks
-      integer, intent(in) :: k !! number of the substructure
-      integer, intent(in) :: n_steps !! how many columns
-      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position
-      real(dp), contiguous, intent(inout) :: known(:) !! the vector on the boundaries
-      integer :: i, part
-
-      if (.not. substructures%is_large(k)) then
-         do i = k, substructures%first_below(k), -1
-            call step_backward(substructures, value, i, n_steps, y, known)
-         end do
-         return
-      end if
-      call step_backward(substructures, value, k, n_steps, y, known)
-      do i = 1, 2
-         part = substructures%part(i, k)
-         if (part == 0) cycle
-         !$omp task default(none) shared(substructures, value, n_steps, y, known) firstprivate(part)
-         call go_backward(substructures, value, part, n_steps, y, known)
-         !$omp end task
-      end do
-      !$omp taskwait
-   end subroutine go_backward
-
-   !> Does the backward steps of one substructure.
-   subroutine step_backward(substructures, value, k, n_steps, y, known)
-      type(substructures_t), intent(in) :: substructures !! the substructures
-      real(dp), contiguous, intent(in) :: value(:) !! their blocks
-      integer, intent(in) :: k !! number of the substructure
-      integer, intent(in) :: n_steps !! how many columns
-      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position
-      real(dp), contiguous, intent(inout) :: known(:) !! the vector on the boundaries
-      real(dp) :: x(substructures%n_rows(k))
-      integer :: i, part
-
-      associate (n_own => substructures%n_own(k), first => substructures%first(k), start => substructures%boundary_start)
-         x(:n_own) = y(first:first + n_own - 1)
-         x(n_own + 1:) = known(start(k):start(k + 1) - 1)
-         call backward_columns(size(x), min(n_own, n_steps - first + 1), value(substructures%block_start(k):), x)
-         y(first:first + n_own - 1) = x(:n_own)
-         do i = 1, 2
-            part = substructures%part(i, k)
-            if (part > 0) known(start(part):start(part + 1) - 1) = &
-               x(substructures%place(start(part):start(part + 1) - 1))
-         end do
-      end associate
-   end subroutine step_backward
 
    !> Copies the last block of the top's factor.
    subroutine substructured_trailing_factor(self, l22)
