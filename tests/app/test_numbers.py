@@ -249,6 +249,26 @@ class IllPosed(NumbersTest):
             self.assertEqual(self.attempt(block(*groups)), (0, ""))
             self.assertEqual(max(map(abs, self.result("case", "results").forces), default=0.0), 0.0)
 
+    def test_body_at_rest_may_stand_off_in_any_units(self):
+        # What would close the gaps is far below 1 in these units.
+        for unit in (1e-9, 1.0, 1e9):
+            for groups in (("support set = 'top'  ux = 0.0  uy = 0.0", f"load set = 'top'  pressure = {unit}"), ()):
+                self.assertEqual(self.attempt(block(
+                    *groups, CONTACT + "  slip_bound = 1e-9  extra_gap = 1e-3  obstacle = 'circle'  radius = 5.0",
+                    material=f"young = {unit}  poisson = 0.25")), (0, ""))
+                result = self.result("case", "results")
+                self.assertEqual(set(map(abs, result["slip"] + result.forces)), {0.0})
+                self.assertEqual(set(result["status"]), {"open"})
+
+    def test_body_that_is_moved_without_strain_is_certified(self):
+        # All forces, those of the guided node included, are rounding; or a load or a spring acts on what a
+        # support holds and moves.
+        for support, groups in (("set = 'left'  ux = 0.00323", ("gap_direction = 0.074, -1.0",)),
+                                ("set = 'top'  ux = -0.7  uy = 0.3", ("", "load point = 4.0, 2.0  force = 1.0, 3.0")),
+                                ("set = 'right'  un = -0.01  spring_n = 7.0", ("extra_gap = 0.1",))):
+            self.assertEqual(self.attempt(block(f"support {support}", f"{CONTACT}  {groups[0]}", *groups[1:])), (0, ""))
+            self.run_program("--verify", "results")
+
 
 class Bits(ProgramTest):
     """The same bits in every run and with any number of threads, on meshes large enough for threads to be used."""
