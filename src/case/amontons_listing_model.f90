@@ -144,8 +144,8 @@ contains
 
       text = ''
       associate (zone => body%zone)
-         if (body%motions%n_free > 0) text = text//line('Note', 'the supports leave '//to_text(body%motions%n_free)// &
-            ' rigid motion(s) free; contact alone holds the body there')
+         if (any(body%motions%n_free > 0)) text = text//line('Note', 'the supports leave '// &
+            to_text(sum(body%motions%n_free))//' rigid motion(s) free; contact alone holds the body there')
          do i = 1, size(zone%held_node)
             text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%held_node(i)))// &
                ' is no contact point: supports hold it')

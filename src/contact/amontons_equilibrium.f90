@@ -21,33 +21,53 @@ module amontons_equilibrium
 
 contains
 
-   !> Refuses loads that drive the body away.
+   !> Refuses loads that drive a piece of the body away.
    pure subroutine check_balance(motions, mesh, zone, forces, error)
-      type(rigid_motions_t), intent(in) :: motions !! the motions that the supports leave free
+      type(rigid_motions_t), intent(in) :: motions(:) !! the motions of each piece that the supports leave free
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(contact_zone_t), intent(in) :: zone !! the contact points, their friction set
       real(dp), intent(in) :: forces(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       type(error_t), allocatable, intent(out) :: error !! the body flies off; names the motion
+      integer :: i
+
+      ! A given slip bound can bear any small shear of any sign: what it holds is left to the method to find.
+      if (any(zone%slip_bound > 0.0_dp)) return
+      do i = 1, size(motions)
+         if (motions(i)%n_free > 0) call check_piece(motions(i), mesh, zone, forces, error)
+         if (allocated(error)) return
+      end do
+   end subroutine check_balance
+
+   !> Refuses loads that drive a piece away. Of a cell that other pieces touch, too, its own part counts.
+   pure subroutine check_piece(motions, mesh, zone, forces, error)
+      type(rigid_motions_t), intent(in) :: motions !! the motions of the piece that the supports leave free
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(contact_zone_t), intent(in) :: zone !! the contact points, their friction set
+      real(dp), intent(in) :: forces(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+      type(error_t), allocatable, intent(out) :: error !! the piece flies off; names the motion
       real(dp), parameter :: unbalanced = 1.0e-9_dp
       real(dp) :: cone(motions%n_free, 3*zone%n_points), work(motions%n_free), remainder(motions%n_free)
       real(dp) :: motion(2, motions%n_free), shear(2), scale
-      integer :: node, i, p
+      logical :: is_inside(mesh%n_nodes)
+      integer :: i, p
 
-      if (motions%n_free == 0) return
-      ! A given slip bound can bear any small shear of any sign: what it holds is left to the method to find.
-      if (any(zone%slip_bound > 0.0_dp)) return
       work = 0.0_dp
       scale = 0.0_dp
-      do node = 1, mesh%n_nodes
-         if (.not. any(abs(forces(:, node)) > 0.0_dp)) cycle
-         motion = motions%displacement(mesh%coordinates(:, node))
-         work = work + matmul(forces(:, node), motion)
-         scale = scale + maxval(abs(matmul(forces(:, node), motion)))
+      do i = 1, size(motions%node)
+         associate (force => forces(:, motions%node(i)))
+            if (.not. any(abs(force) > 0.0_dp)) cycle
+            motion = motions%displacement(mesh%coordinates(:, motions%node(i)))
+            work = work + matmul(force, motion)
+            scale = scale + maxval(abs(matmul(force, motion)))
+         end associate
       end do
+      is_inside = .false.
+      is_inside(motions%node) = .true.
       cone = 0.0_dp
       do p = 1, zone%n_points
          if (.not. zone%is_in_reach(p)) cycle
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+            if (.not. is_inside(zone%rows%node(i))) cycle
             motion = motions%displacement(mesh%coordinates(:, zone%rows%node(i)))
             associate (normal => zone%rows%part(:, i))
                shear = merge(0.0_dp, zone%friction(p), zone%is_guided(p))*turned(normal)
@@ -67,7 +87,7 @@ contains
             'the body flies off: no contact forces can balance the loads against a '//motions%describe(remainder)// &
             '; add a support, or a load that presses the body on its obstacle')
       end if
-   end subroutine check_balance
+   end subroutine check_piece
 
    !> What is left of a vector after its best approximation by columns with factors at least 0: Lawson and Hanson's
    !> algorithm (Solving Least Squares Problems, 1974, chapter 23).
