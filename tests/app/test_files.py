@@ -124,6 +124,19 @@ class Table(ProgramTest):
             elif status == "stick":
                 self.assertAlmostEqual(slip, 0.0, delta=1e-13)
 
+    def test_slip_of_a_cell_is_the_mean_of_its_nodes(self):
+        # Where a support moves a node of the first cell, too.
+        for friction in (0.3, 100.0):
+            result = self.solve(block("support set = 'left'  ux = 0.02", "load set = 'top'  pressure = 20.0",
+                                      f"contact set = 'bottom'  friction = {friction}  multipliers = 'constant'"))
+            slip = [x for x, _, _ in read_vtu((self.directory / "case.vtu").read_bytes())[0]["displacement"][:9]]
+            means = [(slip[2*k] + 2*slip[2*k + 1] + slip[2*k + 2])/4 for k in range(4)]
+            self.assert_close(result["slip"], means, 1e-14)
+            # What sticks does not move, however the support moves its node.
+            for status, x in zip(result["status"], result["slip"]):
+                self.assertTrue(abs(x) < 1e-14 if status == "stick" else x*float(status[-1] + "1") > 0.0)
+            self.run_program("--verify", ".")
+
     def test_body_without_contact_has_no_rows(self):
         result = self.solve(block("support set = 'left'  ux = 0.0  uy = 0.0", PRESSURE))
         self.assertEqual(self.contents()["case.contact.csv"].decode(), ",".join(COLUMNS) + "\n")
