@@ -19,6 +19,7 @@ module amontons_certificate
       real(dp) :: friction_excess = 0.0_dp !! largest |lambda_T| - phi lambda_N / largest nodal force [-]
       real(dp) :: complementarity = 0.0_dp
          !! largest smaller one of lambda_N and gap, each over the largest force or displacement [-]
+      real(dp) :: slip_below_bound = 0.0_dp !! the same of |u_T| and what |lambda_T| lacks to its bound [-]
       real(dp) :: wrong_dissipation = 0.0_dp
          !! the same of |lambda_T| and |u_T| where they point in opposite directions [-]
       real(dp) :: resultant = 0.0_dp !! |loads + reactions + contact forces| / sum of their magnitudes [-]
@@ -157,6 +158,8 @@ contains
          certificate%friction_excess = relative(max(0.0_dp, maxval(abs(tangential) - bound)), largest_force)
          certificate%complementarity = max(0.0_dp, maxval(min(relative(normal, largest_force), &
             relative(distance, largest_displacement))))
+         certificate%slip_below_bound = max(0.0_dp, maxval(min(relative(bound - abs(tangential), largest_force), &
+            relative(abs(slip), largest_displacement)), mask=.not. zone%is_guided))
          certificate%wrong_dissipation = max(0.0_dp, maxval(-min(relative(abs(tangential), largest_force), &
             relative(abs(slip), largest_displacement))*sign(1.0_dp, tangential*slip)))
          certificate%dissipation = sum(tangential*slip)
@@ -221,7 +224,7 @@ contains
       class(certificate_t), intent(in) :: self !! the certificate
 
       largest = max(self%equilibrium, self%penetration, self%tension, self%friction_excess, self%complementarity, &
-         self%wrong_dissipation, self%resultant, self%moment, self%energy, self%duality_gap)
+         self%slip_below_bound, self%wrong_dissipation, self%resultant, self%moment, self%energy, self%duality_gap)
    end function certificate_largest
 
    !> Whether every number of the certificate is finite.
@@ -229,8 +232,8 @@ contains
       class(certificate_t), intent(in) :: self !! the certificate
 
       is_finite = all(ieee_is_finite([self%equilibrium, self%penetration, self%tension, self%friction_excess, &
-         self%complementarity, self%wrong_dissipation, self%resultant, self%moment, self%energy, self%duality_gap, &
-         self%strain_energy, self%dissipation, self%load, self%reaction, self%contact]))
+         self%complementarity, self%slip_below_bound, self%wrong_dissipation, self%resultant, self%moment, &
+         self%energy, self%duality_gap, self%strain_energy, self%dissipation, self%load, self%reaction, self%contact]))
    end function certificate_is_finite
 
 end module amontons_certificate
