@@ -37,15 +37,14 @@ module amontons_contact_check
 contains
 
    !> What is small beside the displacements and the forces of a case.
-   pure function new_law_scales(limit, displacement, loads, force) result(scales)
+   pure function new_law_scales(limit, displacement, force_scale) result(scales)
       real(dp), intent(in) :: limit !! the share that counts as none [-]
       real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: loads(:, :) !! loads of the nodes (2, n_nodes) [F]
-      real(dp), intent(in) :: force(:) !! contact forces (2m) [F]
+      real(dp), intent(in) :: force_scale !! what the certificate measures contact forces by [F]
       type(law_scales_t) :: scales
 
       scales%length = limit*maxval(abs(displacement))
-      scales%force = limit*max(maxval(abs(loads)), maxval(abs(force)))
+      scales%force = limit*force_scale
    end function new_law_scales
 
    !> Reads NAME.contact.csv of a body.

@@ -112,13 +112,13 @@ contains
       type(certificate_t), intent(in) :: certificate !! the certificate
       character(:), allocatable :: text
       character(*), parameter :: names(*) = [character(17) :: 'Equilibrium', 'Penetration', 'Tension', &
-         'Friction excess', 'Complementarity', 'Wrong dissipation', 'Resultant', 'Moment', 'Energy balance', &
-         'Duality gap']
+         'Friction excess', 'Complementarity', 'Slip below bound', 'Wrong dissipation', 'Resultant', 'Moment', &
+         'Energy balance', 'Duality gap']
       real(dp), allocatable :: violations(:)
 
       violations = [certificate%equilibrium, certificate%penetration, certificate%tension, &
-         certificate%friction_excess, certificate%complementarity, certificate%wrong_dissipation, &
-         certificate%resultant, certificate%moment, certificate%energy]
+         certificate%friction_excess, certificate%complementarity, certificate%slip_below_bound, &
+         certificate%wrong_dissipation, certificate%resultant, certificate%moment, certificate%energy]
       if (certificate%has_duality_gap) violations = [violations, certificate%duality_gap]
       text = heading('Certificate on the full model (violations, each over its natural scale)') &
          //violations_text(names, violations, certificate_limit(config%method%tolerance))

@@ -3,6 +3,7 @@ module amontons_listing_model
    use amontons_body, only: body_t, poor_inf_sup
    use amontons_config, only: config_t
    use amontons_constraints, only: support_t, supported_components
+   use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_t
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
@@ -144,8 +145,8 @@ contains
 
       text = ''
       associate (zone => body%zone)
-         if (body%motions%n_free > 0) text = text//line('Note', 'the supports leave '//to_text(body%motions%n_free)// &
-            ' rigid motion(s) free; contact alone holds the body there')
+         if (any(body%motions%n_free > 0)) text = text//line('Note', 'the supports leave '// &
+            to_text(sum(body%motions%n_free))//' rigid motion(s) free; contact alone holds the body there')
          do i = 1, size(zone%held_node)
             text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%held_node(i)))// &
                ' is no contact point: supports hold it')
@@ -160,7 +161,7 @@ contains
          end do
          do i = 1, zone%n_points
             if (zone%is_guided(i)) text = text//line('Note', 'the '//trim(merge('cell', 'node', zone%is_cell(i)))// &
-               ' at '//pair(zone%position(:, i))//' cannot slide: a support bears its tangential force')
+               ' at '//pair(zone%position(:, i))//guide_text(body, i))
          end do
          if (zone%n_held_cells > 0) text = text//line('Note', to_text(zone%n_held_cells)// &
             ' cell(s) of constant multipliers are no contact points: supports hold their nodes')
@@ -168,6 +169,30 @@ contains
             short(-minval(zone%gap))//' at the start')
       end associate
    end function notes_text
+
+   !> What the support of a guided point does to its friction.
+   pure function guide_text(body, p) result(text)
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: p !! number of the point
+      character(:), allocatable :: text
+      ! Mesh files carry about eight digits, so directions that should agree differ in the last of them.
+      real(dp), parameter :: square = 1.0e-6_dp
+      integer :: i
+      logical :: may_slide
+
+      may_slide = .false.
+      do i = body%zone%rows%start(p), body%zone%rows%start(p + 1) - 1
+         associate (node => body%zone%rows%node(i), tangent => turned(body%zone%normal(:, p)))
+            may_slide = may_slide .or. any(body%constraints%is_free(:, node) &
+               .and. abs(matmul(tangent, body%constraints%frame(node))) > square)
+         end associate
+      end do
+      if (may_slide) then
+         text = ' slides without friction: a support that is aslant to the obstacle guides it'
+      else
+         text = ' cannot slide: a support bears its tangential force'
+      end if
+   end function guide_text
 
    !> The loads.
    pure function loads_text(config) result(text)

@@ -176,6 +176,7 @@ contains
       type(body_t), intent(inout) :: body !! the body
       real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       real(dp), allocatable :: forces(:, :), prescribed(:)
+      real(dp) :: slip(body%zone%n_points)
 
       if (any(abs(body%constraints%prescribed) > 0.0_dp)) then
          call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, &
@@ -185,12 +186,26 @@ contains
          forces = loads
       end if
       call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), body%problem%load)
-      ! The contact problem counts displacements from the prescribed ones.
+      ! The contact problem counts normal displacements from the prescribed ones; slips are whole, since friction is
+      ! against all of a slip: what is prescribed of them, as at one node of a cell, becomes a load.
       allocate (prescribed, source=body%zone%rows%displacement(body%constraints%prescribed))
       body%problem%gap = body%zone%gap - prescribed(:body%zone%n_points)
+      slip = prescribed_slip(body)
+      if (any(abs(slip) > 0.0_dp)) body%problem%load = body%problem%load &
+         + matmul(body%problem%stiffness(:, body%zone%n_points + 1:), slip)
       body%problem%friction = merge(0.0_dp, body%zone%friction, body%zone%is_guided)
       body%problem%slip_bound = merge(0.0_dp, body%zone%slip_bound, body%zone%is_guided)
    end subroutine load_body
+
+   !> The part of every slip that supports prescribe; 0 for a guided point, whose slip the contact problem does not know
+   !> (m) [L].
+   pure function prescribed_slip(body) result(slip)
+      type(body_t), intent(in) :: body !! the body
+      real(dp) :: slip(body%zone%n_points), prescribed(2*body%zone%n_points)
+
+      prescribed = body%zone%rows%displacement(body%constraints%prescribed)
+      slip = merge(0.0_dp, prescribed(body%zone%n_points + 1:), body%zone%is_guided)
+   end function prescribed_slip
 
    !> Starts from the last solution of the same body, or from rest.
    subroutine start_solution(workshop, result)
@@ -285,9 +300,11 @@ contains
    subroutine recover(body, result)
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(inout) :: result !! the result, gains the displacement
-      real(dp), allocatable :: unknowns(:)
+      real(dp), allocatable :: unknowns(:), displacement(:)
 
-      call body%condensation%recover(result%solution%displacement, unknowns)
+      displacement = result%solution%displacement
+      displacement(body%zone%n_points + 1:) = displacement(body%zone%n_points + 1:) - prescribed_slip(body)
+      call body%condensation%recover(displacement, unknowns)
       result%displacement = from_unknowns(unknowns, body%constraints, body%dof_map)
    end subroutine recover
 

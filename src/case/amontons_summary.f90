@@ -48,10 +48,10 @@ contains
 
       text = '"passed": '//truth(certificate%largest() <= certificate_limit(tolerance))//', '// &
          number_members([character(17) :: 'limit', 'equilibrium', 'penetration', 'tension', 'friction_excess', &
-         'complementarity', 'wrong_dissipation', 'resultant', 'moment', 'energy'], &
+         'complementarity', 'slip_below_bound', 'wrong_dissipation', 'resultant', 'moment', 'energy'], &
          [certificate_limit(tolerance), certificate%equilibrium, certificate%penetration, certificate%tension, &
-         certificate%friction_excess, certificate%complementarity, certificate%wrong_dissipation, &
-         certificate%resultant, certificate%moment, certificate%energy])
+         certificate%friction_excess, certificate%complementarity, certificate%slip_below_bound, &
+         certificate%wrong_dissipation, certificate%resultant, certificate%moment, certificate%energy])
       if (certificate%has_duality_gap) text = text//', "duality_gap": '//number(certificate%duality_gap)
       text = text//', '//number_members([character(13) :: 'strain_energy', 'dissipation'], &
          [certificate%strain_energy, certificate%dissipation])

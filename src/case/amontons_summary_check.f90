@@ -92,6 +92,7 @@ contains
          call self%expect_number('certificate', 'tension', c%tension, 1.0_dp)
          call self%expect_number('certificate', 'friction_excess', c%friction_excess, 1.0_dp)
          call self%expect_number('certificate', 'complementarity', c%complementarity, 1.0_dp)
+         call self%expect_number('certificate', 'slip_below_bound', c%slip_below_bound, 1.0_dp)
          call self%expect_number('certificate', 'wrong_dissipation', c%wrong_dissipation, 1.0_dp)
          call self%expect_number('certificate', 'resultant', c%resultant, 1.0_dp)
          call self%expect_number('certificate', 'moment', c%moment, 1.0_dp)

@@ -85,8 +85,8 @@ contains
       if (size(table%status) == 0) return
       call check_contact_rows(summary%faults, stem//'.contact.csv', table, workshop%body, result%displacement)
       if (.not. result%solution%is_converged) return
-      scales = new_law_scales(certificate_limit(config%method%tolerance), result%displacement, result%loads, &
-         table%force)
+      scales = new_law_scales(certificate_limit(config%method%tolerance), result%displacement, &
+         result%certificate%force_scale)
       associate (zone => workshop%body%zone)
          call check_statuses(summary%faults, stem//'.contact.csv', .true., table, zone%friction, zone%slip_bound, &
             zone%is_guided, scales)

@@ -170,7 +170,7 @@ contains
          table%slip = solution%displacement(m + 1:)
          table%status = solution%status
          call check_statuses(summary%faults, stem//'.contact.vtu', .false., table, zone%friction, zone%slip_bound, &
-            zone%is_guided, new_law_scales(limit, result%displacement, result%loads, table%force))
+            zone%is_guided, new_law_scales(limit, result%displacement, result%certificate%force_scale))
       end associate
    end subroutine check_law
 

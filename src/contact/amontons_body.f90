@@ -16,7 +16,7 @@ module amontons_body
    use amontons_material, only: material_t, materials_t, new_materials
    use amontons_mesh, only: mesh_t
    use amontons_new_factorization, only: analyze_matrix
-   use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
+   use amontons_rigid_motion, only: new_piece_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
    use amontons_text, only: to_text
@@ -38,7 +38,7 @@ module amontons_body
       logical :: is_axisymmetric = .false. !! whether it is a body of revolution
       type(coloring_t) :: coloring !! colours of the elements
       type(constraints_t) :: constraints !! the supports
-      type(rigid_motions_t) :: motions !! the rigid motions that the supports leave free
+      type(rigid_motions_t), allocatable :: motions(:) !! the rigid motions of each piece that the supports leave free
       type(contact_zone_t) :: zone !! the contact points
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
       type(dof_map_t) :: dof_map !! numbers of the unknowns
@@ -77,7 +77,7 @@ contains
       call new_foundation(body%springs, mesh, body%materials, supports, error)
       if (allocated(error)) return
       body%is_axisymmetric = materials(1)%is_axisymmetric
-      call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric)
+      call new_piece_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric)
       call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error)
       if (allocated(error)) return
       call new_dof_map(body%dof_map, body%constraints, body%zone%node)
@@ -116,12 +116,9 @@ contains
       logical :: is_held
 
       call timings%begin(phase_assemble)
-      is_held = body%motions%n_free == 0
-      if (.not. is_held .and. body%zone%n_points == 0) then
-         call new_error(error, numerical_failure, 'nothing holds the body against a '//body%motions%describe( &
-            [1.0_dp, spread(0.0_dp, 1, body%motions%n_free - 1)])//'; add a support or a contact set')
-         return
-      end if
+      call check_held(body, error)
+      if (allocated(error)) return
+      is_held = all(body%motions%n_free == 0)
       call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, body%constraints, &
          body%dof_map, error)
       if (allocated(error)) return
@@ -135,6 +132,25 @@ contains
       if (allocated(error)) return
       call new_contact_problem(body%problem, condensed, is_held)
    end subroutine condense_body
+
+   !> Refuses a body of which a piece is held by neither supports nor contact points.
+   pure subroutine check_held(body, error)
+      type(body_t), intent(in) :: body !! the body
+      type(error_t), allocatable, intent(out) :: error !! nothing holds a piece; names a motion
+      logical :: may_touch(body%mesh%n_nodes)
+      integer :: i
+
+      may_touch = .false.
+      may_touch(body%zone%rows%node) = .true.
+      do i = 1, size(body%motions)
+         associate (motions => body%motions(i))
+            if (motions%n_free == 0 .or. any(may_touch(motions%node))) cycle
+            call new_error(error, numerical_failure, 'nothing holds the body against a '//motions%describe( &
+               [1.0_dp, spread(0.0_dp, 1, motions%n_free - 1)])//'; add a support or a contact set')
+            return
+         end associate
+      end do
+   end subroutine check_held
 
    !> Says of a stiffness that the factorisation refused where it is singular, how ill-conditioned it must be and why.
    subroutine explain_refusal(body, error)

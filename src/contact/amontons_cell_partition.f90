@@ -44,8 +44,8 @@ contains
       end if
       if (allocated(self%ends)) then
          if (self%ends(size(self%ends)) >= length) then
-            call new_error(error, input_refused, 'cell_ends must lie on the contact line, whose length is '// &
-               to_text(length)//', found '//to_text(self%ends(size(self%ends))))
+            call new_error(error, input_refused, 'cell_ends must lie before the end of the contact line, which '// &
+               'ends the last cell: its length is '//to_text(length)//', found '//to_text(self%ends(size(self%ends))))
             return
          end if
          ends = [0.0_dp, self%ends, length]

@@ -19,6 +19,7 @@ module amontons_certificate
       real(dp) :: friction_excess = 0.0_dp !! largest |lambda_T| - phi lambda_N / largest nodal force [-]
       real(dp) :: complementarity = 0.0_dp
          !! largest smaller one of lambda_N and gap, each over the largest force or displacement [-]
+      real(dp) :: slip_below_bound = 0.0_dp !! the same of |u_T| and what |lambda_T| lacks to its bound [-]
       real(dp) :: wrong_dissipation = 0.0_dp
          !! the same of |lambda_T| and |u_T| where they point in opposite directions [-]
       real(dp) :: resultant = 0.0_dp !! |loads + reactions + contact forces| / sum of their magnitudes [-]
@@ -27,6 +28,7 @@ module amontons_certificate
       logical :: has_duality_gap = .false. !! whether no point rubs by Coulomb's law, so that both energies exist
       real(dp) :: duality_gap = 0.0_dp
          !! |primal energy of u - dual energy of lambda| / u . K u, of a given slip bound or none [-]
+      real(dp) :: force_scale = 0.0_dp !! what contact forces are measured by: the largest nodal force, or more [F]
       real(dp) :: strain_energy = 0.0_dp !! u . K u / 2 [F L]
       real(dp) :: dissipation = 0.0_dp !! work of friction: sum of lambda_T u_T [F L]
       real(dp) :: load(2) = 0.0_dp !! resultant of the loads, x and y [F]
@@ -49,26 +51,28 @@ contains
       real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
-      real(dp), allocatable :: internal(:, :), contact(:, :), reaction(:, :)
-      real(dp) :: force_size, least_scale
+      real(dp), allocatable :: internal(:, :), contact(:, :), reaction(:, :), springs(:, :)
+      real(dp) :: force_size, least_scale, work
 
       call internal_forces(internal, body%mesh, body%materials, body%springs, body%coloring, displacement)
       contact = body%zone%rows%forces(force, body%mesh%n_nodes)
       reaction = internal - loads - contact
       call split_imbalance(body%constraints, reaction, certificate%equilibrium)
-      call check_points(certificate, body%zone, displacement, force, &
-         max(maxval(abs(loads)), maxval(abs(reaction)), maxval(abs(contact))))
       force_size = max(norm2(loads), norm2(reaction), norm2(contact))
       least_scale = 0.0_dp
       if (.not. any(abs(loads) > 0.0_dp)) least_scale = unstrained_scale(body, displacement, force_size)
-      call check_resultants(certificate, body, least_scale, loads, &
-         reaction - spring_forces(body%mesh%n_nodes, body%springs, displacement), contact)
+      certificate%force_scale = max(maxval(abs(loads)), maxval(abs(reaction)), maxval(abs(contact)), least_scale)
+      call check_points(certificate, body%zone, displacement, force)
+      springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
+      call check_resultants(certificate, body, max(least_scale, sum(abs(springs))), loads, reaction - springs, contact)
       certificate%equilibrium = relative_imbalance(certificate%equilibrium, body, displacement, force_size)
       certificate%strain_energy = 0.5_dp*sum(internal*displacement)
+      ! Where a load acts on what a support moves, both do work that strains nothing.
+      work = max(sum(abs(internal*displacement)), least_scale*norm2(displacement), &
+         sum(abs(loads*displacement)) + sum(abs(contact*displacement)) + sum(abs(reaction*body%constraints%prescribed)))
       certificate%energy = relative(abs(sum(internal*displacement) - sum((loads + contact)*displacement) &
-         - sum(reaction*body%constraints%prescribed)), &
-         max(sum(abs(internal*displacement)), least_scale*norm2(displacement)))
-      certificate%duality_gap = relative(certificate%duality_gap, sum(abs(internal*displacement)))
+         - sum(reaction*body%constraints%prescribed)), work)
+      certificate%duality_gap = relative(certificate%duality_gap, work)
    end subroutine new_certificate
 
    !> What the forces on a body that nothing loads are measured by at the least: if they are all rounding errors of
@@ -133,12 +137,11 @@ contains
    end subroutine split_imbalance
 
    !> Checks the contact law at every point.
-   pure subroutine check_points(certificate, zone, displacement, force, largest_force)
-      type(certificate_t), intent(inout) :: certificate !! the certificate
+   pure subroutine check_points(certificate, zone, displacement, force)
+      type(certificate_t), intent(inout) :: certificate !! the certificate, its scale of forces set
       type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
-      real(dp), intent(in) :: largest_force !! largest nodal force of loads, reactions and contact [F]
       real(dp) :: distance(zone%n_points), slip(zone%n_points), largest_displacement
       real(dp) :: at_points(2*zone%n_points)
       integer :: m
@@ -149,12 +152,14 @@ contains
       slip = at_points(m + 1:)
       largest_displacement = maxval(abs(displacement))
       associate (normal => force(:m), tangential => force(m + 1:), &
-         bound => zone%slip_bound + zone%friction*max(0.0_dp, force(:m)))
+         bound => zone%slip_bound + zone%friction*max(0.0_dp, force(:m)), largest_force => certificate%force_scale)
          certificate%penetration = relative(max(0.0_dp, maxval(-distance)), largest_displacement)
          certificate%tension = relative(max(0.0_dp, maxval(-normal)), largest_force)
          certificate%friction_excess = relative(max(0.0_dp, maxval(abs(tangential) - bound)), largest_force)
          certificate%complementarity = max(0.0_dp, maxval(min(relative(normal, largest_force), &
             relative(distance, largest_displacement))))
+         certificate%slip_below_bound = max(0.0_dp, maxval(min(relative(bound - abs(tangential), largest_force), &
+            relative(abs(slip), largest_displacement)), mask=.not. zone%is_guided))
          certificate%wrong_dissipation = max(0.0_dp, maxval(-min(relative(abs(tangential), largest_force), &
             relative(abs(slip), largest_displacement))*sign(1.0_dp, tangential*slip)))
          certificate%dissipation = sum(tangential*slip)
@@ -219,7 +224,7 @@ contains
       class(certificate_t), intent(in) :: self !! the certificate
 
       largest = max(self%equilibrium, self%penetration, self%tension, self%friction_excess, self%complementarity, &
-         self%wrong_dissipation, self%resultant, self%moment, self%energy, self%duality_gap)
+         self%slip_below_bound, self%wrong_dissipation, self%resultant, self%moment, self%energy, self%duality_gap)
    end function certificate_largest
 
    !> Whether every number of the certificate is finite.
@@ -227,8 +232,8 @@ contains
       class(certificate_t), intent(in) :: self !! the certificate
 
       is_finite = all(ieee_is_finite([self%equilibrium, self%penetration, self%tension, self%friction_excess, &
-         self%complementarity, self%wrong_dissipation, self%resultant, self%moment, self%energy, self%duality_gap, &
-         self%strain_energy, self%dissipation, self%load, self%reaction, self%contact]))
+         self%complementarity, self%slip_below_bound, self%wrong_dissipation, self%resultant, self%moment, &
+         self%energy, self%duality_gap, self%strain_energy, self%dissipation, self%load, self%reaction, self%contact]))
    end function certificate_is_finite
 
 end module amontons_certificate

@@ -40,6 +40,7 @@ module amontons_contact_problem
       procedure :: dual_load => contact_problem_dual_load
       procedure :: force_scale => contact_problem_force_scale
       procedure :: is_reduced => contact_problem_is_reduced
+      procedure :: is_unloaded => contact_problem_is_unloaded
       procedure :: prepare_compliance => contact_problem_prepare_compliance
       procedure :: residual => contact_problem_residual
       procedure :: status => contact_problem_status
@@ -169,8 +170,24 @@ contains
       displacement(:self%n_points) = displacement(:self%n_points) + self%gap
    end function contact_problem_displacement
 
+   !> Whether no force and no displacement are a solution: nothing loads the body, and no point overlaps its obstacle.
+   pure logical function contact_problem_is_unloaded(self) result(is_unloaded)
+      class(contact_problem_t), intent(in) :: self !! the problem
+      real(dp) :: acting(2*self%n_points)
+
+      if (self%is_reduced()) then
+         acting = self%dual_load(self%free_displacement)
+         acting(:self%n_points) = max(0.0_dp, acting(:self%n_points))
+      else
+         acting = self%load
+         acting(:self%n_points) = abs(acting(:self%n_points)) + max(0.0_dp, -self%gap)
+      end if
+      is_unloaded = .not. any(abs(acting) > 0.0_dp)
+   end function contact_problem_is_unloaded
+
    !> The force that residuals are measured by: the largest force that would act on a point if none could move,
-   !> interference included; in a reduced problem, if only this point could not; 1 where nothing acts at all [F].
+   !> interference included; in a reduced problem, if only this point could not. Where nothing acts, what would close
+   !> the smallest gap, or 1 if there is none [F].
    pure real(dp) function contact_problem_force_scale(self) result(scale)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp) :: bound(2*self%n_points), force(2*self%n_points)
@@ -187,7 +204,10 @@ contains
          end if
       end if
       scale = maxval(abs(force))
-      if (.not. scale > 0.0_dp) scale = 1.0_dp
+      if (scale > 0.0_dp) return
+      force = self%augmentation()
+      scale = minval(force(:self%n_points)*self%gap, mask=self%gap > 0.0_dp)
+      if (.not. any(self%gap > 0.0_dp)) scale = 1.0_dp
    end function contact_problem_force_scale
 
    !> What the violations of each point count by. In a reduced problem a violation is as large as its part of the force

@@ -61,7 +61,9 @@ contains
       displacement = solution%displacement
       force = solution%force
       call guess%guess(problem, rho, displacement, force, violation)
-      if (.not. any(force(:problem%n_points) > 0.0_dp)) call guess%guess_stick(problem, rho, scale)
+      if (.not. (any(force(:problem%n_points) > 0.0_dp) .or. problem%is_unloaded())) then
+         call guess%guess_stick(problem, rho, scale)
+      end if
       share = system%first_share
       least_share = system%least_share
       previous = huge(previous)

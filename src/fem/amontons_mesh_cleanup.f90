@@ -6,6 +6,7 @@ module amontons_mesh_cleanup
    use amontons_mesh, only: mesh_t
    use amontons_mesh_draft, only: counted, mesh_draft_t, n_cell_nodes
    use amontons_mesh_sets, only: name_sets, translation_t
+   use amontons_pieces, only: number_pieces
    use amontons_seams, only: find_hanging_node, find_slits
    use amontons_side_table, only: new_side_table, side_element, side_place, side_table_t
    use amontons_tag_map, only: new_tag_map, tag_map_t
@@ -303,23 +304,10 @@ contains
    pure subroutine note_pieces(mesh, draft)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(mesh_draft_t), intent(inout) :: draft !! the draft
-      integer, allocatable :: parent(:)
-      integer :: element, i, n_pieces, node, one, other
+      integer, allocatable :: piece(:)
+      integer :: n_pieces
 
-      ! Every node points to another one of its piece, one node of each piece to itself.
-      parent = [(node, node=1, mesh%n_nodes)]
-      n_pieces = mesh%n_nodes
-      do element = 1, mesh%n_elements
-         one = mesh%node(mesh%node_start(element))
-         call find_root(parent, one)
-         do i = mesh%node_start(element) + 1, mesh%node_start(element + 1) - 1
-            other = mesh%node(i)
-            call find_root(parent, other)
-            if (other == one) cycle
-            parent(other) = one
-            n_pieces = n_pieces - 1
-         end do
-      end do
+      call number_pieces(mesh, piece, n_pieces)
       if (n_pieces > 1) call draft%add_note('the body falls into '//to_text(n_pieces)//' pieces that share no node')
    end subroutine note_pieces
 
@@ -335,16 +323,5 @@ contains
          to_text(mesh%coordinates(1, node))//', '//to_text(mesh%coordinates(2, node))// &
          ': from there on, elements touch without sharing their nodes')
    end subroutine note_slits
-
-   !> Follows the parents of a node to the one that points to itself, and shortens the way.
-   pure subroutine find_root(parent, node)
-      integer, intent(inout) :: parent(:) !! the parent of each node
-      integer, intent(inout) :: node !! the node; its root on return
-
-      do while (parent(node) /= node)
-         parent(node) = parent(parent(node))
-         node = parent(node)
-      end do
-   end subroutine find_root
 
 end module amontons_mesh_cleanup

@@ -1,22 +1,25 @@
-!> Rigid motions of a body, and those that its supports leave free.
+!> Rigid motions of the pieces of a body, and those that its supports leave free.
 module amontons_rigid_motion
    use amontons_constraints, only: constraints_t
    use amontons_dense, only: symmetric_eigenvectors
    use amontons_foundation, only: spring_side_t
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
+   use amontons_pieces, only: number_pieces
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: new_rigid_motions, rigid_motions_t
+   public :: new_piece_motions, new_rigid_motions, rigid_motions_t
 
-   !> The free rigid motions of a body: combinations of the translations and the rotation about its middle.
+   !> The free rigid motions of a piece: combinations of the translations and the rotation about its middle.
    type :: rigid_motions_t
       integer :: n_free = 0 !! number of independent free motions, 0 to 3
       real(dp), allocatable :: mode(:, :) !! translation x, translation y, rotation of each free motion (3, n_free)
-      real(dp) :: center(2) = 0.0_dp !! the middle of the body [L]
-      real(dp) :: radius = 1.0_dp !! half the body's diagonal, the length that scales the rotation [L]
+      real(dp) :: center(2) = 0.0_dp !! the middle of the piece [L]
+      real(dp) :: radius = 1.0_dp !! half the piece's diagonal, the length that scales the rotation [L]
+      integer, allocatable :: node(:) !! the nodes of the piece, ascending
+      logical :: is_whole = .true. !! whether the piece is the whole body
    contains
       procedure :: describe => rigid_motions_describe
       procedure :: displacement => rigid_motions_displacement
@@ -24,9 +27,52 @@ module amontons_rigid_motion
 
 contains
 
-   !> Finds the rigid motions that violate no support: the kernel of the Gram matrix of the held directions.
+   !> Finds the rigid motions of each piece of a body that violate no support.
+   subroutine new_piece_motions(motions, mesh, constraints, springs, is_axisymmetric)
+      type(rigid_motions_t), allocatable, intent(out) :: motions(:) !! the free motions of each piece
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
+      logical, intent(in) :: is_axisymmetric !! whether only the translation along the axis (y) is a rigid motion
+      integer, allocatable :: piece(:), spring_piece(:), place(:)
+      integer :: i, n_pieces, node
+
+      call number_pieces(mesh, piece, n_pieces)
+      spring_piece = [(piece(springs(i)%node(1)), i=1, size(springs))]
+      allocate (motions(n_pieces), place(n_pieces))
+      place = 0
+      do node = 1, mesh%n_nodes
+         place(piece(node)) = place(piece(node)) + 1
+      end do
+      do i = 1, n_pieces
+         allocate (motions(i)%node(place(i)))
+      end do
+      place = 0
+      do node = 1, mesh%n_nodes
+         place(piece(node)) = place(piece(node)) + 1
+         motions(piece(node))%node(place(piece(node))) = node
+      end do
+      do i = 1, n_pieces
+         call find_motions(motions(i), mesh, constraints, pack(springs, spring_piece == i), is_axisymmetric)
+      end do
+   end subroutine new_piece_motions
+
+   !> Finds the rigid motions of a body of one piece that violate no support.
    subroutine new_rigid_motions(motions, mesh, constraints, springs, is_axisymmetric)
       type(rigid_motions_t), intent(out) :: motions !! the free motions
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
+      logical, intent(in) :: is_axisymmetric !! whether only the translation along the axis (y) is a rigid motion
+      integer :: node
+
+      allocate (motions%node(mesh%n_nodes), source=[(node, node=1, mesh%n_nodes)])
+      call find_motions(motions, mesh, constraints, springs, is_axisymmetric)
+   end subroutine new_rigid_motions
+
+   !> Finds the kernel of the Gram matrix of the held directions of a piece.
+   subroutine find_motions(motions, mesh, constraints, springs, is_axisymmetric)
+      type(rigid_motions_t), intent(inout) :: motions !! the free motions, the nodes set
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
@@ -34,29 +80,35 @@ contains
       ! Held directions are known to about 1e-6; a square of that is noise in the Gram matrix.
       real(dp), parameter :: negligible = 1.0e-12_dp
       real(dp) :: gram(3, 3), values(3), frame(2, 2)
-      integer :: node, axis, i, info
+      integer :: axis, i, info
 
-      motions%center = 0.5_dp*(minval(mesh%coordinates, dim=2) + maxval(mesh%coordinates, dim=2))
-      motions%radius = 0.5_dp*norm2(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
+      motions%is_whole = size(motions%node) == mesh%n_nodes
+      associate (lowest => minval(mesh%coordinates(:, motions%node), dim=2), &
+         highest => maxval(mesh%coordinates(:, motions%node), dim=2))
+         motions%center = 0.5_dp*(lowest + highest)
+         motions%radius = 0.5_dp*norm2(highest - lowest)
+      end associate
       gram = 0.0_dp
-      do node = 1, mesh%n_nodes
-         frame = constraints%frame(node)
-         do axis = 1, 2
-            if (constraints%is_free(axis, node)) cycle
-            call add_square(gram, matmul(frame(:, axis), unit_motions(motions, mesh%coordinates(:, node))))
-         end do
+      do i = 1, size(motions%node)
+         associate (node => motions%node(i))
+            frame = constraints%frame(node)
+            do axis = 1, 2
+               if (constraints%is_free(axis, node)) cycle
+               call add_square(gram, matmul(frame(:, axis), unit_motions(motions, mesh%coordinates(:, node))))
+            end do
+         end associate
       end do
       do i = 1, size(springs)
          call add_springs(gram, springs(i), motions, mesh)
       end do
       if (is_axisymmetric) then
-         gram(1, 1) = gram(1, 1) + real(mesh%n_nodes, dp)
-         gram(3, 3) = gram(3, 3) + real(mesh%n_nodes, dp)
+         gram(1, 1) = gram(1, 1) + real(size(motions%node), dp)
+         gram(3, 3) = gram(3, 3) + real(size(motions%node), dp)
       end if
       call symmetric_eigenvectors(gram, values, info)
       motions%n_free = count(values <= negligible*max(values(3), tiny(values)))
       motions%mode = gram(:, :motions%n_free)
-   end subroutine new_rigid_motions
+   end subroutine find_motions
 
    !> Adds the square of a row to a Gram matrix.
    pure subroutine add_square(gram, row)
@@ -107,7 +159,7 @@ contains
       displacement = matmul(unit_motions(self, point), self%mode)
    end function rigid_motions_displacement
 
-   !> Names a combination of the free motions in words.
+   !> Names a combination of the free motions in words, and the piece where there are others.
    pure function rigid_motions_describe(self, amounts) result(text)
       class(rigid_motions_t), intent(in) :: self !! the free motions
       real(dp), intent(in) :: amounts(:) !! amount of each free motion (n_free)
@@ -118,9 +170,12 @@ contains
       motion = motion/maxval(abs(motion))
       text = ''
       if (norm2(motion(1:2)) > 1.0e-6_dp) text = 'translation along ('//short(motion(1))//', '//short(motion(2))//')'
-      if (abs(motion(3)) <= 1.0e-6_dp) return
-      if (len(text) > 0) text = text//' with '
-      text = text//trim(merge('counter-clockwise', 'clockwise        ', motion(3) > 0.0_dp))//' rotation'
+      if (abs(motion(3)) > 1.0e-6_dp) then
+         if (len(text) > 0) text = text//' with '
+         text = text//trim(merge('counter-clockwise', 'clockwise        ', motion(3) > 0.0_dp))//' rotation'
+      end if
+      if (.not. self%is_whole) text = text//' of the piece around '//to_text(self%center(1))//', '// &
+         to_text(self%center(2))
    end function rigid_motions_describe
 
    !> A number rounded to four decimals, for reading.

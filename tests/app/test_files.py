@@ -23,7 +23,8 @@ MEMBERS = {
     "case": str, "title": str, "version": str, "method": str, "converged": bool, "iterations": int, "products": float,
     "factorizations": int, "residual": float, "history": list,
     "certificate": {"passed": bool, "limit": float, "equilibrium": float, "penetration": float, "tension": float,
-                    "friction_excess": float, "complementarity": float, "wrong_dissipation": float,
+                    "friction_excess": float, "complementarity": float,
+                    "slip_below_bound": float, "wrong_dissipation": float,
                     "resultant": float, "moment": float, "energy": float, "strain_energy": float,
                     "dissipation": float},
     "uniqueness": {"guaranteed": bool, "friction_below": float, "exact": bool},
@@ -123,6 +124,19 @@ class Table(ProgramTest):
                 self.assertAlmostEqual(tangential, math.copysign(0.3*normal, slip), delta=1e-13)
             elif status == "stick":
                 self.assertAlmostEqual(slip, 0.0, delta=1e-13)
+
+    def test_slip_of_a_cell_is_the_mean_of_its_nodes(self):
+        # Where a support moves a node of the first cell, too.
+        for friction in (0.3, 100.0):
+            result = self.solve(block("support set = 'left'  ux = 0.02", "load set = 'top'  pressure = 20.0",
+                                      f"contact set = 'bottom'  friction = {friction}  multipliers = 'constant'"))
+            slip = [x for x, _, _ in read_vtu((self.directory / "case.vtu").read_bytes())[0]["displacement"][:9]]
+            means = [(slip[2*k] + 2*slip[2*k + 1] + slip[2*k + 2])/4 for k in range(4)]
+            self.assert_close(result["slip"], means, 1e-14)
+            # What sticks does not move, however the support moves its node.
+            for status, x in zip(result["status"], result["slip"]):
+                self.assertTrue(abs(x) < 1e-14 if status == "stick" else x*float(status[-1] + "1") > 0.0)
+            self.run_program("--verify", ".")
 
     def test_body_without_contact_has_no_rows(self):
         result = self.solve(block("support set = 'left'  ux = 0.0  uy = 0.0", PRESSURE))
@@ -279,6 +293,12 @@ class Listing(ProgramTest):
                                                "normal_stress", "tangential_stress")):
                 self.assertAlmostEqual(float(text), result[column][i], delta=1e-5*max(abs(result[column][i]), 1e-99))
             self.assertEqual(row[9], result["status"][i])
+
+    def test_node_that_a_support_guides_aslant_is_noted(self):
+        for direction, effect in (("0.0, -1.0", "cannot slide: a support bears its tangential force"),
+                                  ("0.5, -1.0", "slides without friction: a support that is aslant to the obstacle")):
+            self.solve(block(SUPPORT, PRESSURE, f"{CONTACT}  gap_direction = {direction}"))
+            self.assertIn(f"the node at (0.0, 0.0) {effect}", self.contents()["case.lst"].decode())
 
     def test_a_body_that_touches_nothing_is_noted(self):
         self.solve(block("support set = 'left'  ux = 0.0  uy = 1.0", CONTACT,

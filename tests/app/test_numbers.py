@@ -249,6 +249,77 @@ class IllPosed(NumbersTest):
             self.assertEqual(self.attempt(block(*groups)), (0, ""))
             self.assertEqual(max(map(abs, self.result("case", "results").forces), default=0.0), 0.0)
 
+    def test_body_at_rest_may_stand_off_in_any_units(self):
+        # What would close the gaps is far below 1 in these units.
+        for unit in (1e-9, 1.0, 1e9):
+            for groups in (("support set = 'top'  ux = 0.0  uy = 0.0", f"load set = 'top'  pressure = {unit}"), ()):
+                self.assertEqual(self.attempt(block(
+                    *groups, CONTACT + "  slip_bound = 1e-9  extra_gap = 1e-3  obstacle = 'circle'  radius = 5.0",
+                    material=f"young = {unit}  poisson = 0.25")), (0, ""))
+                result = self.result("case", "results")
+                self.assertEqual(set(map(abs, result["slip"] + result.forces)), {0.0})
+                self.assertEqual(set(result["status"]), {"open"})
+
+    def test_body_that_is_moved_without_strain_is_certified(self):
+        # All forces, those of the guided node included, are rounding; or a load or a spring acts on what a
+        # support holds and moves.
+        for support, groups in (("set = 'left'  ux = 0.00323", ("gap_direction = 0.074, -1.0",)),
+                                ("set = 'top'  ux = -0.7  uy = 0.3", ("", "load point = 4.0, 2.0  force = 1.0, 3.0")),
+                                ("set = 'right'  un = -0.01  spring_n = 7.0", ("extra_gap = 0.1",))):
+            self.assertEqual(self.attempt(block(f"support {support}", f"{CONTACT}  {groups[0]}", *groups[1:])), (0, ""))
+            self.run_program("--verify", "results")
+
+
+def two_blocks():
+    """An Abaqus file of two blocks of 3 x 2 elements that stand apart on one floor; sides are bottom, left, top, other
+    (the top of the right block)."""
+    lines = ["*NODE"]
+    lines += [f"{1 + i + 4*j + 12*block}, {i + 5*block}, {j}" for block in (0, 1) for j in range(3) for i in range(4)]
+    lines.append("*ELEMENT, TYPE=CPE4")
+    for block in (0, 1):
+        for j in (0, 1):
+            for i in range(3):
+                first = 1 + i + 4*j + 12*block
+                lines.append(f"{1 + i + 3*j + 6*block}, {first}, {first + 1}, {first + 5}, {first + 4}")
+    for name, side, elements in (("bottom", "S1", (1, 2, 3, 7, 8, 9)), ("left", "S4", (1, 4)), ("top", "S3", (4, 5, 6)),
+                                 ("other", "S3", (10, 11, 12))):
+        lines.append(f"*SURFACE, NAME={name}")
+        lines += [f"{element}, {side}" for element in elements]
+    return "\n".join(lines) + "\n"
+
+
+class Pieces(NumbersTest):
+    """Bodies of two pieces, of which supports hold one only."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("blocks.inp", two_blocks())
+
+    def attempt_blocks(self, *groups):
+        return self.attempt(block("support set = 'left'  ux = 0.0  uy = 0.0", PRESSURE, *groups,
+                                  mesh="kind = 'file'  file = 'blocks.inp'"))
+
+    def test_contact_holds_the_other_piece(self):
+        for friction in (0.0, 0.3, 1e6):
+            self.assertEqual(self.attempt_blocks("load set = 'other'  pressure = 1.0",
+                                                 f"contact set = 'bottom'  friction = {friction}"), (0, ""))
+            result = self.result("case", "results")
+            # The floor bears all of the load, to the limit of the certificate.
+            forces = [force for x, force in zip(result["x"], result["normal_force"]) if x > 4.0]
+            self.assertAlmostEqual(sum(forces), 3.0, delta=3e-8)
+            self.run_program("--verify", "results")
+
+    def test_other_piece_is_named(self):
+        flies, advice = "case.nml: the body flies off: no contact forces can balance the loads against a translation", \
+            " of the piece around 6.5, 1.0; add a support, or a load that presses the body on its obstacle\n"
+        self.assertEqual(self.attempt_blocks("load set = 'other'  pressure = -1.0", CONTACT),
+                         (2, f"{flies} along (0.0, 1.0){advice}"))
+        self.assertEqual(self.attempt_blocks("load set = 'other'  traction = 0.4, -1.0", CONTACT),
+                         (2, f"{flies} along (1.0, 0.3){advice}"))
+        self.assertEqual(self.attempt_blocks("load set = 'other'  pressure = 1.0"), (
+            2, "case.nml: nothing holds the body against a translation along (0.0, -1.0) of the piece around 6.5, 1.0; "
+               "add a support or a contact set\n"))
+
 
 class Bits(ProgramTest):
     """The same bits in every run and with any number of threads, on meshes large enough for threads to be used."""

@@ -152,7 +152,8 @@ class Progress(ProgramTest):
         self.write("case.nml", SOUND.replace("ux = 0.0", "ux = 0.0  uy = 0.0"))
         self.run_program("--quiet", "--write-reduced", "case.nml")
         names = [name for name in self.files() if name.startswith("case.reduced.")]
-        for arguments in (["case.nml"], ["--check", "case.nml"], *(["--reduced", name] for name in names)):
+        # Solved again, the case removes its reduced problems.
+        for arguments in (*(["--reduced", name] for name in names), ["--check", "case.nml"], ["case.nml"]):
             seconds = 1.0
             # Where the machine has other things to do, a second may pass.
             while seconds >= 1.0:

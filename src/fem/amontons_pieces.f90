@@ -1,0 +1,53 @@
+!> The pieces of a mesh: elements that share nodes hold together, others do not.
+module amontons_pieces
+   use amontons_mesh, only: mesh_t
+   implicit none (type, external)
+   private
+
+   public :: number_pieces
+
+contains
+
+   !> Numbers the pieces in the order of their first nodes.
+   pure subroutine number_pieces(mesh, piece, n_pieces)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, allocatable, intent(out) :: piece(:) !! the piece that each node belongs to (n_nodes)
+      integer, intent(out) :: n_pieces !! number of pieces
+      integer :: parent(mesh%n_nodes), element, i, node, one, other
+
+      ! Every node points to another one of its piece that comes before it, the first node of each piece to itself.
+      parent = [(node, node=1, mesh%n_nodes)]
+      do element = 1, mesh%n_elements
+         one = mesh%node(mesh%node_start(element))
+         call find_root(parent, one)
+         do i = mesh%node_start(element) + 1, mesh%node_start(element + 1) - 1
+            other = mesh%node(i)
+            call find_root(parent, other)
+            parent(max(one, other)) = min(one, other)
+            one = min(one, other)
+         end do
+      end do
+      allocate (piece(mesh%n_nodes))
+      n_pieces = 0
+      do node = 1, mesh%n_nodes
+         if (parent(node) == node) then
+            n_pieces = n_pieces + 1
+            piece(node) = n_pieces
+         else
+            piece(node) = piece(parent(node))
+         end if
+      end do
+   end subroutine number_pieces
+
+   !> Follows the parents of a node to the one that points to itself, and shortens the way.
+   pure subroutine find_root(parent, node)
+      integer, intent(inout) :: parent(:) !! the parent of each node
+      integer, intent(inout) :: node !! the node; its root on return
+
+      do while (parent(node) /= node)
+         parent(node) = parent(parent(node))
+         node = parent(node)
+      end do
+   end subroutine find_root
+
+end module amontons_pieces
