@@ -196,7 +196,8 @@ long long amontons_available_memory(void)
     long long used = number_after("/proc/self/status", "VmSize:");
     struct rlimit limit;
     if (used >= 0 && getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
-        long long left = (long long)(limit.rlim_cur / 1024) - used;
+        /* A fifth is for the results and for the heaps of threads, which reserve more addresses than they use. */
+        long long left = ((long long)(limit.rlim_cur / 1024) - used) / 5 * 4;
         if (left < 0)
             left = 0;
         if (available < 0 || left < available)

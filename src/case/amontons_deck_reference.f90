@@ -166,8 +166,8 @@ module amontons_deck_reference
       key_t('solver', 'max_iterations', .false., 'whole number, at least 1', '', '`1000`', &
       'most iterations, of all stages together with `auto`'), &
       key_t('solver', 'factorization', .false., "`'auto'`, `'band'`, `'sparse'`, `'substructured'`", '', "`'auto'`", &
-      'Cholesky factorisation of the stiffness: band matrix, sparse matrix (CHOLMOD), condensation of the body piece'// &
-      ' by piece on all threads, or the one that should be quickest'), &
+      'Cholesky factorisation of the stiffness: band matrix, sparse matrix, condensation of the body piece by piece'// &
+      ' on all threads, or the one that should be quickest'), &
       key_t('output', 'fields_every', .false., 'whole number, at least 1', '', 'none', &
       'with `&sweep`: the fields of case 1 and of every so-many-th case behind it are written as `.vtu`')]
 

@@ -101,19 +101,7 @@ contains
       if (.not. any(is_before)) return
       old = groups
       side(old) = merge(before, beyond, is_before)
-      do i = 1, size(old)
-         if (is_before(i)) cycle
-         if (couples(graph, side, old(i), before)) side(old(i)) = separator
-      end do
-      if (any(side(old) == beyond)) then
-         ! What couples to nothing beyond the separator need not be of it: nodes in the middle of edges that cross it.
-         do i = 1, size(old)
-            if (side(old(i)) /= separator) cycle
-            if (.not. couples(graph, side, old(i), beyond)) side(old(i)) = before
-         end do
-      end if
-      ! Two sides that do not couple still get a separator, so that no set is cut in more than two.
-      if (all(side(old) /= separator)) side(old(findloc(is_before, .false., dim=1))) = separator
+      call mark_separator(graph, old, side)
       n_before = count(side(old) == before)
       n_beyond = count(side(old) == beyond)
       next = [1, n_before + 1, n_before + n_beyond + 1]
@@ -124,6 +112,30 @@ contains
       end do
       side(old) = 0
    end subroutine split
+
+   !> Marks the separator of a set whose groups lie before a cut or beyond it. It is never empty: two sides that do not
+   !> couple still get one, so that no set is cut in more than two.
+   pure subroutine mark_separator(graph, groups, side)
+      type(graph_t), intent(in) :: graph !! the graph
+      integer, intent(in) :: groups(:) !! the groups of the set
+      integer, intent(inout) :: side(:) !! the side of each group
+      integer :: last, i
+
+      last = 0
+      do i = 1, size(groups)
+         if (side(groups(i)) /= beyond) cycle
+         last = groups(i)
+         if (couples(graph, side, groups(i), before)) side(groups(i)) = separator
+      end do
+      if (any(side(groups) == beyond)) then
+         ! What couples to nothing beyond the separator need not be of it: nodes in the middle of edges that cross it.
+         do i = 1, size(groups)
+            if (side(groups(i)) /= separator) cycle
+            if (.not. couples(graph, side, groups(i), beyond)) side(groups(i)) = before
+         end do
+      end if
+      if (all(side(groups) /= separator)) side(last) = separator
+   end subroutine mark_separator
 
    !> Whether a group couples to one on a given side.
    pure logical function couples(graph, side, group, with)

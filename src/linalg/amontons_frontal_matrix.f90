@@ -141,8 +141,8 @@ contains
          else
             call dsyrk('L', 'N', min(panel, lds), n_own, -1.0_dp, block(n_own + j, 1), n_rows, 0.0_dp, s(at), lds)
          end if
-         if (lds > panel) call dgemm('N', 'T', lds - panel, panel, n_own, -1.0_dp, block(n_own + j + panel, 1), n_rows, &
-            block(n_own + j, 1), n_rows, 0.0_dp, s(at + panel), lds)
+         if (lds > panel) call dgemm('N', 'T', lds - panel, panel, n_own, -1.0_dp, block(n_own + j + panel, 1), &
+            n_rows, block(n_own + j, 1), n_rows, 0.0_dp, s(at + panel), lds)
       end do
    end subroutine eliminate_own
 

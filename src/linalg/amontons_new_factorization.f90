@@ -16,8 +16,8 @@ module amontons_new_factorization
    !> Kinds of factorisations, as a deck writes them; the first stands for the quickest of the others.
    character(13), parameter :: factorization_names(*) = [character(13) :: 'auto', 'band', 'sparse', 'substructured']
 
-   !> Number of operations of a band factorisation up to which it is the quicker one; measured on squares, where it meets
-   !> the substructured one at about 4 000 unknowns.
+   !> Number of operations of a band factorisation up to which it is the quicker one; measured on squares, where it
+   !> meets the substructured one at about 4 000 unknowns.
    real(dp), parameter :: most_band_operations = 3.0e7_dp
    !> Number of unknowns beyond which the width of the band is not even looked at.
    integer, parameter :: most_band_unknowns = 10000

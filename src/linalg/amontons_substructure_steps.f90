@@ -49,7 +49,8 @@ contains
       integer(int64) :: at
       integer :: i, part
 
-      associate (n_own => substructures%n_own(k), first => substructures%first(k), start => substructures%boundary_start)
+      associate (n_own => substructures%n_own(k), first => substructures%first(k), &
+         start => substructures%boundary_start)
          x(:n_own) = y(first:first + n_own - 1)
          x(n_own + 1:) = 0.0_dp
          do i = 1, 2
@@ -103,7 +104,8 @@ contains
       real(dp) :: x(substructures%n_rows(k))
       integer :: i, part
 
-      associate (n_own => substructures%n_own(k), first => substructures%first(k), start => substructures%boundary_start)
+      associate (n_own => substructures%n_own(k), first => substructures%first(k), &
+         start => substructures%boundary_start)
          x(:n_own) = y(first:first + n_own - 1)
          x(n_own + 1:) = known(start(k):start(k + 1) - 1)
          call backward_columns(size(x), min(n_own, n_steps - first + 1), value(substructures%block_start(k):), x)

@@ -30,6 +30,7 @@ module amontons_substructured_factorization
    type :: remainder_t
       real(dp), allocatable :: s(:) !! as `amontons_frontal_matrix` has it (n_remaining(n_boundary))
       integer :: refused = 0 !! position of the first pivot that was not positive, here or in the parts; 0 for none
+      logical :: is_short = .false. !! whether memory ran out, here or in the parts
    end type remainder_t
 
    !> The columns of L in the blocks of the substructures.
@@ -107,16 +108,13 @@ contains
       type(thread_state_t) :: threads
       integer :: status
 
-      allocate (self%value(self%n_factor_entries()), stat=status)
-      if (status /= 0) then
-         call new_error(error, system_failure, 'memory ran out while factorising '//to_text(self%n)// &
-            ' unknowns, whose factor alone takes '//to_text(8*self%n_factor_entries()/1000000)// &
-            ' MB') ! not raised: no test may use up memory
-         return
-      end if
-      call advise_large_pages(self%value)
       associate (top => self%substructures%n)
-         allocate (remainders(0:top))
+         allocate (self%value(self%n_factor_entries()), remainders(0:top), stat=status)
+         if (status /= 0) then
+            call report_shortage(self, error)
+            return
+         end if
+         call advise_large_pages(self%value)
          call hold_threads(threads, 1)
          call fill(self%substructures, self%matrix, self%value)
          self%matrix = sparse_matrix_t()
@@ -125,15 +123,28 @@ contains
          call condense(self%substructures, top, self%value, remainders)
          !$omp end single
          !$omp end parallel
-         if (remainders(top)%refused == 0) call factorize_top(self, remainders(top)%refused)
+         if (.not. remainders(top)%is_short .and. remainders(top)%refused == 0) &
+            call factorize_top(self, remainders(top)%refused)
          call release_threads(threads)
-         if (remainders(top)%refused > 0) then
+         if (remainders(top)%is_short) then
+            call report_shortage(self, error)
+         else if (remainders(top)%refused > 0) then
             call self%refuse(remainders(top)%refused, error)
          else
             call self%check_pivots(pivots(self), error)
          end if
       end associate
    end subroutine substructured_complete
+
+   !> Reports that memory ran out.
+   pure subroutine report_shortage(self, error)
+      type(substructured_factorization_t), intent(in) :: self !! the factorisation
+      type(error_t), allocatable, intent(out) :: error !! the report
+
+      call new_error(error, system_failure, 'memory ran out while factorising '//to_text(self%n)// &
+         ' unknowns, whose factor alone takes '//to_text(8*self%n_factor_entries()/1000000)// &
+         ' MB') ! not raised: no test may use up memory
+   end subroutine report_shortage
 
    !> Fills the blocks with the columns of the matrix.
    subroutine fill(substructures, matrix, value)
@@ -142,7 +153,8 @@ contains
       real(dp), contiguous, intent(out) :: value(:) !! the blocks
       integer :: k
 
-      !$omp parallel do default(none) schedule(dynamic, 256) num_threads(n_threads()) shared(substructures, matrix, value)
+      !$omp parallel do default(none) schedule(dynamic, 256) num_threads(n_threads()) &
+      !$omp shared(substructures, matrix, value)
       do k = 1, substructures%n
          call fill_own(matrix, substructures%first(k), substructures%n_rows(k), substructures%n_own(k), &
             value(substructures%block_start(k):substructures%block_start(k + 1) - 1))
@@ -175,45 +187,45 @@ contains
       call eliminate(substructures, k, value, remainders)
    end subroutine condense
 
-   !> Adds to the matrix of a substructure what its parts have left, and eliminates its own unknowns unless it is the top.
+   !> Adds to the matrix of a substructure what its parts have left, and eliminates its own unknowns, but not those of
+   !> the top.
    subroutine eliminate(substructures, k, value, remainders)
       type(substructures_t), intent(in) :: substructures !! the substructures
       integer, intent(in) :: k !! number of the substructure
       real(dp), intent(inout) :: value(:) !! the blocks
       type(remainder_t), intent(inout) :: remainders(0:) !! takes up those of the parts, gains that of the substructure
-      integer :: i, info
+      integer :: i, info, status
 
       associate (n_own => substructures%n_own(k), n_boundary => substructures%n_boundary(k), &
          first => substructures%block_start(k), past => substructures%block_start(k + 1), &
-         part => substructures%part(:, k))
-         remainders(k)%refused = maxval(remainders(part)%refused)
-         if (remainders(k)%refused > 0) return
+         part => substructures%part(:, k), start => substructures%boundary_start)
+         remainders(k)%is_short = any(remainders(part)%is_short)
+         remainders(k)%refused = merge(remainders(part(1))%refused, remainders(part(2))%refused, &
+            remainders(part(1))%refused > 0)
+         if (remainders(k)%is_short .or. remainders(k)%refused > 0) return
          do i = 1, 2
-            if (part(i) > 0) call add_to_own(places(substructures, part(i)), remainders(part(i))%s, n_own, &
-               n_own + n_boundary, value(first:past - 1))
+            if (part(i) == 0) cycle
+            associate (place => substructures%place(start(part(i)):start(part(i) + 1) - 1))
+               call add_to_own(place, remainders(part(i))%s, n_own, n_own + n_boundary, value(first:past - 1))
+            end associate
          end do
          if (k < substructures%n) then
-            allocate (remainders(k)%s(n_remaining(n_boundary)))
+            allocate (remainders(k)%s(n_remaining(n_boundary)), stat=status)
+            remainders(k)%is_short = status /= 0
+            if (status /= 0) return
             call eliminate_own(n_own + n_boundary, n_own, value(first:past - 1), remainders(k)%s, info)
             if (info > 0) remainders(k)%refused = substructures%first(k) + info - 1
          end if
          do i = 1, 2
             if (part(i) == 0) cycle
-            if (k < substructures%n) call add_to_boundary(places(substructures, part(i)), remainders(part(i))%s, n_own, &
-               n_boundary, remainders(k)%s)
+            associate (place => substructures%place(start(part(i)):start(part(i) + 1) - 1))
+               if (k < substructures%n) call add_to_boundary(place, remainders(part(i))%s, n_own, n_boundary, &
+                  remainders(k)%s)
+            end associate
             deallocate (remainders(part(i))%s)
          end do
       end associate
    end subroutine eliminate
-
-   !> Which rows of the next larger substructure the boundary of a substructure is.
-   pure function places(substructures, k) result(place)
-      type(substructures_t), intent(in) :: substructures !! the substructures
-      integer, intent(in) :: k !! number of the substructure
-      integer, allocatable :: place(:)
-
-      place = substructures%place(substructures%boundary_start(k):substructures%boundary_start(k + 1) - 1)
-   end function places
 
    !> Factorises the top, on all threads.
    subroutine factorize_top(self, refused)

@@ -73,30 +73,31 @@ contains
    pure subroutine list_pieces(substructures, dissection, first_group)
       type(substructures_t), intent(inout) :: substructures !! gains the parts
       type(dissection_t), intent(in) :: dissection !! the dissection
-      integer, allocatable, intent(out) :: first_group(:) !! position of the first group of each piece, and past the last
-      integer :: open(size(dissection%order)), n_open, k, p, i
+      integer, allocatable, intent(out) :: first_group(:)
+         !! position of the first group of each piece, and past the last
+      integer :: waiting(size(dissection%order)), n_waiting, k, p, i
 
       ! There is a top even where there is no unknown.
       substructures%n = max(1, count(dissection%piece_start > 0))
       allocate (first_group(substructures%n + 1), substructures%first_below(substructures%n), source=1)
       allocate (substructures%part(2, substructures%n), source=0)
       k = 0
-      n_open = 0
+      n_waiting = 0
       do p = 1, size(dissection%order)
          if (dissection%piece_start(p) == 0) cycle
          k = k + 1
          first_group(k) = dissection%piece_start(p)
          substructures%first_below(k) = k
-         ! Open are those that are no parts yet. Those of this piece lie in the set it was cut from.
+         ! Those that wait are no parts yet. The parts of this one lie in the set it was cut from.
          do i = 2, 1, -1
-            if (n_open == 0) exit
-            if (first_group(open(n_open)) < dissection%set_start(p)) exit
-            substructures%part(i, k) = open(n_open)
-            substructures%first_below(k) = substructures%first_below(open(n_open))
-            n_open = n_open - 1
+            if (n_waiting == 0) exit
+            if (first_group(waiting(n_waiting)) < dissection%set_start(p)) exit
+            substructures%part(i, k) = waiting(n_waiting)
+            substructures%first_below(k) = substructures%first_below(waiting(n_waiting))
+            n_waiting = n_waiting - 1
          end do
-         n_open = n_open + 1
-         open(n_open) = k
+         n_waiting = n_waiting + 1
+         waiting(n_waiting) = k
       end do
       first_group(substructures%n + 1) = size(dissection%order) + 1
    end subroutine list_pieces
