@@ -8,7 +8,7 @@ module amontons_compliance_system
    use amontons_dense, only: add_product, cholesky_factor, cholesky_solve, lu_factor, lu_solve, lu_solve_transposed, &
       transposed_product
    use amontons_force_system, only: force_system_t
-   use amontons_kinds, only: dp
+   use amontons_kinds, only: dp, int64
    implicit none (type, external)
    private
 
@@ -18,7 +18,8 @@ module amontons_compliance_system
    type, extends(force_system_t) :: compliance_system_t
       private
       logical :: is_symmetric = .false. !! Whether no point slides with friction, so that its matrix is symmetric.
-      real(dp), allocatable :: factor(:, :) !! Cholesky factor, or triangular factors of the transposed matrix.
+      real(dp), allocatable :: entries(:)
+         !! Cholesky factor, or triangular factors of the transposed matrix, and room: memory is costly to get anew.
       integer, allocatable :: pivots(:) !! Their row exchanges.
       integer :: n_changed = 0 !! Number of rows that have changed since.
       integer, allocatable :: changed(:) !! These rows.
@@ -71,50 +72,55 @@ contains
 
    !> Factorises the system of a guess.
    subroutine compliance_system_factorize(self, problem, guess, share, info)
-      class(compliance_system_t), intent(inout) :: self !! the system
+      class(compliance_system_t), target, intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(active_set_t), intent(in) :: guess !! state of each point
       real(dp), intent(in) :: share !! share of the diagonal of A [-]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      real(dp), contiguous, pointer :: factor(:, :)
       integer :: n
 
       n = 2*problem%n_points
-      if (.not. allocated(self%changed)) allocate (self%changed(n), self%response(n, 0), self%row(n, 0))
+      if (.not. allocated(self%changed)) allocate (self%changed(n), self%response(n, 0), self%row(n, 0), self%entries(0))
       call self%begin(problem, guess, share)
       self%n_changed = 0
       n = size(self%unknown)
-      if (allocated(self%factor)) deallocate (self%factor)
-      allocate (self%factor(n, n))
-      call gather(self, problem)
+      if (size(self%entries, kind=int64) < int(n, int64)**2) then
+         deallocate (self%entries)
+         allocate (self%entries(int(n, int64)**2))
+      end if
+      factor(1:n, 1:n) => self%entries
+      call gather(self, problem, factor)
       call self%effort%factorize(n > 0)
       self%is_symmetric = .not. any(guess%is_closed .and. guess%sense /= 0 .and. problem%friction > 0.0_dp)
       if (self%is_symmetric) then
-         call cholesky_factor(self%factor, info)
+         call cholesky_factor(factor, info)
       else
-         call lu_factor(self%factor, self%pivots, info)
+         call lu_factor(factor, self%pivots, info)
       end if
       if (info /= 0) self%share = -1.0_dp
    end subroutine compliance_system_factorize
 
-   !> Writes the transposed matrix of the factorised guess where its factors will stand.
-   pure subroutine gather(self, problem)
-      class(compliance_system_t), intent(inout) :: self !! the system
+   !> Writes the transposed matrix of the guess to be factorised.
+   pure subroutine gather(self, problem, matrix)
+      class(compliance_system_t), intent(in) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
-      integer :: i, j, m, point
+      real(dp), contiguous, intent(out) :: matrix(:, :) !! the transposed matrix
+      real(dp) :: slopes(problem%n_points)
+      integer :: i, j, m, n_normal
 
       m = problem%n_points
+      n_normal = count(self%unknown <= m)
+      slopes = self%base%sense*problem%friction
       associate (a => problem%compliance%values, unknown => self%unknown)
          do i = 1, size(unknown)
             do j = 1, size(unknown)
-               self%factor(j, i) = a(unknown(j), unknown(i))
+               matrix(j, i) = a(unknown(j), unknown(i))
             end do
-            do j = 1, size(unknown)
-               point = unknown(j)
-               if (point > m) exit
-               if (self%base%sense(point) == 0) cycle
-               self%factor(j, i) = self%factor(j, i) + slope(problem, self%base, point)*a(m + point, unknown(i))
+            do j = 1, n_normal
+               matrix(j, i) = matrix(j, i) + slopes(unknown(j))*a(m + unknown(j), unknown(i))
             end do
-            self%factor(i, i) = self%factor(i, i) + self%share*self%diagonal(unknown(i))
+            matrix(i, i) = matrix(i, i) + self%share*self%diagonal(unknown(i))
          end do
       end associate
    end subroutine gather
@@ -201,14 +207,16 @@ contains
    end subroutine unit_responses
 
    !> Solves the factorised system for its unknown forces.
-   pure subroutine base_solve(self, right)
-      class(compliance_system_t), intent(in) :: self !! the system
+   subroutine base_solve(self, right)
+      class(compliance_system_t), target, intent(in) :: self !! the system
       real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand sides, the solutions on return
+      real(dp), contiguous, pointer :: factor(:, :)
 
+      factor(1:size(right, 1), 1:size(right, 1)) => self%entries
       if (self%is_symmetric) then
-         call cholesky_solve(self%factor, right)
+         call cholesky_solve(factor, right)
       else
-         call lu_solve_transposed(self%factor, self%pivots, right)
+         call lu_solve_transposed(factor, self%pivots, right)
       end if
    end subroutine base_solve
 
