@@ -81,7 +81,9 @@ contains
       integer :: n
 
       n = 2*problem%n_points
-      if (.not. allocated(self%changed)) allocate (self%changed(n), self%response(n, 0), self%row(n, 0), self%entries(0))
+      if (.not. allocated(self%changed)) then
+         allocate (self%changed(n), self%response(n, 0), self%row(n, 0), self%entries(0))
+      end if
       call self%begin(problem, guess, share)
       self%n_changed = 0
       n = size(self%unknown)

@@ -123,8 +123,9 @@ contains
          call condense(self%substructures, top, self%value, remainders)
          !$omp end single
          !$omp end parallel
-         if (.not. remainders(top)%is_short .and. remainders(top)%refused == 0) &
+         if (.not. remainders(top)%is_short .and. remainders(top)%refused == 0) then
             call factorize_top(self, remainders(top)%refused)
+         end if
          call release_threads(threads)
          if (remainders(top)%is_short) then
             call report_shortage(self, error)
