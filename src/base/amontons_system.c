@@ -1,5 +1,4 @@
 /* The few system calls that Fortran has no name for. */
-#define _DEFAULT_SOURCE
 #define _XOPEN_SOURCE 700
 
 #include <errno.h>
@@ -9,11 +8,9 @@
 #include <malloc.h>
 #endif
 #include <poll.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/types.h>
@@ -220,17 +217,5 @@ void amontons_return_memory(void)
 {
 #ifdef __GLIBC__
     malloc_trim(0);
-#endif
-}
-
-/* Has a large array lie on large pages, where the system has them: with small ones the page faults take a tenth of a
-   factorisation. */
-void amontons_advise_large_pages(double *array, long long n)
-{
-#ifdef MADV_HUGEPAGE
-    const uintptr_t page = (uintptr_t)1 << 21;
-    uintptr_t first = ((uintptr_t)array + page - 1) / page * page, past = (uintptr_t)(array + n) / page * page;
-    if (first < past)
-        madvise((void *)first, past - first, MADV_HUGEPAGE);
 #endif
 }

@@ -1,12 +1,12 @@
 !> What the program asks of the operating system: directories, renaming, memory, time.
 module amontons_system
-   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long, c_long_long, c_null_char
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_long_long, c_null_char
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_kinds, only: dp, int64
    implicit none (type, external)
    private
 
-   public :: absolute_path, advise_large_pages, append_to_file, available_memory_mb, cut_file, error_text, &
+   public :: absolute_path, append_to_file, available_memory_mb, cut_file, error_text, &
       make_directory, peak_memory_mb, remove_directory, remove_file, rename_file, resident_memory_mb, &
       return_large_arrays, return_memory, wall_seconds
 
@@ -97,13 +97,6 @@ module amontons_system
          implicit none (type, external)
       end subroutine c_return_memory
 
-      subroutine c_advise_large_pages(array, n) bind(c, name='amontons_advise_large_pages')
-         import :: c_double, c_long_long
-         implicit none (type, external)
-         real(c_double), intent(in) :: array(*)
-         integer(c_long_long), value, intent(in) :: n
-      end subroutine c_advise_large_pages
-
       function c_available_memory() bind(c, name='amontons_available_memory') result(kibibytes)
          import :: c_long_long
          implicit none (type, external)
@@ -112,13 +105,6 @@ module amontons_system
    end interface
 
 contains
-
-   !> Has an array that is about to be filled lie on large pages of memory, where it is large and the system has them.
-   subroutine advise_large_pages(array)
-      real(dp), contiguous, intent(in) :: array(:) !! the array
-
-      call c_advise_large_pages(array, size(array, kind=c_long_long))
-   end subroutine advise_large_pages
 
    !> Name of a file from the root on; the name as it is where there is no such file.
    function absolute_path(path) result(absolute)

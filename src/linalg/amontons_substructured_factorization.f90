@@ -18,7 +18,6 @@ module amontons_substructured_factorization
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_substructure_steps, only: go_backward, go_forward
    use amontons_substructures, only: new_substructures, substructures_t
-   use amontons_system, only: advise_large_pages
    use amontons_text, only: to_text
    use amontons_threads, only: hold_threads, n_threads, release_threads, thread_state_t
    implicit none (type, external)
@@ -114,7 +113,6 @@ contains
             call report_shortage(self, error)
             return
          end if
-         call advise_large_pages(self%value)
          call hold_threads(threads, 1)
          call fill(self%substructures, self%matrix, self%value)
          self%matrix = sparse_matrix_t()
