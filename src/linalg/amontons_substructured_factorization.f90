@@ -260,14 +260,14 @@ contains
       class(substructured_factorization_t), intent(in) :: self !! the factorisation
       integer, intent(in) :: n_steps !! how many columns, at least those before the trailing ones
       real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
-      real(dp), allocatable :: gain(:)
+      real(dp) :: boundary(0)
       type(thread_state_t) :: threads
 
-      allocate (gain(size(self%substructures%place, kind=int64)))
+      ! The top has no boundary.
       call hold_threads(threads, 1)
-      !$omp parallel default(none) num_threads(n_threads()) shared(self, n_steps, y, gain)
+      !$omp parallel default(none) num_threads(n_threads()) shared(self, n_steps, y, boundary)
       !$omp single
-      call go_forward(self%substructures, self%value, self%substructures%n, n_steps, y, gain)
+      call go_forward(self%substructures, self%value, self%substructures%n, n_steps, y, boundary)
       !$omp end single
       !$omp end parallel
       call release_threads(threads)
@@ -278,14 +278,14 @@ contains
       class(substructured_factorization_t), intent(in) :: self !! the factorisation
       integer, intent(in) :: n_steps !! how many columns, at least those before the trailing ones
       real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
-      real(dp), allocatable :: known(:)
+      real(dp) :: boundary(0)
       type(thread_state_t) :: threads
 
-      allocate (known(size(self%substructures%place, kind=int64)))
+      ! The top has no boundary.
       call hold_threads(threads, 1)
-      !$omp parallel default(none) num_threads(n_threads()) shared(self, n_steps, y, known)
+      !$omp parallel default(none) num_threads(n_threads()) shared(self, n_steps, y, boundary)
       !$omp single
-      call go_backward(self%substructures, self%value, self%substructures%n, n_steps, y, known)
+      call go_backward(self%substructures, self%value, self%substructures%n, n_steps, y, boundary)
       !$omp end single
       !$omp end parallel
       call release_threads(threads)

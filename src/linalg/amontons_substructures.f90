@@ -25,6 +25,8 @@ module amontons_substructures
       integer, allocatable :: place(:) !! which row of the next larger substructure each boundary unknown is
       integer(int64), allocatable :: block_start(:)
          !! where the columns of each would start if they followed each other, full to the top (n + 1)
+      integer, allocatable :: n_waiting(:)
+         !! how many boundary unknowns, of each and of its small parts, wait at most at a time in a substitution (n)
    contains
       procedure :: n_boundary => substructures_n_boundary
       procedure :: n_own => substructures_n_own
@@ -266,7 +268,26 @@ contains
          substructures%block_start(k + 1) = substructures%block_start(k) &
             + int(substructures%n_own(k), int64)*(substructures%n_own(k) + n_boundary)
       end do
+      call count_waiting(substructures)
    end subroutine size_substructures
+
+   !> Counts what waits. The second part is done while the boundary of the first one waits; large parts are done apart.
+   pure subroutine count_waiting(substructures)
+      type(substructures_t), intent(inout) :: substructures !! the substructures, their boundaries counted
+      integer :: k, n
+
+      allocate (substructures%n_waiting(substructures%n))
+      do k = 1, substructures%n
+         associate (part => substructures%part(:, k), waiting => substructures%n_waiting)
+            n = max(substructures%n_boundary(k), sum(substructures%n_boundary(part)))
+            if (.not. substructures%is_large(k)) then
+               if (part(1) > 0) n = max(n, waiting(part(1)))
+               if (part(2) > 0) n = max(n, substructures%n_boundary(part(1)) + waiting(part(2)))
+            end if
+            waiting(k) = n
+         end associate
+      end do
+   end subroutine count_waiting
 
    !> Finds which row of the next larger substructure each boundary unknown is, and which row of its own substructure
    !> each row of the matrix.
@@ -320,9 +341,10 @@ contains
    !> The number of unknowns on the boundary of a substructure.
    elemental integer function substructures_n_boundary(self, k) result(n_boundary)
       class(substructures_t), intent(in) :: self !! the substructures
-      integer, intent(in) :: k !! number of the substructure
+      integer, intent(in) :: k !! number of the substructure, or 0 for none
 
-      n_boundary = int(self%boundary_start(k + 1) - self%boundary_start(k))
+      n_boundary = 0
+      if (k > 0) n_boundary = int(self%boundary_start(k + 1) - self%boundary_start(k))
    end function substructures_n_boundary
 
    !> The number of rows of a substructure: its own unknowns and its boundary.
