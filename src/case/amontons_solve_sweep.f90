@@ -24,7 +24,7 @@ module amontons_solve_sweep
    use amontons_sweep_table, only: sweep_header
    use amontons_sweep_tally, only: sweep_tally_t
    use amontons_system, only: make_directory, wall_seconds
-   use amontons_text, only: newline, to_text
+   use amontons_text, only: newline
    use amontons_threads, only: n_threads
    use amontons_timings, only: phase_recover, phase_solve, phase_write
    use amontons_version, only: version

@@ -9,7 +9,7 @@ module amontons_sweep_model
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_error, only: error_t
-   use amontons_kinds, only: dp, int64
+   use amontons_kinds, only: dp
    use amontons_loads, only: load_t, load_vector
    use amontons_solve_case, only: load_body
    use amontons_sweep, only: sweep_axis_t, swept_friction, swept_load

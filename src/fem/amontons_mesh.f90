@@ -1,7 +1,7 @@
 !> The mesh: nodes, elements, named sets of sides, nodes and elements, and the checks every mesh must pass.
 module amontons_mesh
    use amontons_element, only: max_nodes, n_corners, n_element_nodes, n_element_points, node_coordinates, &
-      quadrature_point, shape_functions, side_nodes, tri6
+      quadrature_point, shape_functions, side_nodes
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_text, only: lower_case, nearest_word, to_text
