@@ -16,7 +16,7 @@ module amontons_body
    use amontons_material, only: material_t, materials_t, new_materials
    use amontons_mesh, only: mesh_t
    use amontons_new_factorization, only: analyze_matrix
-   use amontons_rigid_motion, only: new_piece_motions, rigid_motions_t
+   use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
    use amontons_text, only: to_text
@@ -77,7 +77,7 @@ contains
       call new_foundation(body%springs, mesh, body%materials, supports, error)
       if (allocated(error)) return
       body%is_axisymmetric = materials(1)%is_axisymmetric
-      call new_piece_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric)
+      call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric)
       call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error)
       if (allocated(error)) return
       call new_dof_map(body%dof_map, body%constraints, body%zone%node)

@@ -10,7 +10,7 @@ module amontons_rigid_motion
    implicit none (type, external)
    private
 
-   public :: new_piece_motions, new_rigid_motions, rigid_motions_t
+   public :: new_rigid_motions, rigid_motions_t
 
    !> The free rigid motions of a piece: combinations of the translations and the rotation about its middle.
    type :: rigid_motions_t
@@ -28,7 +28,7 @@ module amontons_rigid_motion
 contains
 
    !> Finds the rigid motions of each piece of a body that violate no support.
-   subroutine new_piece_motions(motions, mesh, constraints, springs, is_axisymmetric)
+   subroutine new_rigid_motions(motions, mesh, constraints, springs, is_axisymmetric)
       type(rigid_motions_t), allocatable, intent(out) :: motions(:) !! the free motions of each piece
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
@@ -55,19 +55,6 @@ contains
       do i = 1, n_pieces
          call find_motions(motions(i), mesh, constraints, pack(springs, spring_piece == i), is_axisymmetric)
       end do
-   end subroutine new_piece_motions
-
-   !> Finds the rigid motions of a body of one piece that violate no support.
-   subroutine new_rigid_motions(motions, mesh, constraints, springs, is_axisymmetric)
-      type(rigid_motions_t), intent(out) :: motions !! the free motions
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(constraints_t), intent(in) :: constraints !! the supports
-      type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
-      logical, intent(in) :: is_axisymmetric !! whether only the translation along the axis (y) is a rigid motion
-      integer :: node
-
-      allocate (motions%node(mesh%n_nodes), source=[(node, node=1, mesh%n_nodes)])
-      call find_motions(motions, mesh, constraints, springs, is_axisymmetric)
    end subroutine new_rigid_motions
 
    !> Finds the kernel of the Gram matrix of the held directions of a piece.
