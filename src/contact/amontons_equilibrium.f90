@@ -2,8 +2,8 @@
 !>
 !> The load's work on the free rigid motions must be a combination, with factors at least 0, of the works of the extreme
 !> forces n + phi t and n - phi t of the contact points (a cone), and of n between them, which large friction leaves to
-!> rounding otherwise. If it is none, the part that is left over is, by
-!> Farkas' lemma, a rigid motion that the loads drive and no contact force opposes: along it the body flies off.
+!> rounding otherwise. If it is none, the part that is left over is, by Farkas' lemma, a rigid motion that the loads
+!> drive and no contact force opposes: along it the body flies off.
 module amontons_equilibrium
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
@@ -140,7 +140,7 @@ contains
       remainder = vector
    end subroutine settle_factors
 
-   !> Approximates a vector best by the columns in use, which are made square to each other one by one: of columns that
+   !> Approximates a vector best by the columns in use, made orthogonal one by one (Gram and Schmidt): of columns that
    !> are all but parallel, as those of a flat contact line far from the middle of the body, no digit is lost.
    pure subroutine approximate(columns, vector, is_used, factor, remainder)
       real(dp), intent(in) :: columns(:, :) !! the columns, of length 1 (k, n)
@@ -156,25 +156,24 @@ contains
       n = size(column)
       do i = 1, n
          axes(:, i) = columns(:, column(i))
-         call make_square(axes(:, :i - 1), axes(:, i), share(:i - 1, i))
+         call orthogonalize(axes(:, :i - 1), axes(:, i), share(:i - 1, i))
          length = max(norm2(axes(:, i)), tiny(1.0_dp))
          axes(:, i) = axes(:, i)/length
          share(i, i) = length
       end do
       remainder = vector
-      call make_square(axes, remainder, share(:, n + 1))
+      call orthogonalize(axes, remainder, share(:, n + 1))
       factor = 0.0_dp
       do i = n, 1, -1
          factor(column(i)) = (share(i, n + 1) - dot_product(share(i, i + 1:n), factor(column(i + 1:n))))/share(i, i)
       end do
    end subroutine approximate
 
-   !> Takes from a vector its shares along axes that are square to each other; what rounding leaves of them, a second
-   !> time.
-   pure subroutine make_square(axes, vector, share)
+   !> Takes from a vector its components along orthogonal axes; what rounding leaves of them, a second time.
+   pure subroutine orthogonalize(axes, vector, share)
       real(dp), intent(in) :: axes(:, :) !! the axes, of length 1 (k, n)
       real(dp), intent(inout) :: vector(:) !! the vector (k)
-      real(dp), intent(out) :: share(:) !! its shares (n)
+      real(dp), intent(out) :: share(:) !! its components (n)
       real(dp) :: along
       integer :: i, turn
 
@@ -186,6 +185,6 @@ contains
             share(i) = share(i) + along
          end do
       end do
-   end subroutine make_square
+   end subroutine orthogonalize
 
 end module amontons_equilibrium

@@ -144,7 +144,7 @@ contains
       missing = displacement - dot_product(direction, self%prescribed(:, node))
       if (all(self%is_free(:, node)) .and. all(abs(direction) > parallel)) self%axis(:, node) = direction
       frame = self%frame(node)
-      ! The free axis that the direction has most of: the other one is held already, or square to it.
+      ! The free axis that the direction has most of: the other one is held already, or normal to it.
       free = 0
       along = parallel
       if (self%is_free(1, node) .and. abs(dot_product(direction, frame(:, 1))) > along) then
