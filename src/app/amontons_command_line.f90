@@ -20,7 +20,7 @@ module amontons_command_line
    type :: command_line_t
       type(argument_t), allocatable :: decks(:) !! names of the decks, in their order
       character(:), allocatable :: output !! output directory
-      integer :: n_threads = 0 !! number of threads; 0 for as many as the machine offers
+      integer :: n_threads = 0 !! number of threads; 0 for what OMP_NUM_THREADS says, or all cores
       logical :: is_check = .false. !! whether decks are only checked
       logical :: is_quiet = .false. !! whether nothing is told of solved decks
       logical :: is_reduced = .false. !! whether the names are files of reduced problems rather than decks
@@ -43,7 +43,6 @@ contains
       logical :: only_decks
 
       allocate (command_line%decks(0))
-      command_line%output = '.'
       only_decks = .false.
       i = 0
       do while (i < command_argument_count())
@@ -60,13 +59,13 @@ contains
       end do
       if (command_line%is_help .or. command_line%is_version .or. command_line%is_reference) return
       call check_decks(command_line, error)
+      if (.not. allocated(command_line%output)) command_line%output = '.'
    end subroutine read_command_line
 
    !> Checks that there is something to solve, and that it can be.
    subroutine check_decks(command_line, error)
       type(command_line_t), intent(in) :: command_line !! what the command line asks for
-      type(error_t), allocatable, intent(out) :: error !! no deck, or standard input where files are expected
-
+      type(error_t), allocatable, intent(out) :: error !! no deck, options that do not go together
       character(:), allocatable :: expected
 
       expected = 'a deck'
@@ -74,8 +73,8 @@ contains
       if (command_line%is_verify) expected = 'a directory with results'
       if (size(command_line%decks) == 0) then
          call new_error(error, input_refused, 'amontons: expected '//expected//'; try amontons --help')
-      else if (command_line%is_verify .and. (command_line%is_check .or. command_line%is_reduced .or. &
-         command_line%writes_reduced .or. command_line%wants_all_solutions)) then
+      else if (command_line%is_verify .and. (allocated(command_line%output) .or. command_line%is_check .or. &
+         command_line%is_reduced .or. command_line%writes_reduced .or. command_line%wants_all_solutions)) then
          call new_error(error, input_refused, 'amontons: --verify takes directories with results; of the other '// &
             'options only --quiet and --threads go with it')
       else if (command_line%is_reduced .and. has_input(command_line%decks)) then

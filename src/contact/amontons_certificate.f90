@@ -13,21 +13,21 @@ module amontons_certificate
 
    !> Violations of the conditions that define the solution, each over its natural scale, and the resultants.
    type :: certificate_t
-      real(dp) :: equilibrium = 0.0_dp !! |K u - f + C^T lambda| on the unknowns / size of the forces [-]
+      real(dp) :: equilibrium = 0.0_dp !! |K u - f + C^T lambda| on the unknowns / size of the forces, or more [-]
       real(dp) :: penetration = 0.0_dp !! largest overlap with the obstacle / largest displacement [-]
-      real(dp) :: tension = 0.0_dp !! largest normal force that pulls / largest nodal force [-]
-      real(dp) :: friction_excess = 0.0_dp !! largest |lambda_T| - phi lambda_N / largest nodal force [-]
+      real(dp) :: tension = 0.0_dp !! largest normal force that pulls / force_scale [-]
+      real(dp) :: friction_excess = 0.0_dp !! largest |lambda_T| - phi lambda_N - g / force_scale [-]
       real(dp) :: complementarity = 0.0_dp
-         !! largest smaller one of lambda_N and gap, each over the largest force or displacement [-]
+         !! largest smaller one of lambda_N / force_scale and gap / largest displacement [-]
       real(dp) :: slip_below_bound = 0.0_dp !! the same of |u_T| and what |lambda_T| lacks to its bound [-]
       real(dp) :: wrong_dissipation = 0.0_dp
          !! the same of |lambda_T| and |u_T| where they point in opposite directions [-]
       real(dp) :: resultant = 0.0_dp !! |loads + reactions + contact forces| / sum of their magnitudes [-]
       real(dp) :: moment = 0.0_dp !! |moment of these| / (sum of their magnitudes times half the body's size) [-]
-      real(dp) :: energy = 0.0_dp !! |u . K u - work of all forces| / u . K u [-]
+      real(dp) :: energy = 0.0_dp !! |u . K u - work of all forces| / sum of the magnitudes of the terms, or more [-]
       logical :: has_duality_gap = .false. !! whether no point rubs by Coulomb's law, so that both energies exist
       real(dp) :: duality_gap = 0.0_dp
-         !! |primal energy of u - dual energy of lambda| / u . K u, of a given slip bound or none [-]
+         !! |primal energy of u - dual energy of lambda| / the same, of a given slip bound or none [-]
       real(dp) :: force_scale = 0.0_dp !! what contact forces are measured by: the largest nodal force, or more [F]
       real(dp) :: strain_energy = 0.0_dp !! u . K u / 2 [F L]
       real(dp) :: dissipation = 0.0_dp !! work of friction: sum of lambda_T u_T [F L]

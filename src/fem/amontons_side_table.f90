@@ -13,9 +13,8 @@ module amontons_side_table
    !> A side between two elements or at the boundary.
    type :: side_t
       integer :: before !! side filed before it under the same node, 0 for none
-      integer :: home !! the corner it is filed under
-      integer :: other !! its other corner
-      integer :: left !! number of the element's side that runs from home to the other corner, 0 for none
+      integer :: other !! the corner that it is not filed under
+      integer :: left !! number of the element's side that runs to the other corner, 0 for none
       integer :: right !! number of the element's side that runs the other way, 0 for none
    end type side_t
 
@@ -96,7 +95,7 @@ contains
       if (side == 0) then
          table%n_sides = table%n_sides + 1
          side = table%n_sides
-         table%sides(side) = side_t(table%last(home), home, a + b - home, 0, 0)
+         table%sides(side) = side_t(table%last(home), a + b - home, 0, 0)
          table%last(home) = side
       end if
       associate (filed => table%sides(side))
