@@ -175,19 +175,10 @@ contains
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: p !! number of the point
       character(:), allocatable :: text
-      ! Mesh files carry about eight digits, so directions that should agree differ in the last of them.
-      real(dp), parameter :: square = 1.0e-6_dp
-      integer :: i
-      logical :: may_slide
+      integer :: k
 
-      may_slide = .false.
-      do i = body%zone%rows%start(p), body%zone%rows%start(p + 1) - 1
-         associate (node => body%zone%rows%node(i), tangent => turned(body%zone%normal(:, p)))
-            may_slide = may_slide .or. any(body%constraints%is_free(:, node) &
-               .and. abs(matmul(tangent, body%constraints%frame(node))) > square)
-         end associate
-      end do
-      if (may_slide) then
+      if (any([(body%constraints%leaves_free(body%zone%rows%node(k), turned(body%zone%normal(:, p))), &
+         k=body%zone%rows%start(p), body%zone%rows%start(p + 1) - 1)])) then
          text = ' slides without friction: a support that is aslant to the obstacle guides it'
       else
          text = ' cannot slide: a support bears its tangential force'

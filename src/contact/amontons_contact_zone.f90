@@ -189,7 +189,7 @@ contains
          end if
          normal(:, k) = line%normal(:, k)
          if (any(abs(direction) > 0.0_dp)) normal(:, k) = direction/norm2(direction)
-         if (is_held_normally(constraints, line%node(k), normal(:, k))) then
+         if (.not. constraints%leaves_free(line%node(k), normal(:, k))) then
             zone%held_node = [zone%held_node, line%node(k)]
             cycle
          end if
@@ -242,7 +242,7 @@ contains
       end do
       allocate (is_held(cells%n_cells), point_of(0:cells%n_cells))
       do cell = 1, cells%n_cells
-         is_held(cell) = all([(is_held_normally(constraints, cells%rows%node(k), cells%normal(:, cell)), &
+         is_held(cell) = .not. any([(constraints%leaves_free(cells%rows%node(k), cells%normal(:, cell)), &
             k=cells%rows%start(cell), cells%rows%start(cell + 1) - 1)])
       end do
       zone%n_held_cells = zone%n_held_cells + count(is_held)
@@ -267,18 +267,6 @@ contains
       end do
       call add_points(zone, points)
    end subroutine add_cells
-
-   !> Whether supports leave a node no motion along a normal.
-   pure logical function is_held_normally(constraints, node, normal)
-      type(constraints_t), intent(in) :: constraints !! the supports
-      integer, intent(in) :: node !! the node
-      real(dp), intent(in) :: normal(2) !! the normal [-]
-      real(dp), parameter :: square = 1.0e-6_dp
-      real(dp) :: along(2)
-
-      along = abs(matmul(normal, constraints%frame(node)))
-      is_held_normally = .not. any(constraints%is_free(:, node) .and. along > square)
-   end function is_held_normally
 
    !> Sets gap, friction and slip bound of every point from its contact set.
    !>

@@ -32,8 +32,13 @@ module amontons_constraints
       real(dp), allocatable :: prescribed(:, :) !! the prescribed displacement, x and y (2, n_nodes) [L]
    contains
       procedure :: frame => constraints_frame
+      procedure :: leaves_free => constraints_leaves_free
       procedure, private :: hold => constraints_hold
    end type constraints_t
+
+   !> Below this a component of a unit vector counts as none: mesh files carry about eight digits, so directions that
+   !> should agree differ in the last of them.
+   real(dp), parameter :: negligible = 1.0e-6_dp
 
 contains
 
@@ -136,24 +141,17 @@ contains
       real(dp), intent(in) :: direction(2) !! unit vector [-]
       real(dp), intent(in) :: displacement !! where to [L]
       logical, intent(out) :: is_consistent !! whether no earlier support holds it elsewhere along this direction
-      ! Mesh files carry about eight digits, so directions that should agree differ in the last of them.
-      real(dp), parameter :: parallel = 1.0e-6_dp
-      real(dp) :: frame(2, 2), missing, along
+      real(dp) :: frame(2, 2), missing, along(2)
       integer :: free
 
       missing = displacement - dot_product(direction, self%prescribed(:, node))
-      if (all(self%is_free(:, node)) .and. all(abs(direction) > parallel)) self%axis(:, node) = direction
+      if (all(self%is_free(:, node)) .and. all(abs(direction) > negligible)) self%axis(:, node) = direction
       frame = self%frame(node)
       ! The free axis that the direction has most of: the other one is held already, or normal to it.
-      free = 0
-      along = parallel
-      if (self%is_free(1, node) .and. abs(dot_product(direction, frame(:, 1))) > along) then
-         free = 1
-         along = abs(dot_product(direction, frame(:, 1)))
-      end if
-      if (self%is_free(2, node) .and. abs(dot_product(direction, frame(:, 2))) > along) free = 2
+      along = abs(matmul(direction, frame))
+      free = maxloc(along, dim=1, mask=self%is_free(:, node) .and. along > negligible)
       if (free == 0) then
-         is_consistent = abs(missing) <= parallel*(abs(displacement) + norm2(self%prescribed(:, node)))
+         is_consistent = abs(missing) <= negligible*(abs(displacement) + norm2(self%prescribed(:, node)))
          return
       end if
       is_consistent = .true.
@@ -161,6 +159,15 @@ contains
       self%prescribed(:, node) = self%prescribed(:, node) &
          + frame(:, free)*missing/dot_product(direction, frame(:, free))
    end subroutine constraints_hold
+
+   !> Whether the supports leave a node some motion along a direction.
+   pure logical function constraints_leaves_free(self, node, direction) result(is_free)
+      class(constraints_t), intent(in) :: self !! the constraints
+      integer, intent(in) :: node !! the node
+      real(dp), intent(in) :: direction(2) !! unit vector [-]
+
+      is_free = any(self%is_free(:, node) .and. abs(matmul(direction, self%frame(node))) > negligible)
+   end function constraints_leaves_free
 
    !> The frame of a node: its axes e1 and e2 as columns (2, 2) [-].
    pure function constraints_frame(self, node) result(frame)
