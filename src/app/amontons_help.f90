@@ -74,7 +74,7 @@ contains
          '                   no byte was changed, and that they follow from deck and mesh', &
          '  --reference      print every key of a deck with its values, unit, default and', &
          '                   meaning, or those of groups: amontons --reference mesh contact', &
-         '  --help           print this text', &
+         '  --help           print this text (-h too)', &
          '  --version        print the version and how the program was built', &
          '  --               what follows are decks']
    end function option_lines

@@ -89,7 +89,7 @@ class Unsound(Verification):
         self.assertEqual(run.stderr, "nowhere: cannot read this directory: No such file or directory\n")
         run = self.run_program("--verify", status=1)
         self.assertIn("expected a directory with results", run.stderr)
-        for option in ("--check", "--reduced", "--write-reduced", "--all-solutions"):
+        for option in ("--output=results", "--check", "--reduced", "--write-reduced", "--all-solutions"):
             run = self.run_program("--verify", option, "results", status=1)
             self.assertIn("--verify takes directories", run.stderr)
 
