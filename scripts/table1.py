@@ -47,7 +47,7 @@ def main(coarse, fine):
     print(f"sticking (CD), in mm. Computed with method {first['method']}.")
     print("off: by how many segments of 1.25 mm the ends of AB and BC lie off.")
     print()
-    print(f"row   mu    F    f  {'mesh':20}{'AB':>8} {'BC':>8} {'CD':>8}   {'off':>11}  iterations  residual"
+    print(f"row   mu    F    f  {'mesh':20}{'AB':>8} {'BC':>8} {'CD':>8}   {'off':>13}  iterations  residual"
           "  certificate")
     failed = False
     for row, (friction, side, top, printed) in enumerate(ROWS, start=1):
@@ -60,7 +60,7 @@ def main(coarse, fine):
             result = summary(directory, row)
             off = segments_off(lengths(result), expected)
             element = "quad4" if result["counts"]["elements"] in (320, 20480) else "tri3"
-            print(f"{'':20}{mesh + ' ' + element:20}{triple(lengths(result))}   {off[0]:+5.3g} {off[1]:+5.3g}"
+            print(f"{'':20}{mesh + ' ' + element:20}{triple(lengths(result))}   {off[0]:+6.3g} {off[1]:+6.3g}"
                   f"  {result['iterations']:10}  {result['residual']:8.1e}  {verdict(result)}")
             failed = failed or not result["certificate"]["passed"] or not result["converged"]
             failed = failed or (directory == coarse and max(map(abs, off)) > 1 + 1e-9)
