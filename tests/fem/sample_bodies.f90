@@ -8,7 +8,7 @@ module sample_bodies
    use amontons_factorization, only: factorization_t
    use amontons_foundation, only: new_foundation, spring_side_t
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_t, load_vector
+   use amontons_loads, only: load_on_region, load_t, load_vector
    use amontons_material, only: material_t, materials_t, new_material, new_materials
    use amontons_mesh, only: mesh_t
    use amontons_new_factorization, only: new_factorization
@@ -18,7 +18,7 @@ module sample_bodies
 
    public :: along_normal, along_tangent, along_x, along_y, make_springs, nodal_reactions, no_springs, &
       sample_material, sample_materials, solve_body, solve_materials, springs_on_set, support_at_point, &
-      support_on_set, traction_on_set, uniform
+      support_on_set, traction_on_set, uniform, weight_of
 
    !> Components of a support: x, y, outward normal, tangent.
    integer, parameter :: along_x = 1, along_y = 2, along_normal = 3, along_tangent = 4
@@ -74,6 +74,16 @@ contains
       load%traction = traction
       load%origin = 'deck.nml:9: '
    end function traction_on_set
+
+   !> A body force.
+   pure function weight_of(body_force) result(load)
+      real(dp), intent(in) :: body_force(2) !! force per volume [F/L^3]
+      type(load_t) :: load
+
+      load = traction_on_set('', [0.0_dp, 0.0_dp])
+      load%target = load_on_region
+      load%body_force = body_force
+   end function weight_of
 
    !> A material with Young's modulus 1000, Poisson's ratio 0.3 and thickness 2.
    function sample_material(hypothesis) result(material)
