@@ -41,7 +41,7 @@ module amontons_newton
 contains
 
    !> Takes steps, and keeps the best pair where none is the solution. From rest the first guess is that all points
-   !> stick.
+   !> stick, unless nothing acts.
    subroutine newton_solve(self, problem, solution, error)
       class(newton_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
