@@ -24,7 +24,7 @@ module amontons_substructures
       integer(int64), allocatable :: boundary_start(:) !! where the boundary of each starts in `place` (n + 1)
       integer, allocatable :: place(:) !! which row of the next larger substructure each boundary unknown is
       integer(int64), allocatable :: block_start(:)
-         !! where the columns of each would start if they followed each other, full to the top (n + 1)
+         !! where the block of each starts, its own columns on all of its rows, when one follows the other (n + 1)
       integer, allocatable :: n_waiting(:)
          !! how many boundary unknowns, of each and of its small parts, wait at most at a time in a substitution (n)
    contains
@@ -40,7 +40,8 @@ module amontons_substructures
       integer, allocatable :: item(:) !! positions of the groups, ascending in each list, and room for more
    end type lists_t
 
-   !> Substructures with fewer unknowns, those of their parts included, are not worth a task of their own.
+   !> Substructures with fewer unknowns, those of their parts included, are not worth a task of their own; a round number,
+   !> not a measured one.
    integer, parameter :: least_large = 4000
 
 contains
