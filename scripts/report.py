@@ -64,7 +64,7 @@ def verdict_of(summary):
     if "sweep" in summary and not (summary["converged"] and is_certified):
         return verdict_of_sweep(summary["sweep"], is_certified, found)
     if summary["converged"] and is_certified:
-        which = f"; certified is case {summary['certificate']['case']}, the one with the largest residual" \
+        which = f"; certified is case {summary['certificate']['case']}, the one most in doubt" \
             if "sweep" in summary else ""
         return "green", f"Solved and certified: on {what} every violation is at most {largest:.1e}, " \
             f"{summary['certificate']['limit']:.0e} being allowed{which}."
@@ -95,8 +95,8 @@ def verdict_of_sweep(counts, is_certified, found):
     if not counts["converged"]:
         return "red", found + "No case is solved."
     if not is_certified:
-        return "red", found + "Do not use these numbers: the certificate of the case with the largest residual failed."
-    return "amber", found + "The others are solved, and the one with the largest residual is certified."
+        return "red", found + "Do not use these numbers: the certificate of the case most in doubt failed."
+    return "amber", found + "The others are solved, and the one most in doubt is certified."
 
 
 def picture_of(case):

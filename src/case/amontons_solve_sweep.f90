@@ -36,7 +36,7 @@ module amontons_solve_sweep
    !> The result of a sweep. Its rows and its fields are on the disk.
    type :: sweep_result_t
       type(result_t) :: certified
-         !! the converged case with the largest residual, certified on the full model; its times are those of the sweep
+         !! the converged case that is most in doubt, certified on the full model; its times are those of the sweep
       type(sweep_tally_t) :: tally !! counts and extremes
       type(sweep_checkpoint_t) :: checkpoint !! the table, still under its temporary name
       type(output_file_t), allocatable :: collection
@@ -102,7 +102,7 @@ contains
       call keep_fields(task, body, directory, name, monitor, result, error)
       if (allocated(error)) return
       call result%certified%timings%begin(phase_recover)
-      if (.not. result%is_interrupted .and. result%tally%residual_case > 0) then
+      if (.not. result%is_interrupted .and. result%tally%doubtful_case > 0) then
          call certify_worst(task, body, result, error)
          if (allocated(error)) return
       end if
@@ -216,7 +216,7 @@ contains
       end do
    end subroutine gather_chunks
 
-   !> Solves the case with the largest residual again and certifies it on the full model.
+   !> Solves the case that is most in doubt again and certifies it on the full model.
    subroutine certify_worst(task, body, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(inout) :: body !! the body; left with the loads and the friction of that case
@@ -226,7 +226,7 @@ contains
       type(contact_solution_t) :: solutions(chunk_length)
       type(chunk_t) :: chunk
 
-      associate (number => result%tally%residual_case, certified => result%certified)
+      associate (number => result%tally%doubtful_case, certified => result%certified)
          problem = task%model%problem
          call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
          call solve_chunk(task, body, problem, chunk, solutions)

@@ -122,8 +122,23 @@ contains
       end if
       call new_lengths(lengths, body%zone, solution%status)
       call new_case_result(kept, solution, lengths)
+      kept%doubt = doubt(problem, solution, maxval(abs(task%model%case_forces(task%sweep%values(number)))))
       if (.not. is_solved) kept%n_iterations = kept%n_iterations + n_iterations
    end subroutine solve_one
+
+   !> What residual and rounding errors, as forces, are of the largest force that acts in a case [-].
+   pure real(dp) function doubt(problem, solution, largest_load)
+      type(contact_problem_t), intent(in) :: problem !! the contact problem
+      type(contact_solution_t), intent(in) :: solution !! its solution
+      real(dp), intent(in) :: largest_load !! the largest nodal force of the loads [F]
+      real(dp) :: acting, wrong
+
+      wrong = solution%residual*problem%force_scale() &
+         + epsilon(wrong)*maxval(problem%augmentation()*abs(solution%displacement))
+      acting = max(largest_load, maxval(abs(solution%force)))
+      if (.not. acting > 0.0_dp) acting = problem%force_scale()
+      doubt = min(wrong/acting, huge(doubt))
+   end function doubt
 
    !> Whether contact forces can balance the loads of a case.
    pure subroutine check_balance_of(task, body, number, error)

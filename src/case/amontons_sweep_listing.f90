@@ -29,7 +29,7 @@ contains
          //solution_text(config, body, result)
       if (result%tally%residual_case > 0) text = text//extremes_text(result%tally) &
          //certificate_text(config, result%certified%certificate)//condition_text(body, result%certified) &
-         //line('Case certified', to_text(result%tally%residual_case)//', which has the largest residual')
+         //line('Case certified', to_text(result%tally%doubtful_case)//', the one that is most in doubt')
       text = text//times_text(result%certified%timings, listed_phases)
    end function sweep_listing_text
 

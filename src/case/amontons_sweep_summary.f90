@@ -31,7 +31,7 @@ contains
             //member('quantities', '['//quantities_text(config%sweep)//']')
          if (tally%residual_case > 0) text = text//member('residual', number(tally%residual)) &
             //member('extremes', '{'//extremes_text(tally)//'}') &
-            //member('certificate', '{"case": '//to_text(tally%residual_case)//', ' &
+            //member('certificate', '{"case": '//to_text(tally%doubtful_case)//', ' &
             //certificate_text(result%certified%certificate, config%method%tolerance)//'}')
          if (result%certified%condition > 0.0_dp) text = text &
             //member('condition', number(result%certified%condition))

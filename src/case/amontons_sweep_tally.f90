@@ -30,6 +30,7 @@ module amontons_sweep_tally
       real(dp) :: quantity(n_quantities) = 0.0_dp
          !! lengths separated, sliding, sticking [L]; sums of normal and of tangential forces [F]
       real(dp) :: residual = 0.0_dp !! residual of the contact problem [-]
+      real(dp) :: doubt = 0.0_dp !! what residual and rounding errors are of its forces [-]
       integer :: n_iterations = 0 !! iterations, of all attempts
    end type case_result_t
 
@@ -40,6 +41,8 @@ module amontons_sweep_tally
       integer(int64) :: n_iterations = 0 !! sum of their iterations
       real(dp) :: residual = -1.0_dp !! largest residual; -1 without a case [-]
       integer :: residual_case = 0 !! the case that has it
+      real(dp) :: doubt = -1.0_dp !! largest doubt of a converged case; -1 without a case [-]
+      integer :: doubtful_case = 0 !! the first case that has it
       real(dp) :: least(n_quantities) = huge(1.0_dp) !! least value of each quantity [L, F]
       integer :: least_case(n_quantities) = 0 !! the first case that has it
       real(dp) :: greatest(n_quantities) = -huge(1.0_dp) !! greatest value of each quantity [L, F]
@@ -81,6 +84,10 @@ contains
          self%residual = result%residual
          self%residual_case = self%n_cases
       end if
+      if (result%doubt > self%doubt) then
+         self%doubt = result%doubt
+         self%doubtful_case = self%n_cases
+      end if
       do i = 1, n_quantities
          if (result%quantity(i) < self%least(i)) then
             self%least(i) = result%quantity(i)
@@ -103,7 +110,8 @@ contains
       do i = 1, size(outcome_names)
          text = text//' '//to_text(self%n_outcomes(i))
       end do
-      text = text//' '//to_text(self%residual_case)//' '//to_text_17(self%residual)
+      text = text//' '//to_text(self%residual_case)//' '//to_text_17(self%residual) &
+         //' '//to_text(self%doubtful_case)//' '//to_text_17(self%doubt)
       do i = 1, n_quantities
          text = text//' '//to_text(self%least_case(i))//' '//to_text_17(self%least(i)) &
             //' '//to_text(self%greatest_case(i))//' '//to_text_17(self%greatest(i))
@@ -118,7 +126,8 @@ contains
       integer :: status, i
 
       read (text, *, iostat=status) self%n_cases, self%n_iterations, self%n_outcomes, self%residual_case, &
-         self%residual, (self%least_case(i), self%least(i), self%greatest_case(i), self%greatest(i), i=1, n_quantities)
+         self%residual, self%doubtful_case, self%doubt, &
+         (self%least_case(i), self%least(i), self%greatest_case(i), self%greatest(i), i=1, n_quantities)
       ok = status == 0
    end subroutine sweep_tally_read
 
