@@ -1,7 +1,7 @@
 !> The certificate: what a solution fulfils on the full model, computed from displacements and contact forces alone.
 module amontons_certificate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: internal_forces, spring_forces, uncancelled_forces
+   use amontons_assembly, only: internal_forces, spring_forces, strained_share, uncancelled_forces
    use amontons_body, only: body_t
    use amontons_constraints, only: constraints_t
    use amontons_contact_zone, only: contact_zone_t
@@ -76,17 +76,22 @@ contains
    end subroutine new_certificate
 
    !> What the forces on a body that nothing loads are measured by at the least: if they are all rounding errors of
-   !> |K| |u|, so that the body is moved without being strained, a share of it, otherwise nothing [F].
+   !> |K| |u|, and no element is strained, a share of it, otherwise nothing. Forces of a strained soft part may be as
+   !> small beside the |K| |u| of a stiff one, but mean something [F].
    real(dp) function unstrained_scale(body, displacement, force_size) result(scale)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force_size !! size of the forces [F]
       ! Some hundred times the relative rounding error of a sum of a few dozen terms.
       real(dp), parameter :: rounding = 1.0e-13_dp
+      ! Displacements have the rounding errors of the whole solution.
+      real(dp), parameter :: negligible_share = 1.0e-11_dp
 
       scale = 0.0_dp
       associate (uncancelled => uncancelled_forces(body%mesh, body%materials, displacement))
-         if (force_size <= rounding*uncancelled) scale = rounding_share*uncancelled
+         if (force_size > rounding*uncancelled) return
+         if (strained_share(body%mesh, body%materials, displacement) > negligible_share) return
+         scale = rounding_share*uncancelled
       end associate
    end function unstrained_scale
 

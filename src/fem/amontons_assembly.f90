@@ -14,7 +14,8 @@ module amontons_assembly
    implicit none (type, external)
    private
 
-   public :: assemble_stiffness, from_unknowns, internal_forces, spring_forces, to_unknowns, uncancelled_forces
+   public :: assemble_stiffness, from_unknowns, internal_forces, spring_forces, strained_share, to_unknowns, &
+      uncancelled_forces
 
 contains
 
@@ -161,6 +162,30 @@ contains
       end do
       size_of_terms = norm2(forces)
    end function uncancelled_forces
+
+   !> The largest share that the forces of an element are of what they would be if no two terms cancelled: as small as
+   !> rounding errors where no element is strained [-].
+   pure real(dp) function strained_share(mesh, materials, displacement) result(share)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials of the elements
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      type(element_geometry_t) :: geometry
+      real(dp) :: stiffness(2*max_nodes, 2*max_nodes)
+      integer :: element, n
+
+      share = 0.0_dp
+      do element = 1, mesh%n_elements
+         associate (material => materials%list(materials%of_element(element)))
+            call new_element_geometry(geometry, mesh, element, material)
+            call element_stiffness(geometry, material, stiffness)
+         end associate
+         n = 2*geometry%n_nodes
+         associate (u => reshape(displacement(:, geometry%node(:geometry%n_nodes)), [n]))
+            share = max(share, maxval(abs(matmul(stiffness(:n, :n), u))) &
+               /max(maxval(matmul(abs(stiffness(:n, :n)), abs(u))), tiny(share)))
+         end associate
+      end do
+   end function strained_share
 
    !> Nodal forces that springs take: spring stiffness times displacement (2, n_nodes) [F].
    pure function spring_forces(n_nodes, springs, displacement) result(forces)

@@ -269,6 +269,29 @@ class IllPosed(NumbersTest):
             self.assertEqual(self.attempt(block(f"support {support}", f"{CONTACT}  {groups[0]}", *groups[1:])), (0, ""))
             self.run_program("--verify", "results")
 
+    def test_forces_of_a_soft_part_are_none(self):
+        # Beside the stiff part, which a support moves, they are rounding errors: the certificate must not pass unseen.
+        self.write("layers.msh", two_layers())
+        for power in (8, 11, 14, 17):
+            status, message = self.attempt(block(
+                "material young = 1.0  poisson = 0.25  region = 'soft'", "support set = 'top'  ux = 0.1  uy = -0.01",
+                CONTACT, mesh="kind = 'file'  file = 'layers.msh'",
+                material=f"young = 1e{power}  poisson = 0.25  region = 'stiff'"))
+            self.assertEqual(status, 4, power)
+            self.assertIn("the certificate FAILED", message)
+
+
+def two_layers():
+    """A Gmsh file of 4 x 4 squares, the lower half of them the region soft, the upper one stiff."""
+    corners = [(i, i + 1, i + 6, i + 5) for i in range(1, 20) if i % 5]
+    elements = [f"1 2 1 1 {i} {i + 1}" for i in range(1, 5)] + [f"1 2 2 2 {i} {i + 1}" for i in range(21, 25)]
+    elements += [f"3 2 {3 + k//8} 1 {' '.join(map(str, nodes))}" for k, nodes in enumerate(corners)]
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "4", '1 1 "bottom"', '1 2 "top"',
+             '2 3 "soft"', '2 4 "stiff"', "$EndPhysicalNames", "$Nodes", "25",
+             *(f"{1 + i + 5*j} {i} {j} 0" for j in range(5) for i in range(5)), "$EndNodes", "$Elements",
+             str(len(elements)), *(f"{k} {element}" for k, element in enumerate(elements, 1)), "$EndElements"]
+    return "\n".join(lines) + "\n"
+
 
 def two_blocks():
     """An Abaqus file of two blocks of 3 x 2 elements that stand apart on one floor; sides are bottom, left, top, other
