@@ -186,6 +186,7 @@ contains
          forces = loads
       end if
       call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), body%problem%load)
+      body%problem%prescribed = maxval(abs(body%constraints%prescribed))
       ! The contact problem counts normal displacements from the prescribed ones; slips are whole, since friction is
       ! against all of a slip: what is prescribed of them, as at one node of a cell, becomes a load.
       allocate (prescribed, source=body%zone%rows%displacement(body%constraints%prescribed))

@@ -28,6 +28,7 @@ module amontons_contact_problem
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
       real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
       real(dp), allocatable :: slip_bound(:) !! given slip bound g, added to phi lambda_N (m) [F]
+      real(dp) :: prescribed = 0.0_dp !! largest displacement that supports prescribe; it acts through the load [L]
       real(dp) :: shift = 0.0_dp
          !! alpha of the proximal iteration: 0 for a held body [F/L]
       type(symmetric_matrix_t), allocatable :: compliance
@@ -186,24 +187,30 @@ contains
    end function contact_problem_is_unloaded
 
    !> The force that residuals are measured by: the largest force that would act on a point if none could move,
-   !> interference included; in a reduced problem, if only this point could not. Where nothing acts, what would close
-   !> the smallest gap, or 1 if there is none [F].
+   !> interference included; in a reduced problem, if only this point could not. Where all are rounding errors of what
+   !> interference and prescribed displacements would do to single points, a small share of this. Where nothing acts,
+   !> what would close the smallest gap, or 1 if there is none [F].
    pure real(dp) function contact_problem_force_scale(self) result(scale)
       class(contact_problem_t), intent(in) :: self !! the problem
-      real(dp) :: bound(2*self%n_points), force(2*self%n_points)
+      ! Some hundred times the relative rounding error of a sum of a few dozen terms, and what that is negligible in.
+      real(dp), parameter :: rounding = 1.0e-13_dp, rounding_share = 1.0e-5_dp
+      real(dp) :: bound(2*self%n_points), force(2*self%n_points), uncancelled(2*self%n_points)
 
       if (self%is_reduced()) then
          force = self%augmentation()*self%dual_load(self%free_displacement)
+         uncancelled = 0.0_dp
       else
+         bound = 0.0_dp
+         bound(:self%n_points) = min(0.0_dp, self%gap)
          force = self%load
          if (any(self%gap < 0.0_dp)) then
-            bound = 0.0_dp
-            bound(:self%n_points) = min(0.0_dp, self%gap)
             call symmetric_multiply(self%stiffness, bound, force)
             force = self%load - force
          end if
+         uncancelled = self%augmentation()*(self%prescribed + maxval(abs(bound)))
       end if
       scale = maxval(abs(force))
+      if (all(abs(force) <= rounding*uncancelled)) scale = rounding_share*maxval(uncancelled)
       if (scale > 0.0_dp) return
       force = self%augmentation()
       scale = minval(force(:self%n_points)*self%gap, mask=self%gap > 0.0_dp)

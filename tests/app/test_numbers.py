@@ -269,6 +269,18 @@ class IllPosed(NumbersTest):
             self.assertEqual(self.attempt(block(f"support {support}", f"{CONTACT}  {groups[0]}", *groups[1:])), (0, ""))
             self.run_program("--verify", "results")
 
+    def test_forces_that_are_rounding_errors_are_solved(self):
+        # An overlap is let go of by a rigid motion, or all that is held moves alike: what is left is rounding.
+        overlap = CONTACT + "  extra_gap = -0.2"
+        moved = [f"support set = '{side}'  ux = 0.1  uy = 0.2" for side in ("left", "right", "top")]
+        for groups, hypothesis in (((SUPPORT, overlap), "plane strain"), ((overlap,), "axisymmetric"),
+                                   (("support set = 'bottom'  ux = 0.1", *moved, overlap), "plane strain")):
+            for element in ("quad4", "tri6"):
+                deck = block(*groups, mesh=f"size = 4.0, 2.0  cells = 12, 6  element = '{element}'",
+                             material=f"young = 100.0  poisson = 0.25  hypothesis = '{hypothesis}'")
+                self.assertEqual(self.attempt(deck), (0, ""), deck)
+                self.run_program("--verify", "results")
+
     def test_forces_of_a_soft_part_are_none(self):
         # Beside the stiff part, which a support moves, they are rounding errors: the certificate must not pass unseen.
         self.write("layers.msh", two_layers())
