@@ -44,14 +44,31 @@ contains
       character(*), intent(in) :: path !! name of the file
       integer, intent(in) :: n_points !! number of points that it should have
       integer, intent(in) :: n_cells !! number of cells that it should have
-      integer :: status
+      logical :: is_open
 
       check%path = path
       call check%begin_head(n_points, n_cells)
-      open (newunit=check%unit, file=path, status='old', action='read', access='stream', form='unformatted', &
-         iostat=status)
-      if (status /= 0) call check%stop_at('cannot be read')
+      call open_grid(check%unit, path, is_open)
+      if (.not. is_open) call check%stop_at('cannot be read')
    end subroutine new_vtk_check
+
+   !> Opens a grid to read from it.
+   subroutine open_grid(unit, path, is_open)
+      integer, intent(out) :: unit !! its unit; -1 if it cannot be opened
+      character(*), intent(in) :: path !! name of the file
+      logical, intent(out) :: is_open !! whether it is a plain file that can be read
+      integer(int64) :: n_bytes
+      integer :: status
+
+      unit = -1
+      is_open = .false.
+      ! The size is asked for first: to open a pipe could take for ever.
+      inquire (file=path, size=n_bytes)
+      if (n_bytes < 1) return
+      open (newunit=unit, file=path, status='old', action='read', access='stream', form='unformatted', iostat=status)
+      is_open = status == 0
+      if (.not. is_open) unit = -1
+   end subroutine open_grid
 
    !> Compares the head.
    subroutine vtk_check_begin_data(self)
@@ -219,12 +236,13 @@ contains
       character(longest_head) :: head
       integer(int64) :: n_bytes, found, first
       integer :: unit, status
+      logical :: is_open
 
       fault = ''
       head = ''
       values = 0.0_dp
-      open (newunit=unit, file=path, status='old', action='read', access='stream', form='unformatted', iostat=status)
-      if (status /= 0) then
+      call open_grid(unit, path, is_open)
+      if (.not. is_open) then
          fault = 'cannot be read'
          return
       end if
