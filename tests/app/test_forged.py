@@ -182,6 +182,10 @@ class Forged(Verification):
                 self.assert_forgery_is_found("case_0.sweep.csv", change, expected)
         self.assert_forgery_is_found("case_0.deck.nml", lambda content: content.replace(b"set = 'right'",
                                      b"set = 'wrong'"), "the mesh has no set 'wrong'")
+        for case in (b"0", b"6", b"x"):
+            self.assert_forgery_is_found(
+                "case_0.summary.json", lambda content, case=case: re.sub(rb'"case": \d+', b'"case": ' + case, content),
+                f"certificate.case is '{case.decode()}', which is no case that has converged")
 
 
 class ForgedFields(Verification):
