@@ -40,8 +40,8 @@ module amontons_substructures
       integer, allocatable :: item(:) !! positions of the groups, ascending in each list, and room for more
    end type lists_t
 
-   !> Substructures with fewer unknowns, those of their parts included, are not worth a task of their own; a round number,
-   !> not a measured one.
+   !> Substructures with fewer unknowns, those of their parts included, are not worth a task of their own; a round
+   !> number, not a measured one.
    integer, parameter :: least_large = 4000
 
 contains
