@@ -68,11 +68,15 @@ def boundary(mesh):
 
 
 def magnification(mesh):
-    """A round number that makes displacements visible: the largest then measures about a twelfth of the body."""
+    """A round number that makes displacements visible: the largest then measures about a twelfth of the body.
+    Displacements that are visible by themselves are drawn as they are, unless they are larger than the body."""
     largest = np.abs(mesh.point_data["displacement"]).max()
     if largest == 0.0:
         return 1.0
-    wanted = np.ptp(mesh.points[:, :2], axis=0).max() / 12.0 / largest
+    size = np.ptp(mesh.points[:, :2], axis=0).max()
+    wanted = size / 12.0 / largest
+    if wanted < 1.0 and largest <= size:
+        return 1.0
     power = 10.0 ** np.floor(np.log10(wanted))
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= wanted)
 
@@ -96,7 +100,8 @@ def draw_body(figure, axes, mesh, line, factor):
             axes.plot(*here.T, linestyle="none", marker=marker, color=color, markersize=4,
                       label=f"{label} ({len(here)})")
     axes.set(aspect="equal", xlabel="x", ylabel="y",
-             title=f"von Mises stress; displacements magnified {factor:g} times")
+             title="von Mises stress; displacements " + ("as they are" if factor == 1.0 else
+                                                        f"times {factor:g}"))
     axes.autoscale_view()
     if len(at):
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.0, ncols=2, frameon=False)
@@ -226,7 +231,7 @@ def draw_maps(figure, axes, columns, rows, marks):
             at = tuple(np.searchsorted(place, float(row[column])) for place, column in zip(places, columns))
             values[at] = length_in(row, part)
         drawn = axis.pcolormesh(places[1], places[0], values, cmap="cividis", vmin=0.0, vmax=whole, shading="nearest",
-                                rasterized=values.size > 500)
+                                rasterized=True)
         axis.set(title=f"{part} length", xlabel=columns[1].removeprefix("factor_"))
         for x, y, label in marks:
             axis.plot(x, y, marker="o", markersize=12, markerfacecolor="white", markeredgecolor="black")

@@ -41,7 +41,11 @@ img { width: 100%; height: auto } pre { background: #f5f5f5; padding: .8rem; ove
 .red { background: #fbe6dd; border-color: #b03a00 } .mark { font-weight: bold } nav { margin: .5rem 0 }
 a { color: #00558c }
 @media screen and (max-width: 54rem) { img { width: 44rem } }
-@media print { body { max-width: none; margin: 0 } h2 { break-before: page; border: 0 } pre { white-space: pre-wrap } }
+@media print {
+  @page { margin: 1.2cm } body { max-width: none; margin: 0; padding: 0 } h2 { break-before: page; border: 0 }
+  pre { white-space: pre-wrap; overflow: visible } .wide { overflow: visible } .overview { font-size: 9px }
+  .overview :is(th, td) { padding: .2rem .25rem } details::details-content { content-visibility: visible }
+}
 """
 
 
@@ -129,7 +133,15 @@ def overview(summaries):
                     + [summary["iterations"],
                        f"{summary['residual']:.1e}" if summary.get("residual") is not None else "–",
                        number(summary["seconds"]["total"])])
-    return f'<div class="wide"><table>{head}{body}</table></div>\n'
+    return f'<div class="wide"><table class="overview">{head}{body}</table></div>\n'
+
+
+def size_of(summary):
+    """How large a case is, in words; a reduced problem has contacts alone."""
+    counts = {**summary["counts"], "cases": summary.get("sweep", {}).get("cases")}
+    names = {"cases": "cases", "nodes": "nodes", "elements": "elements", "dofs": "unknowns",
+             "contact_points": "contact points"}
+    return ", ".join(f"{counts[key]} {name}" for key, name in names.items() if counts.get(key) is not None)
 
 
 def section(case, summary):
@@ -146,7 +158,7 @@ def section(case, summary):
                       if pathlib.Path(case + ending).exists())
     return f"""<h2 id="{name}">{name}{": " + title if title else ""}</h2>
 <p class="verdict {color}"><b>{color}</b>{html.escape(sentence)}</p>
-<p>{", ".join(f"{value} {name.replace('_', ' ')}" for name, value in summary["counts"].items())}. Method
+<p>{size_of(summary)}. Method
 {summary["method"]}, {summary["iterations"]} iterations.</p>
 <div class="wide"><img src="{picture_of(case)}" alt="{name}, drawn"></div>
 <p>Files: {files}</p>
@@ -171,7 +183,7 @@ def page_of(folder, cases):
 <title>Amontons: {name}</title><style>{STYLE}</style></head>
 <body>
 <h1>Contact results: {name}</h1>
-<p>{len(cases)} cases: {counted}. Amontons {versions}; page made on {datetime.date.today().isoformat()}.
+<p>{len(cases)} {"case" if len(cases) == 1 else "cases"}: {counted}. Amontons {versions}; page made on {datetime.date.today().isoformat()}.
 Lengths, forces and stresses are in the units of the decks.{pvd}</p>
 {overview(summaries)}{"".join(map(section, cases, summaries))}</body>
 </html>

@@ -122,7 +122,14 @@ class Pictures(ProgramTest):
             mesh="size = 4.0, 2.0  cells = 40, 8"))
         self.run_program("--quiet", "block.nml")
         self.script("plot", "block")
-        self.assertIn("displacements as they are", (self.directory / "block.svg").read_text(encoding="utf-8"))
+        self.assertIn("the closed part", (self.directory / "block.svg").read_text(encoding="utf-8"))
+
+    def test_large_displacements_are_drawn_as_they_are(self):
+        # A fourth of the block's height; a twelfth of its width is what smaller ones are magnified to.
+        self.write("block.nml", block("support set = 'top'  ux = 0.0  uy = -0.5", CONTACT))
+        self.run_program("--quiet", "block.nml")
+        self.script("plot", "block")
+        self.assertIn("stress; displacements as they are", (self.directory / "block.svg").read_text(encoding="utf-8"))
 
     @unittest.skipIf(BROWSER is None, "chromium is not installed")
     def test_a_browser_shows_the_page(self):
