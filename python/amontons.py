@@ -28,6 +28,7 @@ __all__ = ["AmontonsError", "DeckResult", "InputRefused", "NotConverged", "Numer
            "SystemFailure", "set_threads", "solve_deck", "solve_reduced", "version"]
 
 STATUSES = np.array(["", "open", "stick", "slip+", "slip-"])
+WORDS = ("status", "outcome", "statuses")  # columns of tables
 TEXT_SIZE = 65536
 
 
@@ -121,10 +122,11 @@ def _judge(code, message, n_callers):
 def solve_reduced(W, q, mu, method="auto", tolerance=1e-10, max_iterations=1000):
     """Solves u = W r + q with friction: 0 <= u_N _|_ r_N >= 0, |r_T| <= mu r_N, r_T opposes u_T.
 
-    W is symmetric and positive semidefinite (2m x 2m), q has 2m numbers, mu m numbers, or one for all contacts. The
-    unknowns of a contact stand together, the normal one first. `method` is a word for `&solver method` in a deck.
+    W is symmetric and positive semidefinite (2m x 2m; a sparse matrix of SciPy is made dense), q has 2m numbers, mu m
+    numbers, or one for all contacts. The unknowns of a contact stand together, the normal one first. `method` is a word
+    for `&solver method` in a deck.
     """
-    W = np.asfortranarray(W, dtype=np.float64)
+    W = np.asfortranarray(W.toarray() if hasattr(W, "toarray") else W, dtype=np.float64)
     q = np.ascontiguousarray(q, dtype=np.float64)
     if q.ndim != 1 or q.size % 2 or W.shape != (q.size, q.size):
         raise InputRefused(f"expected W of 2m x 2m numbers and q of 2m, found {W.shape} and {q.shape}")
@@ -167,18 +169,17 @@ def _solve_deck(deck, output, is_kept):
 
 
 def _read_table(path):
-    """Reads a table: a column of numbers as an array of them, any other as an array of words."""
+    """Reads a table: a column of numbers as an array of them (not a number where a case has none), any other as an
+    array of words."""
     with open(path, newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
     columns = zip(*rows) if rows else ([] for _ in header)
-    return {key: _column(column) for key, column in zip(header, columns)}
+    return {key: np.array(column) if key in WORDS else _numbers(column) for key, column in zip(header, columns)}
 
 
-def _column(cells):
-    """Turns the cells of a column into an array."""
-    for kind in (int, float):
-        try:
-            return np.array([kind(cell) for cell in cells], dtype=kind)
-        except ValueError:
-            pass
-    return np.array(cells)
+def _numbers(cells):
+    """Turns the cells of a column of numbers into an array, of whole numbers where they are."""
+    try:
+        return np.array([int(cell) for cell in cells], dtype=int)
+    except ValueError:
+        return np.array([float(cell or "nan") for cell in cells])

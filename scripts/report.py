@@ -183,7 +183,8 @@ def page_of(folder, cases):
 <title>Amontons: {name}</title><style>{STYLE}</style></head>
 <body>
 <h1>Contact results: {name}</h1>
-<p>{len(cases)} {"case" if len(cases) == 1 else "cases"}: {counted}. Amontons {versions}; page made on {datetime.date.today().isoformat()}.
+<p>{len(cases)} {"case" if len(cases) == 1 else "cases"}: {counted}.
+Amontons {versions}; page made on {datetime.date.today().isoformat()}.
 Lengths, forces and stresses are in the units of the decks.{pvd}</p>
 {overview(summaries)}{"".join(map(section, cases, summaries))}</body>
 </html>

@@ -87,6 +87,16 @@ class Reduced(unittest.TestCase):
             result = amontons.solve_reduced(w, q, mu, method="psor")
             self.assertEqual(result.r.tolist(), expected.r.tolist())
 
+    def test_a_sparse_matrix_is_taken(self):
+        class Sparse:
+            """What a sparse matrix of SciPy can do that matters here."""
+            def toarray(self):
+                """The matrix, dense."""
+                return W
+
+        found, expected = (amontons.solve_reduced(matrix, Q, MU) for matrix in (Sparse(), W))
+        self.assertEqual(found.r.tolist(), expected.r.tolist())
+
     def test_one_friction_is_for_all_contacts(self):
         self.assertEqual(amontons.solve_reduced(W, Q, 0.5, method="psor").r.tolist(),
                          amontons.solve_reduced(W, Q, [0.5, 0.5], method="psor").r.tolist())
@@ -153,6 +163,16 @@ class Deck(ProgramTest):
         self.assertIsNone(result.contact)
         self.assertEqual(len(result.sweep["case"]), 3)
         self.assertTrue(result.is_solved)
+
+    def test_cases_that_fly_off_leave_the_columns_of_a_sweep_numbers(self):
+        deck = self.write("case.nml", block("load set = 'top'  pressure = 1.0", CONTACT,
+                                            "load set = 'left'  traction = 1.0, 0.0  name = 'p'",
+                                            "sweep load = 'p'  factor = 0.0, 3.0"))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", amontons.NotConverged)
+            sweep = amontons.solve_deck(self.directory / deck).sweep
+        self.assertEqual(sweep["outcome"].tolist(), ["converged", "flies_off"])
+        self.assertEqual(np.isnan(sweep["normal_force"]).tolist(), [False, True])
 
     def test_reduced_problem_is_a_deck_too(self):
         samples = ROOT / "tests" / "reduced"
