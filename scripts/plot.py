@@ -220,6 +220,11 @@ def draw_parts(axes, values, rows):
     axes.set(ylabel="length")
 
 
+def quantity(column):
+    """The words for a column of a sweep that is swept over."""
+    return f"factor of {column.removeprefix('factor_')}" if column.startswith("factor_") else column
+
+
 def draw_maps(figure, axes, columns, rows, marks):
     """A map of each part over two quantities; what was not solved stays white."""
     places = [np.unique([float(row[column]) for row in rows]) for column in columns]
@@ -232,11 +237,11 @@ def draw_maps(figure, axes, columns, rows, marks):
             values[at] = length_in(row, part)
         drawn = axis.pcolormesh(places[1], places[0], values, cmap="cividis", vmin=0.0, vmax=whole, shading="nearest",
                                 rasterized=True)
-        axis.set(title=f"{part} length", xlabel=columns[1].removeprefix("factor_"))
+        axis.set(title=f"{part} length", xlabel=quantity(columns[1]))
         for x, y, label in marks:
             axis.plot(x, y, marker="o", markersize=12, markerfacecolor="white", markeredgecolor="black")
             axis.annotate(label, (x, y), ha="center", va="center", fontsize="small")
-    axes[0].set(ylabel=columns[0].removeprefix("factor_"))
+    axes[0].set(ylabel=quantity(columns[0]))
     figure.colorbar(drawn, ax=axes)
 
 
