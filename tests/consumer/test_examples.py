@@ -79,10 +79,11 @@ class Examples(ProgramTest):
         self.assertIn("bar: solved", self.run_command(["build/from_c", str(SOURCES / "bar.nml"), "out"]).stdout)
 
     def test_pkg_config_knows_the_c_interface(self):
+        # What pkg-config prints is for a shell to read: blanks in names are escaped.
         self.write("compile.sh", f"""set -e
-export PKG_CONFIG_PATH={LIBRARIES}/pkgconfig
-cc -std=c11 -Wall -Wextra -pedantic -Werror {SOURCES}/from_c.c -o from_c \\
-   $(pkg-config --cflags --libs amontons_c) -Wl,-rpath,{LIBRARIES}
+export PKG_CONFIG_PATH='{LIBRARIES}/pkgconfig'
+eval "cc -std=c11 -Wall -Wextra -pedantic -Werror '{SOURCES}/from_c.c' -o from_c \\
+   $(pkg-config --cflags --libs amontons_c) '-Wl,-rpath,{LIBRARIES}'"
 """)
         self.run_command(["bash", "compile.sh"])
         self.assertIn("bar: solved", self.run_command(["./from_c", str(SOURCES / "bar.nml"), "out"]).stdout)
