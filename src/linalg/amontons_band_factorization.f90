@@ -4,8 +4,8 @@ module amontons_band_factorization
    use amontons_factorization, only: factorization_t
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dpbtrf, dtbsv
-   use amontons_ordering, only: half_bandwidth, positions, reverse_cuthill_mckee
-   use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_ordering, only: half_bandwidth, reverse_cuthill_mckee
+   use amontons_sparse_matrix, only: positions, sparse_matrix_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private

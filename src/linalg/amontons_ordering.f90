@@ -4,12 +4,12 @@ module amontons_ordering
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_graph, only: graph_t, new_graph
    use amontons_kinds, only: dp, int64
-   use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_sparse_matrix, only: positions, sparse_matrix_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: graph_places, half_bandwidth, minimum_degree, positions, reverse_cuthill_mckee
+   public :: graph_places, half_bandwidth, minimum_degree, reverse_cuthill_mckee
 
    !> The groups taken so far, in order.
    type :: queue_t
@@ -201,17 +201,5 @@ contains
          end do
       end do
    end function half_bandwidth
-
-   !> The position of every unknown: the inverse of an order.
-   pure function positions(order) result(position)
-      integer, intent(in) :: order(:) !! position k holds unknown order(k) (n)
-      integer, allocatable :: position(:)
-      integer :: k
-
-      allocate (position(size(order)))
-      do k = 1, size(order)
-         position(order(k)) = k
-      end do
-   end function positions
 
 end module amontons_ordering

@@ -1,4 +1,5 @@
-!> Sparse Cholesky by CHOLMOD's supernodal method: the way for large problems.
+!> Sparse Cholesky by CHOLMOD's supernodal method: the way where the places of the unknowns are not known, and an
+!> independent one where they are.
 module amontons_sparse_factorization
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_int64_t, c_null_ptr, c_ptr
    use amontons_error, only: error_t, new_error, system_failure

@@ -6,7 +6,7 @@ module amontons_sparse_matrix
    implicit none (type, external)
    private
 
-   public :: new_sparse_matrix, sparse_matrix_t
+   public :: new_sparse_matrix, positions, sparse_matrix_t
 
    !> A symmetric matrix, its lower triangle stored by columns: every column starts with its diagonal entry.
    type :: sparse_matrix_t
@@ -224,10 +224,7 @@ contains
          call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(self%n)//' unknowns')
          return
       end if
-      allocate (position(self%n))
-      do k = 1, self%n
-         position(order(k)) = k
-      end do
+      allocate (position, source=positions(order))
       allocate (permuted%column_start(self%n + 1), source=0_int64)
       do k = 1, self%n
          do at = self%column_start(k), self%column_start(k + 1) - 1
@@ -251,6 +248,18 @@ contains
          end do
       end do
    end subroutine sparse_matrix_permute
+
+   !> The position of every unknown: the inverse of an order.
+   pure function positions(order) result(position)
+      integer, intent(in) :: order(:) !! position k holds unknown order(k) (n)
+      integer, allocatable :: position(:)
+      integer :: k
+
+      allocate (position(size(order)))
+      do k = 1, size(order)
+         position(order(k)) = k
+      end do
+   end function positions
 
    !> The product y = K x.
    pure subroutine sparse_matrix_multiply(self, x, y)

@@ -7,8 +7,7 @@ module amontons_substructures
    use amontons_dissection, only: dissection_t
    use amontons_graph, only: graph_t
    use amontons_kinds, only: dp, int64
-   use amontons_ordering, only: positions
-   use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_sparse_matrix, only: positions, sparse_matrix_t
    implicit none (type, external)
    private
 
