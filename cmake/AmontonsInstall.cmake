@@ -37,9 +37,6 @@ install(FILES
 set(AMONTONS_LINK_LINE "")
 set(_libraries ${UMFPACK_LIBRARY} ${CHOLMOD_LIBRARY} ${CAMD_LIBRARY} ${SUITESPARSECONFIG_LIBRARY}
   ${LAPACK_LIBRARIES})
-if(AMONTONS_HAS_HDF5)
-  list(APPEND _libraries ${HDF5_Fortran_LIBRARIES})
-endif()
 foreach(_library IN LISTS _libraries)
   if(IS_ABSOLUTE "${_library}")
     cmake_path(GET _library PARENT_PATH _directory)

@@ -17,7 +17,7 @@ _amontons() {
    for ((i = 1; i < COMP_CWORD; i++)); do
       case ${COMP_WORDS[i]} in
       --) only_decks=true ;;
-      --reduced) kinds='*.@(dat|hdf5)' ;;
+      --reduced) kinds='*.dat' ;;
       --reference) kinds=groups ;;
       --verify) kinds='' ;;
       esac

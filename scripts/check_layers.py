@@ -8,7 +8,7 @@ SOURCE = Path(__file__).resolve().parent.parent / "src"
 # From the bottom up. The facade src/amontons.f90 lies above the library; only the program may use it.
 LAYERS = ["base", "linalg", "fem", "contact", "case", "binding", "facade", "app"]
 FACADE = "amontons"
-FOREIGN_MODULES = {"hdf5", "omp_lib"}
+FOREIGN_MODULES = {"omp_lib"}
 WORDS_OF_LINALG = re.compile(r"dpbtrf|cholmod", re.IGNORECASE)
 UNIT = re.compile(r"^\s*(?:module|program)\s+(?!procedure\b|subroutine\b|function\b)(\w+)\s*(?:!.*)?$", re.IGNORECASE)
 # gfortran takes a module and a procedure of C that share a name for one and calls the wrong one.

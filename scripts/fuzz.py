@@ -37,7 +37,7 @@ SIZES = re.compile(rb"(\d+) (nodes|contact points|contacts|cases)")
 # What a case may have at the most to be solved here: a spoilt number may ask for work that takes hours in all honesty.
 LARGEST = {b"nodes": 2000, b"contact points": 100, b"contacts": 100, b"cases": 300}
 # Solving takes most of the time: of the formats that only bring a mesh or a table, one batch in four will do.
-SOLVED_BATCHES = {"deck": 2, "reduced": 1, "fclib": 1}
+SOLVED_BATCHES = {"deck": 2, "reduced": 1}
 PATIENT = re.compile(rb"max_iterations\W*\d{5}")
 UNFINISHED = (".tmp", ".part", ".checkpoint")
 # What gfortran makes of the bounds of an array that is not allocated yet when it is assigned: looked at, never used.
@@ -54,8 +54,7 @@ class Program:
         self.path = os.path.abspath(path)
         self.is_sanitized = b"__asan_init" in pathlib.Path(path).read_bytes()
         self.environment = dict(os.environ, OMP_NUM_THREADS="1", ASAN_OPTIONS=":".join((
-            f"hard_rss_limit_mb={MEMORY_EACH}", "allocator_may_return_null=1", "quarantine_size_mb=16")),
-                                LSAN_OPTIONS=f"print_suppressions=0:suppressions={ROOT}/scripts/leaks.txt")
+            f"hard_rss_limit_mb={MEMORY_EACH}", "allocator_may_return_null=1", "quarantine_size_mb=16")))
 
     def run(self, folder, words, seconds, stdin=subprocess.DEVNULL):
         """Runs it: what is wrong with its end, or None; and its status, output and errors."""
@@ -97,7 +96,7 @@ def write_case(folder, kind, number, data):
     deck = folder / f"{stem}.nml"
     if kind == "deck":
         deck.write_bytes(data)
-    elif kind in ("reduced", "fclib"):
+    elif kind == "reduced":
         deck = folder / f"{stem}.dat"
         deck.write_bytes(data)
     elif kind == "table":
@@ -166,20 +165,10 @@ class Fuzzer:
     def __init__(self, program, kind):
         self.program, self.kind = Program(program), kind
         self.n_solved = self.n_refused = 0
-        seeds = self.fclib_seeds() if kind == "fclib" else None if kind == "command" else mutations.seeds_of(kind)
+        seeds = None if kind == "command" else mutations.seeds_of(kind)
         if seeds and not seeds[0]:
             raise SystemExit(f"{kind}: no seeds")
         self.mutator = mutations.Mutator(kind, *seeds) if seeds else None
-
-    def fclib_seeds(self):
-        """Files that the program writes itself; none where it has no HDF5."""
-        seeds = []
-        with tempfile.TemporaryDirectory(prefix="fuzz_") as scratch:
-            folder = pathlib.Path(scratch)
-            for path in sorted((ROOT / "tests/reduced").glob("*.dat")):
-                self.program.run(folder, ["--quiet", "--reduced", "--write-reduced", str(path)], SECONDS_EACH)
-            seeds = [path.read_bytes() for path in sorted(folder.glob("*.hdf5"))]
-        return [seeds, []]
 
     def mutation(self, k):
         """The mutation with this number."""
@@ -193,7 +182,7 @@ class Fuzzer:
                 return self.complaint_of_command(folder, *cases.values())
             files = {k: write_case(folder, self.kind, k, data) for k, data in cases.items()}
             before = len(os.listdir(folder))
-            words = ["--reduced"]*(self.kind in ("reduced", "fclib")) + ["--threads", "1", "--output", "out"]
+            words = ["--reduced"]*(self.kind == "reduced") + ["--threads", "1", "--output", "out"]
             reason, status, output, errors = self.program.run(folder, [*words, "--check", *files.values()], seconds)
             if reason:
                 return reason

@@ -25,7 +25,7 @@ fuzz() { (($3 == 0)) || python3 -B scripts/fuzz.py "build/$1/bin/amontons" "$2" 
 for ((done = 0; done < count; done += round)); do
    n=$((count - done < round ? count - done : round))
    start=$((first + done))
-   for format in deck gmsh_2 gmsh_2_binary gmsh_4 gmsh_4_binary abaqus table reduced fclib; do
+   for format in deck gmsh_2 gmsh_2_binary gmsh_4 gmsh_4_binary abaqus table reduced; do
       fuzz sanitize "$format" $((n / 10)) "$start"
       fuzz debug "$format" $((n - n / 10)) $((start + n / 10))
    done

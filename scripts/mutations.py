@@ -64,7 +64,7 @@ def is_gmsh(version, mode):
 
 GMSH = {"gmsh_2": is_gmsh(b"2.2", b"0"), "gmsh_2_binary": is_gmsh(b"2.2", b"1"),
         "gmsh_4": is_gmsh(b"4.1", b"0"), "gmsh_4_binary": is_gmsh(b"4.1", b"1")}
-FORMATS = ("deck", *GMSH, "abaqus", "table", "reduced", "fclib", "command")
+FORMATS = ("deck", *GMSH, "abaqus", "table", "reduced", "command")
 
 
 def seeds_of(kind):
@@ -89,7 +89,7 @@ class Mutator:
 
     def __init__(self, kind, sound, refused):
         self.kind, self.sound, self.refused = kind, sound, refused
-        self.is_binary = "binary" in kind or kind == "fclib"
+        self.is_binary = "binary" in kind
         self.words = sorted({word for seed in sound + refused for word in WORD.findall(seed)}) or [b"x"]
         self.groups = sorted({group for seed in sound for group in GROUP.findall(seed)})
         self.changes = [self.number, self.number, self.number, self.swap_numbers, self.word, self.swap_words, self.line,

@@ -218,7 +218,7 @@ contains
       call solve_case(workshop, config, result, error)
       if (allocated(error)) return
       if (command_line%writes_reduced) then
-         call export_case(command_line, config, workshop%body%problem, result%solution%force, error)
+         call export_case(command_line, config, workshop%body%problem, error)
          if (allocated(error)) return
          result%has_reduced_files = .true.
       end if

@@ -5,7 +5,6 @@ module amontons_seal
    use amontons_checksum, only: checksum_length, checksum_t, file_checksum, text_checksum
    use amontons_config, only: config_t
    use amontons_error, only: error_t
-   use amontons_fclib_file, only: has_fclib
    use amontons_json, only: string
    use amontons_kinds, only: int64
    use amontons_output_file, only: output_file_t
@@ -77,15 +76,13 @@ contains
       error%message = final_path//': cannot write this file'//error%message(index(error%message, ': ', back=.true.):)
    end subroutine seal_add_written
 
-   !> Adds the files of a reduced problem, which are written before the others.
+   !> Adds the file of a reduced problem, which is written before the others.
    subroutine seal_add_reduced(self, stem, error)
       class(seal_t), intent(inout) :: self !! the seal
       character(*), intent(in) :: stem !! directory and name of the case
-      type(error_t), allocatable, intent(out) :: error !! one cannot be read
+      type(error_t), allocatable, intent(out) :: error !! it cannot be read
 
       call self%add_written(stem//'.reduced.dat', stem//'.reduced.dat', '', error)
-      if (has_fclib .and. .not. allocated(error)) call self%add_written(stem//'.reduced.hdf5', &
-         stem//'.reduced.hdf5', '', error)
    end subroutine seal_add_reduced
 
    !> Adds the files that a case was read from; the effective deck holds what its deck said. A file that cannot be read
