@@ -34,7 +34,7 @@ MEMBERS = {
     "resultants": dict.fromkeys(("normal", "tangential"), float),
     "seconds": dict.fromkeys(("read", "assemble", "factorize", "condense", "solve", "recover", "write", "total"),
                              float),
-    "peak_memory_mb": float, "files": list, "inputs": list, "checksum": str,
+    "peak_memory_mb": float, "files": list, "inputs": list, "checksum": int,
 }
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Results changed by somebody who makes the seal fit: the numbers themselves tell."""
+"""Results changed together with their manifest: the numbers themselves tell."""
 import json
 import re
 import shutil
@@ -11,14 +11,14 @@ from verification import PUSH, ROOT, Verification
 
 
 class Forged(Verification):
-    """Results changed by somebody who made the seal fit: only the numbers can tell."""
+    """Results changed together with their manifest: only the numbers can tell."""
 
     def setUp(self):
         super().setUp()
         self.solve_into_results(block(SUPPORT, PRESSURE, CONTACT, PUSH))
 
-    def test_seal_alone_is_sound(self):
-        self.seal("case_0")
+    def test_manifest_alone_is_sound(self):
+        self.renew_manifest("case_0")
         self.assertEqual(self.verify(), "case_0: verified\n")
 
     def test_every_array_of_the_grids(self):
@@ -95,7 +95,7 @@ class Forged(Verification):
         for section in ("certificate", "counts", "lengths", "resultants"):
             members = json.loads(self.contents("results")["case_0.summary.json"])[section]
             for name in members:
-                if name in ("factor_entries", "factor_flops"):  # only sealed
+                if name in ("factor_entries", "factor_flops"):  # only checksummed
                     continue
 
                 def change(content, section=section, name=name):
@@ -152,7 +152,7 @@ class Forged(Verification):
         push = "load name = 'push'  set = 'right'  traction = -1.0, 0.0"
         self.solve_into_results(block(PRESSURE, CONTACT, SUPPORT, push,
                                       "sweep load = 'push'  factor = 0.0, 1.0  count = 5"))
-        # Of a row its forces, its residual and its iterations are only sealed; the summary tells their extremes.
+        # Of a row its forces, its residual and its iterations are only checksummed; the summary tells their extremes.
         for column in (0, 1, 2, 3, 4, 8, 9, 10):
             def change(content, column=column):
                 rows = [line.split(",") for line in content.decode().split("\n")]
@@ -197,8 +197,8 @@ class ForgedFields(Verification):
                                       "sweep load = 'push'  factor = 0.0, 1.0  count = 5",
                                       "sweep friction = 0.2, 0.3", "output fields_every = 4"))
 
-    def test_seal_alone_is_sound(self):
-        self.seal("case_0")
+    def test_manifest_alone_is_sound(self):
+        self.renew_manifest("case_0")
         self.assertEqual(self.verify(), "case_0: verified\n")
 
     def test_every_array_of_the_grids(self):
