@@ -1,7 +1,7 @@
 !> Checksums of files and texts, by which an accidental change is found: the number that `cksum` of POSIX prints.
 !>
-!> A cyclic redundancy check of 32 bits over the bytes and their number. It grows with what it is of: at any moment it is
-!> the checksum of all that was added so far.
+!> A cyclic redundancy check of 32 bits over the bytes and their number. It grows with what it is of: at any moment it
+!> is the checksum of all that was added so far.
 module amontons_checksum
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int32_t, c_int64_t, c_null_char
    use amontons_error, only: error_t, new_error, system_failure

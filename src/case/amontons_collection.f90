@@ -3,8 +3,8 @@
 !> A case is a step of the collection, its time the number of the case; body and contact line are parts of the step.
 module amontons_collection
    use amontons_error, only: error_t
-   use amontons_output_file, only: new_output_file, output_file_t
    use amontons_manifest, only: manifest_t
+   use amontons_output_file, only: new_output_file, output_file_t
    use amontons_text, only: newline, to_text
    implicit none (type, external)
    private

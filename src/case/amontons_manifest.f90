@@ -1,6 +1,6 @@
 !> The manifest of a summary: sizes and checksums of the files that were written with it and of those that were read,
-!> and, as its last member, the checksum of the summary itself. `--verify` finds by it what was changed by accident, even
-!> where no number follows from the others. `cksum FILE` prints the same numbers.
+!> and, as its last member, the checksum of the summary itself. `--verify` finds by it what was changed by accident,
+!> even where no number follows from the others. `cksum FILE` prints the same numbers.
 module amontons_manifest
    use amontons_checksum, only: checksum_t, file_checksum, text_checksum
    use amontons_config, only: config_t

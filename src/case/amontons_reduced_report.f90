@@ -7,10 +7,10 @@ module amontons_reduced_report
    use amontons_error, only: error_t
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
+   use amontons_manifest, only: manifest_t, with_manifest
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_reduced_listing, only: reduced_listing_text
    use amontons_reduced_summary, only: reduced_summary_text
-   use amontons_manifest, only: manifest_t, with_manifest
    use amontons_solutions_report, only: solutions_table_text
    use amontons_solve_reduced, only: reduced_result_t
    use amontons_system, only: make_directory

@@ -9,9 +9,9 @@ module amontons_report
    use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_listing, only: listing_text
+   use amontons_manifest, only: manifest_t, with_manifest
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_result, only: result_t
-   use amontons_manifest, only: manifest_t, with_manifest
    use amontons_solutions_report, only: solutions_table_text
    use amontons_summary, only: summary_text
    use amontons_system, only: make_directory
@@ -76,8 +76,8 @@ contains
       if (allocated(error)) return
       call manifest%add_inputs(config)
       call result%timings%begin(phase_write)
-      call write_text_file(files(size(files)), stem//'.summary.json', with_manifest(summary_text(config, body, result), &
-         manifest), error)
+      call write_text_file(files(size(files)), stem//'.summary.json', &
+         with_manifest(summary_text(config, body, result), manifest), error)
    end subroutine write_files
 
 end module amontons_report

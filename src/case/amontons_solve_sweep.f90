@@ -11,10 +11,10 @@ module amontons_solve_sweep
    use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_manifest, only: manifest_t
    use amontons_methods, only: new_contact_method
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
-   use amontons_manifest, only: manifest_t
    use amontons_solve_case, only: certify, condense_case, prepare_case, workshop_t
    use amontons_sweep_checkpoint, only: open_sweep_checkpoint, sweep_checkpoint_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t

@@ -10,9 +10,9 @@ module amontons_sweep_fields
    use amontons_contact_vtu, only: write_contact_vtu
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_manifest, only: manifest_t
    use amontons_output_file, only: commit_files, output_file_t
    use amontons_result, only: result_t
-   use amontons_manifest, only: manifest_t
    use amontons_solve_case, only: load_body, recover
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
    use amontons_sweep_monitor, only: sweep_monitor_t

@@ -6,8 +6,8 @@ module amontons_sweep_report
    use amontons_earlier_files, only: find_earlier_files
    use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
-   use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_manifest, only: manifest_t, with_manifest
+   use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep_listing, only: sweep_listing_text
    use amontons_sweep_summary, only: sweep_summary_text

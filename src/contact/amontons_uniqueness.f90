@@ -1,5 +1,6 @@
 !> A friction below which a contact problem has one solution, whatever its loads and gaps; section 5 of doc/theory.md
-!> has the proofs.
+!> has the proofs. The paper asks for small friction in (P2), where the slip bound is given and none is needed (errata 1
+!> and 2).
 !>
 !> Of few points the exact bound is found: the signs of the determinants that all combinations of states lead to. Of
 !> more points a sufficient one, `amontons_uniqueness_estimate`.
