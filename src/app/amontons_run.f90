@@ -8,7 +8,7 @@ module amontons_run
    use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: short
+   use amontons_listing_text, only: scientific, short
    use amontons_output_file, only: commit_files, output_file_t
    use amontons_progress, only: progress_t
    use amontons_report, only: write_report
@@ -307,11 +307,9 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
-      character(9) :: residual
 
-      write (residual, '(es9.2)') result%solution%residual
       text = config%name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
-         to_text(result%solution%n_iterations)//' iterations, residual '//trim(adjustl(residual))//'; separated '// &
+         to_text(result%solution%n_iterations)//' iterations, residual '//scientific(result%solution%residual)//'; separated '// &
          short(result%lengths%separated)//', sliding '//short(result%lengths%sliding)//', sticking '// &
          short(result%lengths%sticking)
    end function solved_text
@@ -321,7 +319,6 @@ contains
       type(config_t), intent(in) :: config !! the deck
       type(sweep_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
-      character(9) :: residual
 
       associate (tally => result%tally)
          text = config%name//': '//to_text(tally%n_cases)//' cases, '
@@ -331,8 +328,7 @@ contains
             text = text//to_text(tally%n_cases - tally%n_outcomes(case_converged))//' of them NOT SOLVED'
          end if
          if (tally%residual_case == 0) return
-         write (residual, '(es9.2)') tally%residual
-         text = text//', residual at most '//trim(adjustl(residual))
+         text = text//', residual at most '//scientific(tally%residual)
       end associate
    end function swept_text
 

@@ -4,6 +4,7 @@ module amontons_run_reduced
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_error, only: error_t
+   use amontons_listing_text, only: scientific
    use amontons_reduced_file, only: write_reduced_file
    use amontons_reduced_report, only: write_reduced_report
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
@@ -84,11 +85,9 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
-      character(9) :: residual
 
-      write (residual, '(es9.2)') result%solution%residual
       text = config%name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
-         to_text(result%solution%n_iterations)//' iterations, residual '//trim(adjustl(residual))//'; '// &
+         to_text(result%solution%n_iterations)//' iterations, residual '//scientific(result%solution%residual)//'; '// &
          to_text(result%system%n_contacts)//' contacts'
    end function solved_text
 

@@ -76,7 +76,7 @@ contains
          result), manifest), error)
    end subroutine write_files
 
-   !> The table: one row per contact, 17 significant digits.
+   !> The table: one row per contact.
    pure function table_text(result) result(text)
       type(reduced_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text

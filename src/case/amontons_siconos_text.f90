@@ -11,7 +11,7 @@ module amontons_siconos_text
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_reduced_system, only: entries_t, new_reduced_system, reduced_system_t
    use amontons_reduced_words, only: refuse_word, take_choice, take_number
-   use amontons_text, only: to_text, to_text_17
+   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
@@ -253,8 +253,8 @@ contains
          system%is_dense()), size(system%q), size(system%q)
       if (status == 0 .and. system%is_dense()) call write_dense(file%unit, system, status)
       if (status == 0 .and. .not. system%is_dense()) call write_csparse(file%unit, system, status)
-      if (status == 0) write (file%unit, '(a)', iostat=status) (to_text_17(system%q(i)), i=1, size(system%q)), &
-         (to_text_17(system%friction(i)), i=1, size(system%friction))
+      if (status == 0) write (file%unit, '(a)', iostat=status) (to_text(system%q(i)), i=1, size(system%q)), &
+         (to_text(system%friction(i)), i=1, size(system%friction))
       call file%finish(status, error)
    end subroutine write_siconos_text
 
@@ -273,7 +273,7 @@ contains
          associate (first => system%first(j), last => system%first(j + 1) - 1)
             column(system%row(first:last)) = system%entry(first:last)
          end associate
-         write (unit, '(*(a, :, 1x))', iostat=status) (to_text_17(column(i)), i=1, size(column))
+         write (unit, '(*(a, :, 1x))', iostat=status) (to_text(column(i)), i=1, size(column))
          if (status /= 0) return
       end do
    end subroutine write_dense

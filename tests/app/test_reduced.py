@@ -117,7 +117,7 @@ class Input(ReducedTest):
         text = (self.directory / "dense.dat").read_text(encoding="utf-8")
         self.write("off.dat", text.replace("0.5 3 0 0.25", "0.50001 3 0 0.25"))
         self.solve_deck(deck_of("off.dat"))
-        self.assertIn("W differs from its transpose by up to 1.00E-005",
+        self.assertIn("W differs from its transpose by up to 1.0e-5",
                       (self.directory / "case.lst").read_text(encoding="utf-8"))
         summary = self.summary("case")
         self.assertAlmostEqual(summary["problem"]["asymmetry"], 1e-5, delta=1e-15)
