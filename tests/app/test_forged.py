@@ -176,7 +176,7 @@ class Forged(Verification):
                 (changed_field(7, "0.001"), "line 4: the residual of a converged case is above the"),
                 (changed_field(10, "8o"), "line 4: '8o' are not the statuses of 9 contact points"),
                 (changed_field(10, "9o"), "line 4: the length separated is .*, but 4.0 follows"),
-                (changed_field(1, "0.5"), "line 4: its values, or its form, are not those of case 3"),
+                (changed_field(1, "0.50"), "line 4: its values, or its form, are not those of case 3"),
                 (lambda content: content[:content.rindex(b"\n5,") + 1], "4 rows, but the deck has 5 cases")):
             with self.subTest(expected=expected):
                 self.assert_forgery_is_found("case_0.sweep.csv", change, expected)
