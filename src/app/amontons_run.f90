@@ -309,9 +309,9 @@ contains
       character(:), allocatable :: text
 
       text = config%name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
-         to_text(result%solution%n_iterations)//' iterations, residual '//scientific(result%solution%residual)//'; separated '// &
-         short(result%lengths%separated)//', sliding '//short(result%lengths%sliding)//', sticking '// &
-         short(result%lengths%sticking)
+         to_text(result%solution%n_iterations)//' iterations, residual '//scientific(result%solution%residual)// &
+         '; separated '//short(result%lengths%separated)//', sliding '//short(result%lengths%sliding)// &
+         ', sticking '//short(result%lengths%sticking)
    end function solved_text
 
    !> What is told of a sweep.

@@ -9,17 +9,17 @@
 #include <string.h>
 
 enum {
-    least_power = -324, most_power = 293, /* powers of ten in the table, 10^-power */
-    n_limbs = 40,                         /* of 32 bits; more than the longest power has, and 126 bits below the point */
+    least_k = -324, most_k = 293, /* the table has 10^-k */
+    n_limbs = 40, /* of 32 bits: 10^324 has fewer, and of 2^1279 / 10^293 more than 126 bits are left */
     mantissa_bits = 52,
     exponent_bias = 1075,
-    least_plain = -4, most_plain = 14     /* exponents of ten that are written without an exponent */
+    least_plain = -4, most_plain = 14 /* powers of ten of a first digit that need no exponent */
 };
 
 __extension__ typedef unsigned __int128 wide;
 
 /* floor(10^-k 2^-r) + 1 with the r that makes it a number of 126 bits: the upper and the lower 63 bits. */
-static struct { uint64_t upper, lower; } powers[most_power - least_power + 1];
+static struct { uint64_t upper, lower; } powers[most_k - least_k + 1];
 static pthread_once_t is_filled = PTHREAD_ONCE_INIT;
 
 static int64_t floor_log10_power_of_2(int64_t e) { return e * 661971961083 >> 41; }
@@ -41,14 +41,14 @@ static void note_power(int k, const uint32_t limbs[n_limbs])
     /* A fifth limb fills what the zeros leave. */
     leading = leading << zeros | (last < 4 ? 0 : (uint64_t)limbs[last - 4] << zeros >> 32);
     leading = (leading >> 2) + 1;
-    powers[k - least_power].upper = (uint64_t)(leading >> 63);
-    powers[k - least_power].lower = (uint64_t)leading & INT64_MAX;
+    powers[k - least_k].upper = (uint64_t)(leading >> 63);
+    powers[k - least_k].lower = (uint64_t)leading & INT64_MAX;
 }
 
 static void fill_powers(void)
 {
     uint32_t limbs[n_limbs] = {1};
-    for (int k = 0; k >= least_power; k--) {
+    for (int k = 0; k >= least_k; k--) {
         note_power(k, limbs);
         uint64_t carry = 0;
         for (int i = 0; i < n_limbs; i++) {
@@ -60,7 +60,7 @@ static void fill_powers(void)
     /* Divided step by step and cut, 2^x 10^-k is what it would be if divided at once and cut. */
     memset(limbs, 0, sizeof limbs);
     limbs[n_limbs - 1] = 1u << 31;
-    for (int k = 1; k <= most_power; k++) {
+    for (int k = 1; k <= most_k; k++) {
         uint64_t rest = 0;
         for (int i = n_limbs - 1; i >= 0; i--) {
             rest = rest << 32 | limbs[i];
@@ -89,7 +89,7 @@ static void shortest(uint64_t mantissa, int exponent, uint64_t *digits, int *pow
     const int64_t k = is_even_spaced ? floor_log10_power_of_2(exponent)
                                      : floor_log10_three_quarters_power_of_2(exponent);
     const int shift = (int)(exponent + floor_log2_power_of_10(-k) + 2);
-    const uint64_t upper = powers[k - least_power].upper, lower = powers[k - least_power].lower;
+    const uint64_t upper = powers[k - least_k].upper, lower = powers[k - least_k].lower;
     /* Four times the number and the ends of the interval that reads back as it. */
     const uint64_t center = 4*mantissa;
     const uint64_t value = round_to_odd(upper, lower, center << shift);

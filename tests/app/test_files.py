@@ -102,7 +102,8 @@ class Table(ProgramTest):
             for text in numbers:
                 self.assertRegex(text, NUMBER)
                 # Python's repr has the fewest digits, too, that read back as the same number.
-                self.assertEqual(Decimal(text).normalize().as_tuple(), Decimal(repr(float(text))).normalize().as_tuple())
+                self.assertEqual(Decimal(text).normalize().as_tuple(),
+                                 Decimal(repr(float(text))).normalize().as_tuple())
 
     def test_columns_fit_together(self):
         result = self.solve(block(SUPPORT, PRESSURE, CONTACT, PUSH,
