@@ -3,7 +3,7 @@
 !>
 !> A = [A11 A12; A21 A22] and B = (B1; B2) are those of (2.3), on the normal (1) and the tangential (2) forces of the
 !> contact points; phi is the friction, g a slip bound that the problem gives. On the left the paper as it is printed,
-!> on the right what is solved here, with the errata of doc/theory.md, section 9:
+!> on the right what is solved here, in between the number of the erratum (doc/theory.md, section 9):
 !>
 !>     lambda_N := g;  lambda_T := 0                   (8)   lambda_N, lambda_T: the start of the run
 !>     repeat                                                repeat
