@@ -10,7 +10,7 @@ module amontons_decimal
    !> Most characters of such a text: '-1.2345678901234567e-308'.
    integer, parameter :: longest_decimal = 24
 
-   ! allow(assumed-size): C takes an address and knows no shape
+   ! allow(assumed-size, C072): C takes an address and knows no shape
    interface
       pure subroutine c_write_decimal(value, text, length) bind(c, name='amontons_write_decimal')
          import :: c_char, c_double, c_int
@@ -24,6 +24,7 @@ module amontons_decimal
 contains
 
    !> Puts a number behind what a text holds so far: 0.1, 1250.0 or 1.25e-11, valid in JSON and in a namelist.
+   ! allow(C072): the text is the caller's, who knows its room
    pure subroutine put_decimal(text, length, value)
       character(*), intent(inout) :: text !! the text, with room for `longest_decimal` characters more
       integer, intent(inout) :: length !! how much of it is filled

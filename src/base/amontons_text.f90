@@ -81,6 +81,7 @@ contains
    end function comma_separated
 
    !> Puts numbers behind what a text holds so far, a comma before each.
+   ! allow(C072): the text is the caller's, who knows its room
    pure subroutine put_decimals(text, length, values)
       character(*), intent(inout) :: text !! the text, with room for 25 characters more for each number
       integer, intent(inout) :: length !! how much of it is filled
