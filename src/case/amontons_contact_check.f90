@@ -106,11 +106,12 @@ contains
    end subroutine read_status
 
    !> Compares the rows with the contact points, the displacements of the body, and each other.
-   subroutine check_contact_rows(faults, path, table, body, displacement)
+   subroutine check_contact_rows(faults, path, table, body, gap, displacement)
       type(fault_text_t), intent(inout) :: faults !! gains what does not agree
       character(*), intent(in) :: path !! name of the file
       type(contact_table_t), intent(in) :: table !! what it states
       type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: gap(:) !! initial gap of every point (m) [L]
       real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
       real(dp) :: computed(n_numbers, body%zone%n_points), scale(n_numbers)
       real(dp) :: at_points(2*body%zone%n_points)
@@ -123,7 +124,7 @@ contains
          computed(1:2, :) = zone%position
          computed(3:4, :) = zone%normal
          computed(5, :) = zone%weight
-         computed(at_gap, :) = zone%gap - at_points(:m)
+         computed(at_gap, :) = gap - at_points(:m)
          computed(at_slip, :) = at_points(m + 1:)
          computed(at_normal_force, :) = table%force(:m)
          computed(at_tangential_force, :) = table%force(m + 1:)
@@ -136,7 +137,7 @@ contains
       scale(1:2) = maxval(scale(1:2))
       scale(3:4) = 1.0_dp
       ! A gap is the difference of the initial gap and a displacement.
-      scale(at_gap) = max(maxval(abs(body%zone%gap)), maxval(abs(displacement)))
+      scale(at_gap) = max(maxval(abs(gap)), maxval(abs(displacement)))
       scale(at_slip) = maxval(abs(displacement))
       do p = 1, m
          do i = 1, n_numbers

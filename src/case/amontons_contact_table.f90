@@ -45,7 +45,7 @@ contains
       point%position = body%zone%position(:, p)
       point%normal = body%zone%normal(:, p)
       point%weight = body%zone%weight(p)
-      point%gap = body%problem%gap(p) - result%solution%displacement(p)
+      point%gap = result%load_case%free_gap(p) - result%solution%displacement(p)
       point%slip = result%solution%displacement(m + p)
       if (body%zone%is_guided(p)) then
          row = body%zone%rows%picked([p])

@@ -124,8 +124,8 @@ contains
          line%shear(p) = point%tangential_stress
       end do
       line%displacement = point_displacements(body, result)
-      line%bound = body%zone%friction*max(0.0_dp, line%pressure)
-      where (body%zone%area > 0.0_dp) line%bound = line%bound + body%zone%slip_bound/body%zone%area
+      line%bound = result%load_case%friction*max(0.0_dp, line%pressure)
+      where (body%zone%area > 0.0_dp) line%bound = line%bound + result%load_case%slip_bound/body%zone%area
    end function new_contact_line
 
    !> The displacements of the contact points: of nodes their own, of cells the mean (2, m) [L].

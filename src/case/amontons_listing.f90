@@ -34,9 +34,10 @@ contains
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
-      text = head_text(config)//model_text(config, body)//loads_text(config)//solution_text(config, body, result) &
-         //zones_text(body, result)//resultants_text(body, result)//certificate_text(config, result%certificate) &
-         //condition_text(body, result)//points_text(body, result)//times_text(result%timings, listed_phases)
+      text = head_text(config)//model_text(config, body, result%load_case)//loads_text(config)// &
+         solution_text(config, body, result)//zones_text(body, result)//resultants_text(body, result)// &
+         certificate_text(config, result%certificate)//condition_text(body, result)//points_text(body, result)// &
+         times_text(result%timings, listed_phases)
    end function listing_text
 
    !> How the contact problem was solved.
@@ -54,7 +55,8 @@ contains
          if (result%method_error >= 0.0_dp) text = text//line('Error of method', scientific(result%method_error)// &
             ' of the largest contact force, against the exact solution')
          text = text//residual_text(solution, config%method%tolerance)// &
-            uniqueness_text(result%uniqueness, body%problem%friction)
+            uniqueness_text(result%uniqueness, &
+            merge(0.0_dp, result%load_case%friction, body%zone%is_guided))
          if (allocated(result%all_solutions)) text = text// &
             solutions_text(result%all_solutions, solution%force)
       end associate

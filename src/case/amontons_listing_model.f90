@@ -8,6 +8,7 @@ module amontons_listing_model
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
    use amontons_listing_text, only: heading, line, pair, short
+   use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_on_nodes, load_on_sides, load_t
    use amontons_material, only: material_t
    use amontons_text, only: newline, to_text
@@ -19,9 +20,10 @@ module amontons_listing_model
 contains
 
    !> Mesh, material, supports and contact sets.
-   function model_text(config, body) result(text)
+   function model_text(config, body, load_case) result(text)
       type(config_t), intent(in) :: config !! the case
       type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its obstacles
       character(:), allocatable :: text
       integer :: i
 
@@ -46,7 +48,8 @@ contains
          text = text//line('Contact', contact_text(config%contacts(i)))
          if (config%contacts(i)%partition%is_constant) text = text//cells_text(body, i)
       end do
-      text = text//line('Contact points', to_text(body%zone%n_points))//mesh_notes_text(body)//notes_text(body)
+      text = text//line('Contact points', to_text(body%zone%n_points))//mesh_notes_text(body)// &
+         notes_text(body, load_case)
    end function model_text
 
    !> What a material is.
@@ -138,8 +141,9 @@ contains
    end function mesh_notes_text
 
    !> What the reader must know of the contact points: what supports take over, overlap, free motions.
-   pure function notes_text(body) result(text)
+   pure function notes_text(body, load_case) result(text)
       type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its obstacles
       character(:), allocatable :: text
       integer :: i
 
@@ -165,8 +169,8 @@ contains
          end do
          if (zone%n_held_cells > 0) text = text//line('Note', to_text(zone%n_held_cells)// &
             ' cell(s) of constant multipliers are no contact points: supports hold their nodes')
-         if (any(zone%gap < 0.0_dp)) text = text//line('Note', 'the body overlaps the obstacle by up to '// &
-            short(-minval(zone%gap))//' at the start')
+         if (any(load_case%gap < 0.0_dp)) text = text//line('Note', 'the body overlaps the obstacle by up to '// &
+            short(-minval(load_case%gap))//' at the start')
       end associate
    end function notes_text
 

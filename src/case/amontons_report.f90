@@ -68,7 +68,7 @@ contains
       if (allocated(error)) return
       if (allocated(result%all_solutions)) then
          call write_text_file(files(n_files), stem//'.solutions.csv', solutions_table_text(result%all_solutions, &
-            body%problem%gap), error)
+            result%load_case%free_gap), error)
          if (allocated(error)) return
       end if
       call seal%add_outputs(files, '', error)

@@ -5,6 +5,7 @@ module amontons_result
    use amontons_contact_solution, only: contact_solution_t
    use amontons_kinds, only: dp
    use amontons_lengths, only: lengths_t
+   use amontons_load_case, only: load_case_t
    use amontons_timings, only: timings_t
    use amontons_uniqueness, only: uniqueness_t
    implicit none (type, external)
@@ -19,7 +20,7 @@ module amontons_result
    !> Solution, certificate and record of a case.
    type :: result_t
       type(contact_solution_t) :: solution !! forces, displacements and statuses of the contact points
-      real(dp), allocatable :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+      type(load_case_t) :: load_case !! loads, prescribed displacements, obstacles and friction
       real(dp), allocatable :: displacement(:, :) !! displacement of all nodes (2, n_nodes) [L]
       type(certificate_t) :: certificate !! violations on the full model
       real(dp) :: condition = 0.0_dp

@@ -11,14 +11,16 @@ module amontons_solve_sweep
    use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_load_case, only: condense_load_case
    use amontons_methods, only: new_contact_method
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
    use amontons_seal, only: seal_t
-   use amontons_solve_case, only: certify, condense_case, prepare_case, workshop_t
+   use amontons_solve_case, only: condense_case, prepare_case, workshop_t
+   use amontons_solve_load_case, only: certify
    use amontons_sweep_checkpoint, only: open_sweep_checkpoint, sweep_checkpoint_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
-   use amontons_sweep_fields, only: load_case, write_sweep_fields
+   use amontons_sweep_fields, only: write_sweep_fields
    use amontons_sweep_model, only: new_sweep_model, sweep_model_t
    use amontons_sweep_monitor, only: sweep_monitor_t
    use amontons_sweep_table, only: sweep_header
@@ -72,7 +74,7 @@ contains
          task%is_auto = .true.
       end select
       task%sweep = config%sweep
-      call new_sweep_model(task%model, workshop%body, config, error)
+      call new_sweep_model(task%model, workshop%body, workshop%problem, result%certified%load_case, config, error)
       if (allocated(error)) return
 
       call result%certified%timings%begin(phase_solve)
@@ -90,7 +92,7 @@ contains
    !> Keeps the fields that are asked for and certifies one case, unless the sweep was interrupted.
    subroutine finish_sweep(task, body, directory, name, monitor, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(inout) :: body !! the body; left with the loads and the friction of the case certified
+      type(body_t), intent(in) :: body !! the body
       character(*), intent(in) :: directory !! output directory
       character(*), intent(in) :: name !! name of the case
       class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
@@ -112,7 +114,7 @@ contains
    !> Writes the fields that the deck asks for, once all cases are done.
    subroutine keep_fields(task, body, directory, name, monitor, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(inout) :: body !! the body
+      type(body_t), intent(in) :: body !! the body
       character(*), intent(in) :: directory !! output directory
       character(*), intent(in) :: name !! name of the case
       class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
@@ -219,7 +221,7 @@ contains
    !> Solves the case that is most in doubt again and certifies it on the full model.
    subroutine certify_worst(task, body, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(inout) :: body !! the body; left with the loads and the friction of that case
+      type(body_t), intent(in) :: body !! the body
       type(sweep_result_t), intent(inout) :: result !! gains the case and its certificate
       type(error_t), allocatable, intent(out) :: error !! its numbers are not finite
       type(contact_problem_t) :: problem
@@ -231,8 +233,9 @@ contains
          call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
          call solve_chunk(task, body, problem, chunk, solutions)
          certified%solution = solutions(chunk%last - chunk%first + 1)
-         call load_case(task, body, number, certified)
-         call certify(body, certified, error)
+         call task%model%load_case(task%sweep%values(number), certified%load_case)
+         call condense_load_case(certified%load_case, body)
+         call certify(certified, body, error)
       end associate
    end subroutine certify_worst
 

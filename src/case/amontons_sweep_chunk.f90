@@ -7,11 +7,11 @@ module amontons_sweep_chunk
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_contact_zone, only: contact_zone_t
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_lengths, only: lengths_t, new_lengths
+   use amontons_load_case, only: load_case_t
    use amontons_newton, only: newton_t
    use amontons_sweep, only: sweep_t
    use amontons_sweep_model, only: sweep_model_t
@@ -146,11 +146,10 @@ contains
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: number !! number of the case
       type(error_t), allocatable, intent(out) :: error !! the body flies off
-      type(contact_zone_t) :: zone
+      type(load_case_t) :: load_case
 
-      zone = body%zone
-      zone%friction = task%model%case_friction(task%sweep%values(number))
-      call check_balance(body%motions, body%mesh, zone, task%model%case_forces(task%sweep%values(number)), error)
+      call task%model%load_case(task%sweep%values(number), load_case)
+      call check_balance(body, load_case, error)
    end subroutine check_balance_of
 
 end module amontons_sweep_chunk

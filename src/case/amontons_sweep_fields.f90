@@ -9,11 +9,10 @@ module amontons_sweep_fields
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_vtu, only: write_contact_vtu
    use amontons_error, only: error_t
-   use amontons_kinds, only: dp
+   use amontons_load_case, only: condense_load_case, recover_displacement
    use amontons_output_file, only: commit_files, output_file_t
    use amontons_result, only: result_t
    use amontons_seal, only: seal_t
-   use amontons_solve_case, only: load_body, recover
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
    use amontons_sweep_monitor, only: sweep_monitor_t
    use amontons_sweep_tally, only: case_converged
@@ -23,7 +22,7 @@ module amontons_sweep_fields
    implicit none (type, external)
    private
 
-   public :: load_case, write_sweep_fields
+   public :: write_sweep_fields
 
 contains
 
@@ -33,7 +32,7 @@ contains
       type(output_file_t), allocatable, intent(out) :: file !! the finished collection, if there is one
       type(seal_t), intent(out) :: seal !! the seal of the grids
       type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(inout) :: body !! the body; left with the loads and the friction of some case
+      type(body_t), intent(in) :: body !! the body
       character(*), intent(in) :: stem !! directory and name of the case
       class(sweep_monitor_t), intent(inout) :: monitor !! is told how far it is, and may stop it
       logical, intent(out) :: is_stopped !! whether it did
@@ -73,7 +72,7 @@ contains
    subroutine write_chunk(collection, task, body, problem, chunk, directory, folder, error)
       type(collection_t), intent(inout) :: collection !! gains the cases and the seal of their grids
       type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(inout) :: body !! the body
+      type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! a copy of the model's
       type(chunk_t), intent(inout) :: chunk !! the chunk
       character(*), intent(in) :: directory !! output directory, a slash behind it
@@ -88,8 +87,9 @@ contains
          i = number - chunk%first + 1
          if (.not. task%sweep%has_fields(number, number) .or. chunk%results(i)%outcome /= case_converged) cycle
          result%solution = solutions(i)
-         call load_case(task, body, number, result)
-         call recover(body, result)
+         call task%model%load_case(task%sweep%values(number), result%load_case)
+         call condense_load_case(result%load_case, body)
+         call recover_displacement(result%displacement, body, result%load_case, result%solution%displacement)
          call write_grids(collection%grids, directory, folder, to_text(number), body, result, error)
          if (allocated(error)) return
          call collection%add(number, folder//to_text(number))
@@ -113,19 +113,5 @@ contains
       if (.not. allocated(error)) call seal%add_outputs(files, folder, error)
       call commit_files(files, error)
    end subroutine write_grids
-
-   !> Loads the body as in a case.
-   subroutine load_case(task, body, number, result)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(inout) :: body !! the body; left with the loads and the friction of the case
-      integer, intent(in) :: number !! number of the case
-      type(result_t), intent(inout) :: result !! the case with its solution; gains the loads
-      real(dp) :: values(size(task%sweep%axes))
-
-      values = task%sweep%values(number)
-      body%zone%friction = task%model%case_friction(values)
-      result%loads = task%model%case_forces(values)
-      call load_body(body, result%loads)
-   end subroutine load_case
 
 end module amontons_sweep_fields

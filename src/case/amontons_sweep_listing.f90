@@ -25,7 +25,7 @@ contains
       type(sweep_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
-      text = head_text(config)//model_text(config, body)//loads_text(config)//sweep_text(config) &
+      text = head_text(config)//model_text(config, body, result%certified%load_case)//loads_text(config)//sweep_text(config) &
          //solution_text(config, body, result)
       if (result%tally%residual_case > 0) text = text//extremes_text(result%tally) &
          //certificate_text(config, result%certified%certificate)//condition_text(body, result%certified) &

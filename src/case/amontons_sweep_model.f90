@@ -6,12 +6,13 @@ module amontons_sweep_model
    use amontons_assembly, only: to_unknowns
    use amontons_body, only: body_t
    use amontons_checksum, only: checksum_length, checksum_t
+   use amontons_condensation, only: condensed_load_t
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_load_case, only: condense_load_case, load_case_t, pose_problem
    use amontons_loads, only: load_t, load_vector
-   use amontons_solve_case, only: load_body
    use amontons_sweep, only: sweep_axis_t, swept_friction, swept_load
    implicit none (type, external)
    private
@@ -22,14 +23,13 @@ module amontons_sweep_model
    type :: sweep_model_t
       type(contact_problem_t) :: problem !! with load and friction of what does not vary, its compliance prepared
       real(dp), allocatable :: load(:, :) !! condensed load of each quantity at 1 (2m, quantities) [F]
-      real(dp), allocatable :: fixed_friction(:) !! friction that does not vary (m) [-]
       real(dp), allocatable :: friction(:, :) !! friction of each quantity at 1 (m, quantities) [-]
       logical, allocatable :: is_guided(:) !! whether a support bears the shear of a point, whatever its friction (m)
-      real(dp), allocatable :: fixed_forces(:, :) !! nodal forces of the loads that do not vary (2, n_nodes) [F]
+      type(load_case_t) :: fixed !! the load case of what does not vary
       real(dp), allocatable :: forces(:, :, :) !! nodal forces of each quantity at 1 (2, n_nodes, quantities) [F]
    contains
       procedure :: case_forces => sweep_model_case_forces
-      procedure :: case_friction => sweep_model_case_friction
+      procedure :: load_case => sweep_model_load_case
       procedure :: fingerprint => sweep_model_fingerprint
       procedure :: set_case => sweep_model_set_case
    end type sweep_model_t
@@ -37,32 +37,36 @@ module amontons_sweep_model
 contains
 
    !> Separates what varies from what does not.
-   subroutine new_sweep_model(model, body, config, error)
+   subroutine new_sweep_model(model, body, problem, prepared, config, error)
       type(sweep_model_t), intent(out) :: model !! the model
-      type(body_t), intent(inout) :: body !! the body, condensed, its obstacles set; its problem gets what does not vary
+      type(body_t), intent(in) :: body !! the body, condensed
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      type(load_case_t), intent(in) :: prepared !! the load case of the deck as it stands
       type(config_t), intent(in) :: config !! the deck
       type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh, or S is not positive definite
-      real(dp), allocatable :: condensed(:)
+      type(condensed_load_t) :: condensed
       integer :: k
 
-      call new_sweep_loads(model, body, config, error)
+      call new_sweep_loads(model, body, prepared, config, error)
       if (allocated(error)) return
-      call load_body(body, model%fixed_forces)
-      model%problem = body%problem
+      call condense_load_case(model%fixed, body)
+      model%problem = problem
+      call pose_problem(model%problem, body, model%fixed)
       allocate (model%load(2*body%zone%n_points, size(config%sweep%axes)), source=0.0_dp)
       do k = 1, size(config%sweep%axes)
          if (config%sweep%axes(k)%target /= swept_load) cycle
          call body%condensation%condense_load(to_unknowns(model%forces(:, :, k), body%constraints, body%dof_map), &
             condensed)
-         model%load(:, k) = condensed
+         model%load(:, k) = condensed%load
       end do
       call model%problem%prepare_compliance(error)
    end subroutine new_sweep_model
 
    !> Separates loads and friction alone, which takes no condensed body; the contact problems stay undefined.
-   subroutine new_sweep_loads(model, body, config, error)
-      type(sweep_model_t), intent(out) :: model !! the model, for `case_forces` and `case_friction`
-      type(body_t), intent(in) :: body !! the body, its obstacles set
+   subroutine new_sweep_loads(model, body, prepared, config, error)
+      type(sweep_model_t), intent(out) :: model !! the model, for `load_case`
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: prepared !! the load case of the deck as it stands
       type(config_t), intent(in) :: config !! the deck
       type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh
       real(dp), allocatable :: forces(:, :)
@@ -70,9 +74,9 @@ contains
 
       n = size(config%sweep%axes)
       allocate (model%friction(body%zone%n_points, n), model%forces(2, body%mesh%n_nodes, n), source=0.0_dp)
-      call sum_loads(model%fixed_forces, body, config, 0, error)
+      model%fixed = prepared
+      call sum_loads(model%fixed%force, body, config, 0, error)
       if (allocated(error)) return
-      model%fixed_friction = body%zone%friction
       model%is_guided = body%zone%is_guided
       do k = 1, n
          if (config%sweep%axes(k)%target == swept_load) then
@@ -125,7 +129,7 @@ contains
 
       do p = 1, body%zone%n_points
          associate (contact => config%contacts(body%zone%set(p)), quantity => config%sweep%axes(axis), &
-            fixed => model%fixed_friction(p))
+            fixed => model%fixed%friction(p))
             if (.not. quantity%acts_on(contact%set)) cycle
             if (quantity%target == swept_friction) then
                model%friction(p, axis) = 1.0_dp
@@ -145,17 +149,19 @@ contains
       real(dp), intent(in) :: values(:) !! value of each quantity [-]
 
       problem%load = self%problem%load + matmul(self%load, values)
-      problem%friction = merge(0.0_dp, self%case_friction(values), self%is_guided)
+      problem%friction = merge(0.0_dp, self%fixed%friction + matmul(self%friction, values), self%is_guided)
    end subroutine sweep_model_set_case
 
-   !> The friction of every point in a case (m) [-].
-   pure function sweep_model_case_friction(self, values) result(friction)
+   !> The load case of a case of the sweep, not condensed.
+   pure subroutine sweep_model_load_case(self, values, load_case)
       class(sweep_model_t), intent(in) :: self !! the model
       real(dp), intent(in) :: values(:) !! value of each quantity [-]
-      real(dp) :: friction(size(self%fixed_friction))
+      type(load_case_t), intent(out) :: load_case !! the load case
 
-      friction = self%fixed_friction + matmul(self%friction, values)
-   end function sweep_model_case_friction
+      load_case = self%fixed
+      load_case%force = self%case_forces(values)
+      load_case%friction = self%fixed%friction + matmul(self%friction, values)
+   end subroutine sweep_model_load_case
 
    !> The nodal forces of a case (2, n_nodes) [F].
    pure function sweep_model_case_forces(self, values) result(forces)
@@ -164,7 +170,7 @@ contains
       real(dp), allocatable :: forces(:, :)
       integer :: k
 
-      forces = self%fixed_forces
+      forces = self%fixed%force
       do k = 1, size(values)
          forces = forces + values(k)*self%forces(:, :, k)
       end do
@@ -182,7 +188,7 @@ contains
          do j = 1, size(problem%stiffness, 2)
             call checksum%add(problem%stiffness(:, j))
          end do
-         call checksum%add([problem%load, problem%gap, self%fixed_friction, problem%slip_bound])
+         call checksum%add([problem%load, problem%gap, self%fixed%friction, problem%slip_bound])
       end associate
       do j = 1, size(self%load, 2)
          call checksum%add([self%load(:, j), self%friction(:, j)])

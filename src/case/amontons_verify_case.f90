@@ -55,13 +55,11 @@ contains
          call read_contact_rows(table, stem//'.contact.csv', body%zone%n_points, fault)
          if (len(fault) > 0) call summary%faults%add(stem//'.contact.csv', fault)
          if (len(fault) > 0) return
-         ! The displacements of the points count from the obstacle: the problem of this body has no gap of its own.
-         body%problem%gap = spread(0.0_dp, 1, body%zone%n_points)
          result%solution%force = table%force
-         result%solution%displacement = [-table%gap, table%slip]
+         result%solution%displacement = [result%load_case%free_gap - table%gap, table%slip]
          result%solution%status = table%status
          result%solution%is_converged = summary%value('', 'converged') == 'true'
-         call new_certificate(result%certificate, body, result%loads, result%displacement, result%solution%force)
+         call new_certificate(result%certificate, body, result%load_case, result%displacement, result%solution%force)
          call new_lengths(result%lengths, body%zone, result%solution%status)
       end associate
       call check_points(summary, workshop, config, result, table, stem)
@@ -83,13 +81,14 @@ contains
       type(law_scales_t) :: scales
 
       if (size(table%status) == 0) return
-      call check_contact_rows(summary%faults, stem//'.contact.csv', table, workshop%body, result%displacement)
+      call check_contact_rows(summary%faults, stem//'.contact.csv', table, workshop%body, result%load_case%gap, &
+         result%displacement)
       if (.not. result%solution%is_converged) return
       scales = new_law_scales(certificate_limit(config%method%tolerance), result%displacement, &
          result%certificate%force_scale)
-      associate (zone => workshop%body%zone)
-         call check_statuses(summary%faults, stem//'.contact.csv', .true., table, zone%friction, zone%slip_bound, &
-            zone%is_guided, scales)
+      associate (load_case => result%load_case)
+         call check_statuses(summary%faults, stem//'.contact.csv', .true., table, load_case%friction, &
+            load_case%slip_bound, workshop%body%zone%is_guided, scales)
       end associate
    end subroutine check_points
 
@@ -155,8 +154,8 @@ contains
          call summary%faults%add(path, 'cannot be read')
          return
       end if
-      associate (body => workshop%body, faults => summary%faults, force => sum(abs(result%loads)))
-         call check_section(faults, path, listing, model_text(config, body)//loads_text(config), 0.0_dp)
+      associate (body => workshop%body, faults => summary%faults, force => sum(abs(result%load_case%force)))
+         call check_section(faults, path, listing, model_text(config, body, result%load_case)//loads_text(config), 0.0_dp)
          call check_section(faults, path, listing, zones_text(body, result), 0.0_dp)
          call check_section(faults, path, listing, resultants_text(body, result), &
             max(force, sum(abs(result%solution%force)), result%certificate%strain_energy))

@@ -9,6 +9,7 @@ module amontons_verify_fields
    use amontons_directory, only: file_name_t, list_directory
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_load_case, only: load_case_t
    use amontons_result, only: certificate_limit, result_t
    use amontons_solve_case, only: workshop_t
    use amontons_summary_check, only: summary_check_t
@@ -32,9 +33,10 @@ module amontons_verify_fields
 contains
 
    !> Checks the fields of a sweep: every grid, the collection, and that no other grids are among them.
-   subroutine verify_fields(summary, workshop, config, stem, cases, certified_case)
+   subroutine verify_fields(summary, workshop, prepared, config, stem, cases, certified_case)
       type(summary_check_t), intent(inout) :: summary !! the summary; gains the faults
-      type(workshop_t), intent(inout) :: workshop !! the body; left with the friction of some case
+      type(workshop_t), intent(in) :: workshop !! the body
+      type(load_case_t), intent(in) :: prepared !! the load case of the deck as it stands
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: stem !! directory and name of the case
       type(field_case_t), intent(in) :: cases(:) !! the cases that converged
@@ -45,7 +47,7 @@ contains
 
       call check_surplus(summary, stem//'.sweep', cases%number)
       if (size(cases) == 0) return
-      call new_sweep_loads(model, workshop%body, config, error)
+      call new_sweep_loads(model, workshop%body, prepared, config, error)
       if (allocated(error)) then
          ! not raised: the same loads were made when the case was prepared
          call summary%faults%add(stem//'.deck.nml', error%message)
@@ -90,7 +92,7 @@ contains
    !> Checks the two grids of a case.
    subroutine check_case(summary, workshop, model, config, stem, case, is_certified)
       type(summary_check_t), intent(inout) :: summary !! gains the faults
-      type(workshop_t), intent(inout) :: workshop !! the body; gains the friction of the case
+      type(workshop_t), intent(in) :: workshop !! the body
       type(sweep_model_t), intent(in) :: model !! loads and friction of all cases
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: stem !! name of the grids without endings
@@ -98,11 +100,8 @@ contains
       logical, intent(in) :: is_certified !! whether the certificate of the summary is its
       type(result_t) :: result
       character(:), allocatable :: fault
-      real(dp) :: values(size(config%sweep%axes))
 
-      values = config%sweep%values(case%number)
-      workshop%body%zone%friction = model%case_friction(values)
-      result%loads = model%case_forces(values)
+      call model%load_case(config%sweep%values(case%number), result%load_case)
       call read_displacement(stem//'.vtu', workshop%body%mesh%n_nodes, result%displacement, fault)
       if (len(fault) > 0) call summary%faults%add(stem//'.vtu', fault)
       if (len(fault) > 0) return
@@ -118,7 +117,7 @@ contains
 
    !> Reads the contact line: gap and slip, which must follow from the displacements, and the forces, from the stresses.
    subroutine read_solution(workshop, path, result, fault)
-      type(workshop_t), intent(inout) :: workshop !! the body; its contact problem loses its gap
+      type(workshop_t), intent(in) :: workshop !! the body
       character(*), intent(in) :: path !! name of the grid of the contact line
       type(result_t), intent(inout) :: result !! the displacements; gains the solution
       character(:), allocatable, intent(out) :: fault !! what is wrong with them; empty if nothing is
@@ -132,24 +131,22 @@ contains
             if (len(fault) > 0) return
          end do
          followed = zone%rows%displacement(result%displacement)
-         followed(:zone%n_points) = zone%gap - followed(:zone%n_points)
+         followed(:zone%n_points) = result%load_case%gap - followed(:zone%n_points)
          ! A gap is the difference of the initial gap and a displacement.
-         p = first_disagreement([stated(:, 1), stated(:, 2)], followed, max(maxval(abs(zone%gap)), &
+         p = first_disagreement([stated(:, 1), stated(:, 2)], followed, max(maxval(abs(result%load_case%gap)), &
             maxval(abs(result%displacement))))
          if (p > 0) fault = contradiction(trim(names((p - 1)/zone%n_points + 1))//' of point '// &
             to_text(modulo(p - 1, zone%n_points) + 1), stated(modulo(p - 1, zone%n_points) + 1, &
             (p - 1)/zone%n_points + 1), followed(p))
          result%solution%force = [stated(:, 3)*zone%area, stated(:, 4)*zone%area]
-         ! The displacements of the points count from the obstacle, as in a single case.
-         result%solution%displacement = [-stated(:, 1), stated(:, 2)]
-         workshop%body%problem%gap = spread(0.0_dp, 1, zone%n_points)
+         result%solution%displacement = [result%load_case%free_gap - stated(:, 1), stated(:, 2)]
       end associate
    end subroutine read_solution
 
    !> Computes the certificate, and holds it and the statuses against the contact law.
    subroutine check_law(summary, workshop, config, result, stem)
       type(summary_check_t), intent(inout) :: summary !! gains the faults
-      type(workshop_t), intent(in) :: workshop !! the body, with the friction of the case
+      type(workshop_t), intent(in) :: workshop !! the body
       type(config_t), intent(in) :: config !! the deck
       type(result_t), intent(inout) :: result !! what the grids state; gains the certificate
       character(*), intent(in) :: stem !! name of the grids without endings
@@ -159,18 +156,18 @@ contains
 
       limit = certificate_limit(config%method%tolerance)
       associate (body => workshop%body, zone => workshop%body%zone, solution => result%solution)
-         call new_certificate(result%certificate, body, result%loads, result%displacement, solution%force)
+         call new_certificate(result%certificate, body, result%load_case, result%displacement, solution%force)
          if (.not. result%certificate%largest() <= limit) call summary%faults%add(stem//'.vtu', &
             'equilibrium or contact law is violated by '//to_text(result%certificate%largest())// &
             ', more than the limit of '//to_text(limit))
          m = zone%n_points
          if (m == 0) return
          table%force = solution%force
-         table%gap = -solution%displacement(:m)
+         table%gap = result%load_case%free_gap - solution%displacement(:m)
          table%slip = solution%displacement(m + 1:)
          table%status = solution%status
-         call check_statuses(summary%faults, stem//'.contact.vtu', .false., table, zone%friction, zone%slip_bound, &
-            zone%is_guided, new_law_scales(limit, result%displacement, result%certificate%force_scale))
+         call check_statuses(summary%faults, stem//'.contact.vtu', .false., table, result%load_case%friction, &
+            result%load_case%slip_bound, zone%is_guided, new_law_scales(limit, result%displacement, result%certificate%force_scale))
       end associate
    end subroutine check_law
 

@@ -71,7 +71,7 @@ contains
       end if
       call check_summary(summary, workshop, tally)
       call find_certified(summary, has_converged, certified)
-      call verify_fields(summary, workshop, config, stem, cases(:n), certified)
+      call verify_fields(summary, workshop, result%load_case, config, stem, cases(:n), certified)
       is_certified = tally%n_outcomes(case_converged) == tally%n_cases .and. &
          summary%value('certificate', 'passed') == 'true'
    end subroutine verify_sweep

@@ -29,7 +29,7 @@ module amontons_body
    !> Below this inf-sup constant the constant multipliers of a contact set are warned about.
    real(dp), parameter :: poor_inf_sup = 0.3_dp
 
-   !> What many load cases share.
+   !> What many load cases share; constant once it is condensed.
    type :: body_t
       type(mesh_t) :: mesh !! the mesh
       character(:), allocatable :: mesh_notes !! what its reader put right, a line of text for each
@@ -43,7 +43,6 @@ module amontons_body
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
       type(dof_map_t) :: dof_map !! numbers of the unknowns
       type(condensation_t) :: condensation !! the factorised stiffness, after `condense_body`
-      type(contact_problem_t) :: problem !! the contact problem, after `condense_body`; its load is the case's
    end type body_t
 
    !> What condensing a body would take.
@@ -64,6 +63,7 @@ contains
       type(support_t), intent(in) :: supports(:) !! its supports
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
       type(error_t), allocatable, intent(out) :: error !! mesh, supports or contact sets do not fit together
+      real(dp), allocatable :: prescribed(:, :)
 
       call mesh%check(error)
       if (allocated(error)) return
@@ -72,7 +72,7 @@ contains
       call new_materials(body%materials, materials, mesh, error)
       if (allocated(error)) return
       call new_coloring(body%coloring, mesh)
-      call new_constraints(body%constraints, mesh, supports, error)
+      call new_constraints(body%constraints, prescribed, mesh, supports, error)
       if (allocated(error)) return
       call new_foundation(body%springs, mesh, body%materials, supports, error)
       if (allocated(error)) return
@@ -106,8 +106,9 @@ contains
    end subroutine measure_cells
 
    !> Assembles and factorises the stiffness and condenses it to the contact points; the clock goes on condensing.
-   subroutine condense_body(body, factorization, timings, error)
-      type(body_t), intent(inout) :: body !! the body
+   subroutine condense_body(body, problem, factorization, timings, error)
+      type(body_t), intent(inout) :: body !! the body, from `new_body`
+      type(contact_problem_t), intent(out) :: problem !! its contact problem; a load case sets load, gap and friction
       character(*), intent(in) :: factorization !! one of `factorization_names`
       type(timings_t), intent(inout) :: timings !! gains the time of each step
       type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
@@ -130,7 +131,7 @@ contains
       call timings%begin(phase_condense)
       call body%condensation%condense_stiffness(condensed, error)
       if (allocated(error)) return
-      call new_contact_problem(body%problem, condensed, is_held)
+      call new_contact_problem(problem, condensed, is_held)
    end subroutine condense_body
 
    !> Refuses a body of which a piece is held by neither supports nor contact points.

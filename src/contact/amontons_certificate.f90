@@ -6,6 +6,7 @@ module amontons_certificate
    use amontons_constraints, only: constraints_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_kinds, only: dp
+   use amontons_load_case, only: load_case_t
    implicit none (type, external)
    private
 
@@ -45,34 +46,36 @@ module amontons_certificate
 contains
 
    !> Computes the certificate.
-   subroutine new_certificate(certificate, body, loads, displacement, force)
+   subroutine new_certificate(certificate, body, load_case, displacement, force)
       type(certificate_t), intent(out) :: certificate !! the certificate
-      type(body_t), intent(in) :: body !! the body, the obstacles of its contact zone set
-      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
       real(dp), allocatable :: internal(:, :), contact(:, :), reaction(:, :), springs(:, :)
       real(dp) :: force_size, least_scale, work
 
-      call internal_forces(internal, body%mesh, body%materials, body%springs, body%coloring, displacement)
-      contact = body%zone%rows%forces(force, body%mesh%n_nodes)
-      reaction = internal - loads - contact
-      call split_imbalance(body%constraints, reaction, certificate%equilibrium)
-      force_size = max(norm2(loads), norm2(reaction), norm2(contact))
-      least_scale = 0.0_dp
-      if (.not. any(abs(loads) > 0.0_dp)) least_scale = unstrained_scale(body, displacement, force_size)
-      certificate%force_scale = max(maxval(abs(loads)), maxval(abs(reaction)), maxval(abs(contact)), least_scale)
-      call check_points(certificate, body%zone, displacement, force)
-      springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
-      call check_resultants(certificate, body, max(least_scale, sum(abs(springs))), loads, reaction - springs, contact)
-      certificate%equilibrium = relative_imbalance(certificate%equilibrium, body, displacement, force_size)
-      certificate%strain_energy = 0.5_dp*sum(internal*displacement)
-      ! Where a load acts on what a support moves, both do work that strains nothing.
-      work = max(sum(abs(internal*displacement)), least_scale*norm2(displacement), &
-         sum(abs(loads*displacement)) + sum(abs(contact*displacement)) + sum(abs(reaction*body%constraints%prescribed)))
-      certificate%energy = relative(abs(sum(internal*displacement) - sum((loads + contact)*displacement) &
-         - sum(reaction*body%constraints%prescribed)), work)
-      certificate%duality_gap = relative(certificate%duality_gap, work)
+      associate (loads => load_case%force, prescribed => load_case%prescribed)
+         call internal_forces(internal, body%mesh, body%materials, body%springs, body%coloring, displacement)
+         contact = body%zone%rows%forces(force, body%mesh%n_nodes)
+         reaction = internal - loads - contact
+         call split_imbalance(body%constraints, reaction, certificate%equilibrium)
+         force_size = max(norm2(loads), norm2(reaction), norm2(contact))
+         least_scale = 0.0_dp
+         if (.not. any(abs(loads) > 0.0_dp)) least_scale = unstrained_scale(body, displacement, force_size)
+         certificate%force_scale = max(maxval(abs(loads)), maxval(abs(reaction)), maxval(abs(contact)), least_scale)
+         call check_points(certificate, body%zone, load_case, displacement, force)
+         springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
+         call check_resultants(certificate, body, max(least_scale, sum(abs(springs))), loads, reaction - springs, contact)
+         certificate%equilibrium = relative_imbalance(certificate%equilibrium, body, displacement, force_size)
+         certificate%strain_energy = 0.5_dp*sum(internal*displacement)
+         ! Where a load acts on what a support moves, both do work that strains nothing.
+         work = max(sum(abs(internal*displacement)), least_scale*norm2(displacement), &
+            sum(abs(loads*displacement)) + sum(abs(contact*displacement)) + sum(abs(reaction*prescribed)))
+         certificate%energy = relative(abs(sum(internal*displacement) - sum((loads + contact)*displacement) &
+            - sum(reaction*prescribed)), work)
+         certificate%duality_gap = relative(certificate%duality_gap, work)
+      end associate
    end subroutine new_certificate
 
    !> What the forces on a body that nothing loads are measured by at the least: if they are all rounding errors of
@@ -142,9 +145,10 @@ contains
    end subroutine split_imbalance
 
    !> Checks the contact law at every point.
-   pure subroutine check_points(certificate, zone, displacement, force)
+   pure subroutine check_points(certificate, zone, load_case, displacement, force)
       type(certificate_t), intent(inout) :: certificate !! the certificate, its scale of forces set
       type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(load_case_t), intent(in) :: load_case !! gaps and friction
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
       real(dp) :: distance(zone%n_points), slip(zone%n_points), largest_displacement
@@ -153,11 +157,11 @@ contains
 
       m = zone%n_points
       at_points = zone%rows%displacement(displacement)
-      distance = zone%gap - at_points(:m)
+      distance = load_case%gap - at_points(:m)
       slip = at_points(m + 1:)
       largest_displacement = maxval(abs(displacement))
       associate (normal => force(:m), tangential => force(m + 1:), &
-         bound => zone%slip_bound + zone%friction*max(0.0_dp, force(:m)), largest_force => certificate%force_scale)
+         bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), largest_force => certificate%force_scale)
          certificate%penetration = relative(max(0.0_dp, maxval(-distance)), largest_displacement)
          certificate%tension = relative(max(0.0_dp, maxval(-normal)), largest_force)
          certificate%friction_excess = relative(max(0.0_dp, maxval(abs(tangential) - bound)), largest_force)
@@ -169,7 +173,7 @@ contains
             relative(abs(slip), largest_displacement))*sign(1.0_dp, tangential*slip)))
          certificate%dissipation = sum(tangential*slip)
          ! Of displacements and forces in equilibrium with each other the energies differ by what each point adds here.
-         certificate%has_duality_gap = all(zone%is_guided .or. .not. zone%friction > 0.0_dp)
+         certificate%has_duality_gap = all(zone%is_guided .or. .not. load_case%friction > 0.0_dp)
          if (certificate%has_duality_gap) certificate%duality_gap = abs(sum(normal*distance) &
             + sum(bound*abs(slip) - tangential*slip, mask=.not. zone%is_guided))
       end associate

@@ -19,13 +19,19 @@ module amontons_condensation
    implicit none (type, external)
    private
 
-   public :: condensation_t, new_condensation
+   public :: condensation_t, condensed_load_t, new_condensation
+
+   !> What is left of a load when it is condensed: q, and what `recover` needs of it.
+   type :: condensed_load_t
+      real(dp), allocatable :: load(:) !! q on (u_N; u_T) of the points (2m) [F]
+      real(dp), allocatable, private :: partial(:) !! the load after the forward substitution (n)
+      real(dp), allocatable, private :: contact_load(:) !! q on the contact unknowns (n_unknowns) [F]
+   end type condensed_load_t
 
    !> The factorised body and the map between contact unknowns and normal and tangential displacements.
    type :: condensation_t
       class(factorization_t), allocatable :: factorization !! of K + alpha E
       real(dp) :: alpha = 0.0_dp !! shift on the contact unknowns [F/L]
-      real(dp), allocatable, private :: partial(:) !! the load after the forward substitution (n)
       integer, private :: n_unknowns = 0 !! number of contact unknowns
       integer, allocatable, private :: unknown(:, :)
          !! the place of each point's displacements among the contact unknowns or, with cells, the rows of C; 0 for none
@@ -33,7 +39,6 @@ module amontons_condensation
       real(dp), allocatable, private :: map(:, :, :) !! unknowns of a point = map (u_N, u_T) (2, 2, m) [-]
       real(dp), allocatable, private :: rows(:, :) !! C, if there are cells (any, n_unknowns) [-]
       type(row_condensation_t), private :: to_rows !! the condensation to C v, if there are cells
-      real(dp), allocatable, private :: contact_load(:) !! q on the contact unknowns (n_unknowns) [F]
       logical, private :: is_held = .true. !! whether supports alone hold the body
    contains
       procedure :: condense_load => condensation_condense_load
@@ -183,29 +188,30 @@ contains
       end do
    end subroutine condensation_condense_stiffness
 
-   !> Condenses a load to the contact points; `recover` then belongs to this load.
+   !> Condenses a load to the contact points.
    subroutine condensation_condense_load(self, load, condensed)
-      class(condensation_t), intent(inout) :: self !! the factorised body
+      class(condensation_t), intent(in) :: self !! the factorised body
       real(dp), intent(in) :: load(:) !! load on all unknowns (n) [F]
-      real(dp), allocatable, intent(out) :: condensed(:) !! q on (u_N; u_T) (2m) [F]
+      type(condensed_load_t), intent(out) :: condensed !! the condensed load
       real(dp), allocatable :: q(:)
       integer :: p, m, n
 
       m = size(self%unknown, 2)
-      if (.not. allocated(self%partial)) allocate (self%partial(size(load)), self%contact_load(self%n_unknowns))
-      call self%factorization%condense(load, self%partial, self%contact_load)
-      q = self%contact_load
+      allocate (condensed%partial(size(load)), condensed%contact_load(self%n_unknowns))
+      call self%factorization%condense(load, condensed%partial, condensed%contact_load)
+      q = condensed%contact_load
       if (allocated(self%rows)) q = self%to_rows%condense(q)
-      allocate (condensed(2*m), source=0.0_dp)
+      allocate (condensed%load(2*m), source=0.0_dp)
       do p = 1, m
          n = count(self%unknown(:, p) > 0)
-         condensed([p, p + m]) = matmul(q(self%unknown(:n, p)), self%map(:n, :, p))
+         condensed%load([p, p + m]) = matmul(q(self%unknown(:n, p)), self%map(:n, :, p))
       end do
    end subroutine condensation_condense_load
 
-   !> All unknowns from the displacements of the contact points, for the load condensed last.
-   subroutine condensation_recover(self, displacement, unknowns)
+   !> All unknowns from the displacements of the contact points under a load.
+   subroutine condensation_recover(self, condensed, displacement, unknowns)
       class(condensation_t), intent(in) :: self !! the factorised body
+      type(condensed_load_t), intent(in) :: condensed !! the condensed load
       real(dp), intent(in) :: displacement(:) !! (u_N; u_T) without prescribed parts (2m) [L]
       real(dp), allocatable, intent(out) :: unknowns(:) !! all unknowns (n) [L]
       real(dp), allocatable :: v(:)
@@ -217,9 +223,9 @@ contains
          n = count(self%unknown(:, p) > 0)
          v(self%unknown(:n, p)) = matmul(self%map(:n, :, p), displacement([p, p + m]))
       end do
-      if (allocated(self%rows)) v = self%to_rows%expand(self%contact_load, v)
-      allocate (unknowns(size(self%partial)))
-      call self%factorization%expand(self%partial, v, unknowns)
+      if (allocated(self%rows)) v = self%to_rows%expand(condensed%contact_load, v)
+      allocate (unknowns(size(condensed%partial)))
+      call self%factorization%expand(condensed%partial, v, unknowns)
    end subroutine condensation_recover
 
 end module amontons_condensation

@@ -1,5 +1,5 @@
-!> The contact zone: the contact points with their normals, gaps, weights and friction. A point is a node, or a cell of
-!> constant multipliers.
+!> The contact zone: the contact points with their normals and areas. A point is a node, or a cell of constant
+!> multipliers.
 module amontons_contact_zone
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_cell_partition, only: cell_partition_t
@@ -13,11 +13,10 @@ module amontons_contact_zone
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: obstacle_names, obstacle_t
-   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: contact_t, contact_zone_t, new_contact, new_contact_zone, set_obstacles
+   public :: contact_t, contact_zone_t, new_contact, new_contact_zone
 
    !> A boundary set that may touch a rigid obstacle, and the friction there: |lambda_T| <= g + phi lambda_N.
    type :: contact_t
@@ -45,10 +44,6 @@ module amontons_contact_zone
       real(dp), allocatable :: normal(:, :) !! unit normal n towards the obstacle; the tangent is t = (-n_y, n_x) (2, m)
       real(dp), allocatable :: weight(:) !! tributary length, or length of the cell (m) [L]
       real(dp), allocatable :: area(:) !! tributary area, or that of the cell: length times depth of the body (m) [L^2]
-      real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
-      logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle, so that the point can close (m)
-      real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
-      real(dp), allocatable :: slip_bound(:) !! given bound g of the tangential force (m) [F]
       logical, allocatable :: is_guided(:) !! whether a support leaves it one direction and bears the shear (m)
       integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
       integer, allocatable :: shared_node(:) !! corners of two contact sets: they belong to the set named first
@@ -74,7 +69,7 @@ contains
    !> is a corner of a quadratic side on the axis of revolution: its area is 0, so that no pressure acts on it. A corner
    !> of two contact sets belongs to the first of them.
    subroutine new_contact_zone(zone, mesh, materials, contacts, constraints, error)
-      type(contact_zone_t), intent(out) :: zone !! the points; obstacles are set by `set_obstacles`
+      type(contact_zone_t), intent(out) :: zone !! the points
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
@@ -117,14 +112,6 @@ contains
             'supports hold every contact node; nothing is left that could come into contact')
       end if
    end subroutine new_contact_zone
-
-   !> Coordinates as text.
-   pure function position_text(position) result(text)
-      real(dp), intent(in) :: position(2) !! the coordinates [L]
-      character(:), allocatable :: text
-
-      text = to_text(position(1))//', '//to_text(position(2))
-   end function position_text
 
    !> A zone without points.
    pure subroutine empty_zone(zone)
@@ -267,53 +254,5 @@ contains
       end do
       call add_points(zone, points)
    end subroutine add_cells
-
-   !> Sets gap, friction and slip bound of every point from its contact set.
-   !>
-   !> The gap is the distance to the obstacle along the point's normal; it is negative where the body overlaps the
-   !> obstacle (interference). A point whose normal never meets the obstacle gets a gap that nothing closes. A cell has
-   !> the means over its area.
-   pure subroutine set_obstacles(zone, mesh, contacts, error)
-      type(contact_zone_t), intent(inout) :: zone !! the zone
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(contact_t), intent(in) :: contacts(:) !! the contact sets, in the order of `new_contact_zone`
-      type(error_t), allocatable, intent(out) :: error !! a boundary that faces away, or a negative friction
-      real(dp), parameter :: out_of_reach = 1.0e3_dp
-      real(dp) :: size_of_body, gap
-      logical :: is_met
-      integer :: p, i
-
-      size_of_body = norm2(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
-      zone%gap = spread(0.0_dp, 1, zone%n_points)
-      zone%friction = zone%gap
-      zone%slip_bound = zone%gap
-      zone%is_in_reach = spread(.true., 1, zone%n_points)
-      do p = 1, zone%n_points
-         associate (contact => contacts(zone%set(p)), samples => zone%samples)
-            do i = samples%start(p), samples%start(p + 1) - 1
-               call contact%obstacle%measure(samples%position(:, i), samples%normal(:, i), gap, is_met)
-               zone%is_in_reach(p) = zone%is_in_reach(p) .and. is_met
-               zone%gap(p) = zone%gap(p) + samples%share(i)*gap
-               zone%friction(p) = zone%friction(p) &
-                  + samples%share(i)*contact%friction%at(samples%position(:, i), samples%station(i))
-               zone%slip_bound(p) = zone%slip_bound(p) &
-                  + samples%share(i)*contact%slip_bound%at(samples%position(:, i), samples%station(i))*zone%area(p)
-            end do
-            zone%gap(p) = zone%gap(p) + contact%extra_gap
-            if (.not. zone%is_in_reach(p)) zone%gap(p) = out_of_reach*size_of_body
-            if (min(zone%friction(p), zone%slip_bound(p)) < 0.0_dp) then
-               call new_error(error, input_refused, contact%origin//'friction or slip bound is negative at '// &
-                  position_text(zone%position(:, p)))
-               return
-            end if
-         end associate
-      end do
-      do i = 1, size(contacts)
-         if (any(zone%is_in_reach .and. zone%set == i) .or. all(zone%set /= i)) cycle
-         call new_error(error, input_refused, contacts(i)%origin//'the boundary does not face its obstacle; '// &
-            'the normal of the obstacle must point to the body')
-         return
-      end do
-   end subroutine set_obstacles
 
 end module amontons_contact_zone

@@ -5,11 +5,11 @@
 !> rounding otherwise. If it is none, the part that is left over is, by Farkas' lemma, a rigid motion that the loads
 !> drive and no contact force opposes: along it the body flies off.
 module amontons_equilibrium
+   use amontons_body, only: body_t
    use amontons_contact_rows, only: turned
-   use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
-   use amontons_mesh, only: mesh_t
+   use amontons_load_case, only: load_case_t
    use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
    private
@@ -22,41 +22,38 @@ module amontons_equilibrium
 contains
 
    !> Refuses loads that drive a piece of the body away.
-   pure subroutine check_balance(motions, mesh, zone, forces, error)
-      type(rigid_motions_t), intent(in) :: motions(:) !! the motions of each piece that the supports leave free
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(contact_zone_t), intent(in) :: zone !! the contact points, their friction set
-      real(dp), intent(in) :: forces(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+   pure subroutine check_balance(body, load_case, error)
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
       type(error_t), allocatable, intent(out) :: error !! the body flies off; names the motion
       integer :: i
 
       ! A given slip bound can bear any small shear of any sign: what it holds is left to the method to find.
-      if (any(zone%slip_bound > 0.0_dp)) return
-      do i = 1, size(motions)
-         if (motions(i)%n_free > 0) call check_piece(motions(i), mesh, zone, forces, error)
+      if (any(load_case%slip_bound > 0.0_dp)) return
+      do i = 1, size(body%motions)
+         if (body%motions(i)%n_free > 0) call check_piece(body%motions(i), body, load_case, error)
          if (allocated(error)) return
       end do
    end subroutine check_balance
 
    !> Refuses loads that drive a piece away. Of a cell that other pieces touch, too, its own part counts.
-   pure subroutine check_piece(motions, mesh, zone, forces, error)
+   pure subroutine check_piece(motions, body, load_case, error)
       type(rigid_motions_t), intent(in) :: motions !! the motions of the piece that the supports leave free
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(contact_zone_t), intent(in) :: zone !! the contact points, their friction set
-      real(dp), intent(in) :: forces(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
       type(error_t), allocatable, intent(out) :: error !! the piece flies off; names the motion
       real(dp), parameter :: unbalanced = 1.0e-9_dp
-      real(dp) :: cone(motions%n_free, 3*zone%n_points), work(motions%n_free), remainder(motions%n_free)
+      real(dp) :: cone(motions%n_free, 3*body%zone%n_points), work(motions%n_free), remainder(motions%n_free)
       real(dp) :: motion(2, motions%n_free), shear(2), scale
-      logical :: is_inside(mesh%n_nodes)
+      logical :: is_inside(body%mesh%n_nodes)
       integer :: i, p
 
       work = 0.0_dp
       scale = 0.0_dp
       do i = 1, size(motions%node)
-         associate (force => forces(:, motions%node(i)))
+         associate (force => load_case%force(:, motions%node(i)))
             if (.not. any(abs(force) > 0.0_dp)) cycle
-            motion = motions%displacement(mesh%coordinates(:, motions%node(i)))
+            motion = motions%displacement(body%mesh%coordinates(:, motions%node(i)))
             work = work + matmul(force, motion)
             scale = scale + maxval(abs(matmul(force, motion)))
          end associate
@@ -64,22 +61,24 @@ contains
       is_inside = .false.
       is_inside(motions%node) = .true.
       cone = 0.0_dp
-      do p = 1, zone%n_points
-         if (.not. zone%is_in_reach(p)) cycle
-         do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
-            if (.not. is_inside(zone%rows%node(i))) cycle
-            motion = motions%displacement(mesh%coordinates(:, zone%rows%node(i)))
-            associate (normal => zone%rows%part(:, i))
-               shear = merge(0.0_dp, zone%friction(p), zone%is_guided(p))*turned(normal)
-               cone(:, 3*p - 2) = cone(:, 3*p - 2) + matmul(normal + shear, motion)
-               cone(:, 3*p - 1) = cone(:, 3*p - 1) + matmul(normal - shear, motion)
-               cone(:, 3*p) = cone(:, 3*p) + matmul(normal, motion)
-            end associate
+      associate (zone => body%zone)
+         do p = 1, zone%n_points
+            if (.not. load_case%is_in_reach(p)) cycle
+            do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+               if (.not. is_inside(zone%rows%node(i))) cycle
+               motion = motions%displacement(body%mesh%coordinates(:, zone%rows%node(i)))
+               associate (normal => zone%rows%part(:, i))
+                  shear = merge(0.0_dp, load_case%friction(p), zone%is_guided(p))*turned(normal)
+                  cone(:, 3*p - 2) = cone(:, 3*p - 2) + matmul(normal + shear, motion)
+                  cone(:, 3*p - 1) = cone(:, 3*p - 1) + matmul(normal - shear, motion)
+                  cone(:, 3*p) = cone(:, 3*p) + matmul(normal, motion)
+               end associate
+            end do
          end do
-      end do
+      end associate
       remainder = nonnegative_remainder(cone, work)
       if (norm2(remainder) <= unbalanced*scale) return
-      if (zone%n_points == 0) then
+      if (body%zone%n_points == 0) then
          call new_error(error, numerical_failure, 'nothing holds the body against a '//motions%describe(remainder)// &
             '; add a support or a contact set')
       else

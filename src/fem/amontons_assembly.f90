@@ -225,15 +225,16 @@ contains
    end function to_unknowns
 
    !> Spreads a vector of the unknowns to the nodes, prescribed displacements included.
-   pure function from_unknowns(vector, constraints, dof_map) result(displacement)
+   pure function from_unknowns(vector, prescribed, constraints, dof_map) result(displacement)
       real(dp), intent(in) :: vector(:) !! the unknowns (n_dofs) [L]
+      real(dp), intent(in) :: prescribed(:, :) !! prescribed displacements (2, n_nodes) [L]
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       real(dp), allocatable :: displacement(:, :)
       real(dp) :: frame(2, 2)
       integer :: node, axis
 
-      displacement = constraints%prescribed
+      displacement = prescribed
       do node = 1, size(displacement, 2)
          frame = constraints%frame(node)
          do axis = 1, 2

@@ -24,12 +24,11 @@ module amontons_constraints
       character(:), allocatable :: origin !! where the support was specified, for messages: 'deck.nml:12: '
    end type support_t
 
-   !> The supports, node by node. Each node has an orthonormal frame (e1, e2); its displacement is the prescribed part
-   !> plus the free parts along e1 and e2.
+   !> Which components the supports hold, node by node. Each node has an orthonormal frame (e1, e2); its displacement is
+   !> what a load case prescribes plus the free parts along e1 and e2.
    type :: constraints_t
       logical, allocatable :: is_free(:, :) !! whether the node can move along e1, e2 (2, n_nodes)
       real(dp), allocatable :: axis(:, :) !! e1; e2 is e1 turned by +90 degrees (2, n_nodes) [-]
-      real(dp), allocatable :: prescribed(:, :) !! the prescribed displacement, x and y (2, n_nodes) [L]
    contains
       procedure :: frame => constraints_frame
       procedure :: leaves_free => constraints_leaves_free
@@ -51,22 +50,24 @@ contains
       support%origin = ''
    end subroutine new_support
 
-   !> Applies all supports to the nodes of a mesh.
-   subroutine new_constraints(constraints, mesh, supports, error)
+   !> Applies all supports to the nodes of a mesh. Supports that hold the same components make the same constraints,
+   !> whatever displacements they prescribe.
+   subroutine new_constraints(constraints, prescribed, mesh, supports, error)
       type(constraints_t), intent(out) :: constraints !! the constraints
+      real(dp), allocatable, intent(out) :: prescribed(:, :) !! prescribed displacements, x and y (2, n_nodes) [L]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(support_t), intent(in) :: supports(:) !! the supports
       type(error_t), allocatable, intent(out) :: error !! a set or node is missing, or supports contradict each other
       integer :: i
 
       allocate (constraints%is_free(2, mesh%n_nodes), source=.true.)
-      allocate (constraints%axis(2, mesh%n_nodes), constraints%prescribed(2, mesh%n_nodes), source=0.0_dp)
+      allocate (constraints%axis(2, mesh%n_nodes), prescribed(2, mesh%n_nodes), source=0.0_dp)
       constraints%axis(1, :) = 1.0_dp
       do i = 1, size(supports)
          if (len(supports(i)%set) == 0) then
-            call hold_point(constraints, mesh, supports(i), error)
+            call hold_point(constraints, prescribed, mesh, supports(i), error)
          else
-            call hold_set(constraints, mesh, supports(i), error)
+            call hold_set(constraints, prescribed, mesh, supports(i), error)
          end if
          if (.not. allocated(error)) cycle
          error%message = supports(i)%origin//error%message
@@ -75,8 +76,9 @@ contains
    end subroutine new_constraints
 
    !> Applies a support to the node at its point; normal and tangential components do not exist there.
-   subroutine hold_point(constraints, mesh, support, error)
+   subroutine hold_point(constraints, prescribed, mesh, support, error)
       type(constraints_t), intent(inout) :: constraints !! the constraints
+      real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements (2, n_nodes) [L]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(support_t), intent(in) :: support !! the support
       type(error_t), allocatable, intent(out) :: error !! no node is there, or the supports contradict each other
@@ -88,12 +90,13 @@ contains
             to_text(support%point(2)))
          return
       end if
-      call hold_node(constraints, node, [0.0_dp, 0.0_dp], support, mesh%coordinates(:, node), error)
+      call hold_node(constraints, prescribed(:, node), node, [0.0_dp, 0.0_dp], support, mesh%coordinates(:, node), error)
    end subroutine hold_point
 
    !> Applies a support to all nodes of its boundary set.
-   subroutine hold_set(constraints, mesh, support, error)
+   subroutine hold_set(constraints, prescribed, mesh, support, error)
       type(constraints_t), intent(inout) :: constraints !! the constraints
+      real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements (2, n_nodes) [L]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(support_t), intent(in) :: support !! the support
       type(error_t), allocatable, intent(out) :: error !! no such set, or the supports contradict each other
@@ -103,14 +106,18 @@ contains
       call new_boundary_line(line, mesh, support%set, error)
       if (allocated(error)) return
       do i = 1, line%n_nodes
-         call hold_node(constraints, line%node(i), line%normal(:, i), support, mesh%coordinates(:, line%node(i)), error)
+         associate (node => line%node(i))
+            call hold_node(constraints, prescribed(:, node), node, line%normal(:, i), support, &
+               mesh%coordinates(:, node), error)
+         end associate
          if (allocated(error)) return
       end do
    end subroutine hold_set
 
    !> Holds the prescribed components of one node.
-   subroutine hold_node(constraints, node, normal, support, position, error)
+   subroutine hold_node(constraints, prescribed, node, normal, support, position, error)
       type(constraints_t), intent(inout) :: constraints !! the constraints
+      real(dp), intent(inout) :: prescribed(2) !! prescribed displacement of the node [L]
       integer, intent(in) :: node !! the node
       real(dp), intent(in) :: normal(2) !! outward normal at the node [-]
       type(support_t), intent(in) :: support !! the support
@@ -126,7 +133,7 @@ contains
       direction(:, 4) = [-normal(2), normal(1)]
       do component = 1, 4
          if (.not. support%is_held(component)) cycle
-         call constraints%hold(node, direction(:, component), support%displacement(component), is_consistent)
+         call constraints%hold(prescribed, node, direction(:, component), support%displacement(component), is_consistent)
          if (is_consistent) cycle
          call new_error(error, input_refused, 'the support contradicts an earlier one at the node '// &
             to_text(position(1))//', '//to_text(position(2)))
@@ -135,8 +142,9 @@ contains
    end subroutine hold_node
 
    !> Holds one direction of a node: direction . u = displacement.
-   pure subroutine constraints_hold(self, node, direction, displacement, is_consistent)
+   pure subroutine constraints_hold(self, prescribed, node, direction, displacement, is_consistent)
       class(constraints_t), intent(inout) :: self !! the constraints
+      real(dp), intent(inout) :: prescribed(2) !! prescribed displacement of the node [L]
       integer, intent(in) :: node !! the node
       real(dp), intent(in) :: direction(2) !! unit vector [-]
       real(dp), intent(in) :: displacement !! where to [L]
@@ -144,20 +152,19 @@ contains
       real(dp) :: frame(2, 2), missing, along(2)
       integer :: free
 
-      missing = displacement - dot_product(direction, self%prescribed(:, node))
+      missing = displacement - dot_product(direction, prescribed)
       if (all(self%is_free(:, node)) .and. all(abs(direction) > negligible)) self%axis(:, node) = direction
       frame = self%frame(node)
       ! The free axis that the direction has most of: the other one is held already, or normal to it.
       along = abs(matmul(direction, frame))
       free = maxloc(along, dim=1, mask=self%is_free(:, node) .and. along > negligible)
       if (free == 0) then
-         is_consistent = abs(missing) <= negligible*(abs(displacement) + norm2(self%prescribed(:, node)))
+         is_consistent = abs(missing) <= negligible*(abs(displacement) + norm2(prescribed))
          return
       end if
       is_consistent = .true.
       self%is_free(free, node) = .false.
-      self%prescribed(:, node) = self%prescribed(:, node) &
-         + frame(:, free)*missing/dot_product(direction, frame(:, free))
+      prescribed = prescribed + frame(:, free)*missing/dot_product(direction, frame(:, free))
    end subroutine constraints_hold
 
    !> Whether the supports leave a node some motion along a direction.
