@@ -5,15 +5,16 @@ module amontons_load_case
    use amontons_condensation, only: condensed_load_t
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_zone, only: contact_t
+   use amontons_contact_zone, only: contact_t, contact_zone_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_loads, only: load_t, load_vector
+   use amontons_mesh, only: mesh_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: condense_load_case, load_case_t, new_load_case, pose_problem, recover_displacement
+   public :: condense_load_case, load_case_t, new_load_case, pose_problem, recover_displacement, set_obstacles
 
    !> Loads, prescribed displacements, obstacles and friction.
    type :: load_case_t
@@ -49,7 +50,7 @@ contains
          call new_error(error, input_refused, 'the supports of a load case hold other components than those of its body')
          return
       end if
-      call set_obstacles(load_case, body, contacts, error)
+      call set_obstacles(load_case, body%zone, body%mesh, contacts, error)
       if (allocated(error)) return
       prescribed = body%zone%rows%displacement(load_case%prescribed)
       load_case%free_gap = load_case%gap - prescribed(:body%zone%n_points)
@@ -61,48 +62,48 @@ contains
    !> The gap is the distance to the obstacle along the point's normal; it is negative where the body overlaps the
    !> obstacle (interference). A point whose normal never meets the obstacle gets a gap that nothing closes. A cell has
    !> the means over its area.
-   pure subroutine set_obstacles(load_case, body, contacts, error)
+   pure subroutine set_obstacles(load_case, zone, mesh, contacts, error)
       type(load_case_t), intent(inout) :: load_case !! the load case
-      type(body_t), intent(in) :: body !! the body
-      type(contact_t), intent(in) :: contacts(:) !! its contact sets
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets, in the order of `new_contact_zone`
       type(error_t), allocatable, intent(out) :: error !! a boundary that faces away, or a negative friction
       real(dp), parameter :: out_of_reach = 1.0e3_dp
       real(dp) :: size_of_body, gap, share
       logical :: is_met
       integer :: p, i
 
-      associate (zone => body%zone, mesh => body%mesh)
-         size_of_body = norm2(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
-         allocate (load_case%gap(zone%n_points), load_case%friction(zone%n_points), &
-            load_case%slip_bound(zone%n_points), source=0.0_dp)
-         allocate (load_case%is_in_reach(zone%n_points), source=.true.)
-         do p = 1, zone%n_points
-            associate (contact => contacts(zone%set(p)), samples => zone%samples, friction => load_case%friction(p), &
-               bound => load_case%slip_bound(p))
-               do i = samples%start(p), samples%start(p + 1) - 1
-                  share = samples%share(i)
-                  call contact%obstacle%measure(samples%position(:, i), samples%normal(:, i), gap, is_met)
-                  load_case%is_in_reach(p) = load_case%is_in_reach(p) .and. is_met
-                  load_case%gap(p) = load_case%gap(p) + share*gap
-                  friction = friction + share*contact%friction%at(samples%position(:, i), samples%station(i))
-                  bound = bound + share*contact%slip_bound%at(samples%position(:, i), samples%station(i))*zone%area(p)
-               end do
-               load_case%gap(p) = load_case%gap(p) + contact%extra_gap
-               if (.not. load_case%is_in_reach(p)) load_case%gap(p) = out_of_reach*size_of_body
-               if (min(friction, bound) < 0.0_dp) then
-                  call new_error(error, input_refused, contact%origin//'friction or slip bound is negative at '// &
-                     to_text(zone%position(1, p))//', '//to_text(zone%position(2, p)))
-                  return
-               end if
-            end associate
-         end do
-         do i = 1, size(contacts)
-            if (any(load_case%is_in_reach .and. zone%set == i) .or. all(zone%set /= i)) cycle
-            call new_error(error, input_refused, contacts(i)%origin//'the boundary does not face its obstacle; '// &
-               'the normal of the obstacle must point to the body')
-            return
-         end do
-      end associate
+      size_of_body = norm2(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
+      load_case%gap = spread(0.0_dp, 1, zone%n_points)
+      load_case%friction = load_case%gap
+      load_case%slip_bound = load_case%gap
+      load_case%is_in_reach = spread(.true., 1, zone%n_points)
+      do p = 1, zone%n_points
+         associate (contact => contacts(zone%set(p)), samples => zone%samples, friction => load_case%friction(p), &
+            bound => load_case%slip_bound(p))
+            do i = samples%start(p), samples%start(p + 1) - 1
+               share = samples%share(i)
+               call contact%obstacle%measure(samples%position(:, i), samples%normal(:, i), gap, is_met)
+               load_case%is_in_reach(p) = load_case%is_in_reach(p) .and. is_met
+               load_case%gap(p) = load_case%gap(p) + share*gap
+               friction = friction + share*contact%friction%at(samples%position(:, i), samples%station(i))
+               bound = bound + share*contact%slip_bound%at(samples%position(:, i), samples%station(i))*zone%area(p)
+            end do
+            load_case%gap(p) = load_case%gap(p) + contact%extra_gap
+            if (.not. load_case%is_in_reach(p)) load_case%gap(p) = out_of_reach*size_of_body
+            if (min(friction, bound) < 0.0_dp) then
+               call new_error(error, input_refused, contact%origin//'friction or slip bound is negative at '// &
+                  to_text(zone%position(1, p))//', '//to_text(zone%position(2, p)))
+               return
+            end if
+         end associate
+      end do
+      do i = 1, size(contacts)
+         if (any(load_case%is_in_reach .and. zone%set == i) .or. all(zone%set /= i)) cycle
+         call new_error(error, input_refused, contacts(i)%origin//'the boundary does not face its obstacle; '// &
+            'the normal of the obstacle must point to the body')
+         return
+      end do
    end subroutine set_obstacles
 
    !> Condenses the loads of a case, prescribed displacements included.
