@@ -4,7 +4,7 @@ import re
 import sys
 from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parent.parent / "src"
+SOURCE = Path(__file__).resolve().parents[2] / "src"
 # From the bottom up. The facade src/amontons.f90 lies above the library; only the program may use it.
 LAYERS = ["base", "linalg", "fem", "contact", "case", "binding", "facade", "app"]
 FACADE = "amontons"

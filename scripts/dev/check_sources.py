@@ -11,7 +11,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ["src", "tests", "scripts", "cmake", ".ci"]
 MAX_COLUMNS, MAX_FILE_LINES, MAX_PROCEDURE_LINES = 120, 400, 60
 FORTRAN = (".f90", ".f90.in", ".pf")

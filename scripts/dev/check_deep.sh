@@ -3,7 +3,7 @@
 # optimised code, valgrind, and whether a build can be repeated.
 # shellcheck disable=SC2317 # the function is called through check
 set -euo pipefail
-cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
+cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/../.."
 
 scripts/setup.sh build test deep
 
@@ -26,7 +26,7 @@ check() { # name, command...
 
 check release run_tests release
 check sanitize run_tests sanitize
-check coverage scripts/coverage.sh
-check valgrind scripts/valgrind.sh
-check reproducible scripts/reproducible.sh
+check coverage scripts/dev/coverage.sh
+check valgrind scripts/dev/valgrind.sh
+check reproducible scripts/dev/reproducible.sh
 exit "$status"

@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 FENCE = re.compile(r"^ *(```|~~~)")
 HEADING = re.compile(r"^#{1,6} +(.*?) *#*$")
 CODE = re.compile(r"(`+).+?\1")
