@@ -47,6 +47,7 @@ check() {
 check 'release build without warnings' scripts/build.sh release
 check layers scripts/dev/check_layers.py
 check 'lengths, comments, no stop, no print' scripts/dev/check_sources.py
+check 'every test is run and asks something' scripts/dev/check_tests.py
 check fortitude .venv/bin/fortitude check --quiet --output-format concise src tests
 check findent findent_changes_nothing
 check 'FORD without warnings' ford_has_no_warnings

@@ -1,15 +1,19 @@
 #!/usr/bin/env python3
-"""Checks that a file is a module, a folder of src/ is a layer, and a module uses its own layer and those below only."""
+"""Checks that a file is a module, a folder of src/ is a layer, and a module uses its own layer and those below only.
+
+Usage: check_layers.py [ROOT]
+"""
 import re
 import sys
 from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parents[2] / "src"
+ROOT = Path(sys.argv[1]).resolve() if sys.argv[1:] else Path(__file__).resolve().parents[2]
+SOURCE = ROOT / "src"
 # From the bottom up. The facade src/amontons.f90 lies above the library; only the program may use it.
 LAYERS = ["base", "linalg", "fem", "contact", "case", "binding", "facade", "app"]
 FACADE = "amontons"
 FOREIGN_MODULES = {"hdf5", "omp_lib"}
-WORDS_OF_LINALG = re.compile(r"dpbtrf|cholmod", re.IGNORECASE)
+WORDS_OF_LINALG = re.compile(r"dpbtrf|cholmod|umfpack", re.IGNORECASE)
 UNIT = re.compile(r"^\s*(?:module|program)\s+(?!procedure\b|subroutine\b|function\b)(\w+)\s*(?:!.*)?$", re.IGNORECASE)
 # gfortran takes a module and a procedure of C that share a name for one and calls the wrong one.
 BIND = re.compile(r"\bbind\s*\(\s*c\s*,\s*name\s*=\s*['\"](\w+)['\"]", re.IGNORECASE)

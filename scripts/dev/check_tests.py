@@ -104,8 +104,8 @@ def script_faults(path):
     tree = ast.parse(path.read_text(encoding="utf-8"))
     if not any(isinstance(node, ast.FunctionDef) and node.name.startswith("test") for node in ast.walk(tree)):
         yield 1, "there is no test in it"
-    calls = [ast.unparse(node.func) for statement in tree.body if isinstance(statement, ast.If)
-             and "__main__" in ast.unparse(statement.test) for node in ast.walk(statement) if isinstance(node, ast.Call)]
+    last = [statement for statement in tree.body if isinstance(statement, ast.If) and "__main__" in ast.dump(statement)]
+    calls = [ast.unparse(node.func) for statement in last for node in ast.walk(statement) if isinstance(node, ast.Call)]
     if not {"main", "unittest.main"}.intersection(calls):
         yield 1, "it does not run its tests when it is called"
 

@@ -170,6 +170,7 @@ class Tests:
         """Builds the copy unchanged and runs all that will be run; fails where a test does."""
         copy_sources()
         self.require(run(["cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug"]))
+        self.require(run(["cmake", "--build", BUILD, "--parallel", "2"]))
         status, text = run(["ctest", "--test-dir", BUILD, "--show-only=json-v1"])
         self.require((status, text))
         for test in json.loads(text[text.index("{"):])["tests"]:
@@ -179,7 +180,6 @@ class Tests:
         for name, files in executables(TREE / "tests").items():
             for path in files:
                 self.suites[path.stem] = (name, path.read_text(encoding="utf-8"))
-        self.require(run(["cmake", "--build", BUILD, "--parallel", "2"]))
         for name in self.units:
             self.require((0 if self.run_unit(name) else 1, f"the unit tests {name} fail unchanged"))
         self.require((0 if self.run_program() else 1, "tests of the program fail unchanged"))
