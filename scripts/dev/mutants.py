@@ -3,8 +3,9 @@
 Usage: mutants.py [--list | --random COUNT SEED] [WORD...]; see scripts/mutants.sh.
 
 The changes are made in a copy, build/mutants/tree, that keeps its own debug build: a change costs the compilation of
-one file. The tests that know most of a module run first: those of the .pf files that use it; then all unit tests, and
-last some tests of the program, until one fails. What was found is kept, with what sources and tests were then.
+one file. The tests that know most of a module run first, for all changes: those of the .pf files that use it. What they do
+not notice meets all unit tests and some tests of the program, until one fails. Verdicts are kept, with the state of
+sources and tests that they hold for.
 """
 import hashlib
 import json
@@ -29,7 +30,7 @@ FOLDERS = ("bench", "cmake", "doc", "input", "python", "scripts", "src", "tests"
 PROGRAM_TESTS = "^(verification_.*|program_(files|sweep|reduced|all_solutions|numbers))$"
 PASSED = re.compile(r"^ OK\n \((\d+) tests?", re.MULTILINE)
 # How much longer than unchanged a test may take: a change may make an iteration endless.
-SLOWER, MORE_SECONDS = 10, 60
+SLOWER, MORE_SECONDS = 5, 30
 # What --random does to an expression.
 OPERATORS = ((" + ", " - "), (" - ", " + "), (" < ", " <= "), (" <= ", " < "), (" > ", " >= "), (" >= ", " > "),
              (" == ", " /= "), (" /= ", " == "), (".and.", ".or."), (".or.", ".and."), (".not. ", ""), ("max(", "min("),
@@ -217,22 +218,44 @@ class Tests:
         """Whether the tests of the program pass."""
         return self.timed("program", ["ctest", "--test-dir", BUILD, "-R", PROGRAM_TESTS, "--stop-on-failure"])[0] == 0
 
-    def killer(self, module):
-        """What notices the change that the copy has: the name of a test, 'compiler', or nothing."""
-        using = [(suite, name) for suite, (name, text) in self.suites.items() if re.search(rf"\buse {module}\b", text)]
-        first = list(dict.fromkeys(name for _, name in using))
-        rest = sorted(set(self.units) - set(first), key=self.seconds.get)
-        for target in [*first, *rest, "amontons_app"]:
-            if run(["cmake", "--build", BUILD, "--parallel", "2", "--target", target])[0] != 0:
+    def users(self, module):
+        """The suites of unit tests that use a module, each with its executable."""
+        return [(suite, name) for suite, (name, text) in self.suites.items() if re.search(rf"\buse {module}\b", text)]
+
+    def build(self, *target):
+        """Whether the copy builds, all of it or a target."""
+        return run(["cmake", "--build", BUILD, "--parallel", "2", *(["--target", *target] if target else [])])[0] == 0
+
+    def first_killer(self, module):
+        """What notices the change that the copy has among the suites that use the module, or 'compiler'."""
+        for suite, name in self.users(module):
+            if not self.build(name):
                 return "compiler"
-            for suite in [suite for suite, name in using if name == target]:
-                if not self.run_unit(target, suite):
-                    return suite
-            if target in self.units and not self.run_unit(target):
-                return target
-        if run(["cmake", "--build", BUILD, "--parallel", "2"])[0] != 0:
+            if not self.run_unit(name, suite):
+                return suite
+        return None
+
+    def last_killer(self, module):
+        """What notices it among all tests: those of its own layer first, then the quickest."""
+        own = list(dict.fromkeys(name for _, name in self.users(module)))
+        if not self.build():
             return "compiler"
+        for name in own + sorted(set(self.units) - set(own), key=self.seconds.get):
+            if not self.run_unit(name):
+                return name
         return None if self.run_program() else "program"
+
+
+def try_mutant(mutant, find_killer):
+    """Tries a change with one of the two ways to find a killer; returns it and the seconds that took."""
+    start = time.monotonic()
+    copy = TREE / mutant.path.relative_to(ROOT)
+    try:
+        copy.write_text(mutant.text(), encoding="utf-8")
+        killer = find_killer(mutant.module)
+    finally:
+        copy.write_bytes(mutant.path.read_bytes())
+    return killer, time.monotonic() - start
 
 
 def try_mutants(mutants):
@@ -245,20 +268,20 @@ def try_mutants(mutants):
     if left:
         print(f"{len(left)} of {len(mutants)} changes to try; building and testing the unchanged sources", flush=True)
         tests.prepare()
-    for mutant in left:
-        start = time.monotonic()
-        copy = TREE / mutant.path.relative_to(ROOT)
-        try:
-            copy.write_text(mutant.text(), encoding="utf-8")
-            killer = tests.killer(mutant.module)
-        finally:
-            copy.write_bytes(mutant.path.read_bytes())
-        seconds = time.monotonic() - start
-        verdicts[mutant.key()] = {"state": present, "killer": killer, "seconds": seconds}
-        RECORD.write_text(json.dumps(verdicts, indent=1), encoding="utf-8")
-        print(f"{seconds:5.0f} s  {killer or 'SURVIVED':24} {mutant.name}", flush=True)
-        if killer in (None, "compiler"):
-            print(f"{'':9}{mutant.old}\n{'':9}{mutant.new}", flush=True)
+    for find_killer in (tests.first_killer, tests.last_killer):
+        unnoticed = []
+        for mutant in left:
+            killer, seconds = try_mutant(mutant, find_killer)
+            if killer is None and find_killer == tests.first_killer:
+                unnoticed.append(mutant)
+            else:
+                verdicts[mutant.key()] = {"state": present, "killer": killer}
+                RECORD.write_text(json.dumps(verdicts, indent=1), encoding="utf-8")
+            label = killer or ("SURVIVED" if find_killer == tests.last_killer else "not by its own tests")
+            print(f"{seconds:5.0f} s  {label:24} {mutant.name}", flush=True)
+            if killer in (None, "compiler"):
+                print(f"{'':9}- {mutant.old}\n{'':9}+ {mutant.new}", flush=True)
+        left = unnoticed
     return [verdicts[mutant.key()]["killer"] for mutant in mutants]
 
 
