@@ -3,9 +3,9 @@
 Usage: mutants.py [--list | --random COUNT SEED] [WORD...]; see scripts/mutants.sh.
 
 The changes are made in a copy, build/mutants/tree, that keeps its own debug build: a change costs the compilation of
-one file. The tests that know most of a module run first, for all changes: those of the .pf files that use it. What they do
-not notice meets all unit tests and some tests of the program, until one fails. Verdicts are kept, with the state of
-sources and tests that they hold for.
+one file. The tests that know most of a module run first, for all changes: those of the .pf files that use it. What
+they do not notice meets all unit tests and some tests of the program, until one fails. Verdicts are kept, with the
+state of sources and tests that they hold for.
 """
 import hashlib
 import json

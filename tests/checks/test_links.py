@@ -27,7 +27,8 @@ class Links(CheckerTest):
                          "`[code](none.md)`\n```\n[code](none.md)\n```\n")
 
     def test_links_that_lead_nowhere_are_refused(self):
-        self.assert_page("One [file](none.md)\n\nand [heading](doc/other.md#none), [own](#none) [text\nof](doc/none.md).\n\n"
+        self.assert_page("One [file](none.md)\n\nand [heading](doc/other.md#none), [own](#none) [text\n"
+                         "of](doc/none.md).\n\n"
                          "[reference]: doc/gone.md\n",
                          "1: there is no none.md", "3: doc/other.md has no heading #none",
                          "3: page.md has no heading #none", "4: there is no doc/none.md", "6: there is no doc/gone.md")

@@ -44,7 +44,8 @@ class Sources(CheckerTest):
 
     def test_sound_module_is_accepted(self):
         self.assert_refused("sound")
-        self.assert_refused("words in strings and comments", body="text = 'a; stop' ! ; stop\nstopped = 1; printed = 2")
+        self.assert_refused("words in strings and comments",
+                            body="text = 'a; stop' ! ; stop\nstopped = 1; printed = 2")
         self.assert_refused("a string over two lines", body="text = 'it goes on &\n   &; stop'")
         self.assert_refused("a write to a file", body="write (unit, '(a)') text; write (60, *) text")
 
@@ -83,7 +84,8 @@ class Sources(CheckerTest):
     def test_components_and_arguments_need_comments(self):
         self.assert_refused("component", (9, "no !! at this component"), declarations=(
             "   !> A type.\n   type :: pair_t\n      character(len=3) :: name = 'a'\n   end type pair_t"))
-        self.assert_refused("type", (7, "no !> above this type"), declarations="   type :: empty_t\n   end type empty_t")
+        self.assert_refused("type", (7, "no !> above this type"),
+                            declarations="   type :: empty_t\n   end type empty_t")
         self.assert_refused("procedure and argument", (16, "no !> above this subroutine"),
                             (17, "no !! at this argument: i"), body=(
             "   end subroutine work\n\n   subroutine other(i)\n      integer, intent(in) :: i\n"

@@ -34,7 +34,8 @@ class Tests(CheckerTest):
     def setUp(self):
         super().setUp()
         self.write("tests/CMakeLists.txt", "add_subdirectory(base) # add_subdirectory(attic)\n")
-        self.write("tests/base/CMakeLists.txt", "add_unit_test(base SOURCES test_one.pf)\nadd_program_test(two program)\n"
+        self.write("tests/base/CMakeLists.txt",
+                   "add_unit_test(base SOURCES test_one.pf)\nadd_program_test(two program)\n"
                    "foreach(name three four)\n  add_program_test(${name} program)\nendforeach()\n"
                    "file(STRINGS benchmarks.txt names)\n# test_six.pf, add_program_test(six program)\n")
         self.write("tests/base/benchmarks.txt", "five\n")
