@@ -3,9 +3,9 @@
 Usage: mutants.py [--list | --random COUNT SEED] [WORD...]; see scripts/mutants.sh.
 
 The changes are made in a copy, build/mutants/tree, that keeps its own debug build: a change costs the compilation of
-one file. The tests that know most of a module run first, for all changes: those of the .pf files that use it. What
-they do not notice meets all unit tests and some tests of the program, until one fails. Verdicts are kept, with the
-state of sources and tests that they hold for.
+one file. The tests that know most of a module run first, for all changes: those of the .pf files that use it or,
+where none does, the modules that use it. What they do not notice meets all unit tests and some tests of the program,
+until one fails. Verdicts are kept, with the state of sources and tests that they hold for.
 """
 import hashlib
 import json
@@ -121,6 +121,11 @@ def random_mutants(count, seed):
     return random.Random(seed).sample(found, min(count, len(found)))
 
 
+def used_modules(text):
+    """The modules that a source file uses."""
+    return set(re.findall(r"^ *use (\w+)", text, re.MULTILINE))
+
+
 def run(command, **options):
     """Runs a command; returns whether it succeeded, and what it printed. None for the status if it took too long."""
     try:
@@ -165,10 +170,12 @@ class Tests:
         self.seconds = {}
         self.units = {}
         self.suites = {}
+        self.texts = {module: path.read_text(encoding="utf-8") for module, path in sources().items()}
         self.is_changed = False
 
-    def prepare(self):
-        """Builds the copy unchanged and runs all that will be run; fails where a test does."""
+    def prepare(self, seconds):
+        """Builds the copy unchanged and runs all that will be run, unless it is known how long that takes; fails where
+        a test does."""
         copy_sources()
         self.require(run(["cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug"]))
         self.require(run(["cmake", "--build", BUILD, "--parallel", "2"]))
@@ -181,9 +188,11 @@ class Tests:
         for name, files in executables(TREE / "tests").items():
             for path in files:
                 self.suites[path.stem] = (name, path.read_text(encoding="utf-8"))
-        for name in self.units:
+        self.is_changed = bool(seconds)
+        self.seconds = seconds
+        for name in [] if seconds else self.units:
             self.require((0 if self.run_unit(name) else 1, f"the unit tests {name} fail unchanged"))
-        self.require((0 if self.run_program() else 1, "tests of the program fail unchanged"))
+        self.require((0 if seconds or self.run_program() else 1, "tests of the program fail unchanged"))
         self.is_changed = True
 
     @staticmethod
@@ -219,8 +228,15 @@ class Tests:
         return self.timed("program", ["ctest", "--test-dir", BUILD, "-R", PROGRAM_TESTS, "--stop-on-failure"])[0] == 0
 
     def users(self, module):
-        """The suites of unit tests that use a module, each with its executable."""
-        return [(suite, name) for suite, (name, text) in self.suites.items() if re.search(rf"\buse {module}\b", text)]
+        """The suites of unit tests that use a module or, where none does, the modules that use it, and so on; each with
+        its executable, the one named like the module first."""
+        reached = near = {module}
+        while near:
+            if found := [(suite, name) for suite, (name, text) in self.suites.items() if near & used_modules(text)]:
+                return sorted(found, key=lambda user: user[0] != module.replace("amontons", "test"))
+            near = {other for other, text in self.texts.items() if near & used_modules(text)} - reached
+            reached = reached | near
+        return []
 
     def build(self, *target):
         """Whether the copy builds, all of it or a target."""
@@ -228,9 +244,11 @@ class Tests:
 
     def first_killer(self, module):
         """What notices the change that the copy has among the suites that use the module, or 'compiler'."""
+        built = None
         for suite, name in self.users(module):
-            if not self.build(name):
+            if name != built and not self.build(name):
                 return "compiler"
+            built = name
             if not self.run_unit(name, suite):
                 return suite
         return None
@@ -263,11 +281,14 @@ def try_mutants(mutants):
     present = state()
     record = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.exists() else {}
     verdicts = {key: value for key, value in record.items() if value["state"] == present}
+    unchanged = verdicts.setdefault("unchanged", {"state": present, "seconds": {}})
     left = [mutant for mutant in mutants if mutant.key() not in verdicts]
     tests = Tests()
     if left:
         print(f"{len(left)} of {len(mutants)} changes to try; building and testing the unchanged sources", flush=True)
-        tests.prepare()
+        tests.prepare(unchanged["seconds"])
+        unchanged["seconds"] = tests.seconds
+        RECORD.write_text(json.dumps(verdicts, indent=1), encoding="utf-8")
     for find_killer in (tests.first_killer, tests.last_killer):
         unnoticed = []
         for mutant in left:
