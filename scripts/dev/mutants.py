@@ -229,11 +229,12 @@ class Tests:
 
     def users(self, module):
         """The suites of unit tests that use a module or, where none does, the modules that use it, and so on; each with
-        its executable, the one named like the module first."""
+        its executable, those named like these modules first."""
         reached = near = {module}
         while near:
             if found := [(suite, name) for suite, (name, text) in self.suites.items() if near & used_modules(text)]:
-                return sorted(found, key=lambda user: user[0] != module.replace("amontons", "test"))
+                names = {other.replace("amontons", "test") for other in near}
+                return sorted(found, key=lambda user: user[0] not in names)
             near = {other for other, text in self.texts.items() if near & used_modules(text)} - reached
             reached = reached | near
         return []
