@@ -45,7 +45,7 @@ check() {
 }
 
 check 'release build without warnings' scripts/build.sh release
-check layers scripts/dev/check_layers.py
+check rooms scripts/dev/check_layers.py
 check 'lengths, comments, no stop, no print' scripts/dev/check_sources.py
 check 'every test is run and asks something' scripts/dev/check_tests.py
 check fortitude .venv/bin/fortitude check --quiet --output-format concise src tests

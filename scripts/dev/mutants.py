@@ -255,7 +255,7 @@ class Tests:
         return None
 
     def last_killer(self, module):
-        """What notices it among all tests: those of its own layer first, then the quickest."""
+        """What notices it among all tests: those of its own executable first, then the quickest."""
         own = list(dict.fromkeys(name for _, name in self.users(module)))
         if not self.build():
             return "compiler"

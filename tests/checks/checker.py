@@ -23,10 +23,14 @@ class CheckerTest(unittest.TestCase):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
 
+    def run_checker(self):
+        """Runs the checker on the tree."""
+        return subprocess.run([sys.executable, "-B", SCRIPTS / self.script, self.root], capture_output=True,
+                              encoding="utf-8", check=False)
+
     def assert_finds(self, *faults):
         """Checks that the checker prints these faults, in any order, and no others."""
-        run = subprocess.run([sys.executable, "-B", SCRIPTS / self.script, self.root], capture_output=True,
-                             encoding="utf-8", check=False)
+        run = self.run_checker()
         self.assertEqual(run.stderr, "")
         self.assertEqual(sorted(run.stdout.splitlines()), sorted(faults))
         self.assertEqual(run.returncode, 1 if faults else 0)
