@@ -10,7 +10,7 @@ install(TARGETS amontons_app)
 install(DIRECTORY "$<TARGET_PROPERTY:amontons,Fortran_MODULE_DIRECTORY>/" DESTINATION "${_module_dir}"
   FILES_MATCHING PATTERN "*.mod")
 install(FILES "${PROJECT_SOURCE_DIR}/doc/amontons.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
-install(FILES "${PROJECT_SOURCE_DIR}/scripts/amontons.bash" RENAME amontons
+install(FILES "${PROJECT_SOURCE_DIR}/doc/amontons.bash" RENAME amontons
   DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions")
 install(EXPORT amontonsTargets NAMESPACE amontons:: DESTINATION "${_package_dir}")
 if(AMONTONS_SHARED)

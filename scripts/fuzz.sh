@@ -21,7 +21,7 @@ for preset in sanitize debug; do
    scripts/build.sh "$preset"
 done
 status=0
-fuzz() { (($3 == 0)) || python3 -B scripts/fuzz.py "build/$1/bin/amontons" "$2" "$3" "$4" || status=1; }
+fuzz() { (($3 == 0)) || python3 -B scripts/dev/fuzz.py "build/$1/bin/amontons" "$2" "$3" "$4" || status=1; }
 for ((done = 0; done < count; done += round)); do
    n=$((count - done < round ? count - done : round))
    start=$((first + done))

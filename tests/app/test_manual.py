@@ -10,7 +10,7 @@ from harness import PROGRAM, SUFFIXES, ProgramTest
 
 ROOT = Path(__file__).resolve().parents[2]
 MANUAL = ROOT / "doc" / "amontons.1"
-COMPLETION = ROOT / "scripts" / "amontons.bash"
+COMPLETION = ROOT / "doc" / "amontons.bash"
 
 
 class Manual(ProgramTest):

@@ -44,7 +44,7 @@ METHODS = {  # label: what the deck's &solver says
 FINITE = ("auto", "newton", "lemke")  # they end in exact steps: their residuals tell no rate
 BODIES = {"held by contact alone": "", "pinned at (40, 0)": "&support point = 40.0, 0.0  uy = 0.0 /"}
 ALONE, PINNED = BODIES
-INPUT = pathlib.Path(__file__).resolve().parent.parent / "input"
+INPUT = pathlib.Path(__file__).resolve().parents[2] / "input"
 
 
 def deck(name, row, element, segments, body, solver):

@@ -4,7 +4,7 @@ import pathlib
 import random
 import re
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 LARGEST_SEED = 30000
 NUMBERS = (b"0", b"-1", b"1", b"2", b"7", b"127", b"255", b"65536", b"2147483647", b"2147483648", b"-2147483648",
            b"4294967297", b"99999999999999999999", b"1e308", b"1e-308", b"4.9e-324", b"1e999", b"-0.0", b"nan", b"inf",

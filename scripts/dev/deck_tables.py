@@ -11,7 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-PAGE = Path(__file__).resolve().parent.parent / "doc" / "decks.md"
+PAGE = Path(__file__).resolve().parents[2] / "doc" / "decks.md"
 TABLE = re.compile(r"(?<=<!-- amontons --reference )(\w+)( -->\n).*?(?=<!-- end of reference -->)", re.DOTALL)
 
 

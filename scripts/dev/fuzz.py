@@ -2,10 +2,10 @@
 
 Usage: fuzz.py PROGRAM FORMAT COUNT [FIRST]
 
-FORMAT is one of those in mutations.py. Mutation number k is the same in every run, so FIRST goes on where another run
-stopped. Many files go to one command, which checks them; those in order go to a second one, which solves them. Where
-the program dies, hangs, grows, says nothing, says that all is well when it is not, leaves a torn or surplus file or
-writes a number that is none, the culprit is looked for, made as small as it still does that, kept in build/fuzz and
+FORMAT is one of those in spoilt_files.py. Mutation number k is the same in every run, so FIRST goes on where another
+run stopped. Many files go to one command, which checks them; those in order go to a second one, which solves them.
+Where the program dies, hangs, grows, says nothing, says that all is well when it is not, leaves a torn or surplus file
+or writes a number that is none, the culprit is looked for, made as small as it still does that, kept in build/fuzz and
 printed.
 """
 
@@ -21,9 +21,9 @@ import subprocess
 import sys
 import tempfile
 
-import mutations
+import spoilt_files
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 BATCH = 200
 SECONDS_EACH = 10
 SECONDS_A_BATCH = 120
@@ -101,7 +101,7 @@ def write_case(folder, kind, number, data):
         deck.write_bytes(data)
     elif kind == "table":
         (folder / f"{stem}.csv").write_bytes(data)
-        deck.write_bytes(mutations.body_with_table(list(mutations.TABLES)[number % 3], f"{stem}.csv"))
+        deck.write_bytes(spoilt_files.body_with_table(list(spoilt_files.TABLES)[number % 3], f"{stem}.csv"))
     else:
         mesh = folder / f"{stem}{'.inp' if kind == 'abaqus' else '.msh'}"
         mesh.write_bytes(data)
@@ -165,14 +165,14 @@ class Fuzzer:
     def __init__(self, program, kind):
         self.program, self.kind = Program(program), kind
         self.n_solved = self.n_refused = 0
-        seeds = None if kind == "command" else mutations.seeds_of(kind)
+        seeds = None if kind == "command" else spoilt_files.seeds_of(kind)
         if seeds and not seeds[0]:
             raise SystemExit(f"{kind}: no seeds")
-        self.mutator = mutations.Mutator(kind, *seeds) if seeds else None
+        self.mutator = spoilt_files.Mutator(kind, *seeds) if seeds else None
 
     def mutation(self, k):
         """The mutation with this number."""
-        return mutations.command_line(k) if self.kind == "command" else self.mutator.mutation(k)
+        return spoilt_files.command_line(k) if self.kind == "command" else self.mutator.mutation(k)
 
     def complaint(self, cases, seconds):
         """What is wrong with the way the program takes some mutations, given by their numbers; None if nothing is."""
@@ -231,7 +231,7 @@ class Fuzzer:
 
     def complaint_of_command(self, folder, words):
         """What is wrong with the way the program takes a command line; None if nothing is."""
-        (folder / "sound.nml").write_bytes(mutations.BODY + b"&contact set = 'bottom'  friction = 0.3 /\n")
+        (folder / "sound.nml").write_bytes(spoilt_files.BODY + b"&contact set = 'bottom'  friction = 0.3 /\n")
         (folder / "bad.nml").write_text("&mesh /\n")
         shutil.copy(ROOT / "tests/reduced/dense.dat", folder / "problem.dat")
         before = len(os.listdir(folder))
@@ -300,6 +300,6 @@ class Fuzzer:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 4 or sys.argv[2] not in mutations.FORMATS:
+    if len(sys.argv) < 4 or sys.argv[2] not in spoilt_files.FORMATS:
         sys.exit(__doc__)
     sys.exit(1 if Fuzzer(sys.argv[1], sys.argv[2]).run(*map(int, (sys.argv[3:] + ["0"])[:2])) else 0)

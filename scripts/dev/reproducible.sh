@@ -2,7 +2,7 @@
 # Builds and installs the release twice, from copies of the sources in two folders, and compares every installed file.
 # Exit status: 0 if all are the same to the last bit.
 set -euo pipefail
-cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
+cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/../.."
 
 scripts/setup.sh build
 work=$(mktemp -d)
@@ -18,7 +18,7 @@ build() { # folder
 folders=("$work/one" "$work/a/deeper/folder")
 for folder in "${folders[@]}"; do
    mkdir -p "$folder/sources"
-   cp -R CMakeLists.txt bench cmake doc python scripts src "$folder/sources"
+   cp -R CMakeLists.txt bench cmake doc python src "$folder/sources"
 done
 sums=()
 for folder in "${folders[@]}"; do

@@ -20,6 +20,7 @@ _amontons() {
       --reduced) kinds='*.dat' ;;
       --reference) kinds=groups ;;
       --verify) kinds='' ;;
+      *) ;;
       esac
    done
    if [[ $only_decks == false ]]; then
@@ -30,6 +31,7 @@ _amontons() {
          return
          ;;
       --threads) return ;;
+      *) ;;
       esac
       if [[ $word == -* ]]; then
          mapfile -t COMPREPLY < <(compgen -W "$options --help --version" -- "$word")

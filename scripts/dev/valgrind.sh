@@ -2,7 +2,7 @@
 # Runs the program and some of the unit tests under valgrind's memcheck: every read of what was never written, every
 # access outside of an allocation and every block that is lost is an error. Nothing is suppressed.
 set -euo pipefail
-cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
+cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/../.."
 
 scripts/setup.sh build deep
 scripts/build.sh debug

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""Checks that every relative link of the Markdown pages leads to a file, and its anchor to a heading."""
+"""Checks that every relative link of the Markdown pages leads to a file, and its anchor to a heading.
+
+Usage: check_links.py [ROOT]
+"""
 import re
 import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(sys.argv[1]).resolve() if sys.argv[1:] else Path(__file__).resolve().parents[2]
 FENCE = re.compile(r"^ *(```|~~~)")
 HEADING = re.compile(r"^#{1,6} +(.*?) *#*$")
 CODE = re.compile(r"(`+).+?\1")

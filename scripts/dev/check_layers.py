@@ -1,10 +1,14 @@
 #!/usr/bin/env python3
-"""Checks that a file is a module, a folder of src/ is a room, and a module uses its own room and those it may."""
+"""Checks that a file is a module, a folder of src/ is a room, and a module uses its own room and those it may.
+
+Usage: check_layers.py [ROOT]
+"""
 import re
 import sys
 from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parent.parent / "src"
+ROOT = Path(sys.argv[1]).resolve() if sys.argv[1:] else Path(__file__).resolve().parents[2]
+SOURCE = ROOT / "src"
 CONTACT = ["contact/problem", "contact/methods", "contact/uniqueness", "contact/model"]
 # What the modules of a room may use besides their own room and `base`. The methods see the contact problem only.
 MAY_USE = {
@@ -22,7 +26,8 @@ MAY_USE = {
     "solve": ["case", *CONTACT, "elasticity", "mesh", "mesh/io", "linalg", "system"],
     "output": ["solve", "study/reduced", "case", *CONTACT, "elasticity", "mesh", "linalg", "system"],
     "study/sweep": ["output", "solve", "case", *CONTACT, "elasticity", "linalg", "system"],
-    "study/reduced": ["output", "solve", "case", "contact/problem", "contact/methods", "contact/uniqueness", "linalg", "system"],
+    "study/reduced": ["output", "solve", "case", "contact/problem", "contact/methods", "contact/uniqueness", "linalg",
+                      "system"],
     "verify": ["study/sweep", "study/reduced", "output", "solve", "case", "contact/problem", "contact/model", "system"],
     "binding": ["study/sweep", "study/reduced", "output", "solve", "case", "contact/methods", "linalg"],
 }
@@ -30,7 +35,7 @@ MAY_USE = {
 FACADE, APP = "facade", "app"
 FACADE_MODULE = "amontons"
 FOREIGN_MODULES = {"omp_lib"}
-WORDS_OF_LINALG = re.compile(r"dpbtrf|cholmod", re.IGNORECASE)
+WORDS_OF_LINALG = re.compile(r"dpbtrf|cholmod|umfpack", re.IGNORECASE)
 UNIT = re.compile(r"^\s*(?:module|program)\s+(?!procedure\b|subroutine\b|function\b)(\w+)\s*(?:!.*)?$", re.IGNORECASE)
 # gfortran takes a module and a procedure of C that share a name for one and calls the wrong one.
 BIND = re.compile(r"\bbind\s*\(\s*c\s*,\s*name\s*=\s*['\"](\w+)['\"]", re.IGNORECASE)

@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 from urllib.parse import unquote
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 BOOTSTRAP = Path("/usr/share/javascript/bootstrap5")
 # The order in which one reads; pages that are not named here follow.
 ORDER = ["README", "guide", "decks", "output", "theory", "reduced", "library", "verification", "performance",

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Everything that is too slow for every change, with a line for each: coverage, the tests under the sanitizers and as
-# optimised code, valgrind, and whether a build can be repeated.
+# optimised code, valgrind, whether a build can be repeated, and whether the tests notice small changes of the sources.
 # shellcheck disable=SC2317 # the function is called through check
 set -euo pipefail
-cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
+cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/../.."
 
 scripts/setup.sh build test deep
 
@@ -26,7 +26,8 @@ check() { # name, command...
 
 check release run_tests release
 check sanitize run_tests sanitize
-check coverage scripts/coverage.sh
-check valgrind scripts/valgrind.sh
-check reproducible scripts/reproducible.sh
+check coverage scripts/dev/coverage.sh
+check valgrind scripts/dev/valgrind.sh
+check reproducible scripts/dev/reproducible.sh
+check mutants scripts/mutants.sh
 exit "$status"

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Installs the developer tools of requirements.txt into .venv, when they are not there yet.
 set -euo pipefail
-cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
+cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/../.."
 
-wanted=scripts/requirements.txt
+wanted=scripts/dev/requirements.txt
 installed=.venv/requirements.txt
 ! cmp --silent "$wanted" "$installed" || exit 0
 
