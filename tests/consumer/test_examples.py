@@ -22,7 +22,7 @@ LENGTHS = {"separated": 3.75, "sliding": 20.0, "sticking": 16.25}  # row 1 of th
 
 C_PROJECT = """cmake_minimum_required(VERSION 3.25)
 project(only_c LANGUAGES C)
-find_package(amontons 0.1 REQUIRED)
+find_package(amontons 0.2 REQUIRED)
 add_executable(from_c from_c.c)
 target_link_libraries(from_c PRIVATE amontons::amontons_c)
 """
