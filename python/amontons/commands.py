@@ -1,5 +1,6 @@
-"""The commands of the package: amontons-plot and amontons-report, which are `python -m amontons plot` and so on too, and
-amontons, the program, where it is part of the package."""
+"""The commands of the package: amontons-plot and amontons-report, also `python -m amontons plot` and `... report`, and
+amontons, the program, where it is part of the package.
+"""
 import importlib
 import os
 import sys

@@ -2,9 +2,9 @@
 
 What the program refuses raises an exception with the program's sentence. What does not converge is returned, with a
 warning and `is_solved` False. The module loads libamontons_c.so: the file that the environment variable
-AMONTONS_LIBRARY names, else the one of the wheel, the installation or the build tree it is part of, else the one that the
-system finds. Calls release Python's lock; from several threads they wait for each other, and each has threads of its own
-inside.
+AMONTONS_LIBRARY names, else the one of the wheel, the installation or the build tree it is part of, else the one that
+the system finds. Calls release Python's lock; from several threads they wait for each other, and each has threads of
+its own inside.
 """
 import csv
 import ctypes
