@@ -6,4 +6,4 @@ set -euo pipefail
 scripts=$(dirname "$(realpath "${BASH_SOURCE[0]}")")
 
 "$scripts/setup.sh" fclib
-exec /usr/bin/python3 -B "$scripts/../python/fclib.py" "$@"
+PYTHONPATH="$scripts/../python" exec /usr/bin/python3 -B -m amontons fclib "$@"

@@ -52,9 +52,7 @@ run_rows fine '256, 80'
 status=0
 python3 scripts/helpers/table1.py "$output/coarse" "$output/fine" || status=$?
 if $is_figure; then
-   scripts/setup.sh pictures
    build/release/bin/amontons --quiet --output "$output" input/long_bar_map.nml
-   PYTHONPATH=scripts/helpers \
-      /usr/bin/python3 -B scripts/figure.py "$output/coarse" "$output/long_bar_map" "$output"/figure.{png,svg}
+   scripts/python.sh scripts/helpers/figure.py "$output/coarse" "$output/long_bar_map" "$output"/figure.{png,svg}
 fi
 exit "$status"

@@ -24,7 +24,7 @@ MAY_USE = {
     "contact/model": ["contact/problem", "elasticity", "mesh", "linalg", "system"],
     "case": ["contact/model", "contact/methods", "elasticity", "mesh", "linalg", "system"],
     "solve": ["case", *CONTACT, "elasticity", "mesh", "mesh/io", "linalg", "system"],
-    "output": ["solve", "study/reduced", "case", *CONTACT, "elasticity", "mesh", "linalg", "system"],
+    "output": ["solve", "case", *CONTACT, "elasticity", "mesh", "linalg", "system"],
     "study/sweep": ["output", "solve", "case", *CONTACT, "elasticity", "linalg", "system"],
     "study/reduced": ["output", "solve", "case", "contact/problem", "contact/methods", "contact/uniqueness", "linalg",
                       "system"],

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-FOLDERS = ["src", "tests", "scripts", "cmake", ".ci"]
+FOLDERS = ["src", "tests", "scripts", "cmake", "python", "packaging", ".ci"]
 MAX_COLUMNS, MAX_FILE_LINES, MAX_PROCEDURE_LINES = 120, 400, 60
 FORTRAN = (".f90", ".f90.in", ".pf")
 TEXT = (*FORTRAN, ".c", ".h", ".py", ".sh", ".cmake", "CMakeLists.txt")

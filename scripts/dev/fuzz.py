@@ -10,6 +10,7 @@ printed.
 """
 
 import array
+import base64
 import json
 import math
 import os
@@ -122,13 +123,8 @@ def is_status_explained(status, output, errors):
 
 def bad_vtu(content):
     """Whether a number of a VTU file is not finite."""
-    head, _, data = content.partition(b'<AppendedData encoding="raw">\n_')
-    for match in re.finditer(rb'<DataArray type="Float64"[^>]*offset="(\d+)"', head):
-        offset = int(match[1])
-        length = int.from_bytes(data[offset:offset + 8], "little")
-        if not all(map(math.isfinite, array.array("d", data[offset + 8:offset + 8 + length]))):
-            return True
-    return False
+    arrays = re.findall(rb'<DataArray type="Float64"[^>]*>([^<]*)<', content)
+    return not all(all(map(math.isfinite, array.array("d", base64.b64decode(text)[8:]))) for text in arrays)
 
 
 def bad_file(path, status):

@@ -5,7 +5,7 @@ tests/reduced/fclib/held.dat and held.hdf5 are one problem, written at once by a
 own; the other files there are damaged.
 """
 import csv
-import importlib.util
+import importlib
 import shutil
 import subprocess
 import sys
@@ -29,10 +29,8 @@ ENTRIES = (2.0, 0.5001, 0.5, 3.0)
 TRIPLETS = {"nz": 4, "p": (0, 0, 1, 1), "i": (0, 1, 0, 1), "x": ENTRIES}
 GONE = object()
 
-specification = importlib.util.spec_from_file_location("fclib", ROOT / "python/fclib.py")
-fclib = importlib.util.module_from_spec(specification)
-sys.modules["fclib"] = fclib
-specification.loader.exec_module(fclib)
+sys.path.insert(0, str(ROOT / "python"))
+fclib = importlib.import_module("amontons.fclib")
 
 
 def full(problem):
@@ -59,7 +57,8 @@ class FclibTest(ProgramTest):
 
     def convert(self, *arguments, status=0):
         """Runs the converter, which prints nothing where all is well, and returns what it complained of."""
-        run = self.run_command([sys.executable, "-B", str(ROOT / "python/fclib.py"), *map(str, arguments)], status)
+        command = ["env", f"PYTHONPATH={ROOT}/python", sys.executable, "-B", "-m", "amontons", "fclib"]
+        run = self.run_command([*command, *map(str, arguments)], status)
         self.assertEqual(run.stdout, "")
         return run.stderr
 

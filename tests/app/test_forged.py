@@ -6,7 +6,7 @@ import shutil
 import struct
 import unittest
 
-from harness import CONTACT, PRESSURE, SUPPORT, block
+from harness import CONTACT, PRESSURE, SUPPORT, block, change_array
 from verification import PUSH, ROOT, Verification
 
 
@@ -25,34 +25,33 @@ class Forged(Verification):
         self.assert_every_array_is_checked("case_0.vtu", "case_0.contact.vtu")
 
     def test_structure_of_the_grids(self):
-        begin = b'<AppendedData encoding="raw">\n_'
+        def with_bytes(name, first, new):
+            return lambda content: change_array(content, name, lambda array: array[:first] + new
+                                                + array[first + len(new):])
 
-        def with_length(content):
-            at = content.index(begin) + len(begin)
-            return content[:at] + struct.pack("<Q", 8) + content[at + 8:]
+        def cut_behind(text, n_more):
+            return lambda content: content[:content.index(text) + len(text) + n_more]
 
-        def with_second_length(content):
-            at = content.index(begin) + len(begin)
-            at += 8 + struct.unpack_from("<Q", content, at)[0]
-            return content[:at] + struct.pack("<Q", 8) + content[at + 8:]
-
-        def with_no_number(content):
-            at = content.index(begin) + len(begin) + 8
-            return content[:at] + struct.pack("<d", float("nan")) + content[at + 8:]
-
+        no_number, displacement, types = struct.pack("<d", float("nan")), b'"3" format="binary">', b'Name="types"'
         for file, change, expected in (
                 ("vtu", lambda content: content[:100], "no displacement stands where it was written"),
-                ("vtu", lambda content: content[:content.index(begin) + 1000], "ends within the displacement"),
-                ("vtu", with_length, "the displacement is not that of 45 points"),
-                ("vtu", with_no_number, "not every displacement is a finite number"),
-                ("vtu", with_second_length, "the length of gap is 8, expected 360 bytes"),
-                ("vtu", lambda content: content.replace(b'Name="slip"', b'Name="Slip"'), "from byte [0-9]+ on"),
-                ("vtu", lambda content: content + b"\n", "the file does not end as it was written"),
-                ("contact.vtu", lambda content: content[:100], "the file ends within its head"),
-                ("contact.vtu", lambda content: content[:content.index(begin) + 31], "ends before displacement"),
-                ("contact.vtu", lambda content: content[:content.index(begin) + 60], "ends within displacement"),
-                ("contact.vtu", lambda content: content[:-60], "the file ends within types"),
-                ("contact.vtu", with_no_number, "is no finite number, but")):
+                ("vtu", cut_behind(displacement, 1000), "the file ends within displacement"),
+                ("vtu", with_bytes("displacement", 0, struct.pack("<Q", 8)),
+                 "the length of displacement is 8, expected 1080 bytes"),
+                ("vtu", with_bytes("displacement", 8, no_number), "not every displacement is a finite number"),
+                ("vtu", with_bytes("gap", 0, struct.pack("<Q", 8)), "the length of gap is 8, expected 360 bytes"),
+                ("vtu", lambda content: content.replace(b"</DataArray>", b"=</DataArray>", 1), "on, before gap, it is"),
+                ("vtu", lambda content: content.replace(displacement, displacement + b"*", 1),
+                 "displacement is not 1088 bytes in base64"),
+                ("vtu", lambda content: content.replace(b'Name="slip"', b'Name="Slip"'),
+                 "from byte [0-9]+ on, before slip, it is not a grid of this mesh"),
+                ("vtu", lambda content: content + b"\n", "bytes follow the end of the grid"),
+                ("contact.vtu", lambda content: content[:100], "the file ends before displacement"),
+                ("contact.vtu", cut_behind(displacement, 300), "the file ends before normal"),
+                ("contact.vtu", cut_behind(displacement, 60), "the file ends within displacement"),
+                ("contact.vtu", cut_behind(types, 60), "the file ends within types"),
+                ("contact.vtu", lambda content: content[:-5], "the file ends behind the last array"),
+                ("contact.vtu", with_bytes("displacement", 8, no_number), "is no finite number, but")):
             with self.subTest(file=file, expected=expected):
                 self.assert_forgery_is_found(f"case_0.{file}", change, expected)
 

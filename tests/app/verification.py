@@ -4,7 +4,7 @@ import struct
 import subprocess
 from pathlib import Path
 
-from harness import ProgramTest, read_vtu
+from harness import ProgramTest, change_array, read_vtu
 
 ROOT = Path(__file__).resolve().parents[2]
 PUSH = "load set = 'right'  traction = -1.5, 0.3"  # part of the floor sticks, part slides, part opens
@@ -62,23 +62,19 @@ class Verification(ProgramTest):
     def assert_every_array_is_checked(self, *files):
         """Changes a number in the middle of each array of some grids."""
         for file in files:
-            content = (self.results/file).read_bytes()
-            arrays, _, _ = read_vtu(content)
-            offset = content.index(b'<AppendedData encoding="raw">\n_') + len(b'<AppendedData encoding="raw">\n_')
+            arrays, _, _ = read_vtu((self.results/file).read_bytes())
             for name, values in arrays.items():
                 flat = [value for row in values for value in (row if isinstance(row, tuple) else (row,))]
-                is_real = isinstance(flat[0], float)
                 place = len(flat)//2
+                # A real moves by a millionth of the largest one, an integer by one.
+                if isinstance(flat[0], float):
+                    value = struct.pack("<d", flat[place] + 1e-6*max(1e-3, *map(abs, flat)))
+                else:
+                    value = struct.pack("<i", flat[place] + 1)
+                at = 8 + place*len(value)
 
-                def change(content, at=offset + 8, flat=flat, is_real=is_real, place=place):
-                    # A real moves by a millionth of the largest one, an integer by one.
-                    if is_real:
-                        value = struct.pack("<d", flat[place] + 1e-6*max(1e-3, *map(abs, flat)))
-                    else:
-                        value = struct.pack("<i", flat[place] + 1)
-                    at += place*len(value)
-                    return content[:at] + value + content[at + len(value):]
+                def change(content, name=name, at=at, value=value):
+                    return change_array(content, name, lambda array: array[:at] + value + array[at + len(value):])
                 with self.subTest(file=file, array=name):
                     self.assert_forgery_is_found(file, change, rf"results/{file}: {name} of .* follows from the other|"
                                                                "equilibrium")
-                offset += 8 + len(flat)*(8 if is_real else 4)

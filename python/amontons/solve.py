@@ -1,19 +1,14 @@
-"""Plane contact with Coulomb friction, from Python: NumPy arrays in and out.
-
-    import amontons
-    result = amontons.solve_deck("bar.nml", "results")
-    result.contact["normal_stress"], result.summary["lengths"]
-
-    result = amontons.solve_reduced(W, q, mu)       # u = W r + q
-    result.r, result.u, result.status
+"""Solves decks and reduced problems with the library.
 
 What the program refuses raises an exception with the program's sentence. What does not converge is returned, with a
 warning and `is_solved` False. The module loads libamontons_c.so: the file that the environment variable
-AMONTONS_LIBRARY names, else the one of the installation it is part of, else the one that the system finds. Calls
-release Python's lock; from several threads they wait for each other, and each has threads of its own inside.
+AMONTONS_LIBRARY names, else the one of the wheel, the installation or the build tree it is part of, else the one that
+the system finds. Calls release Python's lock; from several threads they wait for each other, and each has threads of
+its own inside.
 """
 import csv
 import ctypes
+import ctypes.util
 import json
 import os
 import tempfile
@@ -23,9 +18,6 @@ from pathlib import Path
 from typing import Optional
 
 import numpy as np
-
-__all__ = ["AmontonsError", "DeckResult", "InputRefused", "NotConverged", "NumericalFailure", "ReducedResult",
-           "SystemFailure", "set_threads", "solve_deck", "solve_reduced", "version"]
 
 STATUSES = np.array(["", "open", "stick", "slip+", "slip-"])
 WORDS = ("status", "outcome", "statuses")  # columns of tables
@@ -77,11 +69,20 @@ class DeckResult:
     is_solved: bool
 
 
+def _library_path():
+    """Where the library is: beside the package's files in a wheel, in the folder of the libraries, which the package's
+    own folder is in, in an installation or a build tree."""
+    named = os.environ.get("AMONTONS_LIBRARY")
+    if named:
+        return named
+    package = Path(__file__).absolute().parent
+    found = [path for folder in (package, package.parent.parent) for path in sorted(folder.glob("libamontons_c.so*"))]
+    return str(found[0]) if found else ctypes.util.find_library("amontons_c") or "libamontons_c.so"
+
+
 def _load():
     """Loads the library and declares its procedures."""
-    beside = Path(__file__).resolve().parent.parent / "libamontons_c.so"
-    name = os.environ.get("AMONTONS_LIBRARY") or (str(beside) if beside.exists() else "libamontons_c.so")
-    library = ctypes.CDLL(name)
+    library = ctypes.CDLL(_library_path())
     numbers = np.ctypeslib.ndpointer(np.float64, flags="F_CONTIGUOUS")
     text, size = ctypes.c_char_p, ctypes.c_int
     library.amontons_version_text.restype = text

@@ -2,8 +2,8 @@
 friction can bear, gap and slip, and the residuals of the iterations; where only a small part of the contact line is
 closed, that part, and the body there once more; of a sweep, the parts of the contact line over the swept quantities.
 
-Usage: plot.py CASE... A CASE is any file of a case, the path of its files without their endings, or a folder of cases.
-Writes CASE.png and CASE.svg beside the files.
+Usage: amontons-plot CASE... A CASE is any file of a case, the path of its files without their endings, or a folder of
+cases. Writes CASE.png and CASE.svg beside the files.
 """
 
 import csv
@@ -12,12 +12,11 @@ import pathlib
 import sys
 
 import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
-import meshio
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
+
+from amontons.grid import read_grid
 
 # Okabe and Ito's colours, told apart by colour-blind readers too; a marker says the same once more.
 STATUSES = (("open", "#D55E00", "o"), ("sticking", "#009E73", "s"), ("sliding along t", "#0072B2", ">"),
@@ -25,9 +24,6 @@ STATUSES = (("open", "#D55E00", "o"), ("sticking", "#009E73", "s"), ("sliding al
 PARTS = {"separated": "#D55E00", "sliding": "#0072B2", "sticking": "#009E73"}
 PRESSURE, SHEAR, BOUND = "black", "#CC79A7", "#E69F00"
 SUMMARY = ".summary.json"
-# A grid without points is more than meshio can read.
-NO_CONTACT = meshio.Mesh(np.empty((0, 3)), [], {"displacement": np.empty((0, 3)), "status": np.empty(0),
-                                                "set": np.empty(0)})
 
 
 def cases_of(arguments):
@@ -56,12 +52,12 @@ def outlines(mesh, positions):
     """The polygon of each cell, middle nodes between their corners."""
     order = {"triangle": [0, 1, 2], "quad": [0, 1, 2, 3], "triangle6": [0, 3, 1, 4, 2, 5],
              "quad8": [0, 4, 1, 5, 2, 6, 3, 7], "quad9": [0, 4, 1, 5, 2, 6, 3, 7]}
-    return [polygon for block in mesh.cells for polygon in positions[block.data[:, order[block.type]]]]
+    return [polygon for kind, nodes in mesh.cells for polygon in positions[nodes[:, order[kind]]]]
 
 
 def boundary(mesh):
     """The edges that belong to one cell alone (pairs of nodes)."""
-    corners = [block.data[:, :3 if block.type.startswith("tri") else 4] for block in mesh.cells]
+    corners = [nodes[:, :3 if kind.startswith("tri") else 4] for kind, nodes in mesh.cells]
     edges = np.concatenate([np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2) for cells in corners])
     _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
     return edges[first[count == 1]]
@@ -86,7 +82,7 @@ def draw_body(figure, axes, mesh, line, factor):
     contact points by status. Returns where the contact points are drawn."""
     moved = mesh.points[:, :2] + factor * mesh.point_data["displacement"][:, :2]
     cells = outlines(mesh, moved)
-    stress = np.concatenate(mesh.cell_data["von_mises"])
+    stress = mesh.cell_data["von_mises"]
     # A mesh so fine that its lines would hide the colours is drawn without them.
     is_fine = len(cells) > 2000
     drawn = axes.add_collection(PolyCollection(cells, array=stress, cmap="cividis", linewidths=0.2,
@@ -290,8 +286,7 @@ def rows_of(case, table):
 
 def draw_case(case, summary):
     """Draws one case."""
-    mesh = meshio.read(f"{case}.vtu")
-    line = meshio.read(f"{case}.contact.vtu") if summary["counts"]["contact_points"] else NO_CONTACT
+    mesh, line = read_grid(f"{case}.vtu"), read_grid(f"{case}.contact.vtu")
     sets = stretches(line)
     part = closed_part(line, sets) if sets else None
     shown = cropped(sets, part) if sets else []
@@ -334,13 +329,11 @@ def save_case(case, *files):
 
 
 def main(arguments):
+    """Draws the cases that the arguments name."""
+    matplotlib.use("Agg")
     if not arguments:
         sys.exit("plot: name a case: any of its files, or the folder it is in")
     for case in cases_of(arguments):
         files = (f"{case}.png", f"{case}.svg")
         save_case(case, *files)
         print(*files, sep="\n")
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])

@@ -8,8 +8,9 @@ import json
 import pathlib
 import sys
 
-import plot
+import matplotlib
 import table1
+from amontons import plot
 
 plt = plot.plt
 COLORS = tuple(plot.PARTS.values())
@@ -58,6 +59,7 @@ def draw_zones(axes, summaries):
 
 
 def main(folder, sweep, *images):
+    matplotlib.use("Agg")
     summaries = [table1.summary(folder, row) for row in range(1, len(table1.ROWS) + 1)]
     figure = plt.figure(figsize=(14, 9.5), layout="constrained")
     above, below = figure.subfigures(2, 1, height_ratios=(1.15, 1))

@@ -1,4 +1,4 @@
-"""Turns a folder of solved cases into one page that needs nothing beside it. Usage: report.py FOLDER [PAGE]
+"""Turns a folder of solved cases into one page that needs nothing beside it. Usage: amontons-report FOLDER [PAGE]
 
 PAGE is FOLDER/report.html unless it is named.
 """
@@ -12,7 +12,9 @@ import pathlib
 import sys
 import urllib.parse
 
-import plot
+import matplotlib
+
+from amontons import plot
 
 VIOLATIONS = {
     "equilibrium": "the forces on some node do not balance",
@@ -192,6 +194,8 @@ Lengths, forces and stresses are in the units of the decks.{pvd}</p>
 
 
 def main(arguments):
+    """Makes the page of the folder that the arguments name."""
+    matplotlib.use("Agg")
     if len(arguments) not in (1, 2) or not pathlib.Path(arguments[0]).is_dir():
         sys.exit("report: name the folder of the cases, and, if it shall be another than report.html in it, the page")
     folder = pathlib.Path(arguments[0])
@@ -199,7 +203,3 @@ def main(arguments):
     text = page_of(folder, plot.cases_of([folder]))
     page.write_text(text, encoding="utf-8")
     print(page)
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])

@@ -1,6 +1,6 @@
 """Converts reduced problems u = W r + q between FCLIB's HDF5 files and the text of Siconos, which Amontons reads.
 
-Usage: fclib.py [--solution TABLE] SOURCE TARGET
+Usage: python -m amontons fclib [--solution TABLE] SOURCE TARGET
 
     SOURCE    an FCLIB file (group /fclib_local, dimension 2) or a text file; its first bytes tell which
     TARGET    a file of the other kind: text with W in CSparse's columns, or an FCLIB file with W in compressed columns
@@ -387,6 +387,3 @@ def main(arguments=None):
         return 1
     return 0
 
-
-if __name__ == "__main__":
-    sys.exit(main())
