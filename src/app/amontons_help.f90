@@ -2,7 +2,8 @@
 module amontons_help
    use, intrinsic :: iso_fortran_env, only: compiler_version
    use amontons_fclib_file, only: has_fclib
-   use amontons_libraries, only: blas_text, suitesparse_text
+   use amontons_libraries, only: blas_text
+   use amontons_suitesparse, only: suitesparse_text
    use amontons_text, only: newline, to_text
    use amontons_threads, only: n_threads, openmp_date
    use amontons_version, only: build_type, version

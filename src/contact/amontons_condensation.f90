@@ -1,19 +1,19 @@
-!> The condensation of a body: from its factorised stiffness to the contact problem, and back to all displacements.
+!> The condensation of a body: from its factorized stiffness to the contact problem, and back to all displacements.
 !>
-!> With the contact unknowns c last, the trailing block of the Cholesky factor of K + alpha E (E the identity on c) is
-!> the Cholesky factor of S + alpha I, S = K_cc - K_ci K_ii^-1 K_ic; alpha is 0 for a body that its supports hold.
-!> A forward substitution gives q = f_c - K_ci K_ii^-1 f_i, a backward one all displacements (theory, section 3).
+!> The contact unknowns c are the Schur variables of K + alpha E (E the identity on c), whose Schur complement is
+!> S + alpha I, S = K_cc - K_ci K_ii^-1 K_ic; alpha is 0 for a body that its supports hold. The condensed load is
+!> q = f_c - K_ci K_ii^-1 f_i (theory, section 3).
 !> Where a point is a cell of constant multipliers, S and q are condensed once more, to the mean displacements.
 module amontons_condensation
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_condenser, only: condenser_t
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dof_map, only: dof_map_t
    use amontons_error, only: error_t, new_error, numerical_failure
-   use amontons_factorization, only: factorization_t
    use amontons_kinds, only: dp
-   use amontons_new_factorization, only: analyze_matrix
+   use amontons_new_cholesky, only: new_condenser
    use amontons_row_condensation, only: new_row_condensation, row_condensation_t
    use amontons_sparse_matrix, only: sparse_matrix_t
    implicit none (type, external)
@@ -23,9 +23,9 @@ module amontons_condensation
 
    !> The factorised body and the map between contact unknowns and normal and tangential displacements.
    type :: condensation_t
-      class(factorization_t), allocatable :: factorization !! of K + alpha E
+      class(condenser_t), allocatable :: condenser !! of K + alpha E
       real(dp) :: alpha = 0.0_dp !! shift on the contact unknowns [F/L]
-      real(dp), allocatable, private :: partial(:) !! the load after the forward substitution (n)
+      real(dp), allocatable, private :: partial(:) !! what the condenser needs of the load to expand (n)
       integer, private :: n_unknowns = 0 !! number of contact unknowns
       integer, allocatable, private :: unknown(:, :)
          !! the place of each point's displacements among the contact unknowns or, with cells, the rows of C; 0 for none
@@ -65,12 +65,12 @@ contains
          condensation%alpha = mean
          call stiffness%shift_diagonal(dof_map%n_dofs - dof_map%n_trailing + 1, dof_map%n_dofs, condensation%alpha)
       end if
-      call analyze_matrix(condensation%factorization, kind, stiffness, dof_map%n_trailing, error)
+      call new_condenser(condensation%condenser, kind, stiffness, dof_map%n_trailing, error)
       if (allocated(error)) return
       stiffness = sparse_matrix_t()
-      call condensation%factorization%check_memory(error)
+      call condensation%condenser%check_memory(error)
       if (allocated(error)) return
-      call condensation%factorization%complete(error)
+      call condensation%condenser%complete(error)
       if (allocated(error)) return
       condensation%is_held = is_held
       condensation%n_unknowns = dof_map%n_trailing
@@ -159,7 +159,7 @@ contains
 
       m = size(self%unknown, 2)
       allocate (schur(self%n_unknowns, self%n_unknowns), stiffness(2*m, 2*m))
-      call self%factorization%schur_complement(schur)
+      call self%condenser%schur_complement(schur)
       do i = 1, size(schur, 1)
          schur(i, i) = schur(i, i) - self%alpha
       end do
@@ -193,7 +193,7 @@ contains
 
       m = size(self%unknown, 2)
       if (.not. allocated(self%partial)) allocate (self%partial(size(load)), self%contact_load(self%n_unknowns))
-      call self%factorization%condense(load, self%partial, self%contact_load)
+      call self%condenser%condense(load, self%partial, self%contact_load)
       q = self%contact_load
       if (allocated(self%rows)) q = self%to_rows%condense(q)
       allocate (condensed(2*m), source=0.0_dp)
@@ -219,7 +219,7 @@ contains
       end do
       if (allocated(self%rows)) v = self%to_rows%expand(self%contact_load, v)
       allocate (unknowns(size(self%partial)))
-      call self%factorization%expand(self%partial, v, unknowns)
+      call self%condenser%expand(self%partial, v, unknowns)
    end subroutine condensation_recover
 
 end module amontons_condensation

@@ -34,12 +34,12 @@ void amontons_suitesparse_text(char *text, int size)
 }
 
 /* Orders a graph by approximate minimum degree, the members of constraint set 0 before those of set 1. */
-int amontons_camd_order(int64_t n, const int64_t *start, const int64_t *neighbour, const int64_t *constraint,
+int amontons_camd_order(int64_t n, const int64_t *start, const int64_t *neighbor, const int64_t *constraint,
                         int64_t *order)
 {
     if (n == 0)
         return done;
-    SuiteSparse_long code = camd_l_order(n, start, neighbour, order, NULL, NULL, constraint);
+    SuiteSparse_long code = camd_l_order(n, start, neighbor, order, NULL, NULL, constraint);
     return code == CAMD_OK || code == CAMD_OK_BUT_JUMBLED ? done : out_of_memory;
 }
 
