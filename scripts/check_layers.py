@@ -9,9 +9,10 @@ SOURCE = Path(__file__).resolve().parent.parent / "src"
 LAYERS = ["base", "linalg", "cholesky", "fem", "contact", "case", "binding", "facade", "app"]
 FACADE = "amontons"
 FOREIGN_MODULES = {"hdf5", "omp_lib"}
-# Names of foreign routines that one layer alone may say.
-WORDS_OF_LAYER = {"linalg": re.compile(r"umfpack", re.IGNORECASE),
-                  "cholesky": re.compile(r"dpbtrf|camd|cholmod", re.IGNORECASE)}
+# Names of foreign libraries and routines, and the layers that may say them.
+FOREIGN_WORDS = [(re.compile(r"umfpack", re.IGNORECASE), ["linalg"]),
+                 (re.compile(r"camd|cholmod", re.IGNORECASE), ["cholesky"]),
+                 (re.compile(r"d[gp]btr[fs]", re.IGNORECASE), ["linalg", "cholesky"])]
 UNIT = re.compile(r"^\s*(?:module|program)\s+(?!procedure\b|subroutine\b|function\b)(\w+)\s*(?:!.*)?$", re.IGNORECASE)
 # gfortran takes a module and a procedure of C that share a name for one and calls the wrong one.
 BIND = re.compile(r"\bbind\s*\(\s*c\s*,\s*name\s*=\s*['\"](\w+)['\"]", re.IGNORECASE)
@@ -34,9 +35,9 @@ def faults_of_file(path, layer_of_module):
     layer = layer_of(path)
     units = []
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
-        for owner, words in WORDS_OF_LAYER.items():
-            if layer != owner and (word := words.search(line)):
-                yield number, f"only the layer {owner} may say {word[0]}"
+        for words, owners in FOREIGN_WORDS:
+            if layer not in owners and (word := words.search(line)):
+                yield number, f"only the layer {' or '.join(owners)} may say {word[0]}"
         if match := UNIT.match(line):
             units.append(match[1].lower())
         if (match := BIND.search(line)) and match[1].lower() in layer_of_module:

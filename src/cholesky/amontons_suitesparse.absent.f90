@@ -14,9 +14,10 @@ contains
 
    !> Refuses to make a factorization.
    subroutine new_sparse_cholesky(cholesky, error)
-      class(cholesky_t), allocatable, intent(out) :: cholesky !! never allocated
+      class(cholesky_t), allocatable, intent(inout) :: cholesky !! not allocated on return
       type(error_t), allocatable, intent(out) :: error !! the reason
 
+      if (allocated(cholesky)) deallocate (cholesky)
       call new_error(error, input_refused, "factorization = 'sparse' needs SuiteSparse, and this program was built "// &
          "without it (AMONTONS_SUITESPARSE=OFF); choose 'auto', 'band' or 'multifrontal'")
    end subroutine new_sparse_cholesky

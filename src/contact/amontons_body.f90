@@ -1,4 +1,4 @@
-!> A body made ready for loads: mesh, supports, contact zone, factorised and condensed stiffness.
+!> A body made ready for loads: mesh, supports, contact zone, factorized and condensed stiffness.
 module amontons_body
    use amontons_assembly, only: assemble_stiffness
    use amontons_coloring, only: coloring_t, new_coloring
@@ -42,13 +42,13 @@ module amontons_body
       type(contact_zone_t) :: zone !! the contact points
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
       type(dof_map_t) :: dof_map !! numbers of the unknowns
-      type(condensation_t) :: condensation !! the factorised stiffness, after `condense_body`
+      type(condensation_t) :: condensation !! the factorized stiffness, after `condense_body`
       type(contact_problem_t) :: problem !! the contact problem, after `condense_body`; its load is the case's
    end type body_t
 
    !> What condensing a body would take.
    type :: estimate_t
-      character(:), allocatable :: factorization !! the kind of factorisation
+      character(:), allocatable :: factorization !! the kind of factorization
       integer(int64) :: n_entries = 0 !! entries of the factor
       real(dp) :: memory_mb = 0.0_dp !! the most memory the program would hold [MB]
       real(dp) :: available_mb = 0.0_dp !! the memory there is for it, what it holds already included [MB]
@@ -105,7 +105,7 @@ contains
       end do
    end subroutine measure_cells
 
-   !> Assembles and factorises the stiffness and condenses it to the contact points; the clock goes on condensing.
+   !> Assembles and factorizes the stiffness and condenses it to the contact points; the clock goes on condensing.
    subroutine condense_body(body, factorization, timings, error)
       type(body_t), intent(inout) :: body !! the body
       character(*), intent(in) :: factorization !! one of `factorization_names`
@@ -152,9 +152,9 @@ contains
       end do
    end subroutine check_held
 
-   !> Says of a stiffness that the factorisation refused where it is singular, how ill-conditioned it must be and why.
+   !> Says of a stiffness that the factorization refused where it is singular, how ill-conditioned it must be and why.
    subroutine explain_refusal(body, error)
-      type(body_t), intent(in) :: body !! the body, its factorisation refused
+      type(body_t), intent(in) :: body !! the body, its factorization refused
       type(error_t), intent(inout) :: error !! gains the words; unchanged if memory ran out
       integer :: place(2)
 

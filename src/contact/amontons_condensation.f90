@@ -21,7 +21,7 @@ module amontons_condensation
 
    public :: condensation_t, new_condensation
 
-   !> The factorised body and the map between contact unknowns and normal and tangential displacements.
+   !> The factorized body and the map between contact unknowns and normal and tangential displacements.
    type :: condensation_t
       class(condenser_t), allocatable :: condenser !! of K + alpha E
       real(dp) :: alpha = 0.0_dp !! shift on the contact unknowns [F/L]
@@ -43,11 +43,11 @@ module amontons_condensation
 
 contains
 
-   !> Factorises the stiffness of a body.
+   !> Factorizes the stiffness of a body.
    subroutine new_condensation(condensation, stiffness, kind, is_held, zone, constraints, dof_map, error)
-      type(condensation_t), intent(out) :: condensation !! the factorised body
+      type(condensation_t), intent(out) :: condensation !! the factorized body
       type(sparse_matrix_t), intent(inout) :: stiffness !! K; given up before the factor is made, to save memory [F/L]
-      character(*), intent(in) :: kind !! which factorisation, one of `factorization_names`
+      character(*), intent(in) :: kind !! which factorization, one of `factorization_names`
       logical, intent(in) :: is_held !! whether supports alone hold the body
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
@@ -150,7 +150,7 @@ contains
    !> The condensed stiffness S on (u_N; u_T). The tangential row of a guided point, which has no unknown, becomes that
    !> of a spring of its own that nothing loads: its slip and shear are zero.
    subroutine condensation_condense_stiffness(self, stiffness, error)
-      class(condensation_t), intent(inout) :: self !! the factorised body
+      class(condensation_t), intent(inout) :: self !! the factorized body
       real(dp), allocatable, intent(out) :: stiffness(:, :) !! S (2m, 2m) [F/L]
       type(error_t), allocatable, intent(out) :: error !! the cells of constant multipliers are too small
       real(dp), allocatable :: schur(:, :)
@@ -185,7 +185,7 @@ contains
 
    !> Condenses a load to the contact points; `recover` then belongs to this load.
    subroutine condensation_condense_load(self, load, condensed)
-      class(condensation_t), intent(inout) :: self !! the factorised body
+      class(condensation_t), intent(inout) :: self !! the factorized body
       real(dp), intent(in) :: load(:) !! load on all unknowns (n) [F]
       real(dp), allocatable, intent(out) :: condensed(:) !! q on (u_N; u_T) (2m) [F]
       real(dp), allocatable :: q(:)
@@ -205,7 +205,7 @@ contains
 
    !> All unknowns from the displacements of the contact points, for the load condensed last.
    subroutine condensation_recover(self, displacement, unknowns)
-      class(condensation_t), intent(in) :: self !! the factorised body
+      class(condensation_t), intent(in) :: self !! the factorized body
       real(dp), intent(in) :: displacement(:) !! (u_N; u_T) without prescribed parts (2m) [L]
       real(dp), allocatable, intent(out) :: unknowns(:) !! all unknowns (n) [L]
       real(dp), allocatable :: v(:)
