@@ -165,7 +165,8 @@ module amontons_deck_reference
       'residual that counts as solved, free of units'), &
       key_t('solver', 'max_iterations', .false., 'whole number, at least 1', '', '`1000`', &
       'most iterations, of all stages together with `auto`'), &
-      key_t('solver', 'factorization', .false., "`'auto'`, `'band'`, `'multifrontal'`, `'sparse'`", '', "`'auto'`", &
+      key_t('solver', 'factorization', .false., "`'auto'`, `'band'`, `'multifrontal'`, `'sparse'`, `'substructured'`", &
+      '', "`'auto'`", &
       'Cholesky factorization of the stiffness: band, multifrontal (formerly `''substructured''`), that of'// &
       ' SuiteSparse where it was built in, or the quicker one of the first two'), &
       key_t('output', 'fields_every', .false., 'whole number, at least 1', '', 'none', &
