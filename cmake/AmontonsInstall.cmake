@@ -41,15 +41,21 @@ write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/amontonsConfigVers
 install(FILES
   "${CMAKE_CURRENT_BINARY_DIR}/amontonsConfig.cmake"
   "${CMAKE_CURRENT_BINARY_DIR}/amontonsConfigVersion.cmake"
-  "${CMAKE_CURRENT_LIST_DIR}/FindCHOLMOD.cmake"
-  "${CMAKE_CURRENT_LIST_DIR}/FindUMFPACK.cmake"
   DESTINATION "${_package_dir}" COMPONENT devel)
+if(AMONTONS_SUITESPARSE)
+  install(FILES
+    "${CMAKE_CURRENT_LIST_DIR}/FindCHOLMOD.cmake"
+    "${CMAKE_CURRENT_LIST_DIR}/FindUMFPACK.cmake"
+    DESTINATION "${_package_dir}" COMPONENT devel)
+endif()
 
 # The library is static, so the pkg-config file names everything below it. Full paths become -L and -l, since CMake's
 # reader of such files would put a path before the library on the link line.
 set(AMONTONS_LINK_LINE "")
-set(_libraries ${UMFPACK_LIBRARY} ${CHOLMOD_LIBRARY} ${CAMD_LIBRARY} ${SUITESPARSECONFIG_LIBRARY}
-  ${LAPACK_LIBRARIES})
+set(_libraries ${LAPACK_LIBRARIES})
+if(AMONTONS_SUITESPARSE)
+  list(PREPEND _libraries ${UMFPACK_LIBRARY} ${CHOLMOD_LIBRARY} ${CAMD_LIBRARY} ${SUITESPARSECONFIG_LIBRARY})
+endif()
 foreach(_library IN LISTS _libraries)
   if(IS_ABSOLUTE "${_library}")
     cmake_path(GET _library PARENT_PATH _directory)

@@ -14,15 +14,16 @@ CONTACT = ["contact/problem", "contact/methods", "contact/uniqueness", "contact/
 MAY_USE = {
     "base": [],
     "system": [],
-    "linalg": ["system"],
+    "linalg": [],
+    "cholesky": ["linalg", "system"],
     "mesh": ["system"],
     "mesh/io": ["mesh", "system"],
     "elasticity": ["mesh", "linalg"],
     "contact/problem": ["linalg"],
     "contact/methods": ["contact/problem", "linalg"],
     "contact/uniqueness": ["contact/problem", "linalg"],
-    "contact/model": ["contact/problem", "elasticity", "mesh", "linalg", "system"],
-    "case": ["contact/model", "contact/methods", "elasticity", "mesh", "linalg", "system"],
+    "contact/model": ["contact/problem", "elasticity", "mesh", "cholesky", "linalg", "system"],
+    "case": ["contact/model", "contact/methods", "elasticity", "mesh", "cholesky", "linalg", "system"],
     "solve": ["case", *CONTACT, "elasticity", "mesh", "mesh/io", "linalg", "system"],
     "output": ["solve", "case", *CONTACT, "elasticity", "mesh", "linalg", "system"],
     "study/sweep": ["output", "solve", "case", *CONTACT, "elasticity", "linalg", "system"],
@@ -35,7 +36,10 @@ MAY_USE = {
 FACADE, APP = "facade", "app"
 FACADE_MODULE = "amontons"
 FOREIGN_MODULES = {"omp_lib"}
-WORDS_OF_LINALG = re.compile(r"dpbtrf|cholmod|umfpack", re.IGNORECASE)
+# Names of foreign libraries and routines, and the rooms that may say them.
+FOREIGN_WORDS = [(re.compile(r"umfpack", re.IGNORECASE), ["linalg"]),
+                 (re.compile(r"camd|cholmod", re.IGNORECASE), ["cholesky"]),
+                 (re.compile(r"d[gp]btr[fs]", re.IGNORECASE), ["linalg", "cholesky"])]
 UNIT = re.compile(r"^\s*(?:module|program)\s+(?!procedure\b|subroutine\b|function\b)(\w+)\s*(?:!.*)?$", re.IGNORECASE)
 # gfortran takes a module and a procedure of C that share a name for one and calls the wrong one.
 BIND = re.compile(r"\bbind\s*\(\s*c\s*,\s*name\s*=\s*['\"](\w+)['\"]", re.IGNORECASE)
@@ -65,8 +69,9 @@ def faults_of_file(path, room_of_module):
     room = room_of(path)
     units = []
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
-        if room != "linalg" and (word := WORDS_OF_LINALG.search(line)):
-            yield number, f"only the room linalg may say {word[0]}"
+        for words, owners in FOREIGN_WORDS:
+            if room not in owners and (word := words.search(line)):
+                yield number, f"only the room {' or '.join(owners)} may say {word[0]}"
         if match := UNIT.match(line):
             units.append(match[1].lower())
         if (match := BIND.search(line)) and match[1].lower() in room_of_module:

@@ -36,7 +36,7 @@ cat >"$work/sweep.nml" <<'DECK'
 &load set = 'top'  pressure = 1.0 /
 &contact set = 'bottom'  friction = 0.3 /
 &sweep friction_factor = 0.5, 1.0 /
-&solver factorization = 'substructured' /
+&solver factorization = 'multifrontal' /
 DECK
 grep -v '^&sweep' "$work/sweep.nml" >"$work/held.nml"
 check 0 "$program" --output "$work" --write-reduced --all-solutions "$work/held.nml"

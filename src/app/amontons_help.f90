@@ -1,7 +1,8 @@
 !> What --help and --version print.
 module amontons_help
    use, intrinsic :: iso_fortran_env, only: compiler_version
-   use amontons_libraries, only: blas_text, suitesparse_text
+   use amontons_libraries, only: blas_text
+   use amontons_suitesparse, only: suitesparse_text
    use amontons_text, only: newline, to_text
    use amontons_threads, only: n_threads, openmp_date
    use amontons_version, only: build_type, version

@@ -16,7 +16,7 @@ module amontons_config
    use amontons_material, only: material_t
    use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
       space_names, variant_names
-   use amontons_new_factorization, only: factorization_names
+   use amontons_new_cholesky, only: factorization_names
    use amontons_number_table, only: beside
    use amontons_rectangle, only: diagonal_names, rectangle_t
    use amontons_sweep, only: sweep_t

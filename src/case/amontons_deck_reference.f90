@@ -165,9 +165,10 @@ module amontons_deck_reference
       'residual that counts as solved, free of units'), &
       key_t('solver', 'max_iterations', .false., 'whole number, at least 1', '', '`1000`', &
       'most iterations, of all stages together with `auto`'), &
-      key_t('solver', 'factorization', .false., "`'auto'`, `'band'`, `'sparse'`, `'substructured'`", '', "`'auto'`", &
-      'Cholesky factorisation of the stiffness: band matrix, sparse matrix, condensation of the body piece by piece'// &
-      ' on all threads, or the one that should be quickest'), &
+      key_t('solver', 'factorization', .false., "`'auto'`, `'band'`, `'multifrontal'`, `'sparse'`, `'substructured'`", &
+      '', "`'auto'`", &
+      'Cholesky factorization of the stiffness: band, multifrontal (formerly `''substructured''`), that of'// &
+      ' SuiteSparse where it was built in, or the quicker one of the first two'), &
       key_t('output', 'fields_every', .false., 'whole number, at least 1', '', 'none', &
       'with `&sweep`: the fields of case 1 and of every so-many-th case behind it are written as `.vtu`')]
 

@@ -68,8 +68,8 @@ contains
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
-      associate (factorization => body%condensation%factorization)
-         text = factorization%name()//', '//to_text(factorization%n_factor_entries())//' entries'
+      associate (condenser => body%condensation%condenser)
+         text = condenser%name//', '//to_text(condenser%n_factor_entries)//' entries'
       end associate
       if (allocated(result%shared_with)) text = text//', shared with case '//result%shared_with
    end function factorization_text

@@ -23,6 +23,9 @@ SUFFIXES = ("contact.csv", "contact.vtu", "deck.nml", "lst", "summary.json", "vt
 CAN_MOUNT = shutil.which("unshare") and subprocess.run(
     ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", "mount -t tmpfs none /mnt"],
     capture_output=True, check=False).returncode == 0
+# Whether the program was built with SuiteSparse.
+HAS_SUITESPARSE = "SuiteSparse  none\n" not in subprocess.run(
+    [PROGRAM, "--version"], capture_output=True, encoding="utf-8", check=True).stdout
 COLUMNS = ("point", "x", "y", "normal_x", "normal_y", "weight", "gap", "slip", "normal_force", "tangential_force",
            "normal_stress", "tangential_stress", "status")
 

@@ -1,8 +1,8 @@
 !> Geometric dissection: cuts through the places of unknowns, the separators of which are eliminated last.
 !>
-!> A cut goes across the longer side of the box around a set of places, at their median. What lies on one side couples
-!> with the other side only through the separator: the places beyond the cut that have neighbours before it. Both sides
-!> are cut again, down to small pieces.
+!> A cut goes across the longer side of the box around the places of a domain, at their median. What lies on one side
+!> couples with the other side only through the separator: the places beyond the cut that have neighbors before it. The
+!> two sides are domains that are cut again, down to small ones.
 module amontons_dissection
    use amontons_graph, only: graph_t
    use amontons_kinds, only: dp, int64
@@ -12,71 +12,72 @@ module amontons_dissection
 
    public :: cut_places, dissection_t, new_dissection
 
-   !> A dissection. Its pieces are the sets that are not cut, and the separators; the last one holds the trailing groups
-   !> too. A piece has consecutive positions, right behind those of the sets on its two sides.
+   !> A dissection. A separator has consecutive positions, right behind those of the domains on its two sides; that of
+   !> a domain that is not cut is the whole domain. The last separator holds the Schur variables too.
    type :: dissection_t
-      integer, allocatable :: order(:) !! position k holds group order(k) (n groups)
-      integer, allocatable :: piece_start(:)
-         !! first position of the piece that ends at each position; 0 where none ends (n groups)
-      integer, allocatable :: set_start(:)
-         !! first position of the set that the piece was cut from or, if it was not cut, is (n groups)
+      integer, allocatable :: order(:) !! position k holds supervariable order(k) (n supervariables)
+      integer, allocatable :: separator_start(:)
+         !! first position of the separator that ends at each position; 0 where none ends (n supervariables)
+      integer, allocatable :: domain_start(:)
+         !! first position of the domain of the separator that ends at each position (n supervariables)
    end type dissection_t
 
-   !> Where a group of a set lies.
+   !> Where a supervariable of a domain lies.
    integer, parameter :: before = 1, beyond = 2, separator = 3
-   !> Sets of at most so many groups are not cut any further; measured, larger ones cost fill and smaller ones time.
+   !> Domains of at most so many supervariables are not cut any further; measured, larger ones cost fill and smaller ones
+   !> time.
    integer, parameter :: leaf_size = 8
-   !> Sets of more groups are a task for a thread of its own.
+   !> Domains of more supervariables are a task for a thread of its own.
    integer, parameter :: task_size = 4000
    !> What distance between places is taken for rounding errors, relative to the box around them.
    real(dp), parameter :: margin = 1.0e-9_dp
 
 contains
 
-   !> Dissects all groups but the trailing ones, which follow in their order.
+   !> Dissects all supervariables but the Schur variables, which follow in their order.
    subroutine new_dissection(dissection, graph, place)
       type(dissection_t), intent(out) :: dissection !! the dissection
       type(graph_t), intent(in) :: graph !! the graph
-      real(dp), intent(in) :: place(:, :) !! where each group but the trailing ones sits (2, n groups - n_trailing) [L]
+      real(dp), intent(in) :: place(:, :) !! where each supervariable of the interior sits (2, n - n_schur) [L]
       integer, allocatable :: side(:)
-      integer :: group, n
+      integer :: n, k
 
       allocate (dissection%order(graph%n))
-      do group = 1, graph%n
-         dissection%order(group) = group
+      do k = 1, graph%n
+         dissection%order(k) = k
       end do
-      allocate (dissection%piece_start(graph%n), dissection%set_start(graph%n), side(graph%n), source=0)
-      n = graph%n - graph%n_trailing
+      allocate (dissection%separator_start(graph%n), dissection%domain_start(graph%n), side(graph%n), source=0)
+      n = graph%n - graph%n_schur
       !$omp parallel default(none) num_threads(n_threads()) shared(graph, place, side, n, dissection)
       !$omp single
       call dissect(graph, place, side, 1, n, dissection)
       !$omp end single
       !$omp end parallel
-      if (graph%n_trailing == 0) return
-      ! The trailing groups join the last separator.
-      dissection%set_start(graph%n) = 1
-      dissection%piece_start(graph%n) = n + 1
+      if (graph%n_schur == 0) return
+      ! The Schur variables join the last separator.
+      dissection%domain_start(graph%n) = 1
+      dissection%separator_start(graph%n) = n + 1
       if (n == 0) return
-      dissection%piece_start(graph%n) = dissection%piece_start(n)
-      dissection%piece_start(n) = 0
+      dissection%separator_start(graph%n) = dissection%separator_start(n)
+      dissection%separator_start(n) = 0
    end subroutine new_dissection
 
-   !> Orders a set of groups: what lies before the cut, what lies beyond it, the separator.
+   !> Orders a domain: what lies before the cut, what lies beyond it, the separator.
    recursive subroutine dissect(graph, place, side, first, last, dissection)
       type(graph_t), intent(in) :: graph !! the graph
-      real(dp), intent(in) :: place(:, :) !! where each group but the trailing ones sits (2, n groups - n_trailing) [L]
-      integer, intent(inout) :: side(:) !! 0 for the groups of the set, before and after (n groups)
-      integer, intent(in) :: first !! position of the first group of the set
+      real(dp), intent(in) :: place(:, :) !! where each supervariable of the interior sits (2, n - n_schur) [L]
+      integer, intent(inout) :: side(:) !! 0 for the supervariables of the domain, before and after (n)
+      integer, intent(in) :: first !! position of the first supervariable of the domain
       integer, intent(in) :: last !! position of the last one
-      type(dissection_t), intent(inout) :: dissection !! gains the order and the pieces of the set
+      type(dissection_t), intent(inout) :: dissection !! gains the order and the separators of the domain
       integer :: n_before, n_beyond
 
       if (last < first) return
       n_before = 0
       n_beyond = 0
       if (last - first >= leaf_size) call split(graph, place, side, dissection%order(first:last), n_before, n_beyond)
-      dissection%set_start(last) = first
-      dissection%piece_start(last) = first + n_before + n_beyond
+      dissection%domain_start(last) = first
+      dissection%separator_start(last) = first + n_before + n_beyond
       !$omp task default(none) shared(graph, place, side, first, n_before, dissection) if (n_before > task_size)
       call dissect(graph, place, side, first, first + n_before - 1, dissection)
       !$omp end task
@@ -84,22 +85,22 @@ contains
       !$omp taskwait
    end subroutine dissect
 
-   !> Splits a set at a cut; the separator, what is left, comes last and is never empty.
-   subroutine split(graph, place, side, groups, n_before, n_beyond)
+   !> Splits a domain at a cut; the separator, what is left, comes last and is never empty.
+   subroutine split(graph, place, side, domain, n_before, n_beyond)
       type(graph_t), intent(in) :: graph !! the graph
-      real(dp), intent(in) :: place(:, :) !! where each group but the trailing ones sits (2, n groups - n_trailing) [L]
-      integer, intent(inout) :: side(:) !! 0 for the groups of the set, before and after (n groups)
-      integer, intent(inout) :: groups(:) !! the groups of the set, in their order on return
+      real(dp), intent(in) :: place(:, :) !! where each supervariable of the interior sits (2, n - n_schur) [L]
+      integer, intent(inout) :: side(:) !! 0 for the supervariables of the domain, before and after (n)
+      integer, intent(inout) :: domain(:) !! the supervariables of the domain, in their order on return
       integer, intent(out) :: n_before !! how many lie before the cut; none if all lie at one place
       integer, intent(out) :: n_beyond !! how many lie beyond it and are not of the separator
-      integer :: old(size(groups)), next(3), i, k
+      integer :: old(size(domain)), next(3), i, k
       logical, allocatable :: is_before(:)
 
       n_before = 0
       n_beyond = 0
-      call cut_places(place(:, groups), is_before)
+      call cut_places(place(:, domain), is_before)
       if (.not. any(is_before)) return
-      old = groups
+      old = domain
       side(old) = merge(before, beyond, is_before)
       call mark_separator(graph, old, side)
       n_before = count(side(old) == before)
@@ -107,46 +108,46 @@ contains
       next = [1, n_before + 1, n_before + n_beyond + 1]
       do i = 1, size(old)
          k = side(old(i))
-         groups(next(k)) = old(i)
+         domain(next(k)) = old(i)
          next(k) = next(k) + 1
       end do
       side(old) = 0
    end subroutine split
 
-   !> Marks the separator of a set whose groups lie before a cut or beyond it. It is never empty: two sides that do not
-   !> couple still get one, so that no set is cut in more than two.
-   pure subroutine mark_separator(graph, groups, side)
+   !> Marks the separator of a domain that lies before a cut and beyond it. It is never empty: two sides that do not
+   !> couple still get one, so that no domain is cut in more than two.
+   pure subroutine mark_separator(graph, domain, side)
       type(graph_t), intent(in) :: graph !! the graph
-      integer, intent(in) :: groups(:) !! the groups of the set
-      integer, intent(inout) :: side(:) !! the side of each group
+      integer, intent(in) :: domain(:) !! the supervariables of the domain
+      integer, intent(inout) :: side(:) !! the side of each supervariable
       integer :: last, i
 
       last = 0
-      do i = 1, size(groups)
-         if (side(groups(i)) /= beyond) cycle
-         last = groups(i)
-         if (couples(graph, side, groups(i), before)) side(groups(i)) = separator
+      do i = 1, size(domain)
+         if (side(domain(i)) /= beyond) cycle
+         last = domain(i)
+         if (couples(graph, side, domain(i), before)) side(domain(i)) = separator
       end do
-      if (any(side(groups) == beyond)) then
+      if (any(side(domain) == beyond)) then
          ! What couples to nothing beyond the separator need not be of it: nodes in the middle of edges that cross it.
-         do i = 1, size(groups)
-            if (side(groups(i)) /= separator) cycle
-            if (.not. couples(graph, side, groups(i), beyond)) side(groups(i)) = before
+         do i = 1, size(domain)
+            if (side(domain(i)) /= separator) cycle
+            if (.not. couples(graph, side, domain(i), beyond)) side(domain(i)) = before
          end do
       end if
-      if (all(side(groups) /= separator)) side(last) = separator
+      if (all(side(domain) /= separator)) side(last) = separator
    end subroutine mark_separator
 
-   !> Whether a group couples to one on a given side.
-   pure logical function couples(graph, side, group, with)
+   !> Whether a supervariable couples to one on a given side.
+   pure logical function couples(graph, side, item, with)
       type(graph_t), intent(in) :: graph !! the graph
-      integer, intent(in) :: side(:) !! the side of each group
-      integer, intent(in) :: group !! the group
+      integer, intent(in) :: side(:) !! the side of each supervariable
+      integer, intent(in) :: item !! the supervariable
       integer, intent(in) :: with !! the side
       integer(int64) :: at
 
-      do at = graph%start(group), graph%start(group + 1) - 1
-         couples = side(graph%neighbour(at)) == with
+      do at = graph%start(item), graph%start(item + 1) - 1
+         couples = side(graph%neighbor(at)) == with
          if (couples) return
       end do
       couples = .false.

@@ -8,7 +8,7 @@
 /* What a call reports; the Fortran side has the same numbers. */
 enum { done = 0, not_positive_definite = 1, out_of_memory = 2 };
 
-/* Everything that belongs to one factorisation; opaque to Fortran. */
+/* Everything that belongs to one factorization; opaque to Fortran. */
 typedef struct {
     cholmod_common common;
     cholmod_factor *factor;
@@ -34,16 +34,16 @@ void amontons_suitesparse_text(char *text, int size)
 }
 
 /* Orders a graph by approximate minimum degree, the members of constraint set 0 before those of set 1. */
-int amontons_camd_order(int64_t n, const int64_t *start, const int64_t *neighbour, const int64_t *constraint,
+int amontons_camd_order(int64_t n, const int64_t *start, const int64_t *neighbor, const int64_t *constraint,
                         int64_t *order)
 {
     if (n == 0)
         return done;
-    SuiteSparse_long code = camd_l_order(n, start, neighbour, order, NULL, NULL, constraint);
+    SuiteSparse_long code = camd_l_order(n, start, neighbor, order, NULL, NULL, constraint);
     return code == CAMD_OK || code == CAMD_OK_BUT_JUMBLED ? done : out_of_memory;
 }
 
-/* Frees a factorisation; a null handle is none. */
+/* Frees a factorization; a null handle is none. */
 void amontons_cholmod_free(void *opaque)
 {
     handle_t *handle = opaque;
@@ -96,7 +96,7 @@ int amontons_cholmod_analyze(int64_t n, int64_t *column_start, int64_t *row, dou
     return done;
 }
 
-/* Factorises the matrix that was analysed. On success `supernodes` shows the factor, which the handle owns; if a pivot
+/* Factorizes the matrix that was analyzed. On success `supernodes` shows the factor, which the handle owns; if a pivot
    fails, `failed` is its column. */
 int amontons_cholmod_factorize(void *opaque, int64_t n, int64_t *column_start, int64_t *row, double *value,
                                supernodes_t *supernodes, int64_t *failed)
