@@ -6,7 +6,7 @@ from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parent.parent / "src"
 # From the bottom up. The facade src/amontons.f90 lies above the library; only the program may use it.
-LAYERS = ["base", "linalg", "fem", "contact", "case", "binding", "facade", "app"]
+LAYERS = ["base", "linalg", "fem", "contact", "deck", "input", "case", "binding", "facade", "app"]
 FACADE = "amontons"
 FOREIGN_MODULES = {"hdf5", "omp_lib"}
 WORDS_OF_LINALG = re.compile(r"dpbtrf|cholmod", re.IGNORECASE)

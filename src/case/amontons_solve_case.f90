@@ -109,7 +109,7 @@ contains
    end subroutine new_mesh
 
    !> Whether the body at hand is that of a case.
-   pure logical function has_body(workshop, config)
+   logical function has_body(workshop, config)
       type(workshop_t), intent(in) :: workshop !! the body at hand
       type(config_t), intent(in) :: config !! the case
 

@@ -4,20 +4,24 @@ module amontons_deck_words
    implicit none (type, external)
    private
 
-   public :: joined, suggestion, words_of
+   public :: joined, suggestion
 
 contains
 
-   !> What a message adds where a known word is near the one found.
-   pure function suggestion(word, words, before, behind) result(text)
+   !> What a message about an unknown word adds: the known word that is near, or all known words where none is.
+   pure function suggestion(word, words, before, noun) result(text)
       character(*), intent(in) :: word !! the word found, in lower case
       character(*), intent(in) :: words(:) !! the words known
       character(*), intent(in) :: before !! what the message puts before a word
-      character(*), intent(in) :: behind !! what the message puts behind a word
+      character(*), intent(in) :: noun !! what the words are
       character(:), allocatable :: text
 
       text = nearest_word(word, words)
-      if (text /= '') text = '; did you mean '//before//text//behind//'?'
+      if (text /= '') then
+         text = '; did you mean '//before//text//'?'
+      else
+         text = ' ('//noun//': '//joined(words, before, '')//')'
+      end if
    end function suggestion
 
    !> Words separated by commas.
@@ -35,20 +39,5 @@ contains
       end do
       if (text == '') text = 'none'
    end function joined
-
-   !> The words of a list that has one blank before and behind each.
-   pure function words_of(list) result(words)
-      character(*), intent(in) :: list !! the list
-      character(len(list)), allocatable :: words(:)
-      integer :: i, first, last
-
-      allocate (words(count([(list(i:i) == ' ', i=1, len(list))]) - 1))
-      last = 0
-      do i = 1, size(words)
-         first = last + 2
-         last = first + index(list(first:), ' ') - 2
-         words(i) = list(first:last)
-      end do
-   end function words_of
 
 end module amontons_deck_words
