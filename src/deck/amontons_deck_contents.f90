@@ -193,7 +193,8 @@ contains
       if (assignment%last_value - assignment%first_value + 1 /= 2*n_expected) return
       associate (text => contents%text, values => contents%values)
          do i = assignment%first_value, assignment%last_value, 2
-            if (text(values(i)%last + 1:values(i + 1)%first - 1) /= ',' .or. any(values(i:i + 1)%n_times > 1)) return
+            if (values(i + 1)%first /= values(i)%last + 2 .or. any(values(i:i + 1)%n_times > 1)) return
+            if (text(values(i)%last + 1:values(i)%last + 1) /= ',') return
             if (verify(text(values(i)%first:values(i)%last), '+-0123456789') > 0) return
             if (verify(text(values(i + 1)%first:values(i + 1)%last), '0123456789eEdD+-') > 0) return
          end do

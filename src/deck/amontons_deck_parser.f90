@@ -247,7 +247,7 @@ contains
             assignment%is_faulty = .true.
          else if (.not. (value%is_text .or. may_be_value(contents%text(token%first:token%last)))) then
             call refuse_value(contents, assignment, &
-               "expected a number, a logical or quoted text, or '=' after a key", token)
+               "expected a number or quoted text, or '=' after a key", token)
          else if (value%is_text .and. token%last - token%first - 1 > longest_text) then
             call refuse_value(contents, assignment, 'expected a text of at most '//to_text(longest_text)// &
                ' characters', token)

@@ -58,7 +58,7 @@ contains
       real(dp), intent(inout) :: values(:) !! the numbers; those that are not given stay as they are
       logical, intent(inout), optional :: is_given !! whether the key stands in the group
       character(:), allocatable :: word
-      integer :: source(size(values)), i, misfit
+      integer :: source(size(values)), i, wrong
       real(dp) :: number
       logical :: ok
 
@@ -76,8 +76,8 @@ contains
          end if
       end do
       if (all(source == 0)) return
-      misfit = findloc(key%admits(values) .or. source == 0, .false., dim=1)
-      if (misfit > 0) call self%judge(key, key%range(), to_text(values(misfit)))
+      wrong = findloc(key%admits(values) .or. source == 0, .false., dim=1)
+      if (wrong > 0) call self%judge(key, key%range(), to_text(values(wrong)))
       if (key%is_nonzero .and. all(abs(values) <= 0.0_dp)) call self%judge(key, 'not zero')
       if (.not. key%is_ascending) return
       if (any(values(2:) <= values(:size(values) - 1))) call self%judge(key, 'ascending')
@@ -90,7 +90,7 @@ contains
       integer, intent(inout) :: values(:) !! the numbers; those that are not given stay as they are
       logical, intent(inout), optional :: is_given !! whether the key stands in the group
       character(:), allocatable :: word
-      integer :: source(size(values)), i, number, misfit
+      integer :: source(size(values)), i, number, wrong
       logical :: ok
 
       call self%find(key, 'whole number', source, is_given)
@@ -107,8 +107,8 @@ contains
             call refuse_value(self%deck%contents, self%place, key%name, source(i), 'a whole number')
          end if
       end do
-      misfit = findloc(key%admits(real(values, dp)) .or. source == 0, .false., dim=1)
-      if (misfit > 0) call self%judge(key, key%range(), to_text(values(misfit)))
+      wrong = findloc(key%admits(real(values, dp)) .or. source == 0, .false., dim=1)
+      if (wrong > 0) call self%judge(key, key%range(), to_text(values(wrong)))
    end subroutine reader_wholes
 
    !> Reads a quoted text; one of a list of words in upper or lower case.

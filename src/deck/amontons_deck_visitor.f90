@@ -97,8 +97,8 @@ module amontons_deck_visitor
          implicit none (type, external)
          class(deck_visitor_t), intent(inout) :: self !! the visitor
          type(key_t), intent(in) :: key !! the key
-         real(dp), intent(inout) :: values(:) !! the numbers; those that a deck does not give stay as they are; none for a list of
-            !! any length
+         real(dp), intent(inout) :: values(:)
+            !! the numbers; those that a deck does not give stay as they are; none for a list of any length
          logical, intent(inout), optional :: is_given
             !! whether the key is to be written; on return from a reader, whether it stands in the group
       end subroutine visit_reals
@@ -250,7 +250,9 @@ contains
       class(key_t), intent(in) :: self !! the key
       real(dp), intent(in) :: value !! the number
 
-      admits = value > self%above .and. value >= self%at_least .and. value < self%below
+      admits = value >= self%at_least
+      if (self%above > -huge(1.0_dp)) admits = admits .and. value > self%above
+      if (self%below < huge(1.0_dp)) admits = admits .and. value < self%below
    end function key_admits
 
    !> The range of the numbers of a key, as messages tell it: 'above -1 and below 0.5'; empty without one.

@@ -95,8 +95,8 @@ contains
       associate (obstacle => contact%obstacle)
          call visitor%reals(key_t('point', 'a point of the obstacle: its apex; of a polyline, where its 0, 0 is put', &
             'L', also='origin'), obstacle%point)
-         call visitor%reals(key_t('normal', "direction of the obstacle's outward normal there, of any length, to the"// &
-            ' body', is_nonzero=.true.), obstacle%normal)
+         call visitor%reals(key_t('normal', "direction of the obstacle's outward normal there, of any length, to"// &
+            ' the body', is_nonzero=.true.), obstacle%normal)
          call visitor%real(key_t('radius', 'of a circle or parabola, where it is required: radius of curvature;'// &
             ' positive bulges to the body, negative is hollow', 'L', is_nonzero=.true., also='r'), obstacle%radius, &
             has_radius)
@@ -120,8 +120,8 @@ contains
       multipliers = trim(merge(multiplier_names(2), multiplier_names(1), partition%is_constant))
       has_cells = partition%n_cells > 0
       has_ends = allocated(partition%ends)
-      call visitor%word(key_t('multipliers', 'contact forces at the nodes, or stresses that are constant on cells of'// &
-         ' the contact line', is_shared=.true.), multipliers, multiplier_names)
+      call visitor%word(key_t('multipliers', 'contact forces at the nodes, or stresses that are constant on cells'// &
+         ' of the contact line', is_shared=.true.), multipliers, multiplier_names)
       partition%is_constant = multipliers == multiplier_names(2)
       call visitor%whole(key_t('cells', "with `'constant'`: number of equal cells on each piece of the line", &
          default='every two sides', at_least=1.0_dp, is_shared=.true.), partition%n_cells, has_cells)
@@ -134,13 +134,13 @@ contains
    subroutine judge_contact(visitor, contact)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(contact_t), intent(in) :: contact !! the contact set
-      character(*), parameter :: is_round = "obstacle = 'circle' or 'parabola'", is_constant = "multipliers = 'constant'"
+      character(*), parameter :: is_constant = "multipliers = 'constant'"
 
       if (.not. visitor%is_judging()) return
       associate (obstacle => contact%obstacle)
-         call visitor%only('radius', obstacle%has_radius(), is_round)
-         call visitor%require(visitor%has('radius') .or. .not. obstacle%has_radius(), 'obstacle', is_round// &
-            ' needs radius')
+         call visitor%only('radius', obstacle%has_radius(), "obstacle = 'circle' or 'parabola'")
+         call visitor%require(visitor%has('radius') .or. .not. obstacle%has_radius(), 'obstacle', &
+            "obstacle = '"//obstacle%kind//"' needs radius")
          call visitor%only('line', obstacle%kind == 'polyline', "obstacle = 'polyline'")
          call visitor%require(visitor%has('line') .or. obstacle%kind /= 'polyline', 'obstacle', &
             "obstacle = 'polyline' needs line = 'FILE.csv'")

@@ -86,8 +86,8 @@ contains
       end do
       call visitor%whole(key_t('count', 'the two numbers given are the first and the last of so many, in equal'// &
          ' steps', at_least=2.0_dp, also='n step steps'), n_steps, axis%is_range)
-      call visitor%word(key_t('combine', 'every value with every combination of the groups before, or value by value'// &
-         ' along with the group before'), combination, combination_names)
+      call visitor%word(key_t('combine', 'every value with every combination of the groups before, or value by'// &
+         ' value along with the group before'), combination, combination_names)
       call visitor%close_group()
       axis%target = target
       axis%is_paired = combination == combination_names(2)

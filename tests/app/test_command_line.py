@@ -219,7 +219,7 @@ class Forms(ProgramTest):
 
     def test_faults_of_standard_input(self):
         for text, message in (("&mesh size = 4.0, 2.0  cells = 0, 4 /\n&material young = 1.0  poisson = 0.2 /",
-                               "stdin:1: cells must be positive\n"), ("", "stdin: this file is empty\n"),
+                               "stdin:1: cells must be at least 1, found 0\n"), ("", "stdin: this file is empty\n"),
                               (SOUND.replace("'left'", "'tpo'"),
                                "stdin:3: the mesh has no set 'tpo'; its sets are: left, right, bottom, top; did you "
                                "mean 'top'?\n")):
