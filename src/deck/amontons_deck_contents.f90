@@ -36,6 +36,7 @@ module amontons_deck_contents
    type :: deck_group_t
       character(:), allocatable :: name !! name of the group without `&`, in lower case
       integer :: line = 0 !! line of its name
+      integer :: last = 0 !! position of the last character before its end
       integer :: first_assignment = 1 !! its first assignment
       integer :: last_assignment = 0 !! its last assignment
       integer :: last_judged = 0 !! its last assignment before a fault of form: what follows may belong elsewhere

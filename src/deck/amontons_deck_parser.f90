@@ -103,6 +103,7 @@ contains
       call advance(cursor, contents%text)
       call read_assignments(cursor, contents, group%last_judged)
       group%last_assignment = contents%n_assignments
+      group%last = cursor%token%first - 1
       if (cursor%token%kind == '/' .or. is_legacy_end(contents%text, cursor%token)) then
          call advance(cursor, contents%text)
       else if (.not. cursor%has_open_quote) then

@@ -9,6 +9,7 @@ module amontons_config
    use amontons_contact_zone, only: contact_t
    use amontons_deck, only: read_deck, read_deck_text
    use amontons_deck_reader, only: deck_reader_t
+   use amontons_deck_setting, only: apply_settings, setting_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
@@ -24,7 +25,7 @@ module amontons_config
    implicit none (type, external)
    private
 
-   public :: config_t, describe_config, groups, new_reduced_config, read_config
+   public :: config_t, describe_config, groups, new_reduced_config, read_config, read_set_config
 
    !> The group of the case.
    type(group_t), parameter :: case_group = group_t('case')
@@ -64,10 +65,8 @@ contains
       type(config_t), intent(out) :: config !! the case
       character(*), intent(in) :: file !! name of the deck, `-` for standard input
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
-      type(deck_reader_t) :: reader
 
-      call read_deck(reader%deck, file, error)
-      if (.not. allocated(error)) call read_groups(reader, config, error)
+      call read_set_config(config, file, .false., [setting_t ::], error)
    end subroutine read_config
 
    !> Makes the case of a reduced problem's file alone: that of a deck which names the file and nothing else.
@@ -75,25 +74,34 @@ contains
       type(config_t), intent(out) :: config !! the case
       character(*), intent(in) :: file !! name of the reduced problem's file
       type(error_t), allocatable, intent(out) :: error !! the name cannot stand in a deck
-      type(deck_reader_t) :: reader
 
-      call read_deck_text(reader%deck, file, "&problem kind = 'reduced'  file = "//quoted(absolute_path(file))//' /')
-      call read_groups(reader, config, error)
-      config%reduced%file = file
-      config%reduced%origin = ''
+      call read_set_config(config, file, .true., [setting_t ::], error)
    end subroutine new_reduced_config
 
-   !> Reads all groups of a deck.
-   subroutine read_groups(reader, config, error)
-      type(deck_reader_t), intent(inout) :: reader !! the reader, with the deck
-      type(config_t), intent(inout) :: config !! the case, gains what the groups say
+   !> Reads a case in which settings take the place of what its deck says.
+   subroutine read_set_config(config, file, is_reduced, settings, error)
+      type(config_t), intent(out) :: config !! the case
+      character(*), intent(in) :: file !! name of the deck, `-` for standard input; or of a reduced problem's file
+      logical, intent(in) :: is_reduced !! whether it is that of a reduced problem
+      type(setting_t), intent(in) :: settings(:) !! the settings
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(deck_reader_t) :: reader
 
+      if (is_reduced) then
+         call read_deck_text(reader%deck, file, "&problem kind = 'reduced'  file = "//quoted(absolute_path(file))//' /')
+      else
+         call read_deck(reader%deck, file, error)
+         if (allocated(error)) return
+      end if
       config%file = reader%deck%file
+      call apply_settings(reader%deck, settings)
       call reader%deck%refuse_unknown_groups(groups%name, pack(groups%name, groups%is_repeatable))
       call describe_config(reader, config)
       call reader%deck%finish(error)
-   end subroutine read_groups
+      if (.not. is_reduced) return
+      config%reduced%file = file
+      config%reduced%origin = ''
+   end subroutine read_set_config
 
    !> Describes all groups of a deck: of a reduced problem, or of a body.
    subroutine describe_config(visitor, config)
