@@ -46,6 +46,7 @@ module amontons_deck_visitor
       logical :: is_file = .false. !! whether its text is the name of a file, seen from the deck's directory
       logical :: is_required = .false. !! whether the group must have it
       logical :: is_shared = .false. !! whether decks that share a factorization agree in it
+      logical :: is_free = .false. !! whether these may differ in its value, though not in whether it is given
    contains
       procedure :: admits => key_admits
       procedure :: range => key_range

@@ -98,6 +98,7 @@ contains
          if (.not. is_given) return
       end if
       item = trim(key%name)//' = '//value
+      if (self%is_shared_only .and. key%is_free) item = trim(key%name)
       if (self%line == '') then
          self%line = '&'//trim(self%group%name)//' '//item
       else if (len(self%line) - index(self%line, newline, back=.true.) + len(item) + 4 > width) then

@@ -144,7 +144,7 @@ contains
       call visitor%reals(key_t('point', 'the node at these coordinates', 'L', also='node'), support%point, has_point)
       do k = 1, size(supported_components)
          call visitor%real(key_t(supported_components(k), component_meanings(k), 'L', default='free', &
-            also=component_words(k)), support%displacement(k), support%is_held(k))
+            also=component_words(k), is_free=.true.), support%displacement(k), support%is_held(k))
       end do
       call visitor%real(key_t('spring_n', 'elastic foundation: stress per displacement along the normal; with `set`'// &
          ' only', 'F/L³', default='`0.0`', at_least=0.0_dp), support%spring(1), has_spring(1))
