@@ -75,9 +75,9 @@ contains
       if (command_line%is_verify) expected = 'a directory with results'
       if (size(command_line%decks) == 0) then
          call new_error(error, input_refused, 'amontons: expected '//expected//'; try amontons --help')
-      else if (command_line%is_verify .and. (allocated(command_line%output) .or. command_line%is_check .or. &
-         command_line%is_reduced .or. command_line%writes_reduced .or. command_line%wants_all_solutions .or. &
-         size(command_line%settings) > 0)) then
+      else if (command_line%is_verify .and. any([allocated(command_line%output), command_line%is_check, &
+         command_line%is_reduced, command_line%writes_reduced, command_line%wants_all_solutions, &
+         size(command_line%settings) > 0])) then
          call new_error(error, input_refused, 'amontons: --verify takes directories with results; of the other '// &
             'options only --quiet and --threads go with it')
       else if (command_line%is_reduced .and. has_input(command_line%decks)) then

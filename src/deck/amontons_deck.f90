@@ -7,10 +7,9 @@
 !> Reading never fails once the file is open: faults of form, of type and of meaning gather in the deck, and `finish`
 !> turns them into one error.
 module amontons_deck
-   use amontons_deck_contents, only: deck_contents_t, find_key, hides_meaning, understands_group, understands_key
+   use amontons_deck_contents, only: deck_contents_t, find_key
    use amontons_deck_parser, only: parse_deck
-   use amontons_deck_scanner, only: excerpt
-   use amontons_deck_words, only: joined, suggestion
+   use amontons_deck_scanner, only: excerpt, suggestion
    use amontons_error, only: error_t
    use amontons_kinds, only: int64
    use amontons_text, only: to_text
@@ -129,13 +128,37 @@ contains
       call self%contents%faults%add(self%line_of(group, key), sentence)
    end subroutine deck_fault
 
-   !> Whether everything that a group says is understood, so that its keys can be judged together. A group that is
-   !> absent may be one that another fault hides: it counts as understood only if the whole deck is in order.
+   !> Whether a fault recorded already hides what a key means: its value is at fault, or it may stand behind a fault of
+   !> form.
+   pure logical function hides_meaning(contents, group, key)
+      type(deck_contents_t), intent(in) :: contents !! what stands in the deck
+      integer, intent(in) :: group !! the group
+      character(*), intent(in) :: key !! name of the key
+      integer :: assignment
+
+      assignment = find_key(contents, group, key)
+      if (assignment > 0) then
+         hides_meaning = contents%assignments(assignment)%is_faulty .or. &
+            assignment > contents%groups(group)%last_judged
+      else
+         hides_meaning = contents%groups(group)%is_malformed
+      end if
+   end function hides_meaning
+
+   !> Whether everything that a group says is understood, its form, its keys and their values, so that its keys can be
+   !> judged together. A group that is absent may be one that another fault hides: it counts as understood only if the
+   !> whole deck is in order.
    pure logical function deck_is_understood(self, group) result(is_understood)
       class(deck_t), intent(in) :: self !! the deck
       integer, intent(in) :: group !! the group, or 0
+      integer :: i
 
-      is_understood = understands_group(self%contents, group)
+      is_understood = self%contents%faults%count() == 0
+      if (is_understood .or. group == 0) return
+      associate (found => self%contents%groups(group), assignments => self%contents%assignments)
+         is_understood = .not. (found%is_malformed .or. found%has_unknown_key .or. &
+            any([(assignments(i)%is_faulty, i=found%first_assignment, found%last_assignment)]))
+      end associate
    end function deck_is_understood
 
    !> Whether a group is understood and makes sense so far.
@@ -143,17 +166,23 @@ contains
       class(deck_t), intent(in) :: self !! the deck
       integer, intent(in) :: group !! the group, or 0
 
-      is_sound = understands_group(self%contents, group)
+      is_sound = self%is_understood(group)
       if (group > 0) is_sound = is_sound .and. .not. self%contents%groups(group)%is_faulty
    end function deck_is_sound
 
-   !> Whether it is known what a key says in all groups of a name, so that other groups can be judged by it.
+   !> Whether it is known what a key says in all groups of a name, so that other groups can be judged by it: no fault
+   !> hides such a group, or the key in one.
    pure logical function deck_knows(self, name, key) result(knows)
       class(deck_t), intent(in) :: self !! the deck
       character(*), intent(in) :: name !! name of the groups
       character(*), intent(in) :: key !! name of the key
+      integer :: i
 
-      knows = understands_key(self%contents, name, key)
+      knows = .not. self%contents%hides_groups
+      do i = 1, self%contents%n_groups
+         if (self%contents%groups(i)%name == name) knows = knows .and. .not. &
+            (hides_meaning(self%contents, i, key) .or. self%contents%groups(i)%has_unknown_key)
+      end do
    end function deck_knows
 
    !> Number of values that stand behind a key, repeat counts included; 0 where the key is absent.

@@ -9,8 +9,7 @@ module amontons_deck_contents
 
    public :: deck_assignment_t, deck_contents_t, deck_group_t, deck_value_t
    public :: append_assignment, append_group, append_value
-   public :: bare_value, find_key, find_values, hides_meaning, mark_faulty, refuse_value, understands_group, &
-      understands_key, unquoted_value
+   public :: bare_value, find_key, find_values, mark_faulty, refuse_value, unquoted_value
 
    !> A value as it is written.
    type :: deck_value_t
@@ -274,52 +273,6 @@ contains
 
       contents%assignments(find_key(contents, group, key))%is_faulty = .true.
    end subroutine mark_faulty
-
-   !> Whether a fault recorded already hides what a key means: its value is at fault, or it may stand behind a fault of
-   !> form.
-   pure logical function hides_meaning(contents, group, key)
-      type(deck_contents_t), intent(in) :: contents !! the deck
-      integer, intent(in) :: group !! the group
-      character(*), intent(in) :: key !! name of the key
-      integer :: assignment
-
-      assignment = find_key(contents, group, key)
-      if (assignment > 0) then
-         hides_meaning = contents%assignments(assignment)%is_faulty .or. &
-            assignment > contents%groups(group)%last_judged
-      else
-         hides_meaning = contents%groups(group)%is_malformed
-      end if
-   end function hides_meaning
-
-   !> Whether everything that a group says is understood: its form, its keys and their values. A group that is absent
-   !> may be one that another fault hides: it counts as understood only if the whole deck is in order.
-   pure logical function understands_group(contents, group)
-      type(deck_contents_t), intent(in) :: contents !! the deck
-      integer, intent(in) :: group !! the group, or 0
-      integer :: i
-
-      understands_group = contents%faults%count() == 0
-      if (understands_group .or. group == 0) return
-      associate (found => contents%groups(group))
-         understands_group = .not. (found%is_malformed .or. found%has_unknown_key .or. &
-            any([(contents%assignments(i)%is_faulty, i=found%first_assignment, found%last_assignment)]))
-      end associate
-   end function understands_group
-
-   !> Whether it is known what a key says in all groups of a name: no fault hides such a group, or the key in one.
-   pure logical function understands_key(contents, name, key)
-      type(deck_contents_t), intent(in) :: contents !! the deck
-      character(*), intent(in) :: name !! name of the groups
-      character(*), intent(in) :: key !! name of the key
-      integer :: i
-
-      understands_key = .not. contents%hides_groups
-      do i = 1, contents%n_groups
-         if (contents%groups(i)%name == name) understands_key = understands_key .and. &
-            .not. (hides_meaning(contents, i, key) .or. contents%groups(i)%has_unknown_key)
-      end do
-   end function understands_key
 
    !> The first assignment of a key in a group, 0 where it has none.
    pure integer function find_key(contents, group, key) result(assignment)

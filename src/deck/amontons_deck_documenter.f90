@@ -1,7 +1,7 @@
 !> Documents what a deck may hold: a table in Markdown of the keys of each group that a description shows.
 module amontons_deck_documenter
-   use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t, set_default
-   use amontons_deck_words, only: joined
+   use amontons_deck_scanner, only: joined
+   use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t, reals_text, set_default, wholes_text
    use amontons_kinds, only: dp
    use amontons_text, only: newline, quoted, to_text
    implicit none (type, external)
@@ -51,14 +51,8 @@ contains
       type(key_t), intent(in) :: key !! the key
       real(dp), intent(inout) :: values(:) !! the numbers, their defaults
       logical, intent(inout), optional :: is_given !! whether these are defaults, if present
-      character(:), allocatable :: default
-      integer :: i
 
-      default = ''
-      do i = 1, size(values)
-         default = default//', '//to_text(values(i))
-      end do
-      call self%write_numbers(key, 'number', size(values), default, is_given)
+      call self%write_numbers(key, 'number', size(values), reals_text(values), is_given)
    end subroutine documenter_reals
 
    !> Writes the row of whole numbers.
@@ -67,14 +61,8 @@ contains
       type(key_t), intent(in) :: key !! the key
       integer, intent(inout) :: values(:) !! the numbers, their defaults
       logical, intent(inout), optional :: is_given !! whether these are defaults, if present
-      character(:), allocatable :: default
-      integer :: i
 
-      default = ''
-      do i = 1, size(values)
-         default = default//', '//to_text(values(i))
-      end do
-      call self%write_numbers(key, 'whole number', size(values), default, is_given)
+      call self%write_numbers(key, 'whole number', size(values), wholes_text(values), is_given)
    end subroutine documenter_wholes
 
    !> Writes the row of a text.
@@ -99,7 +87,7 @@ contains
       type(key_t), intent(in) :: key !! the key
       character(*), intent(in) :: noun !! what one is called
       integer, intent(in) :: n_values !! how many there are; 0 for any number
-      character(*), intent(in) :: default !! their defaults, ', ' before each
+      character(*), intent(in) :: default !! their defaults
       logical, intent(in), optional :: is_given !! whether these are defaults, if present
       character(:), allocatable :: values, range
 
@@ -111,7 +99,7 @@ contains
       if (index(range, 'above') == 1) range = ' '//range
       if (key%is_nonzero) range = trim(merge(', not both 0', ', not 0     ', n_values > 1))
       if (key%is_ascending) range = range//', ascending'
-      call self%write_row(key, values//range, default(3:), is_given)
+      call self%write_row(key, values//range, default, is_given)
    end subroutine documenter_write_numbers
 
    !> Writes a row.

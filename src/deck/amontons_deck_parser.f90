@@ -242,13 +242,8 @@ contains
          value%last = token%last
          value%line = token%line
          value%is_text = token%kind == text_token
-         if (has_typographic_quote(contents%text(token%first:token%last)) .and. .not. value%is_text) then
-            if (.not. assignment%is_faulty) call contents%faults%add(token%line, excerpt(assignment%key)// &
-               ': typographic quotes; use '' or "'//column_text(contents%text, token%first))
-            assignment%is_faulty = .true.
-         else if (.not. (value%is_text .or. may_be_value(contents%text(token%first:token%last)))) then
-            call refuse_value(contents, assignment, &
-               "expected a number or quoted text, or '=' after a key", token)
+         if (.not. (value%is_text .or. may_be_value(contents%text(token%first:token%last)))) then
+            call refuse_word(contents, assignment, token)
          else if (value%is_text .and. token%last - token%first - 1 > longest_text) then
             call refuse_value(contents, assignment, 'expected a text of at most '//to_text(longest_text)// &
                ' characters', token)
@@ -260,6 +255,21 @@ contains
       call append_value(contents, value)
       call advance(cursor, contents%text)
    end subroutine read_value
+
+   !> Records a word in the place of a value.
+   subroutine refuse_word(contents, assignment, token)
+      type(deck_contents_t), intent(inout) :: contents !! the deck, gains the fault
+      type(deck_assignment_t), intent(inout) :: assignment !! the assignment, marked as faulty
+      type(deck_token_t), intent(in) :: token !! the word
+
+      if (.not. has_typographic_quote(contents%text(token%first:token%last))) then
+         call refuse_value(contents, assignment, "expected a number or quoted text, or '=' after a key", token)
+      else if (.not. assignment%is_faulty) then
+         call contents%faults%add(token%line, excerpt(assignment%key)//': typographic quotes; use '' or "'// &
+            column_text(contents%text, token%first))
+      end if
+      assignment%is_faulty = .true.
+   end subroutine refuse_word
 
    !> Reads a repeat count and its star, to which the value must be joined: behind a blank it would be another value.
    subroutine read_repeat_count(cursor, contents, assignment, n_times)

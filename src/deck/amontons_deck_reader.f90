@@ -1,9 +1,8 @@
 !> Reads a deck into the variables that a description shows, and tells all its faults at once.
 module amontons_deck_reader
    use amontons_deck_contents, only: bare_value, find_values, mark_faulty, refuse_value, unquoted_value
-   use amontons_deck_scanner, only: excerpt
+   use amontons_deck_scanner, only: excerpt, joined, suggestion
    use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t, set_default
-   use amontons_deck_words, only: joined, suggestion
    use amontons_kinds, only: dp
    use amontons_number_table, only: beside
    use amontons_system, only: absolute_path
@@ -37,7 +36,8 @@ contains
 
       self%place = self%deck%next_group(trim(group%name), merge(self%place, 0, self%group%name == group%name))
       self%group = group
-      self%keys = [key_t ::]
+      if (allocated(self%keys)) deallocate (self%keys)
+      allocate (self%keys(0))
       self%missing = ''
    end subroutine reader_open_group
 
@@ -58,7 +58,7 @@ contains
       real(dp), intent(inout) :: values(:) !! the numbers; those that are not given stay as they are
       logical, intent(inout), optional :: is_given !! whether the key stands in the group
       character(:), allocatable :: word
-      integer :: source(size(values)), i, wrong
+      integer :: source(size(values)), i
       real(dp) :: number
       logical :: ok
 
@@ -75,13 +75,21 @@ contains
             call refuse_value(self%deck%contents, self%place, key%name, source(i), 'a number')
          end if
       end do
-      if (all(source == 0)) return
-      wrong = findloc(key%admits(values) .or. source == 0, .false., dim=1)
+      if (any(source > 0)) call judge_numbers(self, key, values)
+   end subroutine reader_reals
+
+   !> Records what is wrong with real numbers.
+   subroutine judge_numbers(self, key, values)
+      class(deck_reader_t), intent(inout) :: self !! the reader
+      type(key_t), intent(in) :: key !! the key
+      real(dp), intent(in) :: values(:) !! the numbers
+      integer :: wrong
+
+      wrong = findloc(key%admits(values), .false., dim=1)
       if (wrong > 0) call self%judge(key, key%range(), to_text(values(wrong)))
       if (key%is_nonzero .and. all(abs(values) <= 0.0_dp)) call self%judge(key, 'not zero')
-      if (.not. key%is_ascending) return
-      if (any(values(2:) <= values(:size(values) - 1))) call self%judge(key, 'ascending')
-   end subroutine reader_reals
+      if (key%is_ascending .and. any(values(2:) <= values(:size(values) - 1))) call self%judge(key, 'ascending')
+   end subroutine judge_numbers
 
    !> Reads a fixed number of whole numbers.
    subroutine reader_wholes(self, key, values, is_given)

@@ -1,11 +1,11 @@
 !> Cuts the text of a deck into tokens: words, quoted texts, group names and punctuation.
 module amontons_deck_scanner
-   use amontons_text, only: lower_case, to_text
+   use amontons_text, only: lower_case, nearest_word, to_text
    implicit none (type, external)
    private
 
    public :: deck_scanner_t, deck_token_t, end_token, group_token, open_quote_token, text_token, word_token
-   public :: column_text, excerpt, has_typographic_quote, is_name, may_be_value, token_text
+   public :: column_text, excerpt, has_typographic_quote, is_name, joined, may_be_value, suggestion, token_text
 
    !> Kind of the token behind the last one.
    character, parameter :: end_token = ' '
@@ -209,5 +209,37 @@ contains
       end do
       beginning = text(:length)//'...'
    end function excerpt
+
+   !> What a message about an unknown word adds: the known word that is near, or all known words where none is.
+   pure function suggestion(word, words, before, noun) result(text)
+      character(*), intent(in) :: word !! the word found, in lower case
+      character(*), intent(in) :: words(:) !! the words known
+      character(*), intent(in) :: before !! what the message puts before a word
+      character(*), intent(in) :: noun !! what the words are
+      character(:), allocatable :: text
+
+      text = nearest_word(word, words)
+      if (text /= '') then
+         text = '; did you mean '//before//text//'?'
+      else
+         text = ' ('//noun//': '//joined(words, before, '')//')'
+      end if
+   end function suggestion
+
+   !> Words separated by commas.
+   pure function joined(words, before, behind) result(text)
+      character(*), intent(in) :: words(:) !! the words, blank padded
+      character(*), intent(in) :: before !! what is put before each word
+      character(*), intent(in) :: behind !! what is put behind each word
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(words)
+         if (i > 1) text = text//', '
+         text = text//before//trim(words(i))//behind
+      end do
+      if (text == '') text = 'none'
+   end function joined
 
 end module amontons_deck_scanner

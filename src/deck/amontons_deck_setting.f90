@@ -131,7 +131,7 @@ contains
 
    !> Makes a part of a text blank but for the ends of its lines.
    pure subroutine blank(text, first, last)
-      character(*), intent(inout) :: text !! the text
+      character(:), allocatable, intent(inout) :: text !! the text
       integer, intent(in) :: first !! position of the first character
       integer, intent(in) :: last !! position of the last character
       integer :: i

@@ -14,11 +14,11 @@ module amontons_deck_visitor
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_number_table, only: read_number_table
-   use amontons_text, only: to_text
+   use amontons_text, only: newline, to_text
    implicit none (type, external)
    private
 
-   public :: deck_visitor_t, group_t, is_filled, key_t, set_default
+   public :: deck_visitor_t, group_t, is_filled, key_t, reals_text, set_default, wholes_text
 
    !> Most numbers of a list.
    integer, parameter, public :: most_values = 1000000
@@ -67,7 +67,6 @@ module amontons_deck_visitor
       procedure :: list => visitor_list
       procedure :: whole => visitor_whole
       procedure :: word => visitor_word
-      procedure :: count_groups => visitor_count_groups
       procedure :: has => visitor_has
       procedure :: is_judging => visitor_is_judging
       procedure :: locate => visitor_locate
@@ -159,14 +158,19 @@ contains
    subroutine visitor_list(self, key, values, is_given)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
-      real(dp), allocatable, intent(inout) :: values(:) !! the numbers; not allocated where none are given
+      real(dp), allocatable, intent(inout) :: values(:) !! the numbers; they stay as they are where none are given
       logical, intent(inout) :: is_given !! as for reals
-      integer :: n_values
+      real(dp), allocatable :: numbers(:)
 
-      n_values = self%deck%count_values(self%place, key%name, most_values)
-      if (.not. allocated(values)) allocate (values(n_values), source=0.0_dp)
-      call self%reals(key, values, is_given)
-      if (.not. is_given) deallocate (values)
+      if (self%has(key%name)) then
+         allocate (numbers(self%deck%count_values(self%place, key%name, most_values)), source=0.0_dp)
+      else if (allocated(values)) then
+         numbers = values
+      else
+         allocate (numbers(0))
+      end if
+      call self%reals(key, numbers, is_given)
+      if (is_given) call move_alloc(numbers, values)
    end subroutine visitor_list
 
    !> Visits a word of a list.
@@ -179,14 +183,6 @@ contains
 
       call self%text(key, value, is_given, choices)
    end subroutine visitor_word
-
-   !> Number of groups of a name in the deck that is read.
-   integer function visitor_count_groups(self, group) result(n_groups)
-      class(deck_visitor_t), intent(in) :: self !! the visitor
-      type(group_t), intent(in) :: group !! the group
-
-      n_groups = self%deck%count_groups(trim(group%name))
-   end function visitor_count_groups
 
    !> Whether the group that is read has a key; false where none is read.
    logical function visitor_has(self, key) result(has)
@@ -275,6 +271,50 @@ contains
       text = to_text(bound)
       if (index(text, '.0') == len(text) - 1) text = text(:len(text) - 2)
    end function bound_text
+
+   !> Whole numbers separated by commas.
+   pure function wholes_text(values) result(text)
+      integer, intent(in) :: values(:) !! the numbers
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(values)
+         text = text//', '//to_text(values(i))
+      end do
+      text = text(3:)
+   end function wholes_text
+
+   !> Real numbers separated by commas, about ten on a line. Halves are joined, since a text that grows value by value
+   !> would be copied as often as there are values.
+   pure function reals_text(values) result(text)
+      real(dp), intent(in) :: values(:) !! the numbers
+      character(:), allocatable :: text
+
+      text = ''
+      if (size(values) > 0) call append_list(text, values)
+   end function reals_text
+
+   !> Appends numbers separated by commas; a subroutine, since gfortran 12 forgets the length of a text that a function
+   !> returns when the function calls itself.
+   pure recursive subroutine append_list(text, values)
+      character(:), allocatable, intent(inout) :: text !! the text
+      real(dp), intent(in) :: values(:) !! the numbers, one at the least
+      integer, parameter :: values_per_line = 10
+      character(:), allocatable :: rest
+      integer :: half
+
+      half = size(values)/2
+      if (half == 0) then
+         text = text//to_text(values(1))
+         return
+      end if
+      rest = ', '
+      if (size(values) > values_per_line) rest = ','//newline//'   '
+      call append_list(rest, values(half + 1:))
+      call append_list(text, values(:half))
+      text = text//rest
+   end subroutine append_list
 
    !> Gives a text that is not there its default.
    pure subroutine set_default(text, choices)

@@ -1,8 +1,8 @@
 !> Writes a deck from the values that a description shows.
 module amontons_deck_writer
-   use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t, set_default
+   use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t, reals_text, set_default, wholes_text
    use amontons_kinds, only: dp
-   use amontons_text, only: newline, quoted, to_text
+   use amontons_text, only: newline, quoted
    implicit none (type, external)
    private
 
@@ -50,11 +50,8 @@ contains
       type(key_t), intent(in) :: key !! the key
       real(dp), intent(inout) :: values(:) !! the numbers
       logical, intent(inout), optional :: is_given !! whether they are written
-      character(:), allocatable :: text
 
-      if (size(values) == 0) return
-      call append_list(text, values)
-      call self%write_key(key, text, is_given)
+      call self%write_key(key, reals_text(values), is_given)
    end subroutine writer_reals
 
    !> Writes a fixed number of whole numbers.
@@ -63,14 +60,8 @@ contains
       type(key_t), intent(in) :: key !! the key
       integer, intent(inout) :: values(:) !! the numbers
       logical, intent(inout), optional :: is_given !! whether they are written
-      character(:), allocatable :: text
-      integer :: i
 
-      text = to_text(values(1))
-      do i = 2, size(values)
-         text = text//', '//to_text(values(i))
-      end do
-      call self%write_key(key, text, is_given)
+      call self%write_key(key, wholes_text(values), is_given)
    end subroutine writer_wholes
 
    !> Writes a text.
@@ -107,28 +98,5 @@ contains
          self%line = self%line//'  '//item
       end if
    end subroutine writer_write_key
-
-   !> Appends numbers separated by commas, about ten on a line. Halves are joined, since a text that grows value by
-   !> value would be copied as often as there are values; and by a subroutine, since gfortran 12 forgets the length of a
-   !> text that a function returns when the function calls itself.
-   pure recursive subroutine append_list(text, values)
-      character(:), allocatable, intent(inout) :: text !! the text, not allocated at first
-      real(dp), intent(in) :: values(:) !! the numbers, one at the least
-      integer, parameter :: values_per_line = 10
-      character(:), allocatable :: rest
-      integer :: half
-
-      half = size(values)/2
-      if (.not. allocated(text)) text = ''
-      if (half == 0) then
-         text = text//to_text(values(1))
-         return
-      end if
-      rest = ', '
-      if (size(values) > values_per_line) rest = ','//newline//'   '
-      call append_list(rest, values(half + 1:))
-      call append_list(text, values(:half))
-      text = text//rest
-   end subroutine append_list
 
 end module amontons_deck_writer

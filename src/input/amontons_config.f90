@@ -1,17 +1,21 @@
-!> The configuration of a case: what a deck says, checked, with every default in place.
+!> The configuration of a case: what a deck says, checked, with every default in place. One description of all groups
+!> reads it, writes it as a deck again and documents what a deck may hold.
 module amontons_config
-   use amontons_config_body, only: describe_loads, describe_materials, describe_mesh, describe_supports, load_group, &
+   use amontons_config_body, only: describe_load, describe_material, describe_mesh, describe_support, load_group, &
       material_group, mesh_group, support_group
-   use amontons_config_contact, only: contact_group, describe_contacts
+   use amontons_config_contact, only: contact_group, describe_contact
    use amontons_config_reduced, only: describe_problem, problem_group, reduced_source_t
    use amontons_config_sweep, only: describe_sweep, sweep_group
    use amontons_constraints, only: support_t
    use amontons_contact_zone, only: contact_t
    use amontons_deck, only: read_deck, read_deck_text
+   use amontons_deck_documenter, only: deck_documenter_t
    use amontons_deck_reader, only: deck_reader_t
+   use amontons_deck_scanner, only: suggestion
    use amontons_deck_setting, only: apply_settings, setting_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t
-   use amontons_error, only: error_t
+   use amontons_deck_writer, only: deck_writer_t
+   use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_loads, only: load_t
    use amontons_material, only: material_t
@@ -21,11 +25,11 @@ module amontons_config
    use amontons_rectangle, only: rectangle_t
    use amontons_sweep, only: sweep_t
    use amontons_system, only: absolute_path
-   use amontons_text, only: quoted, to_text
+   use amontons_text, only: lower_case, quoted, to_text
    implicit none (type, external)
    private
 
-   public :: config_t, describe_config, groups, new_reduced_config, read_config, read_set_config
+   public :: body_text, config_t, effective_deck, new_reduced_config, read_config, read_set_config, reference_text
 
    !> The group of the case.
    type(group_t), parameter :: case_group = group_t('case')
@@ -65,8 +69,9 @@ contains
       type(config_t), intent(out) :: config !! the case
       character(*), intent(in) :: file !! name of the deck, `-` for standard input
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(setting_t) :: no_settings(0)
 
-      call read_set_config(config, file, .false., [setting_t ::], error)
+      call read_set_config(config, file, .false., no_settings, error)
    end subroutine read_config
 
    !> Makes the case of a reduced problem's file alone: that of a deck which names the file and nothing else.
@@ -74,8 +79,9 @@ contains
       type(config_t), intent(out) :: config !! the case
       character(*), intent(in) :: file !! name of the reduced problem's file
       type(error_t), allocatable, intent(out) :: error !! the name cannot stand in a deck
+      type(setting_t) :: no_settings(0)
 
-      call read_set_config(config, file, .true., [setting_t ::], error)
+      call read_set_config(config, file, .true., no_settings, error)
    end subroutine new_reduced_config
 
    !> Reads a case in which settings take the place of what its deck says.
@@ -103,6 +109,55 @@ contains
       config%reduced%origin = ''
    end subroutine read_set_config
 
+   !> The effective deck: the case as a deck, every default in place. Reading it gives the same case.
+   function effective_deck(config) result(text)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: text
+
+      call write_deck(text, config, .false.)
+   end function effective_deck
+
+   !> The part of the deck that a factorization depends on: two cases whose texts agree can share it.
+   function body_text(config) result(text)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: text
+
+      call write_deck(text, config, .true.)
+   end function body_text
+
+   !> Writes the deck of a case, or what decks that share a factorization agree in.
+   subroutine write_deck(text, config, is_shared_only)
+      character(:), allocatable, intent(out) :: text !! the deck
+      type(config_t), intent(in) :: config !! the case
+      logical, intent(in) :: is_shared_only !! whether only what such decks agree in is written
+      type(deck_writer_t) :: writer
+      type(config_t) :: copy
+
+      copy = config
+      writer%is_shared_only = is_shared_only
+      call describe_config(writer, copy)
+      call move_alloc(writer%written, text)
+   end subroutine write_deck
+
+   !> The reference of a group as Markdown; of all groups where the name is empty.
+   subroutine reference_text(name, text, error)
+      character(*), intent(in) :: name !! name of the group, with or without `&`, in upper or lower case; or empty
+      character(:), allocatable, intent(out) :: text !! the reference, its last line not ended
+      type(error_t), allocatable, intent(out) :: error !! there is no such group
+      type(deck_documenter_t) :: documenter
+      type(config_t) :: config
+
+      documenter%wanted = lower_case(name)
+      if (index(documenter%wanted, '&') == 1) documenter%wanted = documenter%wanted(2:)
+      documenter%written = ''
+      config%file = ''
+      allocate (config%materials(1), config%supports(1), config%loads(1), config%contacts(1), config%sweep%axes(1))
+      call describe_config(documenter, config)
+      text = documenter%written
+      if (len(text) == 0) call new_error(error, input_refused, 'unknown group &'//documenter%wanted// &
+         suggestion(documenter%wanted, groups%name, '&', 'groups'))
+   end subroutine reference_text
+
    !> Describes all groups of a deck: of a reduced problem, or of a body.
    subroutine describe_config(visitor, config)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
@@ -113,16 +168,41 @@ contains
       if (config%reduced%is_given) then
          call refuse_body(visitor)
       else
-         call describe_mesh(visitor, config%mesh_file, config%rectangle, config%mesh_origin)
-         call describe_materials(visitor, config%materials)
-         call describe_supports(visitor, config%supports)
-         call describe_loads(visitor, config%loads)
-         call describe_contacts(visitor, config%contacts)
-         call describe_sweep(visitor, config%sweep, config%loads, config%contacts)
+         call describe_body(visitor, config)
       end if
       call describe_solver(visitor, config)
       call describe_output(visitor, config%sweep)
    end subroutine describe_config
+
+   !> Describes the groups of a body, of what acts on it and of what varies.
+   subroutine describe_body(visitor, config)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(config_t), intent(inout) :: config !! the case; who reads it comes without these
+      integer :: i
+
+      if (.not. allocated(config%materials)) then
+         ! Of a body without a material, the required keys are missed.
+         allocate (config%materials(max(1, visitor%deck%count_groups('material'))))
+         allocate (config%supports(visitor%deck%count_groups('support')))
+         allocate (config%loads(visitor%deck%count_groups('load')))
+         allocate (config%contacts(visitor%deck%count_groups('contact')))
+         allocate (config%sweep%axes(visitor%deck%count_groups('sweep')))
+      end if
+      call describe_mesh(visitor, config%mesh_file, config%rectangle, config%mesh_origin)
+      do i = 1, size(config%materials)
+         call describe_material(visitor, config%materials(i))
+      end do
+      do i = 1, size(config%supports)
+         call describe_support(visitor, config%supports(i))
+      end do
+      do i = 1, size(config%loads)
+         call describe_load(visitor, config%loads(i))
+      end do
+      do i = 1, size(config%contacts)
+         call describe_contact(visitor, config%contacts(i))
+      end do
+      call describe_sweep(visitor, config%sweep, config%loads, config%contacts)
+   end subroutine describe_body
 
    !> Describes `&case`: name and title.
    subroutine describe_case(visitor, config)
@@ -143,9 +223,10 @@ contains
       call visitor%text(key_t('title', 'what the case is about, for the listing', also='heading description'), &
          config%title)
       call visitor%close_group()
-      if (len_trim(config%name) == 0 .or. len(config%name) > longest_name .or. has_unusable_character(config%name)) &
+      if (len_trim(config%name) == 0 .or. len(config%name) > longest_name .or. has_unusable_character(config%name)) then
          call visitor%deck%fault(visitor%place, 'name', 'name must be usable as a file name: 1 to '// &
-         to_text(longest_name)//" characters without '/' and control characters")
+            to_text(longest_name)//" characters without '/' and control characters")
+      end if
    end subroutine describe_case
 
    !> Whether a name has a character that file names or decks cannot have.

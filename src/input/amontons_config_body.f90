@@ -4,14 +4,14 @@ module amontons_config_body
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_element, only: element_names
    use amontons_error, only: error_t
-   use amontons_loads, only: load_on_nodes, load_on_region, load_on_sides, load_t
    use amontons_kinds, only: dp
+   use amontons_loads, only: load_on_nodes, load_on_region, load_on_sides, load_t
    use amontons_material, only: hypothesis_names, material_t, new_material
    use amontons_rectangle, only: diagonal_names, rectangle_t
    implicit none (type, external)
    private
 
-   public :: describe_loads, describe_materials, describe_mesh, describe_supports
+   public :: describe_load, describe_material, describe_mesh, describe_support
 
    !> The group of the mesh.
    type(group_t), parameter, public :: mesh_group = group_t('mesh', is_shared=.true.)
@@ -41,7 +41,7 @@ contains
       character(:), allocatable, intent(inout) :: origin !! where the mesh is specified
       character(4), parameter :: kind_of_file = 'file'
       character(:), allocatable :: kind
-      logical :: has_file, is_rectangle, needs_size, has(5)
+      logical :: has_file, is_rectangle, needs_size, has_size, has_cells, has_element, has_diagonal, has_grading
 
       kind = 'rectangle'
       has_file = is_filled(file)
@@ -52,19 +52,23 @@ contains
          [character(9) :: 'rectangle', kind_of_file])
       is_rectangle = kind /= kind_of_file
       needs_size = is_rectangle .and. .not. visitor%has('file')
-      has = is_rectangle
+      has_size = is_rectangle
+      has_cells = is_rectangle
+      has_element = is_rectangle
+      has_diagonal = is_rectangle
+      has_grading = is_rectangle
       call visitor%text(key_t('file', "with `kind = 'file'`, where it is required: name of the mesh file, seen from"// &
          " the deck's folder", is_file=.true., is_filled=.true., also='filename path'), file, has_file)
       call visitor%reals(key_t('size', 'of the rectangle: width and height', 'L', above=0.0_dp, &
-         is_required=needs_size, also='length lengths dimensions'), rectangle%size, has(1))
+         is_required=needs_size, also='length lengths dimensions'), rectangle%size, has_size)
       call visitor%wholes(key_t('cells', 'of the rectangle: number of cells along x and y', at_least=1.0_dp, &
-         is_required=needs_size, also='elements divisions n'), rectangle%cells, has(2))
+         is_required=needs_size, also='elements divisions n'), rectangle%cells, has_cells)
       call visitor%word(key_t('element', 'a quadrilateral, or two triangles in each cell; linear or quadratic', &
-         also='type etype'), rectangle%element, element_names, has(3))
+         also='type etype'), rectangle%element, element_names, has_element)
       call visitor%word(key_t('diagonal', 'how triangles halve a cell: `/`, `\`, or by turns; no effect on'// &
-         ' quadrilaterals'), rectangle%diagonal, diagonal_names, has(4))
+         ' quadrilaterals'), rectangle%diagonal, diagonal_names, has_diagonal)
       call visitor%real(key_t('grading', 'height of the top row of cells over that of the bottom row; the rows'// &
-         ' between follow a geometric series', above=0.0_dp, also='bias ratio'), rectangle%grading, has(5))
+         ' between follow a geometric series', above=0.0_dp, also='bias ratio'), rectangle%grading, has_grading)
       call visitor%close_group()
       call visitor%locate(trim(merge('cells', 'file ', is_rectangle)), origin)
       if (.not. visitor%is_judging()) return
@@ -73,19 +77,6 @@ contains
       call visitor%only('cells', is_rectangle, "kind = 'rectangle'")
       call visitor%require(has_file .or. is_rectangle, 'kind', "kind = 'file' needs file = 'MESH'")
    end subroutine describe_mesh
-
-   !> Describes all `&material`.
-   subroutine describe_materials(visitor, materials)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(material_t), allocatable, intent(inout) :: materials(:) !! the materials
-      integer :: i
-
-      ! Of a body without one, the required keys are missed.
-      if (.not. allocated(materials)) allocate (materials(max(1, visitor%count_groups(material_group))))
-      do i = 1, size(materials)
-         call describe_material(visitor, materials(i))
-      end do
-   end subroutine describe_materials
 
    !> Describes one `&material`.
    subroutine describe_material(visitor, material)
@@ -115,18 +106,6 @@ contains
       call visitor%locate('region', complete%origin)
       material = complete
    end subroutine describe_material
-
-   !> Describes all `&support`.
-   subroutine describe_supports(visitor, supports)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(support_t), allocatable, intent(inout) :: supports(:) !! the supports
-      integer :: i
-
-      if (.not. allocated(supports)) allocate (supports(visitor%count_groups(support_group)))
-      do i = 1, size(supports)
-         call describe_support(visitor, supports(i))
-      end do
-   end subroutine describe_supports
 
    !> Describes one `&support`.
    subroutine describe_support(visitor, support)
@@ -159,18 +138,6 @@ contains
       call visitor%require(.not. (has_point .and. (any(has_spring) .or. any(support%is_held(3:)))), 'point', &
          'un, ut, spring_n and spring_t need set: a point has no normal')
    end subroutine describe_support
-
-   !> Describes all `&load`.
-   subroutine describe_loads(visitor, loads)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(load_t), allocatable, intent(inout) :: loads(:) !! the loads
-      integer :: i
-
-      if (.not. allocated(loads)) allocate (loads(visitor%count_groups(load_group)))
-      do i = 1, size(loads)
-         call describe_load(visitor, loads(i))
-      end do
-   end subroutine describe_loads
 
    !> Describes one `&load`: on the sides of a set, on nodes, or on a region.
    subroutine describe_load(visitor, load)
@@ -213,17 +180,28 @@ contains
       if (on_nodes) load%target = load_on_nodes
       if (on_region) load%target = load_on_region
       call visitor%locate('set', load%origin)
+      call judge_load(visitor, any(on_sides), on_nodes, on_region)
+   end subroutine describe_load
+
+   !> Judges the keys of a `&load` together.
+   subroutine judge_load(visitor, on_sides, on_nodes, on_region)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      logical, intent(in) :: on_sides !! whether it acts on sides
+      logical, intent(in) :: on_nodes !! whether it acts on nodes
+      logical, intent(in) :: on_region !! whether it acts on a region
+      integer :: n_kinds
+
       if (.not. visitor%is_judging()) return
-      call visitor%require(any([on_sides, on_nodes, on_region]), '', &
-         '&load needs traction, pressure, force or body_force')
-      call visitor%require(count([any(on_sides), on_nodes, on_region]) <= 1, '', &
-         'traction and pressure, force, and body_force need a &load for each')
-      if (count([any(on_sides), on_nodes, on_region]) /= 1) return
-      call visitor%require(has_set .or. .not. any(on_sides), '', 'traction and pressure need set')
-      call visitor%require((has_set .neqv. has_point) .or. .not. on_nodes, 'force', 'force needs either set or point')
+      n_kinds = count([on_sides, on_nodes, on_region])
+      call visitor%require(n_kinds > 0, '', '&load needs traction, pressure, force or body_force')
+      call visitor%require(n_kinds <= 1, '', 'traction and pressure, force, and body_force need a &load for each')
+      if (n_kinds /= 1) return
       call visitor%only('set', .not. on_region, 'traction, pressure or force')
       call visitor%only('point', on_nodes, 'force')
       call visitor%only('region', on_region, 'body_force')
-   end subroutine describe_load
+      call visitor%require(visitor%has('set') .or. .not. on_sides, '', 'traction and pressure need set')
+      call visitor%require((visitor%has('set') .neqv. visitor%has('point')) .or. .not. on_nodes, 'force', &
+         'force needs either set or point')
+   end subroutine judge_load
 
 end module amontons_config_body

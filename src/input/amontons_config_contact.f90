@@ -9,7 +9,7 @@ module amontons_config_contact
    implicit none (type, external)
    private
 
-   public :: describe_contacts
+   public :: describe_contact
 
    !> The group of a contact set.
    type(group_t), parameter, public :: contact_group = group_t('contact', is_repeatable=.true.)
@@ -28,18 +28,6 @@ module amontons_config_contact
       key_t('slip_bound_table', 'file with the bound over the length of the contact line, instead', is_file=.true.)]
 
 contains
-
-   !> Describes all `&contact`.
-   subroutine describe_contacts(visitor, contacts)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(contact_t), allocatable, intent(inout) :: contacts(:) !! the contact sets
-      integer :: i
-
-      if (.not. allocated(contacts)) allocate (contacts(visitor%count_groups(contact_group)))
-      do i = 1, size(contacts)
-         call describe_contact(visitor, contacts(i))
-      end do
-   end subroutine describe_contacts
 
    !> Describes one `&contact`.
    subroutine describe_contact(visitor, contact)

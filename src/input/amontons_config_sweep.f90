@@ -33,21 +33,13 @@ contains
       integer :: i
       logical :: are_sound
 
-      if (.not. allocated(sweep%axes)) allocate (sweep%axes(visitor%count_groups(sweep_group)))
-      are_sound = .true.
+      are_sound = size(sweep%axes) > 0
       do i = 1, size(sweep%axes)
          call describe_axis(visitor, sweep%axes(i))
-         are_sound = are_sound .and. visitor%is_judging() .and. visitor%deck%is_sound(visitor%place)
-         if (.not. are_sound) cycle
-         if (sweep%axes(i)%target /= swept_load) then
-            if (visitor%deck%knows('contact', 'set')) call check_contacts(visitor, sweep%axes(i), contacts)
-         else if (visitor%deck%knows('load', 'name')) then
-            call check_load(visitor, sweep%axes(i), loads)
-         end if
-         call check_combination(visitor, sweep%axes(:i), contacts)
+         are_sound = are_sound .and. visitor%place > 0 .and. visitor%deck%is_sound(visitor%place)
+         if (are_sound) call check_axis(visitor, sweep%axes(:i), loads, contacts)
       end do
-      if (size(sweep%axes) == 0 .or. .not. are_sound) return
-      call visitor%require(sweep%n_cases() <= largest_n_cases, 'count', &
+      if (are_sound) call visitor%require(sweep%n_cases() <= largest_n_cases, 'count', &
          'the sweep has too many cases: expected at most '//to_text(largest_n_cases))
    end subroutine describe_sweep
 
@@ -55,52 +47,44 @@ contains
    subroutine describe_axis(visitor, axis)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(sweep_axis_t), intent(inout) :: axis !! the quantity
-      character(:), allocatable :: set, combination
-      real(dp), allocatable :: values(:)
-      integer :: n_steps, target, i
+      character(:), allocatable :: combination
+      integer :: n_steps, i
       logical :: has_load, has_set, has_values(size(value_keys))
 
       has_load = is_filled(axis%name) .and. axis%target == swept_load
-      has_set = is_filled(axis%name) .and. axis%target /= swept_load
-      has_values = [(i == axis%target .and. allocated(axis%values), i=1, size(has_values))]
+      has_set = is_filled(axis%name) .and. .not. has_load
+      has_values = .false.
+      has_values(axis%target) = allocated(axis%values)
       n_steps = 0
-      if (axis%is_range) n_steps = size(axis%values)
-      set = ''
-      if (has_set) set = axis%name
+      if (axis%is_range) then
+         n_steps = size(axis%values)
+         axis%values = axis%values([1, n_steps])
+      end if
       combination = trim(merge(combination_names(2), combination_names(1), axis%is_paired))
       call visitor%open_group(sweep_group)
       call visitor%text(key_t('load', 'with `factor`, where it is required: the name of the load', also='name'), &
          axis%name, has_load)
       call visitor%text(key_t('contact', 'with `friction` or `friction_factor`: the `set` of the `&contact`', &
-         default='all', is_filled=.true., also='set'), set, has_set)
-      target = axis%target
+         default='all', is_filled=.true., also='set'), axis%name, has_set)
       do i = 1, size(value_keys)
-         if (has_values(i)) then
-            values = axis%values
-            if (axis%is_range) values = values([1, size(values)])
-         end if
-         call visitor%list(value_keys(i), values, has_values(i))
-         if (.not. has_values(i)) cycle
-         target = i
-         call move_alloc(values, axis%values)
+         call visitor%list(value_keys(i), axis%values, has_values(i))
       end do
       call visitor%whole(key_t('count', 'the two numbers given are the first and the last of so many, in equal'// &
          ' steps', at_least=2.0_dp, also='n step steps'), n_steps, axis%is_range)
       call visitor%word(key_t('combine', 'every value with every combination of the groups before, or value by'// &
          ' value along with the group before'), combination, combination_names)
       call visitor%close_group()
-      axis%target = target
+      axis%target = max(swept_load, findloc(has_values, .true., dim=1))
       axis%is_paired = combination == combination_names(2)
-      if (has_set) axis%name = set
       call visitor%locate('load', axis%origin)
       if (.not. visitor%is_judging()) return
       call visitor%require(count(has_values) == 1, '', &
          '&sweep needs either factor, friction or friction_factor; give each a group of its own')
       if (count(has_values) /= 1) return
-      call visitor%only('load', target == swept_load, 'factor')
-      call visitor%only('contact', target /= swept_load, 'friction and friction_factor')
-      call visitor%require(has_load .or. target /= swept_load, 'factor', 'factor needs load')
-      if (axis%is_range) call spread_values(visitor, axis%values, trim(value_keys(target)%name), n_steps)
+      call visitor%only('load', axis%target == swept_load, 'factor')
+      call visitor%only('contact', axis%target /= swept_load, 'friction and friction_factor')
+      call visitor%require(has_load .or. axis%target /= swept_load, 'factor', 'factor needs load')
+      if (axis%is_range) call spread_values(visitor, axis%values, trim(value_keys(axis%target)%name), n_steps)
    end subroutine describe_axis
 
    !> Turns two values, the first and the last, into a number of values in equal steps.
@@ -123,6 +107,23 @@ contains
       ends = real(values, wide)
       values = [(real((ends(1)*(n_steps - i) + ends(2)*(i - 1))/(n_steps - 1), dp), i=1, n_steps)]
    end subroutine spread_values
+
+   !> Checks that there is what a quantity varies, and that it goes with the quantities before it.
+   subroutine check_axis(visitor, axes, loads, contacts)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor, at the group of the last quantity
+      type(sweep_axis_t), intent(in) :: axes(:) !! the quantity, and those before it
+      type(load_t), intent(in) :: loads(:) !! the loads
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+
+      associate (axis => axes(size(axes)))
+         if (axis%target /= swept_load) then
+            if (visitor%deck%knows('contact', 'set')) call check_contacts(visitor, axis, contacts)
+         else if (visitor%deck%knows('load', 'name')) then
+            call check_load(visitor, axis, loads)
+         end if
+      end associate
+      call check_combination(visitor, axes, contacts)
+   end subroutine check_axis
 
    !> Checks that there is a load of the name that a quantity multiplies.
    subroutine check_load(visitor, axis, loads)

@@ -1,12 +1,11 @@
 !> The way of a case from its configuration to its result. Cases that share a body share its factorisation.
 module amontons_solve_case
    use amontons_body, only: body_t, condense_body, new_body
-   use amontons_config, only: config_t
+   use amontons_config, only: body_text, config_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_t
-   use amontons_effective_deck, only: body_text
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
    use amontons_load_case, only: new_load_case

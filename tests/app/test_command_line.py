@@ -24,7 +24,8 @@ class Options(ProgramTest):
         for option in ("--help", "-h"):
             text = self.run_program(option).stdout
             self.assertIn("Usage: amontons [options] DECK...\n", text)
-            options = ("--output DIR", "--check", "--quiet", "--threads N", "--set KEY=VALUE", "--all-solutions", "--help", "--version")
+            options = ("--output DIR", "--set KEY=VALUE", "--check", "--quiet", "--threads N", "--all-solutions",
+                       "--help", "--version")
             for word in (*options, *results_of("NAME")):
                 self.assertIn(f"  {word}  ", text)
             for status in ("0 solved", "1 input refused", "2 numerical failure", "3 cannot write", "4 not converged"):

@@ -51,7 +51,7 @@ contains
       call visitor%word(key_t('element', 'a shape'), mesh%element, [character(5) :: 'tri3', 'quad4'])
       call visitor%close_group()
       if (visitor%is_judging()) call visitor%only('steps', mesh%element == 'tri3', "element = 'tri3'")
-      if (.not. allocated(loads)) allocate (loads(visitor%count_groups(load_group)))
+      if (.not. allocated(loads)) allocate (loads(visitor%deck%count_groups('load')))
       do i = 1, size(loads)
          has_ends = allocated(loads(i)%ends)
          call visitor%open_group(load_group)
