@@ -1,7 +1,7 @@
 !> Documents what a deck may hold: a table in Markdown of the keys of each group that a description shows.
 module amontons_deck_documenter
    use amontons_deck_scanner, only: joined
-   use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t, reals_text, set_default, wholes_text
+   use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t, set_default
    use amontons_kinds, only: dp
    use amontons_text, only: newline, quoted, to_text
    implicit none (type, external)
@@ -17,10 +17,8 @@ module amontons_deck_documenter
       procedure :: open_group => documenter_open_group
       procedure :: close_group => documenter_close_group
       procedure :: reals => documenter_reals
-      procedure :: wholes => documenter_wholes
       procedure :: text => documenter_text
       procedure, private :: write => documenter_write
-      procedure, private :: write_numbers => documenter_write_numbers
       procedure, private :: write_row => documenter_write_row
    end type deck_documenter_t
 
@@ -45,25 +43,24 @@ contains
       self%group = group_t()
    end subroutine documenter_close_group
 
-   !> Writes the row of real numbers.
+   !> Writes the row of numbers.
    subroutine documenter_reals(self, key, values, is_given)
       class(deck_documenter_t), intent(inout) :: self !! the documenter
       type(key_t), intent(in) :: key !! the key
-      real(dp), intent(inout) :: values(:) !! the numbers, their defaults
+      real(dp), intent(inout) :: values(:) !! the numbers, their defaults; none for a list of any length
       logical, intent(inout), optional :: is_given !! whether these are defaults, if present
+      character(:), allocatable :: text, range
 
-      call self%write_numbers(key, 'number', size(values), reals_text(values), is_given)
+      text = key%noun()
+      if (size(values) /= 1) text = text//'s'
+      if (size(values) > 1) text = to_text(size(values))//' '//text
+      range = key%range()
+      if (index(range, 'at least') == 1) range = ', '//range
+      if (index(range, 'above') == 1) range = ' '//range
+      if (key%is_nonzero) range = trim(merge(', not both 0', ', not 0     ', size(values) > 1))
+      if (key%is_ascending) range = range//', ascending'
+      call self%write_row(key, text//range, key%numbers(values), is_given)
    end subroutine documenter_reals
-
-   !> Writes the row of whole numbers.
-   subroutine documenter_wholes(self, key, values, is_given)
-      class(deck_documenter_t), intent(inout) :: self !! the documenter
-      type(key_t), intent(in) :: key !! the key
-      integer, intent(inout) :: values(:) !! the numbers, their defaults
-      logical, intent(inout), optional :: is_given !! whether these are defaults, if present
-
-      call self%write_numbers(key, 'whole number', size(values), wholes_text(values), is_given)
-   end subroutine documenter_wholes
 
    !> Writes the row of a text.
    subroutine documenter_text(self, key, value, is_given, choices)
@@ -80,27 +77,6 @@ contains
          call self%write_row(key, 'text', quoted(value), is_given)
       end if
    end subroutine documenter_text
-
-   !> Writes the row of numbers.
-   subroutine documenter_write_numbers(self, key, noun, n_values, default, is_given)
-      class(deck_documenter_t), intent(inout) :: self !! the documenter
-      type(key_t), intent(in) :: key !! the key
-      character(*), intent(in) :: noun !! what one is called
-      integer, intent(in) :: n_values !! how many there are; 0 for any number
-      character(*), intent(in) :: default !! their defaults
-      logical, intent(in), optional :: is_given !! whether these are defaults, if present
-      character(:), allocatable :: values, range
-
-      values = noun
-      if (n_values /= 1) values = values//'s'
-      if (n_values > 1) values = to_text(n_values)//' '//values
-      range = key%range()
-      if (index(range, 'at least') == 1) range = ', '//range
-      if (index(range, 'above') == 1) range = ' '//range
-      if (key%is_nonzero) range = trim(merge(', not both 0', ', not 0     ', n_values > 1))
-      if (key%is_ascending) range = range//', ascending'
-      call self%write_row(key, values//range, default, is_given)
-   end subroutine documenter_write_numbers
 
    !> Writes a row.
    subroutine documenter_write_row(self, key, values, default, is_given)

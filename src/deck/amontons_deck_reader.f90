@@ -20,7 +20,6 @@ module amontons_deck_reader
       procedure :: open_group => reader_open_group
       procedure :: close_group => reader_close_group
       procedure :: reals => reader_reals
-      procedure :: wholes => reader_wholes
       procedure :: text => reader_text
       procedure, private :: find => reader_find
       procedure, private :: judge => reader_judge
@@ -51,34 +50,38 @@ contains
       end if
    end subroutine reader_close_group
 
-   !> Reads a fixed number of real numbers.
+   !> Reads numbers.
    subroutine reader_reals(self, key, values, is_given)
       class(deck_reader_t), intent(inout) :: self !! the reader
       type(key_t), intent(in) :: key !! the key
       real(dp), intent(inout) :: values(:) !! the numbers; those that are not given stay as they are
       logical, intent(inout), optional :: is_given !! whether the key stands in the group
       character(:), allocatable :: word
-      integer :: source(size(values)), i
+      integer :: source(size(values)), i, whole
       real(dp) :: number
       logical :: ok
 
-      call self%find(key, 'number', source, is_given)
+      call self%find(key, key%noun(), source, is_given)
       do i = 1, size(values)
          if (source(i) == 0) cycle
          word = bare_value(self%deck%contents, source(i))
-         call read_real(word, number, ok)
+         if (key%is_whole) then
+            call read_integer(word, whole, ok)
+            if (ok) number = whole
+         else
+            call read_real(word, number, ok)
+         end if
          if (ok) then
             values(i) = number
-         else if (is_out_of_range(word)) then
-            call refuse_value(self%deck%contents, self%place, key%name, source(i), 'a number within double precision')
          else
-            call refuse_value(self%deck%contents, self%place, key%name, source(i), 'a number')
+            call refuse_value(self%deck%contents, self%place, key%name, source(i), 'a '//key%noun()// &
+               limit_of(word, key%is_whole))
          end if
       end do
       if (any(source > 0)) call judge_numbers(self, key, values)
    end subroutine reader_reals
 
-   !> Records what is wrong with real numbers.
+   !> Records what is wrong with numbers.
    subroutine judge_numbers(self, key, values)
       class(deck_reader_t), intent(inout) :: self !! the reader
       type(key_t), intent(in) :: key !! the key
@@ -86,38 +89,10 @@ contains
       integer :: wrong
 
       wrong = findloc(key%admits(values), .false., dim=1)
-      if (wrong > 0) call self%judge(key, key%range(), to_text(values(wrong)))
+      if (wrong > 0) call self%judge(key, key%range(), key%numbers(values(wrong:wrong)))
       if (key%is_nonzero .and. all(abs(values) <= 0.0_dp)) call self%judge(key, 'not zero')
       if (key%is_ascending .and. any(values(2:) <= values(:size(values) - 1))) call self%judge(key, 'ascending')
    end subroutine judge_numbers
-
-   !> Reads a fixed number of whole numbers.
-   subroutine reader_wholes(self, key, values, is_given)
-      class(deck_reader_t), intent(inout) :: self !! the reader
-      type(key_t), intent(in) :: key !! the key
-      integer, intent(inout) :: values(:) !! the numbers; those that are not given stay as they are
-      logical, intent(inout), optional :: is_given !! whether the key stands in the group
-      character(:), allocatable :: word
-      integer :: source(size(values)), i, number, wrong
-      logical :: ok
-
-      call self%find(key, 'whole number', source, is_given)
-      do i = 1, size(values)
-         if (source(i) == 0) cycle
-         word = bare_value(self%deck%contents, source(i))
-         call read_integer(word, number, ok)
-         if (ok) then
-            values(i) = number
-         else if (word /= '' .and. verify(word, '+-0123456789') == 0) then
-            call refuse_value(self%deck%contents, self%place, key%name, source(i), &
-               'a whole number of at most '//to_text(huge(number)))
-         else
-            call refuse_value(self%deck%contents, self%place, key%name, source(i), 'a whole number')
-         end if
-      end do
-      wrong = findloc(key%admits(real(values, dp)) .or. source == 0, .false., dim=1)
-      if (wrong > 0) call self%judge(key, key%range(), to_text(values(wrong)))
-   end subroutine reader_wholes
 
    !> Reads a quoted text; one of a list of words in upper or lower case.
    subroutine reader_text(self, key, value, is_given, choices)
@@ -237,17 +212,24 @@ contains
       text = suggestion(word, keys%name, '', 'keys')
    end function key_suggestion
 
-   !> Whether a word that is not read as a real has the form of one: mantissa and exponent.
-   pure logical function is_out_of_range(word)
+   !> What a message adds where a word has the form of a number, but one too large or too small.
+   pure function limit_of(word, is_whole) result(text)
       character(*), intent(in) :: word !! the word
+      logical, intent(in) :: is_whole !! whether a whole number is expected
+      character(:), allocatable :: text
       real(dp) :: mantissa
       integer :: at_exponent, exponent
       logical :: has_mantissa, has_exponent
 
+      text = ''
       at_exponent = scan(word, 'eEdD')
-      call read_real(word(:at_exponent - 1), mantissa, has_mantissa)
-      call read_integer(word(at_exponent + 1:), exponent, has_exponent)
-      is_out_of_range = has_mantissa .and. has_exponent
-   end function is_out_of_range
+      if (is_whole) then
+         if (word /= '' .and. verify(word, '+-0123456789') == 0) text = ' of at most '//to_text(huge(exponent))
+      else
+         call read_real(word(:at_exponent - 1), mantissa, has_mantissa)
+         call read_integer(word(at_exponent + 1:), exponent, has_exponent)
+         if (has_mantissa .and. has_exponent) text = ' within double precision'
+      end if
+   end function limit_of
 
 end module amontons_deck_reader

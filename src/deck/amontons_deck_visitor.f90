@@ -18,7 +18,7 @@ module amontons_deck_visitor
    implicit none (type, external)
    private
 
-   public :: deck_visitor_t, group_t, is_filled, key_t, reals_text, set_default, wholes_text
+   public :: deck_visitor_t, group_t, is_filled, key_t, set_default
 
    !> Most numbers of a list.
    integer, parameter, public :: most_values = 1000000
@@ -40,6 +40,7 @@ module amontons_deck_visitor
       real(dp) :: above = -huge(1.0_dp) !! its numbers are larger than this
       real(dp) :: at_least = -huge(1.0_dp) !! its numbers are not smaller than this
       real(dp) :: below = huge(1.0_dp) !! its numbers are smaller than this
+      logical :: is_whole = .false. !! whether its numbers are whole
       logical :: is_nonzero = .false. !! whether its numbers are not all 0
       logical :: is_ascending = .false. !! whether its numbers ascend
       logical :: is_filled = .false. !! whether its text is not empty
@@ -49,6 +50,8 @@ module amontons_deck_visitor
       logical :: is_free = .false. !! whether these may differ in its value, though not in whether it is given
    contains
       procedure :: admits => key_admits
+      procedure :: noun => key_noun
+      procedure :: numbers => key_numbers
       procedure :: range => key_range
    end type key_t
 
@@ -61,11 +64,11 @@ module amontons_deck_visitor
       procedure(open_group), deferred :: open_group
       procedure(close_group), deferred :: close_group
       procedure(visit_reals), deferred :: reals
-      procedure(visit_wholes), deferred :: wholes
       procedure(visit_text), deferred :: text
       procedure :: real => visitor_real
       procedure :: list => visitor_list
       procedure :: whole => visitor_whole
+      procedure :: wholes => visitor_wholes
       procedure :: word => visitor_word
       procedure :: has => visitor_has
       procedure :: is_judging => visitor_is_judging
@@ -91,7 +94,7 @@ module amontons_deck_visitor
          class(deck_visitor_t), intent(inout) :: self !! the visitor
       end subroutine close_group
 
-      !> Visits a fixed number of real numbers.
+      !> Visits a fixed number of numbers, whole ones where the key says so.
       subroutine visit_reals(self, key, values, is_given)
          import :: deck_visitor_t, dp, key_t
          implicit none (type, external)
@@ -102,16 +105,6 @@ module amontons_deck_visitor
          logical, intent(inout), optional :: is_given
             !! whether the key is to be written; on return from a reader, whether it stands in the group
       end subroutine visit_reals
-
-      !> Visits a fixed number of whole numbers.
-      subroutine visit_wholes(self, key, values, is_given)
-         import :: deck_visitor_t, key_t
-         implicit none (type, external)
-         class(deck_visitor_t), intent(inout) :: self !! the visitor
-         type(key_t), intent(in) :: key !! the key
-         integer, intent(inout) :: values(:) !! the numbers; those that a deck does not give stay as they are
-         logical, intent(inout), optional :: is_given !! as for reals
-      end subroutine visit_wholes
 
       !> Visits a text.
       subroutine visit_text(self, key, value, is_given, choices)
@@ -153,6 +146,22 @@ contains
       call self%wholes(key, values, is_given)
       value = values(1)
    end subroutine visitor_whole
+
+   !> Visits a fixed number of whole numbers.
+   subroutine visitor_wholes(self, key, values, is_given)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
+      type(key_t), intent(in) :: key !! the key
+      integer, intent(inout) :: values(:) !! the numbers
+      logical, intent(inout), optional :: is_given !! as for reals
+      type(key_t) :: whole_key
+      real(dp) :: numbers(size(values))
+
+      whole_key = key
+      whole_key%is_whole = .true.
+      numbers = values
+      call self%reals(whole_key, numbers, is_given)
+      values = nint(numbers)
+   end subroutine visitor_wholes
 
    !> Visits a list of real numbers of any length.
    subroutine visitor_list(self, key, values, is_given)
@@ -272,48 +281,48 @@ contains
       if (index(text, '.0') == len(text) - 1) text = text(:len(text) - 2)
    end function bound_text
 
-   !> Whole numbers separated by commas.
-   pure function wholes_text(values) result(text)
-      integer, intent(in) :: values(:) !! the numbers
-      character(:), allocatable :: text
-      integer :: i
+   !> What one number of a key is called.
+   pure function key_noun(self) result(noun)
+      class(key_t), intent(in) :: self !! the key
+      character(:), allocatable :: noun
 
-      text = ''
-      do i = 1, size(values)
-         text = text//', '//to_text(values(i))
-      end do
-      text = text(3:)
-   end function wholes_text
+      noun = 'number'
+      if (self%is_whole) noun = 'whole number'
+   end function key_noun
 
-   !> Real numbers separated by commas, about ten on a line. Halves are joined, since a text that grows value by value
-   !> would be copied as often as there are values.
-   pure function reals_text(values) result(text)
+   !> Numbers of a key separated by commas, about ten on a line. Halves are joined, since a text that grows value by
+   !> value would be copied as often as there are values.
+   pure function key_numbers(self, values) result(text)
+      class(key_t), intent(in) :: self !! the key
       real(dp), intent(in) :: values(:) !! the numbers
       character(:), allocatable :: text
 
       text = ''
-      if (size(values) > 0) call append_list(text, values)
-   end function reals_text
+      if (size(values) > 0) call append_list(text, values, self%is_whole)
+   end function key_numbers
 
    !> Appends numbers separated by commas; a subroutine, since gfortran 12 forgets the length of a text that a function
    !> returns when the function calls itself.
-   pure recursive subroutine append_list(text, values)
+   pure recursive subroutine append_list(text, values, are_whole)
       character(:), allocatable, intent(inout) :: text !! the text
       real(dp), intent(in) :: values(:) !! the numbers, one at the least
+      logical, intent(in) :: are_whole !! whether they are whole
       integer, parameter :: values_per_line = 10
       character(:), allocatable :: rest
       integer :: half
 
       half = size(values)/2
-      if (half == 0) then
+      if (half == 0 .and. are_whole) then
+         text = text//to_text(nint(values(1)))
+      else if (half == 0) then
          text = text//to_text(values(1))
-         return
+      else
+         rest = ', '
+         if (size(values) > values_per_line) rest = ','//newline//'   '
+         call append_list(rest, values(half + 1:), are_whole)
+         call append_list(text, values(:half), are_whole)
+         text = text//rest
       end if
-      rest = ', '
-      if (size(values) > values_per_line) rest = ','//newline//'   '
-      call append_list(rest, values(half + 1:))
-      call append_list(text, values(:half))
-      text = text//rest
    end subroutine append_list
 
    !> Gives a text that is not there its default.

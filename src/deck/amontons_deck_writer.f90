@@ -1,6 +1,6 @@
 !> Writes a deck from the values that a description shows.
 module amontons_deck_writer
-   use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t, reals_text, set_default, wholes_text
+   use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t, set_default
    use amontons_kinds, only: dp
    use amontons_text, only: newline, quoted
    implicit none (type, external)
@@ -20,7 +20,6 @@ module amontons_deck_writer
       procedure :: open_group => writer_open_group
       procedure :: close_group => writer_close_group
       procedure :: reals => writer_reals
-      procedure :: wholes => writer_wholes
       procedure :: text => writer_text
       procedure, private :: write_key => writer_write_key
    end type deck_writer_t
@@ -44,25 +43,15 @@ contains
       if (self%line /= '') self%written = self%written//self%line//' /'//newline
    end subroutine writer_close_group
 
-   !> Writes a fixed number of real numbers.
+   !> Writes numbers.
    subroutine writer_reals(self, key, values, is_given)
       class(deck_writer_t), intent(inout) :: self !! the writer
       type(key_t), intent(in) :: key !! the key
       real(dp), intent(inout) :: values(:) !! the numbers
       logical, intent(inout), optional :: is_given !! whether they are written
 
-      call self%write_key(key, reals_text(values), is_given)
+      call self%write_key(key, key%numbers(values), is_given)
    end subroutine writer_reals
-
-   !> Writes a fixed number of whole numbers.
-   subroutine writer_wholes(self, key, values, is_given)
-      class(deck_writer_t), intent(inout) :: self !! the writer
-      type(key_t), intent(in) :: key !! the key
-      integer, intent(inout) :: values(:) !! the numbers
-      logical, intent(inout), optional :: is_given !! whether they are written
-
-      call self%write_key(key, wholes_text(values), is_given)
-   end subroutine writer_wholes
 
    !> Writes a text.
    subroutine writer_text(self, key, value, is_given, choices)
