@@ -82,7 +82,7 @@ contains
    subroutine describe_material(visitor, material)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(material_t), intent(inout) :: material !! the material
-      type(material_t) :: complete
+      type(material_t) :: derived
       type(error_t), allocatable :: error
       logical :: has_region
 
@@ -99,12 +99,14 @@ contains
       call visitor%text(key_t('region', 'the region of the mesh that the material fills', default='all the rest', &
          also='set elset'), material%region, has_region)
       call visitor%close_group()
+      material%origin = ''
+      call visitor%locate('region', material%origin)
       ! Its rules are those above.
-      call new_material(complete, material%young, material%poisson, material%hypothesis, material%thickness, error)
-      complete%region = material%region
-      complete%origin = ''
-      call visitor%locate('region', complete%origin)
-      material = complete
+      call new_material(derived, material%young, material%poisson, material%hypothesis, material%thickness, error)
+      material%lambda = derived%lambda
+      material%mu = derived%mu
+      material%is_plane_stress = derived%is_plane_stress
+      material%is_axisymmetric = derived%is_axisymmetric
    end subroutine describe_material
 
    !> Describes one `&support`.
