@@ -4,7 +4,7 @@
 
 _amontons() {
    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} kinds='*.nml' groups i
-   local options='--output --check --quiet --threads --reduced --write-reduced --all-solutions --verify --reference'
+   local options='--output --set --check --quiet --threads --reduced --write-reduced --all-solutions --verify'
    local only_decks=false
 
    COMPREPLY=()
@@ -25,16 +25,16 @@ _amontons() {
    done
    if [[ $only_decks == false ]]; then
       case $before in
-      --output)
+      --output | -o)
          mapfile -t COMPREPLY < <(compgen -d -- "$word")
          compopt -o filenames 2>/dev/null || true
          return
          ;;
-      --threads) return ;;
+      --set | --threads | -t) return ;;
       *) ;;
       esac
       if [[ $word == -* ]]; then
-         mapfile -t COMPREPLY < <(compgen -W "$options --help --version" -- "$word")
+         mapfile -t COMPREPLY < <(compgen -W "$options --reference --help --version" -- "$word")
          return
       fi
    fi

@@ -23,14 +23,15 @@ MAY_USE = {
     "contact/methods": ["contact/problem", "linalg"],
     "contact/uniqueness": ["contact/problem", "linalg"],
     "contact/model": ["contact/problem", "elasticity", "mesh", "cholesky", "linalg", "system"],
-    "case": ["contact/model", "contact/methods", "elasticity", "mesh", "cholesky", "linalg", "system"],
-    "solve": ["case", *CONTACT, "elasticity", "mesh", "mesh/io", "linalg", "system"],
-    "output": ["solve", "case", *CONTACT, "elasticity", "mesh", "linalg", "system"],
-    "study/sweep": ["output", "solve", "case", *CONTACT, "elasticity", "linalg", "system"],
-    "study/reduced": ["output", "solve", "case", "contact/problem", "contact/methods", "contact/uniqueness", "linalg",
+    "deck": ["system"],
+    "input": ["deck", "contact/model", "contact/methods", "elasticity", "mesh", "cholesky", "linalg", "system"],
+    "solve": ["input", *CONTACT, "elasticity", "mesh", "mesh/io", "linalg", "system"],
+    "output": ["solve", "input", *CONTACT, "elasticity", "mesh", "linalg", "system"],
+    "study/sweep": ["output", "solve", "input", *CONTACT, "elasticity", "linalg", "system"],
+    "study/reduced": ["output", "solve", "input", "contact/problem", "contact/methods", "contact/uniqueness", "linalg",
                       "system"],
-    "verify": ["study/sweep", "study/reduced", "output", "solve", "case", "contact/problem", "contact/model", "system"],
-    "binding": ["study/sweep", "study/reduced", "output", "solve", "case", "contact/methods", "linalg"],
+    "verify": ["study/sweep", "study/reduced", "output", "solve", "input", "contact/problem", "contact/model", "system"],
+    "binding": ["study/sweep", "study/reduced", "output", "solve", "input", "contact/methods", "linalg"],
 }
 # The facade src/amontons.f90 and the program may use all; only the program may use the facade.
 FACADE, APP = "facade", "app"

@@ -8,7 +8,8 @@ from check_sources import ROOT, split_comment, statements_of
 # The procedures that raise or record a fault, and the variables that hold the sentence for them.
 MAKE = re.compile(r"\bcall\s+(?:[\w%()]*%refuse\w*|[\w%()]*%fault|[\w%()]*faults%add|new_error|refuse\w*|complain)\s*\("
                   r"|(?<!\w)(?:misfit|sentence|reason|message)\s*=(?!=)\s*(?!''\s*$)")
-RULE = re.compile(r"\bcall\s+require\s*\((?P<arguments>.*)\)")
+# Rules of a description are stated in calls that are always made; they raise their sentence where they do not hold.
+RULE = re.compile(r"\bcall\s+visitor%(?P<kind>require|only)\s*\((?P<arguments>.*)\)")
 # `! not raised: REASON` above or beside such a statement tells why no test raises it.
 WAIVER = re.compile(r"! not raised: \S")
 
@@ -69,7 +70,7 @@ def pattern_of(expression):
     pattern = ""
     for piece in filter(None, split_top(expression, "//")):
         match = re.fullmatch(r"/?\s*(['\"])(.*)\1", piece)
-        pattern += re.escape(match[2].replace(match[1]*2, match[1])) if match else r"\S+"
+        pattern += re.escape(match[2].replace(match[1]*2, match[1])) if match else ".*"
     return pattern
 
 
@@ -80,6 +81,8 @@ def rules():
     for path, _, statement, text in statements():
         if match := RULE.search(text):
             arguments = split_top(match["arguments"], ",")
-            pattern = f"{pattern_of(arguments[2])} must {pattern_of(arguments[-1])}"
+            pattern = pattern_of(arguments[-1])
+            if match["kind"] == "only":
+                pattern = f"{pattern_of(arguments[0])} is only for {pattern}"
             yield Message(path, statement.first, statement.last, pattern,
                           is_expected=bool(re.search(pattern, expected)))

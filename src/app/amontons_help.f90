@@ -60,10 +60,12 @@ contains
       lines = [character(width) :: &
          'Options:', &
          '  --output DIR     where the files go (made if missing; default: the current', &
-         '                   directory)', &
+         '                   directory); -o too', &
+         '  --set KEY=VALUE  take VALUE for a key of the decks: --set contact.friction=0.5,', &
+         '                   --set "support(2).set=left"; may be repeated', &
          '  --check          check the decks and print their sizes; solve and write nothing', &
-         '  --quiet          print nothing but errors', &
-         '  --threads N      threads to use (default: OMP_NUM_THREADS, or all cores)', &
+         '  --quiet          print nothing but errors; -q too', &
+         '  --threads N      threads to use (default: OMP_NUM_THREADS, or all cores); -t too', &
          '  --reduced        the files are reduced problems u = W r + q (Siconos text), not', &
          '                   decks', &
          '  --write-reduced  write the reduced problem of each case too: NAME.reduced.dat', &
@@ -74,7 +76,7 @@ contains
          '                   no byte was changed, and that they follow from deck and mesh', &
          '  --reference      print every key of a deck with its values, unit, default and', &
          '                   meaning, or those of groups: amontons --reference mesh contact', &
-         '  --help           print this text (-h too)', &
+         '  --help           print this text; -h too', &
          '  --version        print the version and how the program was built', &
          '  --               what follows are decks']
    end function option_lines

@@ -5,7 +5,7 @@ module amontons_run
    use amontons_collection, only: collection_t, new_collection
    use amontons_command_line, only: argument_t, command_line_t
    use amontons_conditioning, only: rounded
-   use amontons_config, only: config_t, new_reduced_config, read_config
+   use amontons_config, only: config_t, read_set_config
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_listing_text, only: scientific, short
@@ -20,7 +20,7 @@ module amontons_run
    use amontons_status_line, only: close_status_line, open_status_line
    use amontons_sweep_report, only: write_sweep_report
    use amontons_sweep_tally, only: case_converged
-   use amontons_text, only: to_text
+   use amontons_text, only: newline, to_text
    use amontons_timings, only: phase_solve, phase_write
    implicit none (type, external)
    private
@@ -128,13 +128,15 @@ contains
       character(*), intent(in) :: deck !! name of the deck
       type(claim_t), intent(inout) :: claims(:) !! of the decks so far; the last one is this deck's
       type(error_t), allocatable, intent(out) :: error !! the deck was refused
+      integer :: i
 
-      if (command_line%is_reduced) then
-         call new_reduced_config(config, deck, error)
-      else
-         call read_config(config, deck, error)
+      call read_set_config(config, deck, command_line%is_reduced, command_line%settings, error)
+      if (allocated(error)) then
+         do i = 1, size(command_line%settings)
+            error%message = error%message//newline//'   with --set '//command_line%settings(i)%text
+         end do
+         return
       end if
-      if (allocated(error)) return
       call claim_name(claims, config, error)
       if (.not. allocated(error)) call check_options(command_line, config, error)
    end subroutine read_case

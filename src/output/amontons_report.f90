@@ -1,12 +1,11 @@
 !> The files of a solved case: all of them, each whole, or none.
 module amontons_report
    use amontons_body, only: body_t
-   use amontons_config, only: config_t
+   use amontons_config, only: config_t, effective_deck
    use amontons_contact_table, only: contact_table_text
    use amontons_contact_vtu, only: write_contact_vtu
    use amontons_directory, only: file_name_t
    use amontons_earlier_files, only: find_earlier_files
-   use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_listing, only: listing_text
    use amontons_manifest, only: manifest_t, with_manifest

@@ -7,9 +7,8 @@
 module amontons_verify
    use amontons_agreement, only: fault_text_t
    use amontons_checksum, only: checksum_t, file_checksum
-   use amontons_config, only: config_t, read_config
+   use amontons_config, only: config_t, effective_deck, read_config
    use amontons_directory, only: file_name_t, list_directory
-   use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_json, only: string
    use amontons_manifest, only: read_summary, manifest_t, manifest_file_t

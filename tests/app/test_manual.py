@@ -79,7 +79,9 @@ class Completion(ProgramTest):
         self.assertEqual(self.complete("--output", ""), ["results"])
         self.assertEqual(self.complete("--output", "=", "re"), ["results"])
         self.assertEqual(self.complete("--output", "="), ["results"])
-        self.assertEqual(self.complete("--threads", ""), [])
+        self.assertEqual(self.complete("-o", "re"), ["results"])
+        for option in ("--threads", "-t", "--set"):
+            self.assertEqual(self.complete(option, ""), [])
         self.assertEqual(self.complete("--", "--output", "bl"), ["block.nml"])
 
 

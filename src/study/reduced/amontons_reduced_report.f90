@@ -1,9 +1,8 @@
 !> The files of a solved reduced problem: all of them, each whole, or none.
 module amontons_reduced_report
-   use amontons_config, only: config_t
+   use amontons_config, only: config_t, effective_deck
    use amontons_directory, only: file_name_t
    use amontons_earlier_files, only: find_earlier_files
-   use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp

@@ -5,10 +5,9 @@
 module amontons_solve_sweep
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t
-   use amontons_config, only: config_t
+   use amontons_config, only: config_t, effective_deck
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
-   use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_load_case, only: condense_load_case

@@ -1,10 +1,9 @@
 !> The files of a sweep: all of them, each whole, or none.
 module amontons_sweep_report
    use amontons_body, only: body_t
-   use amontons_config, only: config_t
+   use amontons_config, only: config_t, effective_deck
    use amontons_directory, only: file_name_t
    use amontons_earlier_files, only: find_earlier_files
-   use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_manifest, only: manifest_t, with_manifest
    use amontons_output_file, only: commit_files, output_file_t, write_text_file

@@ -3,7 +3,7 @@ module amontons_deck_parser
    use amontons_deck_contents, only: append_assignment, append_group, append_value, deck_assignment_t, &
       deck_contents_t, deck_group_t, deck_value_t
    use amontons_deck_scanner, only: column_text, deck_scanner_t, deck_token_t, end_token, excerpt, group_token, &
-      open_quote_token, text_token, token_text, word_token
+      has_typographic_quote, is_name, may_be_value, open_quote_token, text_token, token_text, word_token
    use amontons_text, only: lower_case, read_integer, to_text
    implicit none (type, external)
    private
@@ -21,6 +21,7 @@ module amontons_deck_parser
       type(deck_token_t) :: token !! the token being read
       type(deck_token_t) :: ahead !! the token behind it
       logical :: has_open_quote = .false. !! whether a quote of the group does not close and so may hide its end
+      integer :: slash_line = 0 !! line of a comment in the group that ends in '/', 0 for none
    end type cursor_t
 
 contains
@@ -96,18 +97,20 @@ contains
       n_faults = contents%faults%count()
       group%line = cursor%token%line
       group%name = lower_case(contents%text(cursor%token%first + 1:cursor%token%last))
-      group%known_keys = ' '
       group%first_assignment = contents%n_assignments + 1
       cursor%has_open_quote = .false.
+      cursor%slash_line = 0
       call advance(cursor, contents%text)
       call read_assignments(cursor, contents, group%last_judged)
       group%last_assignment = contents%n_assignments
+      group%last = cursor%token%first - 1
       if (cursor%token%kind == '/' .or. is_legacy_end(contents%text, cursor%token)) then
          call advance(cursor, contents%text)
       else if (.not. cursor%has_open_quote) then
-         next = token_text(contents%text, cursor%token)
-         if (cursor%token%kind /= end_token) next = next//' at line '//to_text(cursor%token%line)
-         call contents%faults%add(group%line, '&'//excerpt(group%name)//" is not closed: expected '/' before "//next)
+         next = "expected '/' before "//token_text(contents%text, cursor%token)
+         if (cursor%token%kind /= end_token) next = next//' in line '//to_text(cursor%token%line)
+         if (cursor%slash_line > 0) next = "the '/' in line "//to_text(cursor%slash_line)//' is inside a comment'
+         call contents%faults%add(group%line, '&'//excerpt(group%name)//' is not closed: '//next)
       end if
       group%is_malformed = contents%faults%count() > n_faults
       ! Behind a fault of form, the rest of the group may be the next one, its name spoilt.
@@ -149,6 +152,7 @@ contains
       key = cursor%token
       assignment%key = lower_case(contents%text(key%first:key%last))
       assignment%line = key%line
+      assignment%first = key%first
       call advance(cursor, contents%text)
       if (cursor%token%kind == '(') call read_subscript(cursor, contents, assignment)
       if (cursor%token%kind /= '=') then
@@ -239,8 +243,7 @@ contains
          value%line = token%line
          value%is_text = token%kind == text_token
          if (.not. (value%is_text .or. may_be_value(contents%text(token%first:token%last)))) then
-            call refuse_value(contents, assignment, &
-               "expected a number, a logical or quoted text, or '=' after a key", token)
+            call refuse_word(contents, assignment, token)
          else if (value%is_text .and. token%last - token%first - 1 > longest_text) then
             call refuse_value(contents, assignment, 'expected a text of at most '//to_text(longest_text)// &
                ' characters', token)
@@ -252,6 +255,21 @@ contains
       call append_value(contents, value)
       call advance(cursor, contents%text)
    end subroutine read_value
+
+   !> Records a word in the place of a value.
+   subroutine refuse_word(contents, assignment, token)
+      type(deck_contents_t), intent(inout) :: contents !! the deck, gains the fault
+      type(deck_assignment_t), intent(inout) :: assignment !! the assignment, marked as faulty
+      type(deck_token_t), intent(in) :: token !! the word
+
+      if (.not. has_typographic_quote(contents%text(token%first:token%last))) then
+         call refuse_value(contents, assignment, "expected a number or quoted text, or '=' after a key", token)
+      else if (.not. assignment%is_faulty) then
+         call contents%faults%add(token%line, excerpt(assignment%key)//': typographic quotes; use '' or "'// &
+            column_text(contents%text, token%first))
+      end if
+      assignment%is_faulty = .true.
+   end subroutine refuse_word
 
    !> Reads a repeat count and its star, to which the value must be joined: behind a blank it would be another value.
    subroutine read_repeat_count(cursor, contents, assignment, n_times)
@@ -288,6 +306,7 @@ contains
       character(*), intent(in) :: text !! the deck's text
 
       cursor%token = cursor%ahead
+      if (cursor%token%slash_line > 0) cursor%slash_line = cursor%token%slash_line
       call cursor%scanner%advance(text, cursor%ahead)
    end subroutine advance
 
@@ -341,23 +360,6 @@ contains
       is_legacy_end = token%kind == group_token
       if (is_legacy_end) is_legacy_end = lower_case(text(token%first:token%last)) == '&end'
    end function is_legacy_end
-
-   !> Whether a word can be the name of a key: a letter, then letters, digits and underscores.
-   pure logical function is_name(word)
-      character(*), intent(in) :: word !! the word, in lower case
-      character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
-
-      is_name = scan(word(1:1), letters) > 0 .and. verify(word, letters//'0123456789_') == 0
-   end function is_name
-
-   !> Whether a word looks like a number or a logical; whether it is one, its key decides.
-   pure logical function may_be_value(word)
-      character(*), intent(in) :: word !! the word
-      character(*), parameter :: words(*) = [character(8) :: 't', 'f', 'true', 'false', 'nan', 'inf', 'infinity']
-
-      may_be_value = scan(word(1:1), '0123456789+-.') > 0
-      if (.not. may_be_value) may_be_value = any(words == lower_case(word))
-   end function may_be_value
 
    !> Records a fault at a token.
    subroutine refuse_token(contents, expected, token)

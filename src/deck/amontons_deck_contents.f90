@@ -9,8 +9,7 @@ module amontons_deck_contents
 
    public :: deck_assignment_t, deck_contents_t, deck_group_t, deck_value_t
    public :: append_assignment, append_group, append_value
-   public :: bare_value, find_key, find_values, hides_meaning, mark_faulty, refuse_value, understands_group, &
-      understands_key, unquoted_value
+   public :: bare_value, find_key, find_values, mark_faulty, refuse_value, unquoted_value
 
    !> A value as it is written.
    type :: deck_value_t
@@ -25,6 +24,7 @@ module amontons_deck_contents
    type :: deck_assignment_t
       character(:), allocatable :: key !! name of the key, in lower case
       integer :: line = 0 !! line of the key
+      integer :: first = 1 !! position of its first character in the text
       integer :: subscript = 0 !! subscript the values start at, 0 where none is written
       integer :: first_value = 1 !! its first value
       integer :: last_value = 0 !! its last value
@@ -35,13 +35,13 @@ module amontons_deck_contents
    type :: deck_group_t
       character(:), allocatable :: name !! name of the group without `&`, in lower case
       integer :: line = 0 !! line of its name
+      integer :: last = 0 !! position of the last character before its end
       integer :: first_assignment = 1 !! its first assignment
       integer :: last_assignment = 0 !! its last assignment
       integer :: last_judged = 0 !! its last assignment before a fault of form: what follows may belong elsewhere
       logical :: is_malformed = .false. !! whether its form is at fault
       logical :: is_faulty = .false. !! whether a fault of meaning has been recorded
       logical :: has_unknown_key = .false. !! whether a key is none of the group's
-      character(:), allocatable :: known_keys !! the keys asked for, a blank before and behind each
    end type deck_group_t
 
    !> What stands in a deck, in the deck's order.
@@ -104,29 +104,23 @@ contains
       contents%values(contents%n_values) = value
    end subroutine append_value
 
-   !> Finds the values of a key, one for each element of an array, and marks the key as known to its group.
+   !> Finds the values of a key, one for each element of an array.
    !>
    !> A key may stand several times when its subscripts give different elements. Values behind a fault of form are
    !> not taken: they may belong elsewhere.
-   subroutine find_values(contents, group, key, noun, source, is_given)
+   subroutine find_values(contents, group, key, noun, source)
       type(deck_contents_t), intent(inout) :: contents !! the deck, gains the faults
       integer, intent(in) :: group !! the group, or 0 where every key is absent
       character(*), intent(in) :: key !! name of the key, in lower case
       character(*), intent(in) :: noun !! what one value is called
       integer, intent(out) :: source(:) !! index of the value of each element, 0 where none is given
-      logical, intent(out), optional :: is_given !! whether the key stands in the group
       integer :: i, given_at(size(source))
 
       source = 0
       given_at = 0
-      if (present(is_given)) is_given = .false.
       if (group == 0) return
-      if (index(contents%groups(group)%known_keys, ' '//key//' ') == 0) then
-         contents%groups(group)%known_keys = contents%groups(group)%known_keys//key//' '
-      end if
       do i = contents%groups(group)%first_assignment, contents%groups(group)%last_assignment
          if (contents%assignments(i)%key /= key) cycle
-         if (present(is_given)) is_given = .true.
          if (contents%assignments(i)%is_faulty .or. i > contents%groups(group)%last_judged) cycle
          call place_values(contents, i, noun, source, given_at)
       end do
@@ -146,6 +140,7 @@ contains
          misfit = misfit_of(given, contents%values(given%first_value:given%last_value), noun, given_at)
          given%is_faulty = misfit /= ''
          if (given%is_faulty) then
+            if (noun == 'number' .and. given%subscript == 0) misfit = misfit//comma_hint(contents, given, size(source))
             call contents%faults%add(given%line, given%key//': '//misfit)
             return
          end if
@@ -181,9 +176,33 @@ contains
          misfit = 'expected '//counted(n_places, noun)//', found '//to_text(n_given)
       else
          line = maxval(given_at(size(given_at) - n_places + 1:size(given_at) - n_places + int(n_given)))
-         if (line > 0) misfit = 'given at line '//to_text(line)//' already'
+         if (line > 0) misfit = 'given in line '//to_text(line)//' already'
       end if
    end function misfit_of
+
+   !> What a message adds where twice as many whole numbers are given as numbers are expected, a comma in each pair: the
+   !> number that a decimal comma was meant to write.
+   pure function comma_hint(contents, assignment, n_expected) result(hint)
+      type(deck_contents_t), intent(in) :: contents !! the deck
+      type(deck_assignment_t), intent(in) :: assignment !! the assignment
+      integer, intent(in) :: n_expected !! how many numbers its key takes
+      character(:), allocatable :: hint
+      integer :: i
+
+      hint = ''
+      if (assignment%last_value - assignment%first_value + 1 /= 2*n_expected) return
+      associate (text => contents%text, values => contents%values)
+         do i = assignment%first_value, assignment%last_value, 2
+            if (values(i + 1)%first /= values(i)%last + 2 .or. any(values(i:i + 1)%n_times > 1)) return
+            if (text(values(i)%last + 1:values(i)%last + 1) /= ',') return
+            if (verify(text(values(i)%first:values(i)%last), '+-0123456789') > 0) return
+            if (verify(text(values(i + 1)%first:values(i + 1)%last), '0123456789eEdD+-') > 0) return
+         end do
+         i = assignment%first_value
+         hint = '; a decimal comma? write '//text(values(i)%first:values(i)%last)//'.'// &
+            text(values(i + 1)%first:values(i + 1)%last)
+      end associate
+   end function comma_hint
 
    !> A number of things: `1 number`, `2 numbers`.
    pure function counted(n, noun) result(text)
@@ -241,7 +260,7 @@ contains
       integer, intent(in) :: value !! index of the value
       character(*), intent(in) :: expected !! what was expected
 
-      call contents%faults%add(contents%values(value)%line, key//': expected '//expected//', found '// &
+      call contents%faults%add(contents%values(value)%line, trim(key)//': expected '//expected//', found '// &
          excerpt(raw_value(contents, value))//column_text(contents%text, contents%values(value)%first))
       call mark_faulty(contents, group, key)
    end subroutine refuse_value
@@ -254,52 +273,6 @@ contains
 
       contents%assignments(find_key(contents, group, key))%is_faulty = .true.
    end subroutine mark_faulty
-
-   !> Whether a fault recorded already hides what a key means: its value is at fault, or it may stand behind a fault of
-   !> form.
-   pure logical function hides_meaning(contents, group, key)
-      type(deck_contents_t), intent(in) :: contents !! the deck
-      integer, intent(in) :: group !! the group
-      character(*), intent(in) :: key !! name of the key
-      integer :: assignment
-
-      assignment = find_key(contents, group, key)
-      if (assignment > 0) then
-         hides_meaning = contents%assignments(assignment)%is_faulty .or. &
-            assignment > contents%groups(group)%last_judged
-      else
-         hides_meaning = contents%groups(group)%is_malformed
-      end if
-   end function hides_meaning
-
-   !> Whether everything that a group says is understood: its form, its keys and their values. A group that is absent
-   !> may be one that another fault hides: it counts as understood only if the whole deck is in order.
-   pure logical function understands_group(contents, group)
-      type(deck_contents_t), intent(in) :: contents !! the deck
-      integer, intent(in) :: group !! the group, or 0
-      integer :: i
-
-      understands_group = contents%faults%count() == 0
-      if (understands_group .or. group == 0) return
-      associate (found => contents%groups(group))
-         understands_group = .not. (found%is_malformed .or. found%has_unknown_key .or. &
-            any([(contents%assignments(i)%is_faulty, i=found%first_assignment, found%last_assignment)]))
-      end associate
-   end function understands_group
-
-   !> Whether it is known what a key says in all groups of a name: no fault hides such a group, or the key in one.
-   pure logical function understands_key(contents, name, key)
-      type(deck_contents_t), intent(in) :: contents !! the deck
-      character(*), intent(in) :: name !! name of the groups
-      character(*), intent(in) :: key !! name of the key
-      integer :: i
-
-      understands_key = .not. contents%hides_groups
-      do i = 1, contents%n_groups
-         if (contents%groups(i)%name == name) understands_key = understands_key .and. &
-            .not. (hides_meaning(contents, i, key) .or. contents%groups(i)%has_unknown_key)
-      end do
-   end function understands_key
 
    !> The first assignment of a key in a group, 0 where it has none.
    pure integer function find_key(contents, group, key) result(assignment)

@@ -1,11 +1,11 @@
 !> Cuts the text of a deck into tokens: words, quoted texts, group names and punctuation.
 module amontons_deck_scanner
-   use amontons_text, only: to_text
+   use amontons_text, only: lower_case, nearest_word, to_text
    implicit none (type, external)
    private
 
    public :: deck_scanner_t, deck_token_t, end_token, group_token, open_quote_token, text_token, word_token
-   public :: column_text, excerpt, token_text
+   public :: column_text, excerpt, has_typographic_quote, is_name, joined, may_be_value, suggestion, token_text
 
    !> Kind of the token behind the last one.
    character, parameter :: end_token = ' '
@@ -28,6 +28,7 @@ module amontons_deck_scanner
       integer :: first = 1 !! position of its first character in the text
       integer :: last = 0 !! position of its last character in the text
       integer :: line = 1 !! line it stands on
+      integer :: slash_line = 0 !! line of a comment before it that ends in '/', 0 for none
    end type deck_token_t
 
    !> A place in the deck's text, moving from token to token.
@@ -47,7 +48,7 @@ contains
       character(*), intent(in) :: text !! the deck's text
       type(deck_token_t), intent(out) :: token !! the token there
 
-      call skip_blanks(self, text)
+      call skip_blanks(self, text, token%slash_line)
       token%line = self%line
       token%first = self%position
       if (self%position > len(text)) then
@@ -71,10 +72,13 @@ contains
    end subroutine deck_scanner_advance
 
    !> Moves over blanks, comments and ends of lines.
-   pure subroutine skip_blanks(self, text)
+   pure subroutine skip_blanks(self, text, slash_line)
       class(deck_scanner_t), intent(inout) :: self !! the place
       character(*), intent(in) :: text !! the deck's text
+      integer, intent(out) :: slash_line !! line of a comment that ends in '/', 0 for none
+      integer :: end, last
 
+      slash_line = 0
       do while (self%position <= len(text))
          select case (text(self%position:self%position))
          case (' ', tab, carriage_return)
@@ -83,7 +87,10 @@ contains
             self%position = self%position + 1
             self%line = self%line + 1
          case ('!')
-            self%position = line_end(text, self%position) + 1
+            last = line_end(text, self%position)
+            end = self%position - 1 + verify(text(self%position:last), ' '//tab, back=.true.)
+            if (text(end:end) == '/') slash_line = self%line
+            self%position = last + 1
          case default
             return
          end select
@@ -133,6 +140,35 @@ contains
       line_end = merge(start + length - 1, len(text), length >= 0)
    end function line_end
 
+   !> Whether a word can be the name of a key: a letter, then letters, digits and underscores.
+   pure logical function is_name(word)
+      character(*), intent(in) :: word !! the word, in lower case
+      character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
+
+      is_name = scan(word(1:1), letters) > 0 .and. verify(word, letters//'0123456789_') == 0
+   end function is_name
+
+   !> Whether a word looks like a number or a logical; whether it is one, its key decides.
+   pure logical function may_be_value(word)
+      character(*), intent(in) :: word !! the word
+      character(*), parameter :: words(*) = [character(8) :: 't', 'f', 'true', 'false', 'nan', 'inf', 'infinity']
+
+      may_be_value = scan(word(1:1), '0123456789+-.') > 0
+      if (.not. may_be_value) may_be_value = any(words == lower_case(word))
+   end function may_be_value
+
+   !> Whether a word has a quote as word processors write it: the UTF-8 characters U+2018 to U+201F, U+00AB or U+00BB.
+   pure logical function has_typographic_quote(word) result(has)
+      character(*), intent(in) :: word !! the word
+      character(*), parameter :: general = char(226)//char(128), latin = char(194)
+      integer :: code
+
+      has = index(word, latin//char(171)) > 0 .or. index(word, latin//char(187)) > 0
+      do code = 152, 159
+         has = has .or. index(word, general//char(code)) > 0
+      end do
+   end function has_typographic_quote
+
    !> A token as a message names it: as written, punctuation in quotes.
    pure function token_text(text, token) result(name)
       character(*), intent(in) :: text !! the deck's text
@@ -173,5 +209,37 @@ contains
       end do
       beginning = text(:length)//'...'
    end function excerpt
+
+   !> What a message about an unknown word adds: the known word that is near, or all known words where none is.
+   pure function suggestion(word, words, before, noun) result(text)
+      character(*), intent(in) :: word !! the word found, in lower case
+      character(*), intent(in) :: words(:) !! the words known
+      character(*), intent(in) :: before !! what the message puts before a word
+      character(*), intent(in) :: noun !! what the words are
+      character(:), allocatable :: text
+
+      text = nearest_word(word, words)
+      if (text /= '') then
+         text = '; did you mean '//before//text//'?'
+      else
+         text = ' ('//noun//': '//joined(words, before, '')//')'
+      end if
+   end function suggestion
+
+   !> Words separated by commas.
+   pure function joined(words, before, behind) result(text)
+      character(*), intent(in) :: words(:) !! the words, blank padded
+      character(*), intent(in) :: before !! what is put before each word
+      character(*), intent(in) :: behind !! what is put behind each word
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(words)
+         if (i > 1) text = text//', '
+         text = text//before//trim(words(i))//behind
+      end do
+      if (text == '') text = 'none'
+   end function joined
 
 end module amontons_deck_scanner
