@@ -7,7 +7,6 @@ own; the other files there are damaged.
 import csv
 import importlib.util
 import shutil
-import subprocess
 import sys
 import unittest
 from pathlib import Path
