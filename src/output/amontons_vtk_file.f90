@@ -2,7 +2,7 @@
 !> files know.
 module amontons_vtk_file
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_base64, only: base64_size, encode_base64
+   use amontons_base64, only: encode_base64
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp, int32, int64
    use amontons_output_file, only: new_output_file, output_file_t
@@ -117,11 +117,14 @@ contains
       integer, intent(in) :: n_components !! numbers per point or cell
       real(dp), intent(in) :: values(:) !! the values, those of one point or cell together
       character(:), allocatable :: bytes
+      integer(int64) :: n_bytes
 
       if (.not. allocated(self%not_finite)) then
          if (.not. all(ieee_is_finite(values))) self%not_finite = name
       end if
-      allocate (character(bytes_per_length + 8_int64*size(values, kind=int64)) :: bytes)
+      n_bytes = 8_int64*size(values, kind=int64)
+      allocate (character(bytes_per_length + n_bytes) :: bytes)
+      bytes(:bytes_per_length) = transfer(n_bytes, bytes(:bytes_per_length))
       bytes(bytes_per_length + 1:) = transfer(values, bytes(bytes_per_length + 1:))
       call self%begin_array(section, 'Float64', name, n_components)
       call self%write_array(bytes)
@@ -134,8 +137,11 @@ contains
       character(*), intent(in) :: name !! name of the quantity
       integer, intent(in) :: values(:) !! the values
       character(:), allocatable :: bytes
+      integer(int64) :: n_bytes
 
-      allocate (character(bytes_per_length + 4_int64*size(values, kind=int64)) :: bytes)
+      n_bytes = 4_int64*size(values, kind=int64)
+      allocate (character(bytes_per_length + n_bytes) :: bytes)
+      bytes(:bytes_per_length) = transfer(n_bytes, bytes(:bytes_per_length))
       bytes(bytes_per_length + 1:) = transfer(int(values, int32), bytes(bytes_per_length + 1:))
       call self%begin_array(section, 'Int32', name, 1)
       call self%write_array(bytes)
@@ -144,20 +150,15 @@ contains
    !> Writes an array with the markup before it.
    subroutine vtk_file_write_array(self, bytes)
       class(vtk_file_t), intent(inout) :: self !! the grid
-      character(*), intent(inout) :: bytes !! room for the number of bytes, which it gains, then the array
-      character(base64_size(piece_size)) :: text
-      integer(int64) :: first, last, n_bytes, n_letters
+      character(*), intent(in) :: bytes !! the number of bytes, then the array as the machine has it
+      integer(int64) :: first
 
-      n_bytes = len(bytes, int64)
-      bytes(:bytes_per_length) = transfer(n_bytes - bytes_per_length, bytes(:bytes_per_length))
       ! allow(C181): `finish` checks the state
       if (self%state == 0) write (self%file%unit, iostat=self%state) self%markup
-      do first = 1_int64, n_bytes, piece_size
-         last = min(n_bytes, first + piece_size - 1_int64)
-         n_letters = base64_size(last - first + 1_int64)
-         call encode_base64(bytes(first:last), text(:n_letters))
+      do first = 1_int64, len(bytes, int64), piece_size
          ! allow(C181): `finish` checks the state
-         if (self%state == 0) write (self%file%unit, iostat=self%state) text(:n_letters)
+         if (self%state == 0) write (self%file%unit, iostat=self%state) &
+            encode_base64(bytes(first:min(len(bytes, int64), first + piece_size - 1_int64)))
       end do
       call self%end_array()
    end subroutine vtk_file_write_array

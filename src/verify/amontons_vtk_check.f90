@@ -79,8 +79,7 @@ contains
       integer :: place
 
       call self%begin_array(section, 'Float64', name, n_components)
-      allocate (character(8_int64*size(values, kind=int64)) :: bytes)
-      call self%read_array(name, bytes)
+      call self%read_array(name, 8_int64*size(values, kind=int64), bytes)
       if (.not. self%is_readable) return
       found = transfer(bytes, values, size(values))
       place = first_disagreement(found, values)
@@ -100,10 +99,9 @@ contains
       integer :: place
 
       call self%begin_array(section, 'Int32', name, 1)
-      allocate (character(4_int64*size(values, kind=int64)) :: bytes)
-      call self%read_array(name, bytes)
+      call self%read_array(name, 4_int64*size(values, kind=int64), bytes)
       if (.not. self%is_readable) return
-      found = transfer(bytes, [integer(int32) ::], size(values))
+      found = transfer(bytes, 0_int32, size(values))
       do place = 1, size(values)
          if (found(place) == values(place)) cycle
          call self%faults%add(self%path, name//' of '//place_name(section, place, 1)//' is '// &
@@ -113,17 +111,18 @@ contains
    end subroutine vtk_check_put_integers
 
    !> Compares the markup before an array and reads the array.
-   subroutine vtk_check_read_array(self, name, bytes)
+   subroutine vtk_check_read_array(self, name, n_bytes, bytes)
       class(vtk_check_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: name !! name of the array
-      character(*), intent(out) :: bytes !! the array as the machine has it, if it can be read
+      integer(int64), intent(in) :: n_bytes !! its length
+      character(:), allocatable, intent(out) :: bytes !! the array as the machine has it, if it can be read
       character(:), allocatable :: fault
 
       call self%compare_markup('before '//name)
       if (.not. self%is_readable) return
-      call read_bytes(self%unit, self%position, name, bytes, fault)
+      call read_bytes(self%unit, self%position, name, n_bytes, bytes, fault)
       if (len(fault) > 0) call self%stop_at(fault)
-      self%position = self%position + base64_size(bytes_per_length + len(bytes, int64))
+      self%position = self%position + base64_size(bytes_per_length + n_bytes)
       call self%end_array()
    end subroutine vtk_check_read_array
 
@@ -233,8 +232,7 @@ contains
       if (first == 0) then
          fault = 'no '//name//' stands where it was written'
       else
-         allocate (character(8_int64*size(values, kind=int64)) :: bytes)
-         call read_bytes(unit, first, name, bytes, fault)
+         call read_bytes(unit, first, name, 8_int64*size(values, kind=int64), bytes, fault)
          if (len(fault) == 0) values = transfer(bytes, values, size(values))
          if (.not. all(abs(values) <= huge(1.0_dp))) fault = 'not every '//name//' is a finite number'
       end if
@@ -262,11 +260,12 @@ contains
    end function place_behind
 
    !> Reads the bytes of an array, which stand behind their number.
-   subroutine read_bytes(unit, position, name, bytes, fault)
+   subroutine read_bytes(unit, position, name, n_bytes, bytes, fault)
       integer, intent(in) :: unit !! the open file
       integer(int64), intent(in) :: position !! where its letters begin, from 1
       character(*), intent(in) :: name !! name of the array
-      character(*), intent(out) :: bytes !! the bytes
+      integer(int64), intent(in) :: n_bytes !! number of bytes that it should have
+      character(:), allocatable, intent(out) :: bytes !! the bytes, if they can be read
       character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
       character(:), allocatable :: text, all_bytes
       integer(int64) :: found
@@ -274,21 +273,21 @@ contains
       logical :: is_valid
 
       fault = ''
-      allocate (character(bytes_per_length + len(bytes, int64)) :: all_bytes)
-      allocate (character(base64_size(len(all_bytes, int64))) :: text)
+      allocate (character(base64_size(bytes_per_length + n_bytes)) :: text)
       read (unit, pos=position, iostat=status) text
       if (status /= 0) then
          fault = 'the file ends within '//name
          return
       end if
-      call decode_base64(text, all_bytes, is_valid)
+      call decode_base64(text, bytes_per_length + n_bytes, all_bytes, is_valid)
       found = transfer(all_bytes(:bytes_per_length), found)
       if (.not. is_valid) then
-         fault = name//' is not '//to_text(len(all_bytes, int64))//' bytes in base64'
-      else if (found /= len(bytes, int64)) then
-         fault = 'the length of '//name//' is '//to_text(found)//', expected '//to_text(len(bytes, int64))//' bytes'
+         fault = name//' is not '//to_text(bytes_per_length + n_bytes)//' bytes in base64'
+      else if (found /= n_bytes) then
+         fault = 'the length of '//name//' is '//to_text(found)//', expected '//to_text(n_bytes)//' bytes'
+      else
+         bytes = all_bytes(bytes_per_length + 1:)
       end if
-      bytes = all_bytes(bytes_per_length + 1:)
    end subroutine read_bytes
 
 end module amontons_vtk_check
