@@ -223,11 +223,14 @@ class Mutator:
 
 
 OPTIONS = ("--output", "--check", "--quiet", "--threads", "--reduced", "--write-reduced", "--all-solutions",
-           "--reference", "--help", "--version", "--verify", "--", "-", "-h", "-q", "--outpu", "", " ", "=", "--=",
-           "--threads=", "--output=")
+           "--reference", "--help", "--version", "--verify", "--", "-", "-h", "-q", "-o", "-t", "-x", "--outpu", "", " ", "=",
+           "--=", "--threads=", "--output=", "--set", "--set=")
 VALUES = ("out", "1", "2", "0", "-1", "64", "99999999999", "1e3", "one", "", "sound.nml", "bad.nml", "none.nml", ".",
           "/dev/null", "/dev/full", "a" * 300, "\u00fc", "contact", "mesh", "load", "out/deeper", "problem.dat", "'",
           "*", "%s")
+SETTINGS = ("contact.friction=0.5", "CONTACT(1).friction=-1", "contact(2).friction=1", "mesh.cells=3", "mesh.cells=3,2",
+            "solver.method=psor", "solver.method='psor", "case.title=it's / &mesh", "load.pressure=1e999", "x.y=1",
+            "mesh.cells(1)=2", "contact.friction", "a.b.c=1", "(1).=", "contact(99999999999).x=1", "case.name=a\nb")
 
 
 def command_line(k):
@@ -238,8 +241,10 @@ def command_line(k):
         choice = dice.random()
         if choice < 0.3:
             words.append(dice.choice(OPTIONS))
-        elif choice < 0.5:
+        elif choice < 0.45:
             words += [dice.choice(("--output", "--threads")), dice.choice(VALUES)]
+        elif choice < 0.5:
+            words += ["--set", dice.choice(SETTINGS)]
         elif choice < 0.6:
             words.append(dice.choice(OPTIONS) + "=" + dice.choice(VALUES))
         elif choice < 0.8:
