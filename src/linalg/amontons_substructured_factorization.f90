@@ -228,16 +228,23 @@ contains
 
    !> Factorises the top, on all threads.
    subroutine factorize_top(self, refused)
-      type(substructured_factorization_t), target, intent(inout) :: self !! the factorisation, the top put together
+      type(substructured_factorization_t), intent(inout) :: self !! the factorisation, the top put together
       integer, intent(out) :: refused !! position of the first pivot that is not positive; 0 for none
-      real(dp), contiguous, pointer :: top(:, :)
 
-      associate (n => self%substructures%n_own(self%substructures%n))
-         top(1:n, 1:n) => self%value(self%substructures%block_start(self%substructures%n):)
+      associate (top => self%substructures%n, s => self%substructures)
+         call factorize_matrix(s%n_own(top), self%value(s%block_start(top):), refused)
+         if (refused > 0) refused = s%first(top) - 1 + refused
       end associate
-      call cholesky_factor_tiled(top, refused)
-      if (refused > 0) refused = self%substructures%first(self%substructures%n) - 1 + refused
    end subroutine factorize_top
+
+   !> Factorises numbers as a matrix, column after column.
+   subroutine factorize_matrix(n, matrix, refused)
+      integer, intent(in) :: n !! order of the matrix
+      real(dp), intent(inout) :: matrix(n, n) !! the matrix, its factor on return
+      integer, intent(out) :: refused !! number of the first pivot that is not positive; 0 for none
+
+      call cholesky_factor_tiled(matrix, refused)
+   end subroutine factorize_matrix
 
    !> The diagonal of L.
    pure function pivots(self)
