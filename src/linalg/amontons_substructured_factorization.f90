@@ -167,7 +167,7 @@ contains
       integer, intent(in) :: k !! number of the substructure
       real(dp), intent(inout) :: value(:) !! the blocks; those of the substructure and its parts are filled
       type(remainder_t), intent(inout) :: remainders(0:) !! what the substructures leave
-      integer :: i, part
+      integer :: i
 
       if (.not. substructures%is_large(k)) then
          do i = substructures%first_below(k), k
@@ -175,14 +175,15 @@ contains
          end do
          return
       end if
-      do i = 1, 2
-         part = substructures%part(i, k)
-         if (part == 0) cycle
-         !$omp task default(none) shared(substructures, value, remainders) firstprivate(part)
-         call condense(substructures, part, value, remainders)
-         !$omp end task
-      end do
-      !$omp taskwait
+      associate (part => substructures%part(:, k))
+         if (part(1) > 0) then
+            !$omp task default(none) shared(substructures, value, remainders, k)
+            call condense(substructures, substructures%part(1, k), value, remainders)
+            !$omp end task
+         end if
+         if (part(2) > 0) call condense(substructures, part(2), value, remainders)
+         !$omp taskwait
+      end associate
       call eliminate(substructures, k, value, remainders)
    end subroutine condense
 
