@@ -274,9 +274,10 @@ contains
          associate (first => system%first(j), last => system%first(j + 1) - 1)
             write (unit, '(3(a, i0))', iostat=status) '    col ', j - 1, ' : locations ', first - 1, ' to ', last - 1
             if (status /= 0) return
-            write (unit, '(6x, i0, a)', iostat=status) (system%row(k) - 1, ' : '//to_text(system%entry(k)), &
-               k=first, last)
-            if (status /= 0) return
+            do k = first, last
+               write (unit, '(6x, i0, a)', iostat=status) system%row(k) - 1, ' : '//to_text(system%entry(k))
+               if (status /= 0) return
+            end do
          end associate
       end do
    end subroutine write_csparse
