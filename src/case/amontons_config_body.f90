@@ -6,7 +6,7 @@ module amontons_config_body
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_nodes, load_on_region, load_on_sides, load_t
-   use amontons_material, only: hypothesis_names, material_t, new_material
+   use amontons_material, only: formulation_names, hypothesis_names, material_t, new_material
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -37,18 +37,20 @@ contains
       integer, intent(in) :: group !! the group
       type(error_t), allocatable :: error
       real(dp) :: young, poisson, thickness
-      character(:), allocatable :: hypothesis, region
+      character(:), allocatable :: hypothesis, formulation, region
       logical :: has_young, has_poisson
 
       young = 1.0_dp
       poisson = 0.0_dp
       thickness = 1.0_dp
       hypothesis = trim(hypothesis_names(1))
+      formulation = trim(formulation_names(1))
       region = ''
       call deck%get(group, 'young', young, has_young)
       call deck%get(group, 'poisson', poisson, has_poisson)
       call deck%get(group, 'thickness', thickness)
       call deck%get_word(group, 'hypothesis', hypothesis, hypothesis_names)
+      call deck%get_word(group, 'formulation', formulation, formulation_names)
       call deck%get(group, 'region', region)
       call deck%refuse_unknown(group)
       call require(deck, group, 'young', young > 0.0_dp, 'be positive, found '//to_text(young))
@@ -57,8 +59,11 @@ contains
       call require(deck, group, 'thickness', thickness > 0.0_dp, 'be positive, found '//to_text(thickness))
       if (.not. deck%is_understood(group)) return
       if (.not. (has_young .and. has_poisson)) call deck%fault(group, 'young', '&material needs young and poisson')
+      call require(deck, group, 'formulation', formulation /= 'b-bar' .or. hypothesis /= 'plane stress', &
+         "not be 'b-bar' in plane stress, where nothing locks")
       ! Its rules are those above.
       call new_material(material, young, poisson, hypothesis, thickness, error)
+      call material%choose_formulation(formulation)
       material%region = region
       material%origin = origin_of(deck, group, 'region')
    end subroutine read_material

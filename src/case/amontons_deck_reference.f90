@@ -59,6 +59,9 @@ module amontons_deck_reference
       'thickness of a plane body; it multiplies stiffness and loads, so that forces are in [F]'), &
       key_t('material', 'hypothesis', .false., "`'plane strain'`, `'plane stress'`, `'axisymmetric'`", '', &
       "`'plane strain'`", 'how the body is reduced to the plane; the same for all materials'), &
+      key_t('material', 'formulation', .false., "`'auto'`, `'standard'`, `'b-bar'`", '', "`'auto'`", &
+      "of `quad4` elements: `'b-bar'` does not lock where the material is nearly incompressible; `'auto'` is "// &
+      "`'b-bar'` for a Poisson's ratio of 0.49 or more"), &
       key_t('material', 'region', .false., 'text', '', 'all the rest', &
       'the region of the mesh that the material fills'), &
       key_t('support', 'set', .false., 'text', '', '', 'the nodes of a boundary set; this or `point` is required'), &

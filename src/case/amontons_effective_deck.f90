@@ -104,7 +104,8 @@ contains
       character(:), allocatable :: text
 
       text = '&material young = '//to_text(material%young)//'  poisson = '//to_text(material%poisson) &
-         //'  hypothesis = '//quoted(material%hypothesis)//'  thickness = '//to_text(material%thickness)
+         //'  hypothesis = '//quoted(material%hypothesis)//'  formulation = '//quoted(material%formulation) &
+         //'  thickness = '//to_text(material%thickness)
       if (len(material%region) > 0) text = text//'  region = '//quoted(material%region)
       text = text//' /'//newline
    end function material_text

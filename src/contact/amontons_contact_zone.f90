@@ -19,6 +19,9 @@ module amontons_contact_zone
 
    public :: contact_t, contact_zone_t, new_contact, new_contact_zone, set_obstacles
 
+   !> A length that is longer than another one by this share is not longer.
+   real(dp), parameter :: rounding = 1.0e-9_dp
+
    !> A boundary set that may touch a rigid obstacle, and the friction there: |lambda_T| <= g + phi lambda_N.
    type :: contact_t
       character(:), allocatable :: set !! name of the boundary set
@@ -47,6 +50,9 @@ module amontons_contact_zone
       real(dp), allocatable :: area(:) !! tributary area, or that of the cell: length times depth of the body (m) [L^2]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle, so that the point can close (m)
+      real(dp), allocatable :: cosine(:) !! of the angle between the normal and the way into the obstacle (m) [-]
+      real(dp), allocatable :: depth(:) !! how deep a point out of reach lies in the obstacle, 0 for the others (m) [L]
+      real(dp) :: size_of_body = 0.0_dp !! diagonal of the box around the mesh [L]
       real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
       real(dp), allocatable :: slip_bound(:) !! given bound g of the tangential force (m) [F]
       logical, allocatable :: is_guided(:) !! whether a support leaves it one direction and bears the shear (m)
@@ -271,42 +277,39 @@ contains
    !> Sets gap, friction and slip bound of every point from its contact set.
    !>
    !> The gap is the distance to the obstacle along the point's normal; it is negative where the body overlaps the
-   !> obstacle (interference). A point whose normal never meets the obstacle gets a gap that nothing closes. A cell has
+   !> obstacle (interference). A point whose normal does not meet the obstacle gets a gap that nothing closes. A cell has
    !> the means over its area.
    pure subroutine set_obstacles(zone, mesh, contacts, error)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, in the order of `new_contact_zone`
-      type(error_t), allocatable, intent(out) :: error !! a boundary that faces away, or a negative friction
+      type(error_t), allocatable, intent(out) :: error
+         !! a boundary that faces away, an overlap larger than the body, or a negative friction
       real(dp), parameter :: out_of_reach = 1.0e3_dp
-      real(dp) :: size_of_body, gap
-      logical :: is_met
+      real(dp) :: corners(2, 2)
       integer :: p, i
 
-      size_of_body = norm2(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
+      corners(:, 1) = minval(mesh%coordinates, dim=2)
+      corners(:, 2) = maxval(mesh%coordinates, dim=2)
+      zone%size_of_body = norm2(corners(:, 2) - corners(:, 1))
       zone%gap = spread(0.0_dp, 1, zone%n_points)
       zone%friction = zone%gap
       zone%slip_bound = zone%gap
+      zone%depth = zone%gap
+      zone%cosine = spread(1.0_dp, 1, zone%n_points)
       zone%is_in_reach = spread(.true., 1, zone%n_points)
       do p = 1, zone%n_points
-         associate (contact => contacts(zone%set(p)), samples => zone%samples)
-            do i = samples%start(p), samples%start(p + 1) - 1
-               call contact%obstacle%measure(samples%position(:, i), samples%normal(:, i), gap, is_met)
-               zone%is_in_reach(p) = zone%is_in_reach(p) .and. is_met
-               zone%gap(p) = zone%gap(p) + samples%share(i)*gap
-               zone%friction(p) = zone%friction(p) &
-                  + samples%share(i)*contact%friction%at(samples%position(:, i), samples%station(i))
-               zone%slip_bound(p) = zone%slip_bound(p) &
-                  + samples%share(i)*contact%slip_bound%at(samples%position(:, i), samples%station(i))*zone%area(p)
-            end do
-            zone%gap(p) = zone%gap(p) + contact%extra_gap
-            if (.not. zone%is_in_reach(p)) zone%gap(p) = out_of_reach*size_of_body
-            if (min(zone%friction(p), zone%slip_bound(p)) < 0.0_dp) then
-               call new_error(error, input_refused, contact%origin//'friction or slip bound is negative at '// &
-                  position_text(zone%position(:, p)))
-               return
-            end if
-         end associate
+         call measure_point(zone, p, contacts(zone%set(p)))
+         if (.not. zone%is_in_reach(p)) zone%gap(p) = out_of_reach*zone%size_of_body
+         if (-zone%gap(p) > (1.0_dp + rounding)*extent(corners, zone%position(:, p), zone%normal(:, p))) then
+            call new_error(error, input_refused, contacts(zone%set(p))%origin//'the body overlaps the obstacle by '// &
+               to_text(-zone%gap(p))//' at '//position_text(zone%position(:, p))//', more than its own depth there; '// &
+               'check point, normal and extra_gap of the obstacle')
+         else if (min(zone%friction(p), zone%slip_bound(p)) < 0.0_dp) then
+            call new_error(error, input_refused, contacts(zone%set(p))%origin// &
+               'friction or slip bound is negative at '//position_text(zone%position(:, p)))
+         end if
+         if (allocated(error)) return
       end do
       do i = 1, size(contacts)
          if (any(zone%is_in_reach .and. zone%set == i) .or. all(zone%set /= i)) cycle
@@ -315,5 +318,40 @@ contains
          return
       end do
    end subroutine set_obstacles
+
+   !> Sets gap, friction and slip bound of a point, and whether its normal meets the obstacle.
+   pure subroutine measure_point(zone, p, contact)
+      type(contact_zone_t), intent(inout) :: zone !! the zone
+      integer, intent(in) :: p !! number of the point
+      type(contact_t), intent(in) :: contact !! its contact set
+      real(dp) :: gap, cosine
+      logical :: is_met
+      integer :: i
+
+      associate (samples => zone%samples)
+         do i = samples%start(p), samples%start(p + 1) - 1
+            associate (position => samples%position(:, i), share => samples%share(i))
+               call contact%obstacle%measure(position, samples%normal(:, i), gap, is_met, cosine)
+               if (.not. is_met) zone%depth(p) = max(zone%depth(p), contact%obstacle%depth(position))
+               zone%is_in_reach(p) = zone%is_in_reach(p) .and. is_met
+               zone%cosine(p) = min(zone%cosine(p), cosine)
+               zone%gap(p) = zone%gap(p) + share*gap
+               zone%friction(p) = zone%friction(p) + share*contact%friction%at(position, samples%station(i))
+               zone%slip_bound(p) = zone%slip_bound(p) &
+                  + share*contact%slip_bound%at(position, samples%station(i))*zone%area(p)
+            end associate
+         end do
+      end associate
+      zone%gap(p) = zone%gap(p) + contact%extra_gap
+   end subroutine measure_point
+
+   !> How far a body reaches behind a point against a direction, at most: that of the box around it [L].
+   pure real(dp) function extent(corners, position, direction)
+      real(dp), intent(in) :: corners(2, 2) !! lower and upper corner of the box (2, 2) [L]
+      real(dp), intent(in) :: position(2) !! the point [L]
+      real(dp), intent(in) :: direction(2) !! the direction, a unit vector [-]
+
+      extent = sum(max((position - corners(:, 1))*direction, (position - corners(:, 2))*direction))
+   end function extent
 
 end module amontons_contact_zone
