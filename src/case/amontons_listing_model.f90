@@ -1,6 +1,6 @@
 !> The part of a listing that tells what was computed: mesh, materials, supports, contact sets, loads.
 module amontons_listing_model
-   use amontons_body, only: body_t, poor_inf_sup
+   use amontons_body, only: body_t
    use amontons_config, only: config_t
    use amontons_constraints, only: support_t, supported_components
    use amontons_contact_rows, only: turned
@@ -56,6 +56,7 @@ contains
 
       text = material%hypothesis//', Young '//short(material%young)//', Poisson '//short(material%poisson)
       if (.not. material%is_axisymmetric) text = text//', thickness '//short(material%thickness)
+      if (material%has_mean_dilatation) text = text//', quad4 of B-bar formulation'
       if (len(material%region) > 0) text = text//", region '"//material%region//"'"
    end function material_text
 
@@ -92,7 +93,7 @@ contains
       end associate
    end function contact_text
 
-   !> The cells of the constant multipliers of a contact set, and whether the mesh can tell them apart.
+   !> The cells of the constant multipliers of a contact set, and how well the mesh can tell them apart.
    pure function cells_text(body, i) result(text)
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: i !! which contact set
@@ -102,8 +103,6 @@ contains
       lengths = pack(body%zone%weight, body%zone%set == i)
       text = line('Multipliers', 'constant on '//to_text(size(lengths))//' cells of length '//short(minval(lengths))// &
          ' to '//short(maxval(lengths)))//line('Inf-sup constant', short(body%inf_sup(i)))
-      if (body%inf_sup(i) < poor_inf_sup) text = text//line('WARNING', 'the inf-sup constant is below '// &
-         short(poor_inf_sup)//': forces and statuses may oscillate from cell to cell; make the cells larger')
    end function cells_text
 
    !> A quantity along a contact line; nothing where it is zero.

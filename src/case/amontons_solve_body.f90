@@ -8,7 +8,9 @@ module amontons_solve_body
    use amontons_error, only: error_t
    use amontons_loads, only: load_t, load_vector
    use amontons_methods, only: method_options_t, new_contact_method
+   use amontons_model_warnings, only: add_model_warnings
    use amontons_result, only: result_t
+   use amontons_result_warnings, only: add_result_warnings
    use amontons_solve_case, only: certify, check_finite, load_body
    use amontons_timings, only: new_timings, phase_condense, phase_recover, phase_solve, phase_write
    use amontons_uniqueness, only: new_uniqueness
@@ -36,6 +38,7 @@ contains
       if (allocated(error)) return
       call check_balance(body%motions, body%mesh, body%zone, result%loads, error)
       if (allocated(error)) return
+      call add_model_warnings(result%warnings, body, contacts)
       call new_contact_method(method, options, error)
       if (allocated(error)) return
       if (.not. allocated(body%problem%stiffness)) call condense_body(body, 'auto', result%timings, error)
@@ -53,6 +56,7 @@ contains
       call result%timings%begin(phase_recover)
       call certify(body, result, error)
       if (allocated(error)) return
+      call add_result_warnings(result, body, contacts)
       call new_uniqueness(result%uniqueness, body%problem)
       ! What the caller does with the result is to write it.
       call result%timings%begin(phase_write)

@@ -18,9 +18,11 @@ module amontons_solve_case
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: read_mesh_file
    use amontons_methods, only: new_contact_method
+   use amontons_model_warnings, only: add_model_warnings, add_sweep_warnings
    use amontons_name_check, only: check_names
    use amontons_rectangle, only: new_rectangle_mesh
    use amontons_result, only: result_t
+   use amontons_result_warnings, only: add_result_warnings
    use amontons_timings, only: new_timings, phase_condense, phase_recover, phase_solve, phase_write
    use amontons_uniqueness, only: new_uniqueness
    implicit none (type, external)
@@ -44,7 +46,7 @@ contains
    subroutine prepare_case(workshop, config, result, error)
       type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
-      type(result_t), intent(out) :: result !! gains the loads
+      type(result_t), intent(out) :: result !! gains the loads, and the warnings on the model
       type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are at fault
       type(contact_t), allocatable :: contacts(:)
 
@@ -65,6 +67,9 @@ contains
          if (allocated(error)) return
          ! Loads and friction that a sweep varies need not balance as they stand.
          if (.not. config%sweep%is_given()) call check_balance(body%motions, body%mesh, body%zone, result%loads, error)
+         if (allocated(error)) return
+         call add_model_warnings(result%warnings, body, contacts)
+         if (config%sweep%is_given()) call add_sweep_warnings(result%warnings, config%sweep, config%contacts)
       end associate
    end subroutine prepare_case
 
@@ -146,6 +151,7 @@ contains
          call result%timings%begin(phase_recover)
          call certify(body, result, error)
          if (allocated(error)) return
+         call add_result_warnings(result, body, config%contacts)
          call new_uniqueness(result%uniqueness, body%problem)
          ! What the caller does with the result is to write it.
          call result%timings%begin(phase_write)

@@ -14,6 +14,7 @@ module amontons_solve_sweep
    use amontons_methods, only: new_contact_method
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
+   use amontons_result_warnings, only: add_conditioning
    use amontons_seal, only: seal_t
    use amontons_solve_case, only: certify, condense_case, prepare_case, workshop_t
    use amontons_sweep_checkpoint, only: open_sweep_checkpoint, sweep_checkpoint_t
@@ -233,6 +234,7 @@ contains
          certified%solution = solutions(chunk%last - chunk%first + 1)
          call load_case(task, body, number, certified)
          call certify(body, certified, error)
+         if (.not. allocated(error)) call add_conditioning(certified, body)
       end associate
    end subroutine certify_worst
 

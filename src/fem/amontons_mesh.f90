@@ -40,6 +40,7 @@ module amontons_mesh
       type(boundary_set_t), allocatable :: sets(:) !! named boundary sets
       type(node_set_t), allocatable :: node_sets(:) !! named sets of nodes; not allocated means none
       type(region_t), allocatable :: regions(:) !! named parts of the body; not allocated means none
+      character(12) :: hypothesis = '' !! the hypothesis that its file says the elements are of; empty if it says none
    contains
       procedure :: check => mesh_check
       procedure :: find_node_set => mesh_find_node_set

@@ -52,6 +52,7 @@ contains
       allocate (translation%element(draft%cell_tag%n), source=0)
       translation%element(cell_of) = [(element, element=1, mesh%n_elements)]
       call name_sets(mesh, draft, input, table, translation)
+      mesh%hypothesis = draft%hypothesis
    end subroutine new_clean_mesh
 
    !> Refuses numbers of nodes or of cells that are not positive or given twice.
