@@ -5,6 +5,7 @@ module amontons_listing_model
    use amontons_constraints, only: support_t, supported_components
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_t
+   use amontons_element, only: quad4
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
    use amontons_listing_text, only: heading, line, pair, short
@@ -37,7 +38,7 @@ contains
          line('Unknowns', to_text(body%dof_map%n_dofs)//', of them '//to_text(body%dof_map%n_trailing)// &
          ' on the contact line')
       do i = 1, size(config%materials)
-         text = text//line('Material', material_text(config%materials(i)))
+         text = text//line('Material', material_text(config%materials(i), any(body%mesh%element_kind == quad4)))
       end do
       do i = 1, size(config%supports)
          text = text//line('Support', support_text(config%supports(i)))
@@ -50,13 +51,14 @@ contains
    end function model_text
 
    !> What a material is.
-   pure function material_text(material) result(text)
+   pure function material_text(material, has_quad4) result(text)
       type(material_t), intent(in) :: material !! the material
+      logical, intent(in) :: has_quad4 !! whether the mesh has linear quadrilaterals
       character(:), allocatable :: text
 
       text = material%hypothesis//', Young '//short(material%young)//', Poisson '//short(material%poisson)
       if (.not. material%is_axisymmetric) text = text//', thickness '//short(material%thickness)
-      if (material%has_mean_dilatation) text = text//', quad4 of B-bar formulation'
+      if (material%has_mean_dilatation .and. has_quad4) text = text//', quad4 of B-bar formulation'
       if (len(material%region) > 0) text = text//", region '"//material%region//"'"
    end function material_text
 

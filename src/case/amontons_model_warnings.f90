@@ -47,6 +47,8 @@ contains
       integer :: i
 
       call add_locking(warnings, body)
+      if (any(body%materials%list%has_chosen_b_bar()) .and. all(body%mesh%element_kind /= quad4)) call warnings%add( &
+         "formulation = 'b-bar' has no effect: the mesh has no quad4 elements")
       associate (stated => body%mesh%hypothesis, hypothesis => body%materials%list(1)%hypothesis)
          if (stated /= '' .and. stated /= hypothesis) call warnings%add('the elements of the mesh file are of type '// &
             trim(stated)//', the deck computes '//hypothesis)

@@ -20,7 +20,8 @@ PUSH = "load set = 'right'  traction = -1.5, 0.3"  # part of the floor sticks, p
 # A 64-bit number needs 17 significant digits to read back as the same one.
 NUMBER = re.compile(r"-?\d\.\d{16}E[+-]\d{3}")
 MEMBERS = {
-    "case": str, "title": str, "version": str, "method": str, "converged": bool, "iterations": int, "products": float,
+    "case": str, "title": str, "version": str, "method": str, "converged": bool, "warnings": list,
+    "iterations": int, "products": float,
     "factorizations": int, "residual": float, "history": list,
     "certificate": {"passed": bool, "limit": float, "equilibrium": float, "penetration": float, "tension": float,
                     "friction_excess": float, "complementarity": float,
