@@ -47,6 +47,9 @@ contains
       type(load_case_t), intent(in) :: load_case !! the load case
       integer :: i
 
+      do i = 1, body%mesh%warnings%n()
+         call warnings%add(body%mesh%warnings%item(i))
+      end do
       call add_locking(warnings, body)
       if (any(body%materials%list%has_chosen_b_bar()) .and. all(body%mesh%element_kind /= quad4)) call warnings%add( &
          "formulation = 'b-bar' has no effect: the mesh has no quad4 elements")

@@ -11,7 +11,36 @@ from verification import ROOT, Verification
 LOCKED = "young = 100.0  poisson = 0.4999"
 
 # A box beside the block that the upper part of its side passes over, and one that its side is inside of.
-FILES = {"box.csv": "4.05, 1.0\n6.0, 1.0\n6.0, -1.0\n4.05, -1.0\n4.05, 1.0\n", "ball.msh": disc_mesh()}
+SQUARES = """\
+$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+3
+1 1 "left"
+1 2 "right"
+2 3 "body"
+$EndPhysicalNames
+$Nodes
+8
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+5 1 0 0
+6 2 0 0
+7 2 1 0
+8 1 1 0
+$EndNodes
+$Elements
+4
+1 1 2 1 1 4 1
+2 1 2 2 2 6 7
+3 3 2 3 3 1 2 3 4
+4 3 2 3 3 5 6 7 8
+$EndElements
+"""
+FILES = {"squares.msh": SQUARES, "box.csv": "4.05, 1.0\n6.0, 1.0\n6.0, -1.0\n4.05, -1.0\n4.05, 1.0\n", "ball.msh": disc_mesh()}
 BALL = "mesh kind = 'file'  file = 'ball.msh'", "material young = 1000.0  poisson = 0.3"
 
 # Groups of a deck, what else is different about its block, and how each warning of it begins.
@@ -100,6 +129,12 @@ class Warnings(ProgramTest):
         deck = block("support set = 'top'  ux = 0.0  uy = -0.017", "contact set = 'bottom'  obstacle = 'parabola'  "
                      "radius = 5.0  point = 2.0, 0.0", mesh="size = 4.0, 2.0  cells = 16, 8")
         self.assert_warnings(deck, "strain of ", "the largest pressure ")
+
+    def test_pieces_that_share_no_node(self):
+        self.assert_warnings("".join(f"&{group} /\n" for group in (
+            "mesh kind = 'file'  file = 'squares.msh'", "material young = 100.0  poisson = 0.3",
+            "support set = 'left'  ux = 0.0  uy = 0.0", "support set = 'right'  ux = 0.0  uy = 0.0",
+            "load body_force = 0.0, -1e-2")), "the body falls into 2 pieces that share no node")
 
     def test_mesh_file_of_another_hypothesis(self):
         mesh = (ROOT/"tests"/"meshes"/"quad8.inp").read_text(encoding="utf-8")

@@ -6,6 +6,7 @@ module amontons_load_case
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_zone, only: contact_t, contact_zone_t
+   use amontons_counter_body, only: steepest_cosine
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_loads, only: load_t, load_vector
@@ -123,6 +124,8 @@ contains
          do i = samples%start(p), samples%start(p + 1) - 1
             associate (position => samples%position(:, i), share => samples%share(i))
                call contact%obstacle%measure(position, samples%normal(:, i), gap, is_met, cosine)
+               ! A given direction must lead out of the body.
+               is_met = is_met .and. samples%outward(i) >= steepest_cosine
                if (.not. is_met) load_case%depth(p) = max(load_case%depth(p), contact%obstacle%depth(position))
                load_case%is_in_reach(p) = load_case%is_in_reach(p) .and. is_met
                load_case%cosine(p) = min(load_case%cosine(p), cosine)
