@@ -14,7 +14,7 @@ module amontons_run
    use amontons_report, only: write_report
    use amontons_result, only: certificate_limit, result_t, status_not_converged
    use amontons_run_reduced, only: export_case, run_reduced
-   use amontons_screen, only: complain, tell
+   use amontons_screen, only: complain, tell_case
    use amontons_solve_case, only: prepare_case, solve_case, workshop_t
    use amontons_solve_sweep, only: solve_sweep, sweep_result_t
    use amontons_status_line, only: close_status_line, open_status_line
@@ -203,7 +203,8 @@ contains
       call prepare_case(workshop, config, result, error)
       if (allocated(error)) return
       call estimate_body(workshop%body, config%factorization, result%timings, estimate, error)
-      if (.not. allocated(error)) call tell(command_line, check_text(config, workshop, estimate), error)
+      if (.not. allocated(error)) call tell_case(command_line, check_text(config, workshop, estimate), config%name, &
+         result%warnings, error)
    end subroutine check_case
 
    !> Solves a case, writes its files and tells how it went.
@@ -234,7 +235,7 @@ contains
       call write_report(command_line%output, config, workshop%body, result, error)
       if (allocated(error)) return
       if (result%solution%is_converged) grid%text = config%name
-      call tell(command_line, solved_text(config, result), error)
+      call tell_case(command_line, solved_text(config, result), config%name, result%warnings, error)
       if (.not. result%solution%is_converged) then
          status = status_not_converged
       else if (.not. result%certificate%largest() <= certificate_limit(config%method%tolerance)) then
@@ -265,7 +266,7 @@ contains
       end if
       call write_sweep_report(command_line%output, config, workshop%body, result, error)
       if (allocated(error)) return
-      call tell(command_line, swept_text(config, result), error)
+      call tell_case(command_line, swept_text(config, result), config%name, result%certified%warnings, error)
       if (result%tally%n_outcomes(case_converged) < result%tally%n_cases) then
          status = status_not_converged
       else if (.not. result%certified%certificate%largest() <= certificate_limit(config%method%tolerance)) then

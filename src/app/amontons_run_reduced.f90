@@ -9,7 +9,7 @@ module amontons_run_reduced
    use amontons_reduced_report, only: write_reduced_report
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_result, only: certificate_limit
-   use amontons_screen, only: complain, tell
+   use amontons_screen, only: complain, tell, tell_case
    use amontons_solve_reduced, only: find_reduced_solutions, prepare_reduced, reduced_result_t, solve_reduced
    use amontons_text, only: to_text
    use amontons_timings, only: phase_solve, phase_write
@@ -48,7 +48,7 @@ contains
       end if
       call write_reduced_report(command_line%output, config, result, error)
       if (allocated(error)) return
-      call tell(command_line, solved_text(config, result), error)
+      call tell_case(command_line, solved_text(config, result), config%name, result%warnings, error)
       is_solved = result%solution%is_converged
       if (.not. is_solved .or. result%check%largest() <= certificate_limit(config%method%tolerance)) return
       is_solved = .false.
@@ -63,9 +63,9 @@ contains
       type(reduced_result_t) :: result
 
       call prepare_reduced(config, result, error)
-      if (.not. allocated(error)) call tell(command_line, config%name//': in order; '//result%system%form//', '// &
+      if (.not. allocated(error)) call tell_case(command_line, config%name//': in order; '//result%system%form//', '// &
          to_text(result%system%n_contacts)//' contacts, '//to_text(size(result%system%entry))//' entries of W', &
-         error)
+         config%name, result%warnings, error)
    end subroutine check_reduced
 
    !> Writes the reduced problem of a solved deck.

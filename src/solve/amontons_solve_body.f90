@@ -11,6 +11,7 @@ module amontons_solve_body
    use amontons_load_case, only: new_load_case
    use amontons_loads, only: load_t
    use amontons_methods, only: method_options_t, new_contact_method
+   use amontons_model_warnings, only: add_model_warnings
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_load_case
    use amontons_timings, only: new_timings
@@ -43,6 +44,7 @@ contains
       if (allocated(error)) return
       call check_balance(body, result%load_case, error)
       if (allocated(error)) return
+      call add_model_warnings(result%warnings, body, result%load_case)
       call new_contact_method(method, options, error)
       if (allocated(error)) return
       if (.not. allocated(problem%stiffness)) call condense_body(body, problem, 'auto', result%timings, error)

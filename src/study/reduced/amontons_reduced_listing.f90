@@ -4,7 +4,7 @@ module amontons_reduced_listing
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
    use amontons_listing_parts, only: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
-      violations_text
+      violations_text, warnings_text
    use amontons_listing_text, only: columns, heading, line, right, scientific, short
    use amontons_reduced_check, only: reduced_check_t
    use amontons_reduced_system, only: reduced_system_t
@@ -26,7 +26,7 @@ contains
       type(reduced_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
-      text = head_text(config)//problem_text(config, result%system)//solution_text(config, result) &
+      text = head_text(config)//warnings_text(result%warnings)//problem_text(config, result%system)//solution_text(config, result) &
          //check_text(config, result%check)//points_text(result) &
          //times_text(result%timings, [phase_read, phase_solve, phase_recover])
    end function reduced_listing_text

@@ -15,6 +15,7 @@ module amontons_solve_sweep
    use amontons_methods, only: new_contact_method
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
+   use amontons_result_warnings, only: add_conditioning
    use amontons_solve_case, only: condense_case, prepare_case, workshop_t
    use amontons_solve_load_case, only: certify
    use amontons_sweep_checkpoint, only: open_sweep_checkpoint, sweep_checkpoint_t
@@ -235,6 +236,7 @@ contains
          call task%model%load_case(task%sweep%values(number), certified%load_case)
          call condense_load_case(certified%load_case, body)
          call certify(certified, body, error)
+         if (.not. allocated(error)) call add_conditioning(certified, body)
       end associate
    end subroutine certify_worst
 
