@@ -24,7 +24,7 @@ module amontons_dissection
 
    !> Where a supervariable of a domain lies.
    integer, parameter :: before = 1, beyond = 2, separator = 3
-   !> Domains of at most so many supervariables are not cut any further; measured, larger ones cost fill and smaller ones
+   !> Domains of at most so many supervariables are not cut any further; measured: larger ones cost fill, smaller ones
    !> time.
    integer, parameter :: leaf_size = 8
    !> Domains of more supervariables are a task for a thread of its own.

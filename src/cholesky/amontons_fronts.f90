@@ -37,7 +37,7 @@ module amontons_fronts
    !> Row structures before their unknowns are counted: a list of supervariables for each front.
    type :: lists_t
       integer(int64), allocatable :: start(:) !! where each list starts in `item` (n + 1)
-      integer, allocatable :: item(:) !! positions of the supervariables, ascending in each list, and room for more
+      integer, allocatable :: item(:) !! positions of supervariables, in the end ascending in each list; room for more
    end type lists_t
 
    !> Subtrees with fewer unknowns are not worth a task of their own; a round number, not a measured one.
@@ -133,9 +133,9 @@ contains
                call add(position(graph%neighbor(at)))
             end do
          end do
-         call sort(list(:n))
          call append(structures, k, list(:n))
       end do
+      call sort_lists(structures, graph%n)
 
    contains
 
@@ -168,64 +168,41 @@ contains
       lists%item(lists%start(k):lists%start(k + 1) - 1) = list
    end subroutine append
 
-   !> Sorts a list by merging the runs that ascend in it, of which there are few.
-   pure subroutine sort(list)
-      integer, intent(inout) :: list(:) !! the list, ascending on return
-      integer :: merged(size(list)), first, middle, last, n_runs
+   !> Sorts every list: dealt out to its items, the lists come back item by item.
+   pure subroutine sort_lists(lists, n_items)
+      type(lists_t), intent(inout) :: lists !! the lists, ascending on return
+      integer, intent(in) :: n_items !! the largest item
+      integer(int64), allocatable :: item_start(:), next(:)
+      integer, allocatable :: list_of(:)
+      integer(int64) :: at
+      integer :: k, p
 
-      do
-         n_runs = 0
-         last = 0
-         do while (last < size(list))
-            first = last + 1
-            middle = run_end(list, first)
-            last = middle
-            if (middle < size(list)) last = run_end(list, middle + 1)
-            call merge_runs(list(first:middle), list(middle + 1:last), merged(first:last))
-            n_runs = n_runs + 1
+      allocate (item_start(n_items + 1), source=0_int64)
+      do at = 1, lists%start(size(lists%start)) - 1
+         item_start(lists%item(at) + 1) = item_start(lists%item(at) + 1) + 1
+      end do
+      item_start(1) = 1
+      do p = 1, n_items
+         item_start(p + 1) = item_start(p + 1) + item_start(p)
+      end do
+      next = item_start
+      allocate (list_of(item_start(n_items + 1) - 1))
+      do k = 1, size(lists%start) - 1
+         do at = lists%start(k), lists%start(k + 1) - 1
+            p = lists%item(at)
+            list_of(next(p)) = k
+            next(p) = next(p) + 1
          end do
-         list = merged
-         if (n_runs <= 1) return
       end do
-   end subroutine sort
-
-   !> Where the run ends that ascends from a place on.
-   pure integer function run_end(list, first)
-      integer, intent(in) :: list(:) !! the list
-      integer, intent(in) :: first !! the place
-
-      run_end = first
-      do while (run_end < size(list))
-         if (list(run_end + 1) < list(run_end)) exit
-         run_end = run_end + 1
+      next = lists%start
+      do p = 1, n_items
+         do at = item_start(p), item_start(p + 1) - 1
+            k = list_of(at)
+            lists%item(next(k)) = p
+            next(k) = next(k) + 1
+         end do
       end do
-   end function run_end
-
-   !> Merges two ascending lists.
-   pure subroutine merge_runs(a, b, merged)
-      integer, intent(in) :: a(:) !! one list
-      integer, intent(in) :: b(:) !! the other one
-      integer, intent(out) :: merged(:) !! the items of both, ascending
-      integer :: i, j, k
-
-      i = 1
-      j = 1
-      do k = 1, size(merged)
-         if (j > size(b)) then
-            merged(k) = a(i)
-            i = i + 1
-         else if (i > size(a)) then
-            merged(k) = b(j)
-            j = j + 1
-         else if (a(i) <= b(j)) then
-            merged(k) = a(i)
-            i = i + 1
-         else
-            merged(k) = b(j)
-            j = j + 1
-         end if
-      end do
-   end subroutine merge_runs
+   end subroutine sort_lists
 
    !> Counts the unknowns of the row structures and the entries of the blocks.
    pure subroutine size_fronts(fronts, structures, first_position)

@@ -53,8 +53,8 @@ contains
       n_threads = omp_get_max_threads()
    end function n_threads
 
-   !> Keeps everything called from this thread on this thread, until `restore_nested_threads`; or all but the parallel loops
-   !> of the caller itself.
+   !> Keeps everything called from this thread on this thread, until `restore_nested_threads`; or all but the parallel
+   !> loops of the caller itself.
    subroutine limit_nested_threads(state, n_levels)
       type(thread_state_t), intent(out) :: state !! what to put back
       integer, intent(in), optional :: n_levels !! how many nested parallel loops may still be active, by default none

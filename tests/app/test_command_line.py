@@ -45,8 +45,8 @@ class Options(ProgramTest):
         self.write("sparse.nml", block(SUPPORT, PRESSURE, CONTACT, "solver factorization = 'sparse'"))
         for options in ([], ["--check"]):
             self.assertEqual(self.run_program(*options, "sparse.nml", status=1).stderr,
-                             "sparse.nml: factorization = 'sparse' needs SuiteSparse, and this program was built without "
-                             "it (AMONTONS_SUITESPARSE=OFF); choose 'auto', 'band' or 'multifrontal'\n")
+                             "sparse.nml: factorization = 'sparse' needs SuiteSparse, and this program was built "
+                             "without it (AMONTONS_SUITESPARSE=OFF); choose 'auto', 'band' or 'multifrontal'\n")
 
     def test_former_word_of_a_factorization_is_read(self):
         self.write("former.nml", block(SUPPORT, PRESSURE, CONTACT, "solver factorization = 'substructured'"))
