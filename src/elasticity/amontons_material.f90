@@ -14,8 +14,8 @@ module amontons_material
    !> axis of revolution.
    character(12), parameter :: hypothesis_names(*) = [character(12) :: 'plane strain', 'plane stress', 'axisymmetric']
 
-   !> How linear quadrilaterals integrate the change of volume, as a deck writes it: at every quadrature point, or by its
-   !> mean over the element (B-bar); or the one that suits Poisson's ratio.
+   !> How linear quadrilaterals integrate the change of volume, as a deck writes it: at every quadrature point, or by
+   !> its mean over the element (B-bar); or the one that suits Poisson's ratio.
    character(8), parameter :: formulation_names(*) = [character(8) :: 'auto', 'standard', 'b-bar']
    !> From this Poisson's ratio on linear elements lock in plane strain and in bodies of revolution.
    real(dp), parameter :: nearly_incompressible = 0.49_dp

@@ -74,15 +74,15 @@ contains
          associate (material => body%materials%list(body%materials%of_element(element)), &
             kind => body%mesh%element_kind(element))
             if (.not. material%locks()) cycle
-            if (kind == tri3 .or. (kind == quad4 .and. .not. material%has_mean_dilatation)) &
-               n_locking(kind) = n_locking(kind) + 1
+            if (kind == tri3) n_locking(tri3) = n_locking(tri3) + 1
+            if (kind == quad4 .and. .not. material%has_mean_dilatation) n_locking(quad4) = n_locking(quad4) + 1
          end associate
       end do
       if (sum(n_locking) == 0) return
       remedy = "use formulation = 'b-bar', or quad8"
       if (n_locking(tri3) > 0) remedy = "use tri6, quad8, or quad4 with formulation = 'b-bar'"
       call warnings%add(to_text(sum(n_locking))//' linear elements ('// &
-         trim(element_names(merge(tri3, quad4, n_locking(tri3) > 0)))//") of a nearly incompressible material "// &
+         trim(element_names(merge(tri3, quad4, n_locking(tri3) > 0)))//') of a nearly incompressible material '// &
          "(Poisson's ratio "//short(maxval(body%materials%list%poisson))//') lock: stresses and forces are too '// &
          'large, by far near 0.5; '//remedy)
    end subroutine add_locking
@@ -108,14 +108,16 @@ contains
             if (overlap > large_overlap*size) call warnings%add(name//'initial overlap of '//short(overlap)//', '// &
                percent(overlap/size)//" of the body's size")
          end associate
-         if (maxval(load_case%friction, mask=is_of_set) > large_friction) call warnings%add(name//'friction of '// &
-            short(maxval(load_case%friction, mask=is_of_set))//'; coefficients above '//short(large_friction)//' are rare')
+         associate (friction => maxval(load_case%friction, mask=is_of_set))
+            if (friction > large_friction) call warnings%add(name//'friction of '//short(friction)// &
+               '; coefficients above '//short(large_friction)//' are rare')
+         end associate
          if (all(zone%is_guided .or. .not. is_of_set) .and. &
             any(is_of_set .and. max(load_case%friction, load_case%slip_bound) > 0.0_dp)) call warnings%add(name// &
             'friction has no effect: supports hold all its points tangentially')
          associate (n_buried => count(is_of_set .and. load_case%depth > rounding*size))
             if (n_buried > 0) call warnings%add(name//to_text(n_buried)//' point(s) inside the obstacle are left '// &
-               'open: their normals do not meet its surface, or at more than 84 degrees; check the set and the obstacle')
+               'open: their normals do not meet its surface, or at more than 84 degrees; check set and obstacle')
          end associate
       end associate
    end subroutine add_contact_warnings

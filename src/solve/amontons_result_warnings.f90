@@ -19,7 +19,7 @@ module amontons_result_warnings
 
    public :: add_conditioning, add_result_warnings
 
-   !> Largest displacement, as a share of the body's size, and largest strain that small displacements are taken for [-].
+   !> Largest displacement, as a share of the body's size, and largest strain that pass for small [-].
    real(dp), parameter :: large_displacement = 0.05_dp, large_strain = 0.02_dp
 
 contains
@@ -154,6 +154,7 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), parameter :: negligible = 0.1_dp
       real(dp), allocatable :: at_points(:)
+      real(dp) :: depth
       integer :: n_passed, p
 
       n_passed = 0
@@ -162,11 +163,10 @@ contains
          at_points = zone%rows%displacement(displacement)
          do p = 1, zone%n_points
             if (load_case%is_in_reach(p) .or. load_case%depth(p) > 0.0_dp) cycle
-            associate (contact => load_case%contacts(zone%set(p)), normal => zone%normal(:, p))
-               associate (place => zone%position(:, p) + at_points(p)*normal + at_points(zone%n_points + p)*turned(normal))
-                  if (contact%obstacle%depth(place) - contact%extra_gap > negligible*maxval(abs(displacement))) &
-                     n_passed = n_passed + 1
-               end associate
+            associate (contact => load_case%contacts(zone%set(p)), normal => zone%normal(:, p), &
+               slip => at_points(zone%n_points + p))
+               depth = contact%obstacle%depth(zone%position(:, p) + at_points(p)*normal + slip*turned(normal))
+               if (depth - contact%extra_gap > negligible*maxval(abs(displacement))) n_passed = n_passed + 1
             end associate
          end do
       end associate

@@ -162,7 +162,8 @@ contains
       end if
       associate (body => workshop%body, faults => summary%faults, force => sum(abs(result%load_case%force)))
          call check_section(faults, path, listing, warnings_text(result%warnings), 0.0_dp)
-         call check_section(faults, path, listing, model_text(config, body, result%load_case)//loads_text(config), 0.0_dp)
+         call check_section(faults, path, listing, model_text(config, body, result%load_case)//loads_text(config), &
+            0.0_dp)
          call check_section(faults, path, listing, zones_text(body, result), 0.0_dp)
          call check_section(faults, path, listing, resultants_text(body, result), &
             max(force, sum(abs(result%solution%force)), result%certificate%strain_energy))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Warnings: what a deck can describe and a result cannot carry is said on the screen, in the listing, in the summary and
-in the report, and checked by --verify."""
+"""Warnings: what a deck can describe and a result cannot carry is said on screen, in the listing and in the summary,
+and checked by --verify."""
 import json
 import unittest
 
@@ -40,7 +40,8 @@ $Elements
 4 3 2 3 3 5 6 7 8
 $EndElements
 """
-FILES = {"squares.msh": SQUARES, "box.csv": "4.05, 1.0\n6.0, 1.0\n6.0, -1.0\n4.05, -1.0\n4.05, 1.0\n", "ball.msh": disc_mesh()}
+FILES = {"squares.msh": SQUARES, "box.csv": "4.05, 1.0\n6.0, 1.0\n6.0, -1.0\n4.05, -1.0\n4.05, 1.0\n",
+         "ball.msh": disc_mesh()}
 BALL = "mesh kind = 'file'  file = 'ball.msh'", "material young = 1000.0  poisson = 0.3"
 
 # Groups of a deck, what else is different about its block, and how each warning of it begins.
@@ -76,7 +77,8 @@ CASES = {
               "hypothesis = 'axisymmetric'"}, ["strain of 2.5 % at "]),
     "passed": (("support set = 'top'  ux = 0.1  uy = -0.6", "contact set = 'right'  obstacle = 'polyline'  "
                 "line = 'box.csv'"), {},
-               ["displacement of ", "strain of ", "the largest pressure ", "1 contact point(s) that do not face the obstacle move into it"]),
+               ["displacement of ", "strain of ", "the largest pressure ",
+                "1 contact point(s) that do not face the obstacle move into it"]),
 }
 
 
@@ -117,13 +119,13 @@ class Warnings(ProgramTest):
                 self.assert_warnings(block(*groups, **changes), *expected, name=name)
 
     def test_points_inside_that_face_away(self):
-        # The floor is just above the middle of the ball: the two nodes beside the middle are below it and face along it.
+        # The floor is just above the middle of the ball: the nodes beside the middle are below it and face along it.
         deck = "".join(f"&{group} /\n" for group in (
             *BALL, "support point = 0.0, 0.0  ux = 0.0  uy = 0.0", "support point = 0.0, 1.0  ux = 0.0",
             "contact set = 'rim'  point = 0.0, 0.02"))
         found = self.warnings_of(deck)
         self.assertIn("contact set 'rim': 2 point(s) inside the obstacle are left open: their normals do not meet its "
-                      "surface, or at more than 84 degrees; check the set and the obstacle", found)
+                      "surface, or at more than 84 degrees; check set and obstacle", found)
 
     def test_peak_of_the_pressure(self):
         deck = block("support set = 'top'  ux = 0.0  uy = -0.017", "contact set = 'bottom'  obstacle = 'parabola'  "

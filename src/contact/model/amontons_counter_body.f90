@@ -10,14 +10,14 @@ module amontons_counter_body
    public :: counter_body_t, crossing_t, steepest_cosine
 
    !> Where a line meets a surface at a smaller cosine than this, no gap is measured: the way along the line is more
-   !> than ten times the distance, and a slip changes it more than ten times as much as an approach of the same length.
+   !> than ten times the distance, and a slip changes it about ten times as much as an approach of the same length.
    real(dp), parameter :: steepest_cosine = 0.1_dp
 
    !> A place where a line crosses the surface of a counter-body.
    type :: crossing_t
       real(dp) :: way = 0.0_dp !! the way to it along the line, negative behind the start [L]
       real(dp) :: cosine = 0.0_dp
-         !! of the angle between the line's way back and the surface's outward normal: positive where the line enters [-]
+         !! of the angle between the line's way back and the outward normal: positive where the line enters [-]
    end type crossing_t
 
    !> A counter-body of any kind.
@@ -41,9 +41,9 @@ module amontons_counter_body
 
 contains
 
-   !> The gap from a point along a direction. In free space it is the way to the first place ahead where the line enters;
-   !> inside it is the way back, negative, to the place where the line entered last. A line that does not enter, or
-   !> enters too aslant, meets nothing.
+   !> The gap from a point along a direction. In free space it is the way to the first place ahead where the line
+   !> enters; inside it is the way back, negative, to the place where the line entered last. A line that does not enter,
+   !> or enters too aslant, meets nothing.
    pure subroutine counter_body_measure(self, position, direction, gap, is_met, cosine)
       class(counter_body_t), intent(in) :: self !! the counter-body
       real(dp), intent(in) :: position(2) !! the point [L]
@@ -51,28 +51,11 @@ contains
       real(dp), intent(out) :: gap !! the gap [L]
       logical, intent(out) :: is_met !! whether there is one
       real(dp), intent(out) :: cosine !! of the angle between the direction and the way into the surface there [-]
-      ! A point this near to a surface that it faces away from lies on it, as a share of the lengths at hand.
-      real(dp), parameter :: rounding = 1.0e-9_dp
       type(crossing_t), allocatable :: crossings(:)
-      real(dp) :: last_exit, next_exit
-      integer :: last, next, found
+      integer :: found
 
       crossings = self%crossings(position, direction)
-      associate (way => crossings%way, enters => crossings%cosine > 0.0_dp)
-         last = maxloc(way, dim=1, mask=enters .and. way <= 0.0_dp)
-         next = minloc(way, dim=1, mask=enters .and. way > 0.0_dp)
-         associate (is_behind => way <= rounding*maxval(abs(way)))
-            last_exit = maxval(way, mask=.not. enters .and. is_behind)
-            next_exit = minval(way, mask=.not. enters .and. .not. is_behind)
-         end associate
-      end associate
-      found = 0
-      if (next > 0) then
-         if (crossings(next)%way <= next_exit) found = next
-      end if
-      if (last > 0) then
-         if (crossings(last)%way > last_exit) found = last
-      end if
+      found = find_entry(crossings)
       gap = 0.0_dp
       cosine = 0.0_dp
       if (found > 0) then
@@ -81,5 +64,29 @@ contains
       end if
       is_met = cosine >= steepest_cosine
    end subroutine counter_body_measure
+
+   !> The place where a line entered the counter-body that its start is in, or where it enters next; 0 if it does not.
+   pure integer function find_entry(crossings) result(found)
+      type(crossing_t), intent(in) :: crossings(:) !! where the line crosses the surface
+      ! A point this near to a surface that it faces away from lies on it, as a share of the lengths at hand.
+      real(dp), parameter :: rounding = 1.0e-9_dp
+      real(dp) :: near, last_exit, next_exit
+      integer :: last, next
+
+      associate (way => crossings%way, enters => crossings%cosine > 0.0_dp)
+         near = rounding*maxval(abs(way))
+         last_exit = maxval(way, mask=.not. enters .and. way <= near)
+         next_exit = minval(way, mask=.not. enters .and. way > near)
+         last = maxloc(way, dim=1, mask=enters .and. way <= 0.0_dp)
+         next = minloc(way, dim=1, mask=enters .and. way > 0.0_dp)
+      end associate
+      found = 0
+      if (next > 0) then
+         if (crossings(next)%way <= next_exit) found = next
+      end if
+      if (last > 0) then
+         if (crossings(last)%way > last_exit) found = last
+      end if
+   end function find_entry
 
 end module amontons_counter_body

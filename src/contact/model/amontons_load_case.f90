@@ -94,8 +94,8 @@ contains
          if (.not. load_case%is_in_reach(p)) load_case%gap(p) = out_of_reach*size_of_body
          if (-load_case%gap(p) > (1.0_dp + rounding)*extent(corners, zone%position(:, p), zone%normal(:, p))) then
             call new_error(error, input_refused, contacts(zone%set(p))%origin//'the body overlaps the obstacle by '// &
-               to_text(-load_case%gap(p))//' at '//position_text(zone%position(:, p))//', more than its own depth there; '// &
-               'check point, normal and extra_gap of the obstacle')
+               to_text(-load_case%gap(p))//' at '//position_text(zone%position(:, p))// &
+               ', more than its own depth there; check point, normal and extra_gap of the obstacle')
          else if (min(load_case%friction(p), load_case%slip_bound(p)) < 0.0_dp) then
             call new_error(error, input_refused, contacts(zone%set(p))%origin// &
                'friction or slip bound is negative at '//position_text(zone%position(:, p)))

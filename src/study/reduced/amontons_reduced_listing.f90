@@ -26,9 +26,9 @@ contains
       type(reduced_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
-      text = head_text(config)//warnings_text(result%warnings)//problem_text(config, result%system)//solution_text(config, result) &
-         //check_text(config, result%check)//points_text(result) &
-         //times_text(result%timings, [phase_read, phase_solve, phase_recover])
+      text = head_text(config)//warnings_text(result%warnings)//problem_text(config, result%system)// &
+         solution_text(config, result)//check_text(config, result%check)//points_text(result)// &
+         times_text(result%timings, [phase_read, phase_solve, phase_recover])
    end function reduced_listing_text
 
    !> What the file holds.
