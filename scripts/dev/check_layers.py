@@ -30,7 +30,8 @@ MAY_USE = {
     "study/sweep": ["output", "solve", "input", *CONTACT, "elasticity", "linalg", "system"],
     "study/reduced": ["output", "solve", "input", "contact/problem", "contact/methods", "contact/uniqueness", "linalg",
                       "system"],
-    "verify": ["study/sweep", "study/reduced", "output", "solve", "input", "contact/problem", "contact/model", "system"],
+    "verify": ["study/sweep", "study/reduced", "output", "solve", "input", "contact/problem", "contact/model",
+               "system"],
     "binding": ["study/sweep", "study/reduced", "output", "solve", "input", "contact/methods", "linalg"],
 }
 # The facade src/amontons.f90 and the program may use all; only the program may use the facade.
