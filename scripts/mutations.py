@@ -223,8 +223,8 @@ class Mutator:
 
 
 OPTIONS = ("--output", "--check", "--quiet", "--threads", "--reduced", "--write-reduced", "--all-solutions",
-           "--reference", "--help", "--version", "--verify", "--", "-", "-h", "-q", "-o", "-t", "-x", "--outpu", "", " ", "=",
-           "--=", "--threads=", "--output=", "--set", "--set=")
+           "--reference", "--help", "--version", "--verify", "--", "-", "-h", "-q", "-o", "-t", "-x", "--outpu", "", " ",
+           "=", "--=", "--threads=", "--output=", "--set", "--set=")
 VALUES = ("out", "1", "2", "0", "-1", "64", "99999999999", "1e3", "one", "", "sound.nml", "bad.nml", "none.nml", ".",
           "/dev/null", "/dev/full", "a" * 300, "\u00fc", "contact", "mesh", "load", "out/deeper", "problem.dat", "'",
           "*", "%s")
