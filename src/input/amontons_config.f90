@@ -21,7 +21,7 @@ module amontons_config
    use amontons_material, only: material_t
    use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
       space_names, variant_names
-   use amontons_new_factorization, only: factorization_names
+   use amontons_new_cholesky, only: factorization_names
    use amontons_rectangle, only: rectangle_t
    use amontons_sweep, only: sweep_t
    use amontons_system, only: absolute_path
@@ -280,9 +280,9 @@ contains
             below=1.0_dp, also='tol eps'), method%tolerance)
          call visitor%whole(key_t('max_iterations', 'most iterations, of all stages together with `auto`', &
             at_least=1.0_dp, also='maxit max_iter itmax iterations'), method%max_iterations)
-         call visitor%word(key_t('factorization', 'Cholesky factorisation of the stiffness: band matrix, sparse'// &
-            ' matrix, condensation of the body piece by piece on all threads, or the one that should be quickest', &
-            is_shared=.true.), config%factorization, factorization_names)
+         call visitor%word(key_t('factorization', "Cholesky factorization of the stiffness: band, multifrontal "// &
+            "(formerly `'substructured'`), that of SuiteSparse where it was built in, or the quicker one of the "// &
+            'first two', is_shared=.true.), config%factorization, factorization_names)
          call visitor%close_group()
          call visitor%require(.not. (config%reduced%is_given .and. method%method == 'psor' .and. &
             method%space == 'primal'), 'space', &

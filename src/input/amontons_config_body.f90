@@ -6,7 +6,7 @@ module amontons_config_body
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_nodes, load_on_region, load_on_sides, load_t
-   use amontons_material, only: hypothesis_names, material_t, new_material
+   use amontons_material, only: formulation_names, hypothesis_names, material_t, new_material
    use amontons_rectangle, only: diagonal_names, rectangle_t
    implicit none (type, external)
    private
@@ -96,17 +96,23 @@ contains
          ' forces are in [F]', 'L', above=0.0_dp, also='t depth'), material%thickness)
       call visitor%word(key_t('hypothesis', 'how the body is reduced to the plane; the same for all materials', &
          also='plane model state'), material%hypothesis, hypothesis_names)
+      call visitor%word(key_t('formulation', "of `quad4` elements: `'b-bar'` does not lock where the material is"// &
+         " nearly incompressible; `'auto'` is `'b-bar'` for a Poisson's ratio of 0.49 or more"), material%formulation, &
+         formulation_names)
       call visitor%text(key_t('region', 'the region of the mesh that the material fills', default='all the rest', &
          also='set elset'), material%region, has_region)
       call visitor%close_group()
       material%origin = ''
       call visitor%locate('region', material%origin)
+      call visitor%require(material%formulation /= 'b-bar' .or. material%hypothesis /= 'plane stress', 'formulation', &
+         "formulation must not be 'b-bar' in plane stress, where nothing locks")
       ! Its rules are those above.
       call new_material(derived, material%young, material%poisson, material%hypothesis, material%thickness, error)
       material%lambda = derived%lambda
       material%mu = derived%mu
       material%is_plane_stress = derived%is_plane_stress
       material%is_axisymmetric = derived%is_axisymmetric
+      call material%choose_formulation(material%formulation)
    end subroutine describe_material
 
    !> Describes one `&support`.

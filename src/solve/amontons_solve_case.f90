@@ -12,6 +12,7 @@ module amontons_solve_case
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: read_mesh_file
    use amontons_methods, only: new_contact_method
+   use amontons_model_warnings, only: add_model_warnings, add_sweep_warnings
    use amontons_name_check, only: check_names
    use amontons_rectangle, only: new_rectangle_mesh
    use amontons_result, only: result_t
@@ -39,7 +40,7 @@ contains
    subroutine prepare_case(workshop, config, result, error)
       type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
-      type(result_t), intent(out) :: result !! gains the load case
+      type(result_t), intent(out) :: result !! gains the load case, and the warnings on the model
       type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are at fault
       type(contact_t), allocatable :: contacts(:)
 
@@ -57,6 +58,9 @@ contains
       if (allocated(error)) return
       ! Loads and friction that a sweep varies need not balance as they stand.
       if (.not. config%sweep%is_given()) call check_balance(workshop%body, result%load_case, error)
+      if (allocated(error)) return
+      call add_model_warnings(result%warnings, workshop%body, result%load_case)
+      if (config%sweep%is_given()) call add_sweep_warnings(result%warnings, config%sweep, config%contacts)
    end subroutine prepare_case
 
    !> Makes the body of a case.

@@ -219,8 +219,6 @@ class Meshes(HostileTest):
             found = self.refuse("problem.dat", f"2\n{n}\n0\n4\n4\n", arguments=["--reduced", "problem.dat"])
             self.assertRegex(found, r"^problem\.dat:2: (\d+ contacts are announced, but the file ends after \d+ more "
                              r"bytes|expected the number of contacts, found '\d+', which is out of range)\n$")
-        for content in (b"\x89HDF\r\n\x1a\n" + bytes(4000), b"\x89HDF\r\n\x1a\n" + b"\xff"*4000):
-            self.refuse("problem.hdf5", content, arguments=["--reduced", "problem.hdf5"])
 
 
 if __name__ == "__main__":

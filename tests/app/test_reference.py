@@ -7,7 +7,7 @@ from pathlib import Path
 
 from harness import PROGRAM, ProgramTest
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts" / "dev"
 # A deck that is in order whichever one of its keys is left out, but for required ones.
 GROUPS = {
     "mesh": {"size": "4.0, 2.0", "cells": "4, 2"},
@@ -164,7 +164,7 @@ class Printing(ProgramTest):
 
     def test_page_of_decks_shows_the_reference(self):
         run = self.run_command([sys.executable, "-B", str(SCRIPTS / "deck_tables.py"), PROGRAM], None)
-        self.assertEqual(run.stdout, "", "put it in place with scripts/manual.sh --update")
+        self.assertEqual(run.stdout, "", "put it in place with scripts/dev/manual.sh --update")
         self.assertEqual(run.returncode, 0, run.stderr)
 
 
