@@ -167,7 +167,7 @@ module amontons_deck_reference
       'most iterations, of all stages together with `auto`'), &
       key_t('solver', 'factorization', .false., "`'auto'`, `'band'`, `'multifrontal'`, `'sparse'`, `'substructured'`", &
       '', "`'auto'`", &
-      'Cholesky factorization of the stiffness: band, multifrontal (formerly `''substructured''`), that of'// &
+      "Cholesky factorization of the stiffness: band, multifrontal (formerly `'substructured'`), that of"// &
       ' SuiteSparse where it was built in, or the quicker one of the first two'), &
       key_t('output', 'fields_every', .false., 'whole number, at least 1', '', 'none', &
       'with `&sweep`: the fields of case 1 and of every so-many-th case behind it are written as `.vtu`')]
