@@ -35,7 +35,8 @@ endif()
 # add_unit_test(name SOURCES a.pf b.pf ... [LINK_LIBRARIES ...] [LABELS ...] [OTHER_SOURCES ...]
 #               [WORKING_DIRECTORY dir])
 # One executable and ctest test from the given test files, on the library. Sources are relative to the directory of
-# the calling CMakeLists.txt and belong to one executable only; every library is named in LINK_LIBRARIES.
+# the calling CMakeLists.txt and belong to one executable only; every library is named in LINK_LIBRARIES. The cases are
+# small and tests run side by side: with one thread each, none waits for the threads of another.
 function(add_unit_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK_LIBRARIES;LABELS;OTHER_SOURCES;WORKING_DIRECTORY")
   # Each test writes its files in a folder of its own, so that tests can run side by side.
@@ -55,6 +56,6 @@ function(add_unit_test name)
     LABELS unit ${arg_LABELS}
     ${optional} ${arg_UNPARSED_ARGUMENTS})
   require_passed_tests(${name})
-  math(EXPR seconds "120*${slowness}")
-  set_property(TEST ${name} PROPERTY TIMEOUT ${seconds})
+  math(EXPR seconds "600*${slowness}")
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${seconds} ENVIRONMENT "OMP_NUM_THREADS=1;OPENBLAS_NUM_THREADS=1")
 endfunction()

@@ -19,10 +19,6 @@ module amontons_threads
    end type thread_state_t
 
    interface
-      subroutine choose_blas_kernels() bind(c, name='amontons_choose_blas_kernels')
-         implicit none (type, external)
-      end subroutine choose_blas_kernels
-
       subroutine end_blas_threads() bind(c, name='amontons_end_blas_threads')
          implicit none (type, external)
       end subroutine end_blas_threads
@@ -42,15 +38,14 @@ module amontons_threads
 
 contains
 
-   !> Sets the number of threads of the parallel loops, and makes the BLAS ready: one thread, since its own gain little
-   !> and fight ours, and kernels for this processor where it did not know it. Not to be called from a parallel loop.
+   !> Sets the number of threads of the parallel loops, and one for the BLAS, since its own gain little and fight ours.
+   !> Not to be called from a parallel loop.
    subroutine set_threads(n)
       integer, intent(in) :: n !! number of threads, at least 1
 
       call omp_set_num_threads(n)
       call set_blas_threads(1_c_int)
       call end_blas_threads()
-      call choose_blas_kernels()
    end subroutine set_threads
 
    !> The number of threads a parallel loop gets.

@@ -24,7 +24,7 @@ contains
       character(:), allocatable :: text
 
       associate (solution => result%solution, condenser => body%condensation%condenser)
-         text = head_members(config, solution%is_converged)//effort_members(solution)
+         text = head_members(config, solution%is_converged, result%warnings)//effort_members(solution)
          if (result%method_error >= 0.0_dp) text = text//member('method_error', number(result%method_error))
          if (any(config%contacts%partition%is_constant)) text = text//member('inf_sup', number(minval(body%inf_sup)))
          if (result%condition > 0.0_dp) text = text//member('condition', number(result%condition))

@@ -3,6 +3,8 @@
 !> The contact unknowns c are the Schur variables of K + alpha E (E the identity on c), whose Schur complement is
 !> S + alpha I, S = K_cc - K_ci K_ii^-1 K_ic; alpha is 0 for a body that its supports hold. The condensed load is
 !> q = f_c - K_ci K_ii^-1 f_i (theory, section 3).
+!> This is the paper's static condensation, "computing u from (2.1) and substituting u into (2.2)", without K^-1 and
+!> for bodies whose K is singular, as that of its own example is (erratum 6).
 !> Where a point is a cell of constant multipliers, S and q are condensed once more, to the mean displacements.
 module amontons_condensation
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
