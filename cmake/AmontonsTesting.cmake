@@ -6,8 +6,9 @@ endif()
 # Unit tests: on pFUnit where it is installed, else on the stand-in in tests/funit. Both run the same .pf files.
 find_package(PFUNIT 4.4 QUIET)
 set(has_unit_tests ON)
-if(NOT PFUNIT_FOUND AND CMAKE_Fortran_COMPILER_ID STREQUAL "LLVMFlang" AND CMAKE_Fortran_COMPILER_VERSION VERSION_LESS 22)
-  message(STATUS "No unit tests: flang ${CMAKE_Fortran_COMPILER_VERSION} cannot compile dummy arguments of assumed rank")
+if(NOT PFUNIT_FOUND AND CMAKE_Fortran_COMPILER_ID STREQUAL "LLVMFlang"
+   AND CMAKE_Fortran_COMPILER_VERSION VERSION_LESS 22)
+  message(STATUS "No unit tests: flang ${CMAKE_Fortran_COMPILER_VERSION} cannot compile arguments of assumed rank")
   set(has_unit_tests OFF)
 endif()
 
