@@ -21,6 +21,11 @@ target_compile_options(amontons_flags INTERFACE
   "$<${_debug}:-g;-O0>"
   "$<$<AND:${_gfortran},${_checked}>:-fcheck=all,no-array-temps;-finit-real=snan;-fbacktrace>")
 
+# No source needs a preprocessor, and that of flang 19 writes every backslash twice.
+if(CMAKE_Fortran_COMPILER_ID STREQUAL "LLVMFlang")
+  set(CMAKE_Fortran_PREPROCESS OFF)
+endif()
+
 # Two builds of the same sources are the same to the last bit, wherever they lie: gfortran would put the full name of
 # the source file into the messages of its run-time library and into the module files. With -g, debuggers need it. Only
 # the file's own name is left: gfortran looks for the folder before it.
