@@ -14,7 +14,7 @@ install(TARGETS amontons_app COMPONENT runtime)
 install(DIRECTORY "$<TARGET_PROPERTY:amontons,Fortran_MODULE_DIRECTORY>/" DESTINATION "${_module_dir}"
   COMPONENT devel FILES_MATCHING PATTERN "*.mod")
 install(FILES "${PROJECT_SOURCE_DIR}/doc/amontons.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT runtime)
-install(FILES "${PROJECT_SOURCE_DIR}/scripts/amontons.bash" RENAME amontons
+install(FILES "${PROJECT_SOURCE_DIR}/doc/amontons.bash" RENAME amontons
   DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" COMPONENT runtime)
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT runtime)
 install(EXPORT amontonsTargets NAMESPACE amontons:: DESTINATION "${_package_dir}" COMPONENT devel)
@@ -41,17 +41,20 @@ write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/amontonsConfigVers
 install(FILES
   "${CMAKE_CURRENT_BINARY_DIR}/amontonsConfig.cmake"
   "${CMAKE_CURRENT_BINARY_DIR}/amontonsConfigVersion.cmake"
-  "${CMAKE_CURRENT_LIST_DIR}/FindCHOLMOD.cmake"
-  "${CMAKE_CURRENT_LIST_DIR}/FindUMFPACK.cmake"
   DESTINATION "${_package_dir}" COMPONENT devel)
+if(AMONTONS_SUITESPARSE)
+  install(FILES
+    "${CMAKE_CURRENT_LIST_DIR}/FindCHOLMOD.cmake"
+    "${CMAKE_CURRENT_LIST_DIR}/FindUMFPACK.cmake"
+    DESTINATION "${_package_dir}" COMPONENT devel)
+endif()
 
 # The library is static, so the pkg-config file names everything below it. Full paths become -L and -l, since CMake's
 # reader of such files would put a path before the library on the link line.
 set(AMONTONS_LINK_LINE "")
-set(_libraries ${UMFPACK_LIBRARY} ${CHOLMOD_LIBRARY} ${CAMD_LIBRARY} ${SUITESPARSECONFIG_LIBRARY}
-  ${LAPACK_LIBRARIES})
-if(AMONTONS_HAS_HDF5)
-  list(APPEND _libraries ${HDF5_Fortran_LIBRARIES})
+set(_libraries ${LAPACK_LIBRARIES})
+if(AMONTONS_SUITESPARSE)
+  list(PREPEND _libraries ${UMFPACK_LIBRARY} ${CHOLMOD_LIBRARY} ${CAMD_LIBRARY} ${SUITESPARSECONFIG_LIBRARY})
 endif()
 foreach(_library IN LISTS _libraries)
   if(IS_ABSOLUTE "${_library}")

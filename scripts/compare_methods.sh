@@ -23,7 +23,7 @@ output=build/methods
 rm -rf "$output"
 mkdir -p "$output"
 AMONTONS=$PWD/build/release/bin/amontons OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
-   scripts/python.sh scripts/compare_methods.py "$output" "$output"/methods.{png,svg} >"$output/tables"
+   scripts/python.sh scripts/helpers/compare_methods.py "$output" "$output"/methods.{png,svg} >"$output/tables"
 echo >>"$output/tables"
 cat "$output/tables"
 

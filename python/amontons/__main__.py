@@ -1,4 +1,4 @@
-"""Runs a command of the package: python -m amontons plot|report ..."""
+"""Runs a command of the package: python -m amontons plot|report|fclib ..."""
 import sys
 
 from amontons.commands import main

@@ -1,12 +1,12 @@
-"""The commands of the package: amontons-plot and amontons-report, also `python -m amontons plot` and `... report`, and
-amontons, the program, where it is part of the package.
+"""The commands of the package: amontons-plot and amontons-report, also `python -m amontons plot` and `... report`,
+`python -m amontons fclib`, and amontons, the program, where it is part of the package.
 """
 import importlib
 import os
 import sys
 from pathlib import Path
 
-WORDS = ("plot", "report")
+WORDS = ("plot", "report", "fclib")
 
 
 def run(word, arguments):
@@ -15,7 +15,7 @@ def run(word, arguments):
         module = importlib.import_module(f"amontons.{word}")
     except ModuleNotFoundError as error:
         sys.exit(f"{word}: {sys.executable} has no package '{error.name}'; install it (Debian: python3-{error.name})")
-    module.main(arguments)
+    sys.exit(module.main(arguments))
 
 
 def plot():

@@ -72,7 +72,8 @@ def verdict_of(summary):
     if summary["converged"] and is_certified:
         which = f"; certified is case {summary['certificate']['case']}, the one most in doubt" \
             if "sweep" in summary else ""
-        return "green", f"Solved and certified: on {what} every violation is at most {largest:.1e}, " \
+        color = "amber" if summary.get("warnings") else "green"
+        return color, f"Solved and certified: on {what} every violation is at most {largest:.1e}, " \
             f"{summary['certificate']['limit']:.0e} being allowed{which}."
     if not summary["converged"]:
         found = f"The method stopped after {summary['iterations']} iterations at a residual of " \
@@ -150,6 +151,8 @@ def section(case, summary):
     """What the page says of one case."""
     name, title = html.escape(summary["case"]), html.escape(summary["title"])
     color, sentence = verdict_of(summary)
+    warnings = "".join(f'<p class="verdict amber"><b>warning</b>{html.escape(text)}</p>\n'
+                       for text in summary.get("warnings", []))
     certificate = "".join(row([name.replace("_", " "), number(value)]) for name, value in violations(summary).items())
     deck = html.escape(pathlib.Path(f"{case}.deck.nml").read_text(encoding="utf-8"))
     stem = html.escape(pathlib.Path(case).name)
@@ -160,6 +163,7 @@ def section(case, summary):
                       if pathlib.Path(case + ending).exists())
     return f"""<h2 id="{name}">{name}{": " + title if title else ""}</h2>
 <p class="verdict {color}"><b>{color}</b>{html.escape(sentence)}</p>
+{warnings}
 <p>{size_of(summary)}. Method
 {summary["method"]}, {summary["iterations"]} iterations.</p>
 <div class="wide"><img src="{picture_of(case)}" alt="{name}, drawn"></div>

@@ -105,7 +105,7 @@ def version():
 
 
 def set_threads(n_threads):
-    """Sets the number of threads of the loops inside, and makes the BLAS ready; to be called first, if at all."""
+    """Sets the number of threads of the loops inside, and one thread for the BLAS; to be called first, if at all."""
     _library.amontons_set_threads(n_threads)
 
 

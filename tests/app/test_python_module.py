@@ -32,6 +32,9 @@ Q = np.array([-1, -0.5, -2, -4])
 MU = np.array([0.75, 0.5])
 SWEEP = block("support set = 'left'  ux = 0.0", "load set = 'top'  pressure = 1.0  name = 'p'", CONTACT,
               "sweep load = 'p'  factor = 1.0, 2.0  count = 3")
+# The columns of numbers of a contact table, those of one unit together.
+UNITS = (("point",), ("x", "y", "weight", "gap", "slip"), ("normal_x", "normal_y"),
+         ("normal_force", "tangential_force"), ("normal_stress", "tangential_stress"))
 
 
 def chain(m, seed):
@@ -149,8 +152,12 @@ class Deck(ProgramTest):
         self.assertEqual(sorted(self.contents("python")), results_of("case"))
         expected = Result(self.directory / "program", "case")
         self.assertEqual(list(result.contact), list(expected.columns))
-        for column, values in expected.columns.items():
-            self.assertEqual(result.contact[column].tolist(), values, column)
+        self.assertEqual(result.contact["status"].tolist(), expected["status"])
+        for unit in UNITS:
+            found, wanted = (np.array([columns[column] for column in unit]) for columns in (result.contact, expected))
+            # NumPy may have brought another BLAS into this process, whose sums are rounded elsewhere; the condition of
+            # this small body makes 1e-15 at most a thousand times as much.
+            np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-12*np.abs(wanted).max(), err_msg=str(unit))
         self.assertEqual(result.contact["x"].dtype, np.float64)
         self.assertEqual(result.summary["lengths"], expected.summary["lengths"])
 

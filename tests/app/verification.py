@@ -1,23 +1,21 @@
-"""What the tests of --verify share: results in a directory, and what a forger would do to them."""
+"""What the tests of --verify share: results in a directory, and changes of them that their manifest does not show."""
 import re
 import struct
+import subprocess
 from pathlib import Path
 
 from harness import ProgramTest, change_array, read_vtu
 
 ROOT = Path(__file__).resolve().parents[2]
 PUSH = "load set = 'right'  traction = -1.5, 0.3"  # part of the floor sticks, part slides, part opens
-MEMBER = re.compile(r'    \{"name": "([^"]*)", "bytes": \d+, "checksum": "[0-9a-f]{32}"\}')
-SEAL = '  "checksum": "'
+MEMBER = re.compile(r'    \{"name": "([^"]*)", "bytes": \d+, "checksum": \d+\}')
+CHECKSUM = '  "checksum": '
 
 
 def checksum(content):
-    """The sum of all 32-bit words and the sum of these sums, modulo 2^64."""
-    words = sums = 0
-    for word, in struct.iter_unpack("<I", content + bytes(-len(content) % 4)):
-        words += word
-        sums += words
-    return f"{words % 2**64:016x}{sums % 2**64:016x}"
+    """The number that cksum prints first."""
+    run = subprocess.run(["cksum"], input=content, capture_output=True, check=True)
+    return int(run.stdout.split()[0])
 
 
 class Verification(ProgramTest):
@@ -38,25 +36,25 @@ class Verification(ProgramTest):
         run = self.run_program("--verify", "results", status=status)
         return run.stdout if status == 0 else run.stderr
 
-    def seal(self, name):
-        """Does what a forger would: gives a case the seal that its files have now."""
+    def renew_manifest(self, name):
+        """Gives a case the manifest that its files have now."""
         path = self.results / f"{name}.summary.json"
 
-        def sealed(match):
+        def renewed(match):
             file = self.results / match[1]
             return (f'    {{"name": "{match[1]}", "bytes": {file.stat().st_size},'
-                    f' "checksum": "{checksum(file.read_bytes())}"}}')
-        text = MEMBER.sub(sealed, path.read_text(encoding="utf-8"))
-        text = text[:text.rindex(SEAL)]
-        path.write_text(f'{text}{SEAL}{checksum(text.encode())}"\n}}\n', encoding="utf-8")
+                    f' "checksum": {checksum(file.read_bytes())}}}')
+        text = MEMBER.sub(renewed, path.read_text(encoding="utf-8"))
+        text = text[:text.rindex(CHECKSUM)]
+        path.write_text(f'{text}{CHECKSUM}{checksum(text.encode())}\n}}\n', encoding="utf-8")
 
     def assert_forgery_is_found(self, file, change, expected, name="case_0"):
-        """Changes the content of a file and the seal, and checks what is said of it."""
+        """Changes the content of a file and the manifest, and checks what is said of it."""
         contents = {**self.contents("results"), file: (self.results / file).read_bytes()}
         changed = change(contents[file])
         self.assertNotEqual(changed, contents[file], "nothing was changed")
         (self.results / file).write_bytes(changed)
-        self.seal(name)
+        self.renew_manifest(name)
         self.assertRegex(self.verify(status=4), expected)
         for key, content in contents.items():
             (self.results / key).write_bytes(content)
