@@ -23,9 +23,9 @@ result checked on the full model.")
 
 set(CPACK_DEBIAN_DEVEL_PACKAGE_NAME "libamontons-dev")
 set(CPACK_DEBIAN_DEVEL_PACKAGE_SECTION "libdevel")
-set(_devel "amontons ${_same_version}, gfortran, libopenblas-dev, libsuitesparse-dev")
-if(AMONTONS_HAS_HDF5)
-  string(APPEND _devel ", libhdf5-dev")
+set(_devel "amontons ${_same_version}, gfortran, libopenblas-dev")
+if(AMONTONS_SUITESPARSE)
+  string(APPEND _devel ", libsuitesparse-dev")
 endif()
 set(CPACK_DEBIAN_DEVEL_PACKAGE_DEPENDS "${_devel}")
 set(CPACK_COMPONENT_DEVEL_DESCRIPTION "library for Fortran and C
@@ -37,6 +37,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION "python")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE "all")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "amontons ${_same_version}, python3 (>= 3.9), python3-numpy")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-matplotlib")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-h5py")
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Python package, pictures and reports
 The module amontons, and the commands amontons-plot and amontons-report.")
 

@@ -12,7 +12,7 @@ class Amontons(CMakePackage):
     version("0.2.0")
 
     variant("shared", default=True, description="Build the C interface, which the Python package loads")
-    variant("hdf5", default=False, description="Read and write FCLIB files")
+    variant("suitesparse", default=True, description="Use CHOLMOD and UMFPACK, which are under the GPL")
     variant("python", default=False, when="+shared", description="Install what the Python package needs")
 
     depends_on("c", type="build")
@@ -21,8 +21,7 @@ class Amontons(CMakePackage):
     depends_on("ninja", type="build")
     depends_on("blas")
     depends_on("lapack")
-    depends_on("suite-sparse")
-    depends_on("hdf5+fortran~mpi", when="+hdf5")
+    depends_on("suite-sparse", when="+suitesparse")
     depends_on("python@3.9:", type="run", when="+python")
     depends_on("py-numpy@1.20:", type="run", when="+python")
     depends_on("py-matplotlib@3.6:", type="run", when="+python")
@@ -35,7 +34,7 @@ class Amontons(CMakePackage):
         return [
             self.define("AMONTONS_TESTS", False),
             self.define_from_variant("AMONTONS_SHARED", "shared"),
-            self.define_from_variant("AMONTONS_HDF5", "hdf5"),
+            self.define_from_variant("AMONTONS_SUITESPARSE", "suitesparse"),
         ]
 
     def setup_run_environment(self, env):

@@ -18,7 +18,7 @@ build() { # folder
 folders=("$work/one" "$work/a/deeper/folder")
 for folder in "${folders[@]}"; do
    mkdir -p "$folder/sources"
-   cp -R CMakeLists.txt bench cmake doc python src "$folder/sources"
+   cp -R CMakeLists.txt LICENSE bench cmake doc python src "$folder/sources"
 done
 sums=()
 for folder in "${folders[@]}"; do
