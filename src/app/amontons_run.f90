@@ -5,10 +5,10 @@ module amontons_run
    use amontons_collection, only: collection_t, new_collection
    use amontons_command_line, only: argument_t, command_line_t
    use amontons_conditioning, only: rounded
-   use amontons_config, only: config_t, new_reduced_config, read_config
+   use amontons_config, only: config_t, read_set_config
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: short
+   use amontons_listing_text, only: scientific, short
    use amontons_output_file, only: commit_files, output_file_t
    use amontons_progress, only: progress_t
    use amontons_report, only: write_report
@@ -20,7 +20,7 @@ module amontons_run
    use amontons_status_line, only: close_status_line, open_status_line
    use amontons_sweep_report, only: write_sweep_report
    use amontons_sweep_tally, only: case_converged
-   use amontons_text, only: to_text
+   use amontons_text, only: newline, to_text
    use amontons_timings, only: phase_solve, phase_write
    implicit none (type, external)
    private
@@ -128,13 +128,15 @@ contains
       character(*), intent(in) :: deck !! name of the deck
       type(claim_t), intent(inout) :: claims(:) !! of the decks so far; the last one is this deck's
       type(error_t), allocatable, intent(out) :: error !! the deck was refused
+      integer :: i
 
-      if (command_line%is_reduced) then
-         call new_reduced_config(config, deck, error)
-      else
-         call read_config(config, deck, error)
+      call read_set_config(config, deck, command_line%is_reduced, command_line%settings, error)
+      if (allocated(error)) then
+         do i = 1, size(command_line%settings)
+            error%message = error%message//newline//'   with --set '//command_line%settings(i)%text
+         end do
+         return
       end if
-      if (allocated(error)) return
       call claim_name(claims, config, error)
       if (.not. allocated(error)) call check_options(command_line, config, error)
    end subroutine read_case
@@ -219,7 +221,7 @@ contains
       call solve_case(workshop, config, result, error)
       if (allocated(error)) return
       if (command_line%writes_reduced) then
-         call export_case(command_line, config, workshop%problem, result%solution%force, error)
+         call export_case(command_line, config, workshop%problem, error)
          if (allocated(error)) return
          result%has_reduced_files = .true.
       end if
@@ -308,13 +310,11 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
-      character(9) :: residual
 
-      write (residual, '(es9.2)') result%solution%residual
       text = config%name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
-         to_text(result%solution%n_iterations)//' iterations, residual '//trim(adjustl(residual))//'; separated '// &
-         short(result%lengths%separated)//', sliding '//short(result%lengths%sliding)//', sticking '// &
-         short(result%lengths%sticking)
+         to_text(result%solution%n_iterations)//' iterations, residual '//scientific(result%solution%residual)// &
+         '; separated '//short(result%lengths%separated)//', sliding '//short(result%lengths%sliding)// &
+         ', sticking '//short(result%lengths%sticking)
    end function solved_text
 
    !> What is told of a sweep.
@@ -322,7 +322,6 @@ contains
       type(config_t), intent(in) :: config !! the deck
       type(sweep_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
-      character(9) :: residual
 
       associate (tally => result%tally)
          text = config%name//': '//to_text(tally%n_cases)//' cases, '
@@ -332,8 +331,7 @@ contains
             text = text//to_text(tally%n_cases - tally%n_outcomes(case_converged))//' of them NOT SOLVED'
          end if
          if (tally%residual_case == 0) return
-         write (residual, '(es9.2)') tally%residual
-         text = text//', residual at most '//trim(adjustl(residual))
+         text = text//', residual at most '//scientific(tally%residual)
       end associate
    end function swept_text
 

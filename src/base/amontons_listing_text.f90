@@ -1,11 +1,11 @@
 !> The form of a listing: headings, labelled lines, numbers for reading.
 module amontons_listing_text
    use amontons_kinds, only: dp
-   use amontons_text, only: newline, to_text
+   use amontons_text, only: newline, to_short_text
    implicit none (type, external)
    private
 
-   public :: heading, line, pair, right, scientific, short
+   public :: columns, heading, line, pair, right, scientific, short
 
 contains
 
@@ -28,7 +28,7 @@ contains
       text = '  '//trim(column//value)//newline
    end function line
 
-   !> Two numbers with six digits.
+   !> Two numbers with at most seven digits.
    pure function pair(values) result(text)
       real(dp), intent(in) :: values(2) !! the numbers
       character(:), allocatable :: text
@@ -40,23 +40,30 @@ contains
    pure function short(value) result(text)
       real(dp), intent(in) :: value !! the number
       character(:), allocatable :: text
-      character(16) :: buffer
-      real(dp) :: rounded
 
-      write (buffer, '(es15.6e3)') value
-      read (buffer, '(es15.6e3)') rounded
-      text = to_text(rounded)
+      text = to_short_text(value, 7)
    end function short
 
-   !> A number in scientific form with three digits.
+   !> A number with at most three digits, for what matters by its size alone.
    pure function scientific(value) result(text)
       real(dp), intent(in) :: value !! the number
       character(:), allocatable :: text
-      character(12) :: buffer
 
-      write (buffer, '(es10.2e3)') value
-      text = trim(adjustl(buffer))
+      text = to_short_text(value, 3)
    end function scientific
+
+   !> Numbers with at most six digits, each at the right end of a column 13 wide or, if it needs it, wider.
+   pure function columns(values) result(text)
+      real(dp), intent(in) :: values(:) !! the numbers
+      character(:), allocatable :: text
+      integer, parameter :: width = 13
+      integer :: i
+
+      text = ''
+      do i = 1, size(values)
+         text = text//right(' '//to_short_text(values(i), 6), width)
+      end do
+   end function columns
 
    !> A text moved to the right end of a column.
    pure function right(value, width) result(text)

@@ -8,7 +8,7 @@ module amontons_listing
    use amontons_listing_model, only: loads_text, model_text
    use amontons_listing_parts, only: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
       violations_text, warnings_text
-   use amontons_listing_text, only: heading, line, pair, scientific, short
+   use amontons_listing_text, only: columns, heading, line, pair, right, scientific, short
    use amontons_result, only: certificate_limit, result_t
    use amontons_solutions_report, only: solutions_text, uniqueness_text
    use amontons_text, only: as_lines, to_text
@@ -65,8 +65,8 @@ contains
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
-      associate (factorization => body%condensation%factorization)
-         text = factorization%name()//', '//to_text(factorization%n_factor_entries())//' entries'
+      associate (condenser => body%condensation%condenser)
+         text = condenser%name//', '//to_text(condenser%n_factor_entries)//' entries'
       end associate
       if (allocated(result%shared_with)) text = text//', shared with case '//result%shared_with
    end function factorization_text
@@ -126,7 +126,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
-      character(120) :: rows(0:body%zone%n_points)
+      character(132) :: rows(0:body%zone%n_points)
       type(contact_point_t) :: point
       integer :: p
 
@@ -134,8 +134,8 @@ contains
          'norm. stress', 'tang. stress', 'status'
       do p = 1, body%zone%n_points
          call new_contact_point(point, body, result, p)
-         write (rows(p), '(i7, 8es13.5, 2x, a)') p, point%position, point%gap, point%slip, &
-            point%normal_force, point%tangential_force, point%normal_stress, point%tangential_stress, point%status
+         rows(p) = right(to_text(p), 7)//columns([point%position, point%gap, point%slip, point%normal_force, &
+            point%tangential_force, point%normal_stress, point%tangential_stress])//'  '//point%status
       end do
       text = heading('Contact points (forces and stresses: compression and shear along the slip positive)') &
          //as_lines(rows)

@@ -35,10 +35,10 @@ contains
          !! the result; one that converged for another load case is where the method starts
       type(error_t), allocatable, intent(out) :: error !! supports, contacts, loads or the numbers are at fault
       class(contact_method_t), allocatable :: method
-      type(result_t) :: previous
+      type(result_t) :: previous, empty
 
       previous = result
-      result = result_t()
+      result = empty
       call new_timings(result%timings)
       call new_load_case(result%load_case, body, supports, contacts, loads, error)
       if (allocated(error)) return

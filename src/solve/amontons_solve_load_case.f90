@@ -82,7 +82,7 @@ contains
          return
       end if
       if (.not. shows_rounding(result)) return
-      condition = max(body%condensation%factorization%condition(), cancellation(body, result))
+      condition = max(body%condensation%condenser%condition(), cancellation(body, result))
       if (condition > explaining) result%condition = min(condition, huge(1.0_dp))
    end subroutine certify
 

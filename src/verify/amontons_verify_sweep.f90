@@ -1,6 +1,6 @@
 !> The files of a sweep checked against each other: values, lengths and counts of every row, and what the summary tells
 !> of the rows together. A row holds no displacements: where the fields of its case are not kept, its forces and its
-!> residual cannot be computed again without solving the case, and are only sealed.
+!> residual cannot be computed again without solving the case, and are only checksummed.
 module amontons_verify_sweep
    use amontons_agreement, only: agree, contradiction
    use amontons_config, only: config_t

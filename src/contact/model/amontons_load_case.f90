@@ -51,7 +51,8 @@ contains
       call new_constraints(constraints, load_case%prescribed, body%mesh, supports, error)
       if (allocated(error)) return
       if (any(constraints%is_free .neqv. body%constraints%is_free)) then
-         call new_error(error, input_refused, 'the supports of a load case hold other components than those of its body')
+         call new_error(error, input_refused, &
+            'the supports of a load case hold other components than those of its body')
          return
       end if
       call set_obstacles(load_case, body%zone, body%mesh, contacts, error)
@@ -64,8 +65,8 @@ contains
    !> Sets gap, friction and slip bound of every point from its contact set.
    !>
    !> The gap is the distance to the obstacle along the point's normal; it is negative where the body overlaps the
-   !> obstacle (interference). A point whose normal does not meet the obstacle gets a gap that nothing closes. A cell has
-   !> the means over its area.
+   !> obstacle (interference). A point whose normal does not meet the obstacle gets a gap that nothing closes. A
+   !> cell has the means over its area.
    pure subroutine set_obstacles(load_case, zone, mesh, contacts, error)
       type(load_case_t), intent(inout) :: load_case !! the load case
       type(contact_zone_t), intent(in) :: zone !! the contact points
