@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Everything that is too slow for every change, with a line for each: coverage, the tests under the sanitizers and as
-# optimised code, valgrind, whether a build can be repeated, and whether the tests notice small changes of the sources.
+# Everything that is too slow for every change, with a line for each: coverage, the tests under the sanitizers, as
+# optimised code and without SuiteSparse, valgrind, whether a build can be repeated, and whether the tests notice small changes of the sources.
 # shellcheck disable=SC2317 # the function is called through check
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/../.."
@@ -25,6 +25,7 @@ check() { # name, command...
 }
 
 check release run_tests release
+check bsd run_tests bsd
 check sanitize run_tests sanitize
 check coverage scripts/dev/coverage.sh
 check valgrind scripts/dev/valgrind.sh
