@@ -75,6 +75,9 @@ contains
       call visitor%only('file', .not. is_rectangle, "kind = 'file'")
       call visitor%only('size', is_rectangle, "kind = 'rectangle'")
       call visitor%only('cells', is_rectangle, "kind = 'rectangle'")
+      call visitor%only('element', is_rectangle, "kind = 'rectangle'")
+      call visitor%only('diagonal', is_rectangle, "kind = 'rectangle'")
+      call visitor%only('grading', is_rectangle, "kind = 'rectangle'")
       call visitor%require(has_file .or. is_rectangle, 'kind', "kind = 'file' needs file = 'MESH'")
    end subroutine describe_mesh
 
