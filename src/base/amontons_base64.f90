@@ -12,7 +12,8 @@ module amontons_base64
    integer, parameter :: n_letters = len(letters), n_pairs = n_letters**2, n_characters = 256
    integer :: i, j
    !> The two letters of the numbers 0 to 4095.
-   character(2), parameter :: pair(0:n_pairs - 1) = [((letters(i:i)//letters(j:j), j=1, n_letters), i=1, n_letters)]
+   character(2), parameter :: pair(0:n_pairs - 1) = &
+      [character(2) :: ((letters(i:i)//letters(j:j), j=1, n_letters), i=1, n_letters)]
    !> The number of each letter; -1 for every other character.
    integer, parameter :: number(0:n_characters - 1) = [(index(letters, char(i)) - 1, i=0, n_characters - 1)]
 
