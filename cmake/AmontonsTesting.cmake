@@ -5,6 +5,11 @@ endif()
 
 # Unit tests: on pFUnit where it is installed, else on the stand-in in tests/funit. Both run the same .pf files.
 find_package(PFUNIT 4.4 QUIET)
+set(has_unit_tests ON)
+if(NOT PFUNIT_FOUND AND CMAKE_Fortran_COMPILER_ID STREQUAL "LLVMFlang" AND CMAKE_Fortran_COMPILER_VERSION VERSION_LESS 22)
+  message(STATUS "No unit tests: flang ${CMAKE_Fortran_COMPILER_VERSION} cannot compile dummy arguments of assumed rank")
+  set(has_unit_tests OFF)
+endif()
 
 # Flags of test executables. pFUnit generates code that is not ours, so there warnings are shown and not enforced:
 # this must come after the project's flags.
@@ -13,7 +18,7 @@ add_library(amontons_test_flags INTERFACE)
 if(PFUNIT_FOUND)
   message(STATUS "Unit tests run on pFUnit ${PFUNIT_VERSION}")
   target_compile_options(amontons_test_flags INTERFACE -Wno-error)
-else()
+elseif(has_unit_tests)
   message(STATUS "Unit tests run on the stand-in for pFUnit in tests/funit (pFUnit 4.4 was not found)")
   include("${PROJECT_SOURCE_DIR}/tests/funit/funit.cmake")
   target_link_libraries(funit PRIVATE amontons_flags)

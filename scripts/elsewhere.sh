@@ -15,11 +15,14 @@ scripts/setup.sh elsewhere
 folder=build/elsewhere
 root=$folder/root
 mkdir -p "$folder"
-trap 'rm -rf "$root"' EXIT
+# unshare heeds no signal but this one, and takes all that it started with it.
+trap 'jobs -p | xargs --no-run-if-empty kill -KILL; wait; rm -rf "$root"' EXIT
+trap 'exit 1' INT TERM
 
 # Runs a command that sees its own mounts and processes only: they end with it.
 alone() {
-   unshare --mount --pid --fork --kill-child --mount-proc "$@"
+   unshare --mount --pid --fork --kill-child --mount-proc "$@" &
+   wait "$!"
 }
 
 # Runs a command in the root, where nothing of this machine's environment is left.

@@ -32,10 +32,12 @@ contains
    pure function percent(share) result(text)
       real(dp), intent(in) :: share !! the share [-]
       character(:), allocatable :: text
+      ! What is larger could round to more than there is.
+      real(dp), parameter :: most = 1.0e300_dp
       character(12) :: buffer
       real(dp) :: rounded
 
-      write (buffer, '(es10.2e3)') 100.0_dp*share
+      write (buffer, '(es10.2e3)') min(100.0_dp*share, most)
       read (buffer, '(es10.2e3)') rounded
       text = to_text(rounded)//' %'
    end function percent

@@ -91,7 +91,7 @@ contains
       integer, intent(out) :: at !! one of the two nodes; 0 if there is no strain
       ! Of strains that differ by rounding alone the first is taken, whatever the compiler.
       real(dp), parameter :: clearly = 1.0_dp + 1.0e-6_dp
-      real(dp) :: distance(2), difference(2), elongation
+      real(dp) :: distance(2), difference(2), elongation, length
       integer :: element, i, k, first
 
       strain = 0.0_dp
@@ -102,9 +102,10 @@ contains
             do k = first, i - 1
                distance = mesh%coordinates(:, mesh%node(i)) - mesh%coordinates(:, mesh%node(k))
                difference = displacement(:, mesh%node(i)) - displacement(:, mesh%node(k))
-               elongation = abs(difference(1)*distance(1) + difference(2)*distance(2))
-               if (.not. elongation > clearly*strain*(distance(1)**2 + distance(2)**2)) cycle
-               strain = elongation/(distance(1)**2 + distance(2)**2)
+               length = hypot(distance(1), distance(2))
+               elongation = abs(difference(1)*(distance(1)/length) + difference(2)*(distance(2)/length))
+               if (.not. elongation > clearly*strain*length) cycle
+               strain = elongation/length
                at = mesh%node(i)
             end do
          end do

@@ -118,10 +118,20 @@ class Pictures(ProgramTest):
         self.assertIn("No case is solved", verdicts[1][1])
         self.assertIn('href="off.sweep.pvd"', page)
 
+    def test_warnings_are_amber(self):
+        self.write("rough.nml", block(SUPPORT, PRESSURE, "contact set = 'bottom'  friction = 2.5"))
+        self.write("fine.nml", block(SUPPORT, PRESSURE, CONTACT))
+        self.run_program("--quiet", "--output", "warned", "rough.nml", "fine.nml")
+        self.script("report", "warned")
+        page = (self.directory / "warned" / "report.html").read_text(encoding="utf-8")
+        self.assertIn("2 cases: 1 green, 1 amber, 0 red.", page)
+        self.assertEqual(page.count('<p class="verdict amber"><b>warning</b>contact set &#x27;bottom&#x27;: friction of 2.5'),
+                         1)
+
     def test_bodies_with_one_contact_point_and_with_none_are_drawn(self):
         held = "support set = 'left'  ux = 0.0  uy = 0.0"
         self.write("one.nml", block(held, PRESSURE, CONTACT, mesh="size = 4.0, 2.0  cells = 1, 1"))
-        self.write("none.nml", block(held, PRESSURE))
+        self.write("none.nml", block(held, "load set = 'top'  pressure = 0.1"))
         self.run_program("--quiet", "--output", "few", "one.nml", "none.nml")
         arrays, *_ = read_vtu((self.directory / "few" / "one.contact.vtu").read_bytes())
         self.assertEqual(arrays["types"], (1, ))

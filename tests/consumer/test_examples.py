@@ -74,7 +74,8 @@ class Examples(ProgramTest):
     def test_c_needs_no_fortran(self):
         self.write("from_c.c", (SOURCES / "from_c.c").read_text(encoding="utf-8"))
         self.write("CMakeLists.txt", C_PROJECT)
-        self.run_command(["cmake", "-S", ".", "-B", "build", f"-DCMAKE_PREFIX_PATH={os.environ['PREFIX']}"])
+        self.run_command(["cmake", "-G", "Ninja", "-S", ".", "-B", "build",
+                          f"-DCMAKE_PREFIX_PATH={os.environ['PREFIX']}"])
         self.run_command(["cmake", "--build", "build"])
         self.assertIn("bar: solved", self.run_command(["build/from_c", str(SOURCES / "bar.nml"), "out"]).stdout)
 

@@ -13,6 +13,9 @@ module amontons_obstacle
    !> Kinds of obstacles, as a deck writes them.
    character(8), parameter :: obstacle_names(*) = [character(8) :: 'plane', 'circle', 'parabola', 'polyline']
 
+   !> A line through the end of a segment crosses it, one along a plane or a segment does not, but for rounding [-].
+   real(dp), parameter :: rounding = 1.0e-12_dp
+
    !> A rigid obstacle.
    type, extends(counter_body_t) :: obstacle_t
       character(:), allocatable :: kind !! one of `obstacle_names`
@@ -42,13 +45,13 @@ contains
       e = in_frame(axis, direction)
       select case (self%kind)
       case ('circle')
-         crossings = conic_crossings(0.5_dp/self%radius, 1.0_dp, x, e)
+         crossings = conic_crossings(self%radius, 1.0_dp, x, e)
       case ('parabola')
-         crossings = conic_crossings(0.5_dp/self%radius, 0.0_dp, x, e)
+         crossings = conic_crossings(self%radius, 0.0_dp, x, e)
       case ('polyline')
          crossings = polyline_crossings(self%line, x, e)
       case default
-         crossings = conic_crossings(0.0_dp, 0.0_dp, x, e)
+         crossings = plane_crossings(x, e)
       end select
    end function obstacle_crossings
 
@@ -79,42 +82,56 @@ contains
       local = [axis(2)*vector(1) - axis(1)*vector(2), dot_product(axis, vector)]
    end function in_frame
 
-   !> Where a line crosses F = h + k (s^2 + c h^2) = 0: a plane (k = 0), a parabola (c = 0) or a circle (c = 1); F is
-   !> positive on the free side.
-   pure function conic_crossings(k, c, x, e) result(crossings)
-      real(dp), intent(in) :: k !! half the curvature [1/L]
-      real(dp), intent(in) :: c !! 1 of a circle, else 0 [-]
+   !> Where a line crosses a plane, h = 0.
+   pure function plane_crossings(x, e) result(crossings)
       real(dp), intent(in) :: x(2) !! where the line starts, in the frame [L]
       real(dp), intent(in) :: e(2) !! its direction, in the frame [-]
       type(crossing_t), allocatable :: crossings(:)
-      ! A root that is farther away is none: its square could not be computed.
-      real(dp), parameter :: far = 1.0e100_dp
-      real(dp) :: square, linear, constant, root, q
 
       allocate (crossings(0))
-      ! F along the line is square t^2 + linear t + constant.
-      square = k*(e(1)**2 + c*e(2)**2)
-      linear = e(2) + 2.0_dp*k*(x(1)*e(1) + c*x(2)*e(2))
-      ! Factor by factor: a plane may lie so far away that a square could not be computed.
-      constant = x(2) + (k*x(1))*x(1) + (k*c*x(2))*x(2)
+      if (abs(e(2)) > rounding) crossings = [crossing_t(-x(2)/e(2), -e(2))]
+   end function plane_crossings
+
+   !> Where a line crosses F = h + (s^2 + c h^2)/(2 R) = 0: a parabola (c = 0) or a circle (c = 1); F is positive on the
+   !> free side.
+   pure function conic_crossings(radius, c, x, e) result(crossings)
+      real(dp), intent(in) :: radius !! the radius of curvature R; negative if hollow [L]
+      real(dp), intent(in) :: c !! 1 of a circle, 0 of a parabola [-]
+      real(dp), intent(in) :: x(2) !! where the line starts, in the frame [L]
+      real(dp), intent(in) :: e(2) !! its direction, in the frame [-]
+      type(crossing_t), allocatable :: crossings(:)
+      ! A root this many lengths away is none.
+      real(dp), parameter :: far = 1.0e100_dp
+      real(dp) :: length, start(2), height, square, linear, constant, root, q
+
+      allocate (crossings(0))
+      ! All lengths count in the largest one, so that no square leaves the range of numbers.
+      length = max(maxval(abs(x)), 2.0_dp*abs(radius))
+      start = x/length
+      height = 2.0_dp*radius/length
+      ! 2 R F along the line is square t^2 + linear t + constant.
+      square = e(1)**2 + c*e(2)**2
+      linear = height*e(2) + 2.0_dp*(start(1)*e(1) + c*start(2)*e(2))
+      constant = height*start(2) + start(1)**2 + c*start(2)**2
       root = linear**2 - 4.0_dp*square*constant
       if (.not. root > 0.0_dp) return
-      ! F has the slopes root and -root at its zeros: of two forms of each zero the one that loses no digits.
+      ! It has the slopes root and -root at its zeros: of two forms of each zero the one that loses no digits.
       root = sign(sqrt(root), linear)
       q = -0.5_dp*(linear + root)
       if (abs(q) > 0.0_dp) crossings = [crossing_at(constant/q, root)]
-      if (abs(q) < far*abs(square)) crossings = [crossings, crossing_at(q/square, -root)]
+      if (abs(q) < far*square) crossings = [crossings, crossing_at(q/square, -root)]
 
    contains
 
-      !> The crossing at a zero of F with a slope.
+      !> The crossing at a zero of 2 R F with a slope.
       pure type(crossing_t) function crossing_at(way, slope) result(crossing)
-         real(dp), intent(in) :: way !! the way to it [L]
-         real(dp), intent(in) :: slope !! slope of F there [-]
+         real(dp), intent(in) :: way !! the way to it, in `length` [-]
+         real(dp), intent(in) :: slope !! slope there [-]
          real(dp) :: place(2)
 
-         place = x + way*e
-         crossing = crossing_t(way, -slope/norm2([2.0_dp*k*place(1), 1.0_dp + 2.0_dp*k*c*place(2)]))
+         place = start + way*e
+         crossing = crossing_t(length*way, &
+            -slope*sign(1.0_dp, radius)/norm2([2.0_dp*place(1), height + 2.0_dp*c*place(2)]))
       end function crossing_at
 
    end function conic_crossings
@@ -125,8 +142,6 @@ contains
       real(dp), intent(in) :: x(2) !! where the line starts, in the frame [L]
       real(dp), intent(in) :: e(2) !! its direction, in the frame [-]
       type(crossing_t), allocatable :: crossings(:)
-      ! A line through the end of a segment crosses it; one along the segment does not.
-      real(dp), parameter :: rounding = 1.0e-12_dp
       real(dp) :: along(2), to_start(2), cross, place
       integer :: i
 
