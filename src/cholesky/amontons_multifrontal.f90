@@ -160,7 +160,7 @@ contains
       integer, intent(in) :: k !! number of the front
       real(dp), intent(inout) :: value(:) !! the blocks; those of the front and its descendants are filled
       type(contribution_t), intent(inout) :: contributions(0:) !! what the fronts leave
-      integer :: i, child
+      integer :: i
 
       if (.not. fronts%is_large(k)) then
          do i = fronts%first_descendant(k), k
@@ -168,14 +168,15 @@ contains
          end do
          return
       end if
-      do i = 1, 2
-         child = fronts%child(i, k)
-         if (child == 0) cycle
-         !$omp task default(none) shared(fronts, value, contributions) firstprivate(child)
-         call eliminate_subtree(fronts, child, value, contributions)
-         !$omp end task
-      end do
-      !$omp taskwait
+      associate (child => fronts%child(:, k))
+         if (child(1) > 0) then
+            !$omp task default(none) shared(fronts, value, contributions, k)
+            call eliminate_subtree(fronts, fronts%child(1, k), value, contributions)
+            !$omp end task
+         end if
+         if (child(2) > 0) call eliminate_subtree(fronts, child(2), value, contributions)
+         !$omp taskwait
+      end associate
       call eliminate_front(fronts, k, value, contributions)
    end subroutine eliminate_subtree
 
