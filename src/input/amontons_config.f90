@@ -280,7 +280,7 @@ contains
             below=1.0_dp, also='tol eps'), method%tolerance)
          call visitor%whole(key_t('max_iterations', 'most iterations, of all stages together with `auto`', &
             at_least=1.0_dp, also='maxit max_iter itmax iterations'), method%max_iterations)
-         call visitor%word(key_t('factorization', "Cholesky factorization of the stiffness: band, multifrontal "// &
+         call visitor%word(key_t('factorization', 'Cholesky factorization of the stiffness: band, multifrontal '// &
             "(formerly `'substructured'`), that of SuiteSparse where it was built in, or the quicker one of the "// &
             'first two', is_shared=.true.), config%factorization, factorization_names)
          call visitor%close_group()
