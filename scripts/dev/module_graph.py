@@ -82,7 +82,8 @@ def drawing(uses, counts):
     for name, (x, y) in place.items():
         parts.append(f'<rect x="{x}" y="{y}" width="{WIDTH}" height="{HEIGHT}" rx="6" fill="#eef2f8" stroke="#557"/>')
         parts.append(f'<text x="{x + WIDTH/2}" y="{y + 17}" text-anchor="middle" font-weight="bold">{name}</text>')
-        parts.append(f'<text x="{x + WIDTH/2}" y="{y + 33}" text-anchor="middle" fill="#445">{counts[name]} modules</text>')
+        parts.append(f'<text x="{x + WIDTH/2}" y="{y + 33}" text-anchor="middle" fill="#445">{counts[name]} '
+                     'modules</text>')
     return "\n".join([*parts, "</svg>", ""])
 
 
