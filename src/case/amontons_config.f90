@@ -1,5 +1,6 @@
 !> The configuration of a case: what a deck says, checked, with every default in place.
 module amontons_config
+   use amontons_condensation, only: condensation_names
    use amontons_config_body, only: read_loads, read_materials, read_supports
    use amontons_config_contact, only: read_contacts
    use amontons_config_reduced, only: read_problem, reduced_source_t
@@ -43,6 +44,7 @@ module amontons_config
       type(sweep_t) :: sweep !! what varies from case to case; nothing for a single case
       type(method_options_t) :: method !! the contact method
       character(:), allocatable :: factorization !! one of `factorization_names`
+      character(:), allocatable :: condensation !! one of `condensation_names`
    end type config_t
 
 contains
@@ -193,6 +195,7 @@ contains
 
       group = deck%group('solver')
       config%factorization = trim(factorization_names(1))
+      config%condensation = trim(condensation_names(1))
       associate (method => config%method)
          method%method = trim(method_names(1))
          method%variant = trim(variant_names(1))
@@ -210,6 +213,7 @@ contains
          call deck%get(group, 'tolerance', method%tolerance)
          call deck%get(group, 'max_iterations', method%max_iterations)
          call deck%get_word(group, 'factorization', config%factorization, factorization_names)
+         call deck%get_word(group, 'condensation', config%condensation, condensation_names)
          call deck%refuse_unknown(group)
          call require(deck, group, 'omega', method%omega > 0.0_dp .and. method%omega < 2.0_dp, &
             'lie above 0 and below 2, found '//to_text(method%omega))

@@ -168,6 +168,9 @@ module amontons_deck_reference
       key_t('solver', 'factorization', .false., "`'auto'`, `'band'`, `'sparse'`, `'substructured'`", '', "`'auto'`", &
       'Cholesky factorisation of the stiffness: band matrix, sparse matrix, condensation of the body piece by piece'// &
       ' on all threads, or the one that should be quickest'), &
+      key_t('solver', 'condensation', .false., "`'auto'`, `'dense'`, `'band'`", '', "`'auto'`", &
+      'form of the stiffness of the contact points: a dense matrix, or a band matrix of the whole body, which is'// &
+      ' quicker for long contact lines of slender bodies'), &
       key_t('output', 'fields_every', .false., 'whole number, at least 1', '', 'none', &
       'with `&sweep`: the fields of case 1 and of every so-many-th case behind it are written as `.vtu`')]
 

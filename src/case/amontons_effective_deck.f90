@@ -50,7 +50,7 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = model_text(config)//config%factorization
+      text = model_text(config)//config%factorization//' '//config%condensation
       do i = 1, size(config%contacts)
          text = text//quoted(config%contacts(i)%set)//pair(config%contacts(i)%direction) &
             //multipliers_text(config%contacts(i)%partition)
@@ -244,7 +244,8 @@ contains
             //quoted(m%space)//'  omega = '//to_text(m%omega)//newline//'   box = '//quoted(m%box)//'  local = ' &
             //quoted(m%local)//'  acceleration = '//quoted(m%acceleration)//newline &
             //'   tolerance = '//to_text(m%tolerance)//'  max_iterations = '//to_text(m%max_iterations) &
-            //'  factorization = '//quoted(config%factorization)//' /'//newline
+            //newline//'   factorization = '//quoted(config%factorization) &
+            //'  condensation = '//quoted(config%condensation)//' /'//newline
       end associate
    end function solver_text
 

@@ -38,7 +38,7 @@ contains
       if (allocated(error)) return
       call new_contact_method(method, options, error)
       if (allocated(error)) return
-      if (.not. allocated(body%problem%stiffness)) call condense_body(body, 'auto', result%timings, error)
+      if (.not. allocated(body%problem%load)) call condense_body(body, 'auto', 'auto', result%timings, error)
       if (allocated(error)) return
       call result%timings%begin(phase_condense)
       call load_body(body, result%loads)

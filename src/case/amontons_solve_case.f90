@@ -166,7 +166,7 @@ contains
          result%shared_with = workshop%first_case
          call result%timings%begin(phase_condense)
       else
-         call condense_body(workshop%body, config%factorization, result%timings, error)
+         call condense_body(workshop%body, config%factorization, config%condensation, result%timings, error)
          workshop%is_condensed = .not. allocated(error)
       end if
    end subroutine condense_case
@@ -175,7 +175,7 @@ contains
    subroutine load_body(body, loads)
       type(body_t), intent(inout) :: body !! the body
       real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
-      real(dp), allocatable :: forces(:, :), prescribed(:)
+      real(dp), allocatable :: forces(:, :), prescribed(:), from_slip(:)
       real(dp) :: slip(body%zone%n_points)
 
       if (any(abs(body%constraints%prescribed) > 0.0_dp)) then
@@ -192,8 +192,11 @@ contains
       allocate (prescribed, source=body%zone%rows%displacement(body%constraints%prescribed))
       body%problem%gap = body%zone%gap - prescribed(:body%zone%n_points)
       slip = prescribed_slip(body)
-      if (any(abs(slip) > 0.0_dp)) body%problem%load = body%problem%load &
-         + matmul(body%problem%stiffness(:, body%zone%n_points + 1:), slip)
+      if (any(abs(slip) > 0.0_dp)) then
+         allocate (from_slip(2*size(slip)))
+         call body%problem%multiply_stiffness([0.0_dp*slip, slip], from_slip)
+         body%problem%load = body%problem%load + from_slip
+      end if
       body%problem%friction = merge(0.0_dp, body%zone%friction, body%zone%is_guided)
       body%problem%slip_bound = merge(0.0_dp, body%zone%slip_bound, body%zone%is_guided)
    end subroutine load_body

@@ -57,6 +57,10 @@ contains
       if (any(solution%force > 0.0_dp)) call run(newton_t(self%tolerance, n_first_steps, patience=patience))
       call new_contact_solution(solution, problem%n_points)
       call run(newton_t(self%tolerance, n_first_steps))
+      if (.not. problem%is_reduced()) then
+      solution = best
+      call run(newton_t(self%tolerance, n_newton_steps, patience_front=1))
+      end if
       solution = best
       if (.not. is_sparse(problem)) call run(splitting_t(max(coarse, self%tolerance), n_splitting_steps))
       n_sweeps = n_first_sweeps

@@ -5,7 +5,7 @@ module amontons_body
    use amontons_condensation, only: condensation_t, new_condensation
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_constraints, only: constraints_t, new_constraints, support_t
-   use amontons_contact_problem, only: contact_problem_t, new_contact_problem
+   use amontons_contact_problem, only: contact_problem_t, new_band_problem, new_contact_problem
    use amontons_contact_zone, only: contact_t, contact_zone_t, new_contact_zone
    use amontons_dof_map, only: dof_map_t, new_dof_map
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
@@ -106,9 +106,10 @@ contains
    end subroutine measure_cells
 
    !> Assembles and factorises the stiffness and condenses it to the contact points; the clock goes on condensing.
-   subroutine condense_body(body, factorization, timings, error)
+   subroutine condense_body(body, factorization, form, timings, error)
       type(body_t), intent(inout) :: body !! the body
       character(*), intent(in) :: factorization !! one of `factorization_names`
+      character(*), intent(in) :: form !! form of the condensed stiffness, one of `condensation_names`
       type(timings_t), intent(inout) :: timings !! gains the time of each step
       type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
       type(sparse_matrix_t) :: stiffness
@@ -123,14 +124,18 @@ contains
          body%dof_map, error)
       if (allocated(error)) return
       call timings%begin(phase_factorize)
-      call new_condensation(body%condensation, stiffness, factorization, is_held, body%zone, body%constraints, &
-         body%dof_map, error)
+      call new_condensation(body%condensation, stiffness, factorization, form, is_held, body%zone, &
+         body%constraints, body%dof_map, error)
       if (allocated(error)) call explain_refusal(body, error)
       if (allocated(error)) return
       call timings%begin(phase_condense)
-      call body%condensation%condense_stiffness(condensed, error)
-      if (allocated(error)) return
-      call new_contact_problem(body%problem, condensed, is_held)
+      if (allocated(body%condensation%band)) then
+         call new_band_problem(body%problem, body%condensation%band, is_held)
+      else
+         call body%condensation%condense_stiffness(condensed, error)
+         if (allocated(error)) return
+         call new_contact_problem(body%problem, condensed, is_held)
+      end if
    end subroutine condense_body
 
    !> Refuses a body of which a piece is held by neither supports nor contact points.

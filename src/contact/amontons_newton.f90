@@ -7,6 +7,7 @@
 !> singular are passed, cycles of guesses break, and near the solution the steps are Newton's.
 module amontons_newton
    use amontons_active_set, only: active_set_t
+   use amontons_band_stiffness_system, only: band_stiffness_system_t
    use amontons_compliance_system, only: compliance_system_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
@@ -33,6 +34,7 @@ module amontons_newton
    !> The semismooth Newton method, in the displacements of a body and in the forces of a reduced problem.
    type, extends(contact_method_t) :: newton_t
       real(dp) :: most_share = 1.0_dp !! largest share of the diagonal that holds a step [-]
+      integer :: patience_front = huge(1) !! x
       integer :: patience = huge(1) !! how many steps without a much better pair end the iteration
    contains
       procedure :: solve => newton_solve
@@ -68,6 +70,7 @@ contains
       least_share = system%least_share
       previous = huge(previous)
       do iteration = 1, self%max_iterations
+         if (iteration == self%patience_front) call harden(system, problem, rho, guess, solution)
          call system%solve(problem, guess, share, displacement, force, imbalance, info)
          call solution%effort%add(system%effort)
          system%effort = effort_t()
@@ -93,6 +96,38 @@ contains
       end do
       call judge(solution, problem)
    end subroutine newton_solve
+
+   !> Guesses anew where fronts of opening or sliding advance by only a few points each step: springs between the
+   !> points and the obstacle let them feel each other from afar. They begin so soft that the whole line feels one, and
+   !> end so hard that neighbors hardly do.
+   subroutine harden(system, problem, rho, guess, solution)
+      class(newton_system_t), intent(inout) :: system !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: rho(:) !! stiffness of the points (2m) [F/L]
+      type(active_set_t), intent(inout) :: guess !! state of each point
+      type(contact_solution_t), intent(inout) :: solution !! gains a record of the steps
+      real(dp), parameter :: hardest = 10.0_dp, factor = 10.0_dp
+      integer, parameter :: most_steps = 4
+      real(dp), dimension(size(rho)) :: displacement, no_force
+      type(active_set_t) :: last
+      real(dp) :: hardness, violation
+      integer :: step, info
+
+      no_force = 0.0_dp
+      hardness = 1.0_dp/real(problem%n_points, dp)**2
+      call guess%guess_stick(problem, rho, problem%force_scale())
+      do while (hardness <= hardest)
+         do step = 1, most_steps
+            call system%solve_softened(problem, guess, hardness*rho, displacement, info)
+            if (info /= 0) exit
+            call solution%note(huge(1.0_dp))
+            last = guess
+            call guess%guess(problem, hardness*rho, displacement, no_force, violation)
+            if (guess%equals(last)) exit
+         end do
+         hardness = factor*hardness
+      end do
+   end subroutine harden
 
    !> Whether the last steps brought no pair that is much better. Cycles of guesses may creep on all the same.
    pure logical function is_stuck(solution, patience)
@@ -170,7 +205,11 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
 
       if (.not. problem%is_reduced()) then
-         allocate (stiffness_system_t :: system)
+         if (allocated(problem%band)) then
+            allocate (band_stiffness_system_t :: system)
+         else
+            allocate (stiffness_system_t :: system)
+         end if
          if (.not. problem%is_held) system%least_share = 1.0e-9_dp
          system%first_share = system%least_share
       else if (problem%compliance%is_sparse()) then

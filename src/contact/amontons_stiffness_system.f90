@@ -3,7 +3,7 @@ module amontons_stiffness_system
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_active_set, only: active_set_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_dense, only: lu_solve, symmetric_multiply
+   use amontons_dense, only: lu_solve
    use amontons_effort, only: effort_t
    use amontons_kinds, only: dp
    use amontons_newton_system, only: newton_system_t
@@ -19,6 +19,7 @@ module amontons_stiffness_system
       real(dp), allocatable :: diagonal(:) !! Diagonal of S (2m) [F/L].
    contains
       procedure, public :: solve => stiffness_system_solve
+      procedure, public :: solve_softened => stiffness_system_solve_softened
    end type stiffness_system_t
 
 contains
@@ -64,9 +65,39 @@ contains
       displacement(:m) = problem%gap
       displacement(m + 1:) = 0.0_dp
       displacement(unknown) = right
-      call recover_forces(problem, guess, displacement, force, imbalance)
+      call problem%multiply_stiffness(displacement, force)
+      force = problem%load - force
+      call guess%impose(problem, force, imbalance)
       call self%effort%multiply(1.0_dp)
    end subroutine stiffness_system_solve
+
+   !> Solves with springs between the points and the obstacle.
+   subroutine stiffness_system_solve_softened(self, problem, guess, springs, displacement, info)
+      class(stiffness_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem, with a stiffness
+      type(active_set_t), intent(in) :: guess !! state of each point
+      real(dp), intent(in) :: springs(:) !! stiffness of the springs (2m) [F/L]
+      real(dp), intent(out) :: displacement(:) !! v (2m) [L]
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      real(dp), allocatable :: matrix(:, :)
+      real(dp) :: acting(size(springs))
+      integer :: i, m
+
+      m = problem%n_points
+      allocate (matrix, source=problem%stiffness)
+      acting = merge(springs, 0.0_dp, [guess%is_closed, guess%sense == 0])
+      displacement = problem%load
+      displacement(:m) = displacement(:m) + acting(:m)*problem%gap
+      displacement(m + 1:) = displacement(m + 1:) + guess%sense*(problem%friction*acting(:m)*problem%gap &
+         - problem%slip_bound)
+      do i = 1, 2*m
+         matrix(i, i) = matrix(i, i) + acting(i)
+         if (i > m) matrix(i, i - m) = matrix(i, i - m) + guess%sense(i - m)*problem%friction(i - m)*acting(i - m)
+      end do
+      call self%effort%factorize(.true.)
+      call lu_solve(matrix, displacement, info)
+      if (.not. all(ieee_is_finite(displacement))) info = 1
+   end subroutine stiffness_system_solve_softened
 
    !> The load less what the known displacements and the given slip bounds take of it.
    pure subroutine take_known_load(problem, guess, load, effort)
@@ -82,30 +113,11 @@ contains
       known(:m) = merge(problem%gap, 0.0_dp, guess%is_closed)
       load = 0.0_dp
       if (any(abs(known) > 0.0_dp)) then
-         call symmetric_multiply(problem%stiffness, known, load)
+         call problem%multiply_stiffness(known, load)
          call effort%multiply(1.0_dp)
       end if
       load = problem%load - load
       load(m + 1:) = load(m + 1:) - guess%sense*problem%slip_bound
    end subroutine take_known_load
-
-   !> The forces q - S v, with what the guess says of them put in exactly.
-   pure subroutine recover_forces(problem, guess, displacement, force, imbalance)
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
-      real(dp), intent(out) :: force(:) !! lambda (2m) [F]
-      real(dp), intent(out) :: imbalance !! the largest change by that [F]
-      real(dp) :: balanced(size(force))
-      integer :: m
-
-      m = problem%n_points
-      call symmetric_multiply(problem%stiffness, displacement, balanced)
-      balanced = problem%load - balanced
-      force = balanced
-      where (.not. guess%is_closed) force(:m) = 0.0_dp
-      where (guess%sense /= 0) force(m + 1:) = guess%sense*(problem%slip_bound + problem%friction*force(:m))
-      imbalance = max(0.0_dp, maxval(abs(force - balanced)))
-   end subroutine recover_forces
 
 end module amontons_stiffness_system

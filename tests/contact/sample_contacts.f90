@@ -57,7 +57,7 @@ contains
       if (allocated(error)) return
       call set_obstacles(body%zone, body%mesh, contacts, error)
       if (allocated(error)) return
-      call condense_body(body, 'auto', timings, error)
+      call condense_body(body, 'auto', 'auto', timings, error)
    end subroutine ready_body
 
    !> Solves a ready body, whose supports hold it in place, under nodal forces.
