@@ -15,6 +15,11 @@ module amontons_auto
 
    public :: auto_t
 
+   !> Where fronts advance along a contact line each step is a little better than the one before.
+   integer, parameter :: front_patience = 20
+   real(dp), parameter :: still_better = 0.999_dp
+   !> A longer contact line on a band matrix has no dense S: it would take minutes, and gigabytes.
+   integer, parameter :: most_dense_points = 1500
    !> Steps of the first stages, and the residual that ends the splitting.
    integer, parameter :: n_first_steps = 20, n_splitting_steps = 40
    !> Another case's solution is a start worth keeping only if Newton's steps from it soon lead on.
@@ -46,7 +51,7 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
-      type(contact_solution_t) :: best
+      type(contact_solution_t) :: best, front
       type(effort_t) :: effort
       real(dp), allocatable :: history(:)
       integer :: n_sweeps, round
@@ -57,12 +62,14 @@ contains
       if (any(solution%force > 0.0_dp)) call run(newton_t(self%tolerance, n_first_steps, patience=patience))
       call new_contact_solution(solution, problem%n_points)
       call run(newton_t(self%tolerance, n_first_steps))
-      if (.not. problem%is_reduced()) then
-      solution = best
-      call run(newton_t(self%tolerance, n_newton_steps, patience_front=1))
+      if (allocated(problem%band)) then
+         front = best
+         call run(newton_t(self%tolerance, n_newton_steps, patience=front_patience, begins_softly=.true.))
+         solution = front
+         call run(newton_t(self%tolerance, self%max_iterations, patience=front_patience, better=still_better))
       end if
       solution = best
-      if (.not. is_sparse(problem)) call run(splitting_t(max(coarse, self%tolerance), n_splitting_steps))
+      if (suits_splitting(problem)) call run(splitting_t(max(coarse, self%tolerance), n_splitting_steps))
       n_sweeps = n_first_sweeps
       round = 0
       do while (.not. is_done())
@@ -73,6 +80,10 @@ contains
             cycle
          end if
          solution = best
+         if (is_long(problem)) then
+            if (round == size(most_shares)) exit
+            cycle
+         end if
          call run(psor_t(self%tolerance, n_sweeps, space=merge('dual  ', 'primal', problem%is_reduced())))
          n_sweeps = growth*min(n_sweeps, most_sweeps)
       end do
@@ -106,13 +117,20 @@ contains
 
    end subroutine auto_solve
 
-   !> Whether a problem is a reduced one with a sparse compliance: its quadratic programs are large and, as in a pile of
-   !> grains, mostly singular, so that each takes seconds.
-   pure logical function is_sparse(problem)
+   !> Whether a problem is one of a line too long for the methods that need S as a dense matrix.
+   pure logical function is_long(problem)
       type(contact_problem_t), intent(in) :: problem !! the problem
 
-      is_sparse = problem%is_reduced()
-      if (is_sparse) is_sparse = problem%compliance%is_sparse()
-   end function is_sparse
+      is_long = allocated(problem%band) .and. problem%n_points > most_dense_points
+   end function is_long
+
+   !> Whether the splitting may lead on: not for a reduced problem with a sparse compliance, whose quadratic programs are
+   !> large and, as in a pile of grains, mostly singular, so that each takes seconds.
+   pure logical function suits_splitting(problem)
+      type(contact_problem_t), intent(in) :: problem !! the problem
+
+      suits_splitting = .not. is_long(problem)
+      if (problem%is_reduced()) suits_splitting = .not. problem%compliance%is_sparse()
+   end function suits_splitting
 
 end module amontons_auto

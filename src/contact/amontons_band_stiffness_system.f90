@@ -75,12 +75,13 @@ contains
    end subroutine band_stiffness_system_solve
 
    !> Solves with springs between the points and the obstacle.
-   subroutine band_stiffness_system_solve_softened(self, problem, guess, springs, displacement, info)
+   subroutine band_stiffness_system_solve_softened(self, problem, guess, springs, displacement, force, info)
       class(band_stiffness_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem, with a band stiffness
       type(active_set_t), intent(in) :: guess !! state of each point
       real(dp), intent(in) :: springs(:) !! stiffness of the springs (2m) [F/L]
       real(dp), intent(out) :: displacement(:) !! v (2m) [L]
+      real(dp), intent(out) :: force(:) !! lambda (2m) [F]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
       type(equations_t) :: equations
       real(dp), allocatable :: x(:)
@@ -95,6 +96,8 @@ contains
          equations%load(place(m + 1:)) = equations%load(place(m + 1:)) + equations%coupling*problem%gap
          call self%solve_equations(problem, equations, x, info)
          displacement = x(place)
+         call problem%band%whole%multiply(x, equations%load)
+         force = problem%load - equations%load(place)
       end associate
    end subroutine band_stiffness_system_solve_softened
 

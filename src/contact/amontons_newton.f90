@@ -34,10 +34,12 @@ module amontons_newton
    !> The semismooth Newton method, in the displacements of a body and in the forces of a reduced problem.
    type, extends(contact_method_t) :: newton_t
       real(dp) :: most_share = 1.0_dp !! largest share of the diagonal that holds a step [-]
-      integer :: patience_front = huge(1) !! x
-      integer :: patience = huge(1) !! how many steps without a much better pair end the iteration
+      integer :: patience = huge(1) !! how many steps without a better pair end the iteration
+      real(dp) :: better = 0.9_dp !! part of itself that the least residual falls to at the most with a better pair [-]
+      logical :: begins_softly = .false. !! whether on a band matrix springs between points and obstacle lead to the first guess
    contains
       procedure :: solve => newton_solve
+      procedure, private :: is_stuck => newton_is_stuck
    end type newton_t
 
 contains
@@ -53,7 +55,7 @@ contains
       type(active_set_t) :: guess, last
       real(dp), dimension(2*problem%n_points) :: displacement, force, rho
       real(dp) :: scale, share, least_share, residual, previous, violation, imbalance
-      integer :: iteration, info
+      integer :: info
       logical :: may_continue
 
       call solution%begin()
@@ -66,11 +68,14 @@ contains
       if (.not. (any(force(:problem%n_points) > 0.0_dp) .or. problem%is_unloaded())) then
          call guess%guess_stick(problem, rho, scale)
       end if
+      select type (system)
+      type is (band_stiffness_system_t)
+         if (self%begins_softly) call harden(system, problem, rho, scale, self%max_iterations, guess, solution)
+      end select
       share = system%first_share
       least_share = system%least_share
       previous = huge(previous)
-      do iteration = 1, self%max_iterations
-         if (iteration == self%patience_front) call harden(system, problem, rho, guess, solution)
+      do while (solution%n_iterations < self%max_iterations)
          call system%solve(problem, guess, share, displacement, force, imbalance, info)
          call solution%effort%add(system%effort)
          system%effort = effort_t()
@@ -92,35 +97,39 @@ contains
          end if
          call adapt(share, least_share, system%least_share, self%most_share, residual/previous, guess%equals(last))
          previous = residual
-         if (is_stuck(solution, self%patience)) exit
+         if (self%is_stuck(solution)) exit
       end do
       call judge(solution, problem)
    end subroutine newton_solve
 
-   !> Guesses anew where fronts of opening or sliding advance by only a few points each step: springs between the
-   !> points and the obstacle let them feel each other from afar. They begin so soft that the whole line feels one, and
-   !> end so hard that neighbors hardly do.
-   subroutine harden(system, problem, rho, guess, solution)
-      class(newton_system_t), intent(inout) :: system !! the system
+   !> Guesses in a way that lets fronts of opening or sliding pass, which Newton's steps move by a few points each: by
+   !> springs between the points and the obstacle, so soft at first that the ends of the line feel each other, and so hard
+   !> at last that neighbors hardly do.
+   subroutine harden(system, problem, rho, scale, max_iterations, guess, solution)
+      type(band_stiffness_system_t), intent(inout) :: system !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: rho(:) !! stiffness of the points (2m) [F/L]
+      real(dp), intent(in) :: scale !! the force that residuals are measured by [F]
+      integer, intent(in) :: max_iterations !! most steps
       type(active_set_t), intent(inout) :: guess !! state of each point
       type(contact_solution_t), intent(inout) :: solution !! gains a record of the steps
       real(dp), parameter :: hardest = 10.0_dp, factor = 10.0_dp
       integer, parameter :: most_steps = 4
-      real(dp), dimension(size(rho)) :: displacement, no_force
+      real(dp), dimension(size(rho)) :: displacement, force, no_force
       type(active_set_t) :: last
       real(dp) :: hardness, violation
       integer :: step, info
 
       no_force = 0.0_dp
+      call guess%guess_stick(problem, rho, scale)
       hardness = 1.0_dp/real(problem%n_points, dp)**2
-      call guess%guess_stick(problem, rho, problem%force_scale())
       do while (hardness <= hardest)
          do step = 1, most_steps
-            call system%solve_softened(problem, guess, hardness*rho, displacement, info)
-            if (info /= 0) exit
-            call solution%note(huge(1.0_dp))
+            call system%solve_softened(problem, guess, hardness*rho, displacement, force, info)
+            call solution%effort%add(system%effort)
+            system%effort = effort_t()
+            if (info /= 0 .or. solution%n_iterations >= max_iterations) exit
+            call solution%note(problem%violation(displacement, force)/scale)
             last = guess
             call guess%guess(problem, hardness*rho, displacement, no_force, violation)
             if (guess%equals(last)) exit
@@ -129,17 +138,16 @@ contains
       end do
    end subroutine harden
 
-   !> Whether the last steps brought no pair that is much better. Cycles of guesses may creep on all the same.
-   pure logical function is_stuck(solution, patience)
+   !> Whether the last steps brought no pair that is better. Cycles of guesses may creep on all the same.
+   pure logical function newton_is_stuck(self, solution) result(is_stuck)
+      class(newton_t), intent(in) :: self !! the method
       type(contact_solution_t), intent(in) :: solution !! the solution
-      integer, intent(in) :: patience !! how many steps that may be
-      real(dp), parameter :: hardly_better = 0.9_dp
       integer :: n
 
-      n = solution%n_iterations - patience
+      n = solution%n_iterations - self%patience
       is_stuck = n > 0
-      if (is_stuck) is_stuck = minval(solution%history(n + 1:n + patience)) > hardly_better*minval(solution%history(:n))
-   end function is_stuck
+      if (is_stuck) is_stuck = minval(solution%history(n + 1:n + self%patience)) > self%better*minval(solution%history(:n))
+   end function newton_is_stuck
 
    !> Measures the best pair anew, by the problem alone.
    pure subroutine judge(solution, problem)

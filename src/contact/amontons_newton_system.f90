@@ -16,7 +16,6 @@ module amontons_newton_system
       real(dp) :: least_share = 0.0_dp !! least share in any step [-]
    contains
       procedure(solve_interface), deferred :: solve
-      procedure :: solve_softened => newton_system_solve_softened
    end type newton_system_t
 
    abstract interface
@@ -35,23 +34,5 @@ module amontons_newton_system
          integer, intent(out) :: info !! 0, or nonzero where the system has no finite solution; no step is made then
       end subroutine solve_interface
    end interface
-
-contains
-
-   !> Solves the equations of a guess with springs between the points and the obstacle: a closed point pushes with its
-   !> spring's force, a sticking one is held by its spring.
-   subroutine newton_system_solve_softened(self, problem, guess, springs, displacement, info)
-      class(newton_system_t), intent(inout) :: self !! the system
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: springs(:) !! stiffness of the springs (2m) [F/L]
-      real(dp), intent(out) :: displacement(:) !! v (2m) [L]
-      integer, intent(out) :: info !! 0, or nonzero where there is no such solution: here always
-      
-      associate (unused_system => self, unused_problem => problem, unused_guess => guess, unused => springs)
-      end associate
-      displacement = 0.0_dp
-      info = 1
-   end subroutine newton_system_solve_softened
 
 end module amontons_newton_system

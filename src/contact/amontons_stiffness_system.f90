@@ -19,7 +19,6 @@ module amontons_stiffness_system
       real(dp), allocatable :: diagonal(:) !! Diagonal of S (2m) [F/L].
    contains
       procedure, public :: solve => stiffness_system_solve
-      procedure, public :: solve_softened => stiffness_system_solve_softened
    end type stiffness_system_t
 
 contains
@@ -70,34 +69,6 @@ contains
       call guess%impose(problem, force, imbalance)
       call self%effort%multiply(1.0_dp)
    end subroutine stiffness_system_solve
-
-   !> Solves with springs between the points and the obstacle.
-   subroutine stiffness_system_solve_softened(self, problem, guess, springs, displacement, info)
-      class(stiffness_system_t), intent(inout) :: self !! the system
-      type(contact_problem_t), intent(in) :: problem !! the problem, with a stiffness
-      type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: springs(:) !! stiffness of the springs (2m) [F/L]
-      real(dp), intent(out) :: displacement(:) !! v (2m) [L]
-      integer, intent(out) :: info !! 0, or nonzero where the system is singular
-      real(dp), allocatable :: matrix(:, :)
-      real(dp) :: acting(size(springs))
-      integer :: i, m
-
-      m = problem%n_points
-      allocate (matrix, source=problem%stiffness)
-      acting = merge(springs, 0.0_dp, [guess%is_closed, guess%sense == 0])
-      displacement = problem%load
-      displacement(:m) = displacement(:m) + acting(:m)*problem%gap
-      displacement(m + 1:) = displacement(m + 1:) + guess%sense*(problem%friction*acting(:m)*problem%gap &
-         - problem%slip_bound)
-      do i = 1, 2*m
-         matrix(i, i) = matrix(i, i) + acting(i)
-         if (i > m) matrix(i, i - m) = matrix(i, i - m) + guess%sense(i - m)*problem%friction(i - m)*acting(i - m)
-      end do
-      call self%effort%factorize(.true.)
-      call lu_solve(matrix, displacement, info)
-      if (.not. all(ieee_is_finite(displacement))) info = 1
-   end subroutine stiffness_system_solve_softened
 
    !> The load less what the known displacements and the given slip bounds take of it.
    pure subroutine take_known_load(problem, guess, load, effort)
