@@ -200,7 +200,7 @@ contains
 
       call prepare_case(workshop, config, result, error)
       if (allocated(error)) return
-      call estimate_body(workshop%body, config%factorization, result%timings, estimate, error)
+      call estimate_body(workshop%body, config%factorization, config%condensation, result%timings, estimate, error)
       if (.not. allocated(error)) call tell(command_line, check_text(config, workshop, estimate), error)
    end subroutine check_case
 
@@ -292,7 +292,8 @@ contains
 
       associate (body => workshop%body)
          text = config%name//': in order; '//to_text(body%mesh%n_nodes)//' nodes, '//to_text(body%mesh%n_elements)// &
-            ' elements, '//to_text(body%dof_map%n_dofs)//' unknowns, '//to_text(body%zone%n_points)//' contact points'
+            ' elements, '//to_text(body%dof_map%n_dofs)//' unknowns, '//to_text(body%zone%n_points)//' contact points '// &
+            contact_matrix_text(estimate)
       end associate
       if (config%sweep%is_given()) text = text//', '//to_text(config%sweep%n_cases())//' cases'
       if (config%sweep%n_fields() > 0) text = text//', fields of '//to_text(config%sweep%n_fields())
@@ -301,6 +302,18 @@ contains
       if (estimate%memory_mb > estimate%available_mb) text = text//', but only '// &
          to_text(floor(estimate%available_mb))//' MB are available'
    end function check_text
+
+   !> The matrix that the contact problem will be solved on.
+   pure function contact_matrix_text(estimate) result(text)
+      type(estimate_t), intent(in) :: estimate !! what solving the case would take
+      character(:), allocatable :: text
+
+      if (estimate%half_width > 0) then
+         text = 'on a band matrix of '//to_text(estimate%n_rows)//' rows with half width '//to_text(estimate%half_width)
+      else
+         text = 'on a dense matrix of '//to_text(estimate%n_rows)//' rows'
+      end if
+   end function contact_matrix_text
 
    !> What is told of a solved deck.
    pure function solved_text(config, result) result(text)

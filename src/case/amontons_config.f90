@@ -223,6 +223,9 @@ contains
             to_text(method%max_iterations))
          call require(deck, group, 'space', .not. (config%reduced%is_given .and. method%method == 'psor' &
             .and. method%space == 'primal'), "be 'dual' for a reduced problem, which has no stiffness to sweep on")
+         if (.not. allocated(config%contacts)) return
+         call require(deck, group, 'condensation', .not. (config%condensation == 'band' &
+            .and. any(config%contacts%partition%is_constant)), "be 'dense' or 'auto' with constant multipliers")
       end associate
    end subroutine read_solver
 

@@ -2,7 +2,7 @@
 module amontons_body
    use amontons_assembly, only: assemble_stiffness
    use amontons_coloring, only: coloring_t, new_coloring
-   use amontons_condensation, only: condensation_t, new_condensation
+   use amontons_condensation, only: condensation_t, find_band_order, new_condensation
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t, new_band_problem, new_contact_problem
@@ -16,6 +16,7 @@ module amontons_body
    use amontons_material, only: material_t, materials_t, new_materials
    use amontons_mesh, only: mesh_t
    use amontons_new_factorization, only: analyze_matrix
+   use amontons_ordering, only: half_bandwidth
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
@@ -50,6 +51,8 @@ module amontons_body
    type :: estimate_t
       character(:), allocatable :: factorization !! the kind of factorisation
       integer(int64) :: n_entries = 0 !! entries of the factor
+      integer :: n_rows = 0 !! rows of the matrix that the contact problem is solved on
+      integer :: half_width = 0 !! number of its subdiagonals if it is a band matrix of the whole body, else 0
       real(dp) :: memory_mb = 0.0_dp !! the most memory the program would hold [MB]
       real(dp) :: available_mb = 0.0_dp !! the memory there is for it, what it holds already included [MB]
    end type estimate_t
@@ -177,28 +180,44 @@ contains
    end subroutine explain_refusal
 
    !> Estimates the work without doing it: assembles and orders the stiffness, but makes no factor.
-   subroutine estimate_body(body, factorization, timings, estimate, error)
+   subroutine estimate_body(body, factorization, form, timings, estimate, error)
       type(body_t), intent(in) :: body !! the body
       character(*), intent(in) :: factorization !! one of `factorization_names`
+      character(*), intent(in) :: form !! form of the condensed stiffness, one of `condensation_names`
       type(timings_t), intent(inout) :: timings !! gains the time of assembly
       type(estimate_t), intent(out) :: estimate !! the estimate
       type(error_t), allocatable, intent(out) :: error !! too large for the memory
       type(sparse_matrix_t) :: stiffness
       class(factorization_t), allocatable :: analysis
+      integer, allocatable :: order(:)
 
       call timings%begin(phase_assemble)
       call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, body%constraints, &
          body%dof_map, error)
       if (allocated(error)) return
       call timings%begin(phase_factorize)
-      call analyze_matrix(analysis, factorization, stiffness, body%dof_map%n_trailing, error)
+      call find_band_order(stiffness, form, body%zone, order)
+      if (allocated(order)) estimate%half_width = half_bandwidth(stiffness, order)
+      call analyze_matrix(analysis, factorization, stiffness, merge(0, body%dof_map%n_trailing, allocated(order)), error)
       if (allocated(error)) return
+      estimate%n_rows = merge(stiffness%n, 2*body%zone%n_points, allocated(order))
       stiffness = sparse_matrix_t()
       call return_memory()
       estimate%factorization = analysis%name()
       estimate%n_entries = analysis%n_factor_entries()
-      estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + analysis%memory_mb())
+      estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + analysis%memory_mb() + contact_memory_mb(estimate))
       estimate%available_mb = resident_memory_mb() + available_memory_mb()
    end subroutine estimate_body
+
+   !> The memory that the matrices of the contact problem take: of a dense one the Schur complement, two copies and the
+   !> matrix of a step; of a band the matrix and its factor, both twice, and the factors of a step [MB].
+   pure real(dp) function contact_memory_mb(estimate) result(memory_mb)
+      type(estimate_t), intent(in) :: estimate !! the estimate, rows and half width known
+      real(dp) :: n_columns
+
+      n_columns = 4.0_dp*estimate%n_rows
+      if (estimate%half_width > 0) n_columns = 7.0_dp*(estimate%half_width + 1)
+      memory_mb = 8.0e-6_dp*n_columns*estimate%n_rows
+   end function contact_memory_mb
 
 end module amontons_body

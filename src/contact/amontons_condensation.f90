@@ -78,8 +78,8 @@ contains
          call map_rows(condensation, zone, constraints, dof_map)
       else
          call map_points(condensation, zone, constraints, dof_map)
-         call keep_band(condensation, stiffness, form, band_error)
       end if
+      call keep_band(condensation, stiffness, form, zone, band_error)
       if (.not. is_held) then
          condensation%alpha = mean
          call stiffness%shift_diagonal(dof_map%n_dofs - dof_map%n_trailing + 1, dof_map%n_dofs, condensation%alpha)
@@ -95,14 +95,15 @@ contains
    end subroutine new_condensation
 
    !> Keeps the band matrix of the whole body in the place of S if that is asked for, or the quicker way.
-   subroutine keep_band(condensation, stiffness, form, error)
+   subroutine keep_band(condensation, stiffness, form, zone, error)
       type(condensation_t), intent(inout) :: condensation !! the condensation, its points mapped
       type(sparse_matrix_t), intent(in) :: stiffness !! K [F/L]
       character(*), intent(in) :: form !! which form of S, one of `condensation_names`
+      type(contact_zone_t), intent(in) :: zone !! the contact points
       type(error_t), allocatable, intent(out) :: error !! the body is not held even if all contact points are
       integer, allocatable :: order(:)
 
-      call find_band_order(stiffness, form, size(condensation%unknown, 2), order)
+      call find_band_order(stiffness, form, zone, order)
       if (.not. allocated(order)) return
       allocate (condensation%band)
       call new_band_stiffness(condensation%band, stiffness, order, condensation%unknown, condensation%map, error)
@@ -111,20 +112,21 @@ contains
    !> Finds an order that makes K a narrow band, if S should stay a band matrix of the whole body: asked for, or quicker
    !> by far in Newton's method. A step takes about 4 n w^2 operations of n rows of half width w, against 2/3 m^3 quicker
    !> ones, or a few times as many, with a dense S. Of few points the bound of friction is to be found, which takes a
-   !> dense S anyway.
-   pure subroutine find_band_order(matrix, form, n_points, order)
+   !> dense S anyway; a cell of constant multipliers has no place in a band.
+   pure subroutine find_band_order(matrix, form, zone, order)
       type(sparse_matrix_t), intent(in) :: matrix !! K [F/L]
       character(*), intent(in) :: form !! which form of S, one of `condensation_names`
-      integer, intent(in) :: n_points !! number m of contact points
+      type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, allocatable, intent(out) :: order(:) !! position k holds unknown order(k); allocated if it suits (n)
       integer, parameter :: least_points = 501
       real(dp), parameter :: slowness = 50.0_dp
 
-      if (form == 'dense' .or. form == 'auto' .and. n_points < least_points) return
+      if (form == 'dense' .or. any(zone%is_cell) .or. form == 'auto' .and. zone%n_points < least_points) return
       allocate (order(matrix%n))
       call reverse_cuthill_mckee(matrix, 0, order)
       if (form == 'band') return
-      if (slowness*matrix%n*real(half_bandwidth(matrix, order), dp)**2 > real(n_points, dp)**3) deallocate (order)
+      if (slowness*matrix%n*real(half_bandwidth(matrix, order), dp)**2 > real(zone%n_points, dp)**3) &
+         deallocate (order)
    end subroutine find_band_order
 
    !> Makes the rows of C on the contact unknowns. The tangential displacement of a guided point has no row.
@@ -203,6 +205,10 @@ contains
       real(dp) :: block(2, 2)
       integer :: p, r, m, i, j
 
+      if (allocated(self%band)) then
+         stiffness = self%band%dense()
+         return
+      end if
       m = size(self%unknown, 2)
       allocate (schur(self%n_unknowns, self%n_unknowns), stiffness(2*m, 2*m))
       call self%factorization%schur_complement(schur)

@@ -99,7 +99,8 @@ class Options(ProgramTest):
 
     def test_check_solves_and_writes_nothing(self):
         run = self.run_program("--check", "--output", "results", "case.nml")
-        self.assertRegex(run.stdout, r"^case: in order; 45 nodes, 32 elements, 85 unknowns, 9 contact points; "
+        self.assertRegex(run.stdout, r"^case: in order; 45 nodes, 32 elements, 85 unknowns, 9 contact points "
+                                     r"on a dense matrix of 18 rows; "
                                      r"band factor of \d+ entries, about \d+ MB of memory\n$")
         self.assertEqual(self.files(), ["case.nml"])
         self.assertEqual(self.run_program("--check", "--quiet", "case.nml").stdout, "")
