@@ -111,8 +111,9 @@ contains
 
    !> Finds an order that makes K a narrow band, if S should stay a band matrix of the whole body: asked for, or quicker
    !> by far in Newton's method. A step takes about 4 n w^2 operations of n rows of half width w, against 2/3 m^3 quicker
-   !> ones, or a few times as many, with a dense S. Of few points the bound of friction is to be found, which takes a
-   !> dense S anyway; a cell of constant multipliers has no place in a band.
+   !> ones, or a few times as many, with a dense S; w is about the number of unknowns that there are for each point, or
+   !> more. Of few points the bound of friction is to be found, which takes a dense S anyway; a cell of constant
+   !> multipliers has no place in a band.
    pure subroutine find_band_order(matrix, form, zone, order)
       type(sparse_matrix_t), intent(in) :: matrix !! K [F/L]
       character(*), intent(in) :: form !! which form of S, one of `condensation_names`
@@ -121,7 +122,10 @@ contains
       integer, parameter :: least_points = 501
       real(dp), parameter :: slowness = 50.0_dp
 
-      if (form == 'dense' .or. any(zone%is_cell) .or. form == 'auto' .and. zone%n_points < least_points) return
+      if (form == 'dense' .or. any(zone%is_cell)) return
+      associate (n => real(matrix%n, dp), m => real(zone%n_points, dp))
+         if (form == 'auto' .and. (zone%n_points < least_points .or. slowness*n*(n/m)**2 > m**3)) return
+      end associate
       allocate (order(matrix%n))
       call reverse_cuthill_mckee(matrix, 0, order)
       if (form == 'band') return

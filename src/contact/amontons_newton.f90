@@ -55,7 +55,7 @@ contains
       type(active_set_t) :: guess, last
       real(dp), dimension(2*problem%n_points) :: displacement, force, rho
       real(dp) :: scale, share, least_share, residual, previous, violation, imbalance
-      integer :: info
+      integer :: n_soft, info
       logical :: may_continue
 
       call solution%begin()
@@ -70,8 +70,9 @@ contains
       end if
       select type (system)
       type is (band_stiffness_system_t)
-         if (self%begins_softly) call harden(system, problem, rho, scale, self%max_iterations, guess, solution)
+         if (self%begins_softly) call harden(system, problem, rho, scale, self%max_iterations, guess, displacement, solution)
       end select
+      n_soft = solution%n_iterations
       share = system%first_share
       least_share = system%least_share
       previous = huge(previous)
@@ -97,7 +98,7 @@ contains
          end if
          call adapt(share, least_share, system%least_share, self%most_share, residual/previous, guess%equals(last))
          previous = residual
-         if (self%is_stuck(solution)) exit
+         if (self%is_stuck(solution, n_soft)) exit
       end do
       call judge(solution, problem)
    end subroutine newton_solve
@@ -105,17 +106,18 @@ contains
    !> Guesses in a way that lets fronts of opening or sliding pass, which Newton's steps move by a few points each: by
    !> springs between the points and the obstacle, so soft at first that the ends of the line feel each other, and so hard
    !> at last that neighbors hardly do.
-   subroutine harden(system, problem, rho, scale, max_iterations, guess, solution)
+   subroutine harden(system, problem, rho, scale, max_iterations, guess, displacement, solution)
       type(band_stiffness_system_t), intent(inout) :: system !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: rho(:) !! stiffness of the points (2m) [F/L]
       real(dp), intent(in) :: scale !! the force that residuals are measured by [F]
       integer, intent(in) :: max_iterations !! most steps
       type(active_set_t), intent(inout) :: guess !! state of each point
+      real(dp), intent(inout) :: displacement(:) !! v, and then that of the hardest springs (2m) [L]
       type(contact_solution_t), intent(inout) :: solution !! gains a record of the steps
       real(dp), parameter :: hardest = 10.0_dp, factor = 10.0_dp
       integer, parameter :: most_steps = 4
-      real(dp), dimension(size(rho)) :: displacement, force, no_force
+      real(dp), dimension(size(rho)) :: next, force, no_force
       type(active_set_t) :: last
       real(dp) :: hardness, violation
       integer :: step, info
@@ -125,10 +127,11 @@ contains
       hardness = 1.0_dp/real(problem%n_points, dp)**2
       do while (hardness <= hardest)
          do step = 1, most_steps
-            call system%solve_softened(problem, guess, hardness*rho, displacement, force, info)
+            call system%solve_softened(problem, guess, hardness*rho, next, force, info)
             call solution%effort%add(system%effort)
             system%effort = effort_t()
             if (info /= 0 .or. solution%n_iterations >= max_iterations) exit
+            displacement = next
             call solution%note(problem%violation(displacement, force)/scale)
             last = guess
             call guess%guess(problem, hardness*rho, displacement, no_force, violation)
@@ -139,14 +142,16 @@ contains
    end subroutine harden
 
    !> Whether the last steps brought no pair that is better. Cycles of guesses may creep on all the same.
-   pure logical function newton_is_stuck(self, solution) result(is_stuck)
+   pure logical function newton_is_stuck(self, solution, n_soft) result(is_stuck)
       class(newton_t), intent(in) :: self !! the method
       type(contact_solution_t), intent(in) :: solution !! the solution
+      integer, intent(in) :: n_soft !! how many steps went before, with springs
       integer :: n
 
       n = solution%n_iterations - self%patience
-      is_stuck = n > 0
-      if (is_stuck) is_stuck = minval(solution%history(n + 1:n + self%patience)) > self%better*minval(solution%history(:n))
+      is_stuck = n > n_soft
+      if (is_stuck) is_stuck = minval(solution%history(n + 1:n + self%patience)) &
+         > self%better*minval(solution%history(n_soft + 1:n))
    end function newton_is_stuck
 
    !> Measures the best pair anew, by the problem alone.
