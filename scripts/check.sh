@@ -45,7 +45,7 @@ check() {
 }
 
 check 'release build without warnings' scripts/build.sh release
-check layers scripts/check_layers.py
+check rooms scripts/check_layers.py
 check 'lengths, comments, no stop, no print' scripts/check_sources.py
 check fortitude .venv/bin/fortitude check --quiet --output-format concise src tests
 check findent findent_changes_nothing

@@ -1,13 +1,34 @@
 #!/usr/bin/env python3
-"""Checks that a file is a module, a folder of src/ is a layer, and a module uses its own layer and those below only."""
+"""Checks that a file is a module, a folder of src/ is a room, and a module uses its own room and those it may."""
 import re
 import sys
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parent.parent / "src"
-# From the bottom up. The facade src/amontons.f90 lies above the library; only the program may use it.
-LAYERS = ["base", "linalg", "fem", "contact", "case", "binding", "facade", "app"]
-FACADE = "amontons"
+CONTACT = ["contact/problem", "contact/methods", "contact/uniqueness", "contact/model"]
+# What the modules of a room may use besides their own room and `base`. The methods see the contact problem only.
+MAY_USE = {
+    "base": [],
+    "system": [],
+    "linalg": ["system"],
+    "mesh": ["system"],
+    "mesh/io": ["mesh", "system"],
+    "elasticity": ["mesh", "linalg"],
+    "contact/problem": ["linalg"],
+    "contact/methods": ["contact/problem", "linalg"],
+    "contact/uniqueness": ["contact/problem", "linalg"],
+    "contact/model": ["contact/problem", "elasticity", "mesh", "linalg", "system"],
+    "case": ["contact/model", "contact/methods", "elasticity", "mesh", "linalg", "system"],
+    "solve": ["case", *CONTACT, "elasticity", "mesh", "mesh/io", "linalg", "system"],
+    "output": ["solve", "study/reduced", "case", *CONTACT, "elasticity", "mesh", "linalg", "system"],
+    "study/sweep": ["output", "solve", "case", *CONTACT, "elasticity", "linalg", "system"],
+    "study/reduced": ["output", "solve", "case", "contact/problem", "contact/methods", "contact/uniqueness", "linalg", "system"],
+    "verify": ["study/sweep", "study/reduced", "output", "solve", "case", "contact/problem", "contact/model", "system"],
+    "binding": ["study/sweep", "study/reduced", "output", "solve", "case", "contact/methods", "linalg"],
+}
+# The facade src/amontons.f90 and the program may use all; only the program may use the facade.
+FACADE, APP = "facade", "app"
+FACADE_MODULE = "amontons"
 FOREIGN_MODULES = {"hdf5", "omp_lib"}
 WORDS_OF_LINALG = re.compile(r"dpbtrf|cholmod", re.IGNORECASE)
 UNIT = re.compile(r"^\s*(?:module|program)\s+(?!procedure\b|subroutine\b|function\b)(\w+)\s*(?:!.*)?$", re.IGNORECASE)
@@ -16,10 +37,17 @@ BIND = re.compile(r"\bbind\s*\(\s*c\s*,\s*name\s*=\s*['\"](\w+)['\"]", re.IGNORE
 USE = re.compile(r"^\s*use\b(\s*,\s*intrinsic\b)?\s*(?:::)?\s*(\w+)", re.IGNORECASE)
 
 
-def layer_of(path):
-    """Returns the layer of a file, which is its folder's name."""
-    parts = path.relative_to(SOURCE).parts
-    return parts[0] if len(parts) > 1 else "facade"
+def room_of(path):
+    """Returns the room of a file, which is its folder's name."""
+    folder = path.relative_to(SOURCE).parent.as_posix()
+    return FACADE if folder == "." else folder
+
+
+def may_use(room, used):
+    """Returns whether the modules of a room may use those of another."""
+    if room in (FACADE, APP):
+        return used != APP and (used != FACADE or room == APP)
+    return used == "base" or used in MAY_USE[room]
 
 
 def module_name(path):
@@ -27,25 +55,25 @@ def module_name(path):
     return path.name.split(".")[0].lower()
 
 
-def faults_of_file(path, layer_of_module):
+def faults_of_file(path, room_of_module):
     """Yields line number and text of every fault of one file."""
-    layer = layer_of(path)
+    room = room_of(path)
     units = []
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
-        if layer != "linalg" and (word := WORDS_OF_LINALG.search(line)):
-            yield number, f"only the layer linalg may say {word[0]}"
+        if room != "linalg" and (word := WORDS_OF_LINALG.search(line)):
+            yield number, f"only the room linalg may say {word[0]}"
         if match := UNIT.match(line):
             units.append(match[1].lower())
-        if (match := BIND.search(line)) and match[1].lower() in layer_of_module:
+        if (match := BIND.search(line)) and match[1].lower() in room_of_module:
             yield number, f"{match[1]} is a module already; give the procedure of C another name"
         if not (match := USE.match(line)) or match[1]:
             continue
         used = match[2].lower()
-        used_layer = layer_of_module.get(used)
-        if used_layer is None and used not in FOREIGN_MODULES:
+        used_room = room_of_module.get(used)
+        if used_room is None and used not in FOREIGN_MODULES:
             yield number, f"there is no module {used} in src/"
-        elif used_layer and LAYERS.index(used_layer) > LAYERS.index(layer):
-            yield number, f"layer {layer} may not use {used} of layer {used_layer} above it"
+        elif used_room and used_room != room and not may_use(room, used_room):
+            yield number, f"{room} may not use {used} of {used_room}"
     if path.suffix not in (".c", ".h") and units != [module_name(path)]:
         yield 1, f"this file must hold {module_name(path)} and nothing else, it holds: {', '.join(units) or 'nothing'}"
 
@@ -55,11 +83,12 @@ def main():
     faults = []
     files = sorted(path for path in SOURCE.rglob("*") if path.suffix in (".f90", ".in", ".c", ".h"))
     for path in files:
-        if layer_of(path) not in LAYERS or layer_of(path) == "facade" and module_name(path) != FACADE:
-            faults.append((path, 1, f"the layers are the folders {', '.join(LAYERS[:-2])} and app"))
+        room = room_of(path)
+        if room not in (*MAY_USE, FACADE, APP) or room == FACADE and module_name(path) != FACADE_MODULE:
+            faults.append((path, 1, f"the rooms are the folders {', '.join(MAY_USE)} and app"))
     if not faults:
-        layer_of_module = {module_name(path): layer_of(path) for path in files}
-        faults = [(path, *fault) for path in files for fault in faults_of_file(path, layer_of_module)]
+        room_of_module = {module_name(path): room_of(path) for path in files}
+        faults = [(path, *fault) for path in files for fault in faults_of_file(path, room_of_module)]
     for path, number, text in faults:
         print(f"{path.relative_to(SOURCE.parent)}:{number}: {text}")
     return 1 if faults else 0

@@ -59,19 +59,19 @@ def is_raised(message, runs, calls):
 
 
 def print_lines(runs):
-    """Prints the share of lines of each layer and which lines no test reached; returns the share of all, in percent."""
+    """Prints the share of lines of each room and which lines no test reached; returns the share of all, in percent."""
     totals = defaultdict(lambda: [0, 0])
     for path, counts in runs.items():
-        for name in (path.relative_to(ROOT/"src").parts[0], "all"):
+        for name in (path.relative_to(ROOT/"src").parent.as_posix(), "all"):
             totals[name][0] += len(counts)
             totals[name][1] += sum(count > 0 for count in counts.values())
     print("Lines that no test reached:")
     for path in sorted(runs):
         if missed := [str(line) for line, count in sorted(runs[path].items()) if count == 0]:
             print(f"   {path.relative_to(ROOT)}: {', '.join(missed)}")
-    print(f"\n{'layer':10}{'lines':>8}{'reached':>10}")
+    print(f"\n{'room':20}{'lines':>8}{'reached':>10}")
     for name, (n, n_reached) in sorted(totals.items(), key=lambda item: (item[0] == "all", item[0])):
-        print(f"{name:10}{n:8}{100*n_reached/n:9.1f}%")
+        print(f"{name:20}{n:8}{100*n_reached/n:9.1f}%")
     return 100*totals["all"][1]/totals["all"][0]
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs the tests of the coverage preset; prints which lines and which error messages of src/ no test reached, and the
-# share of lines of each layer. Fails below 92 % of the lines, and where a message is neither raised nor waived.
+# share of lines of each room. Fails below 92 % of the lines, and where a message is neither raised nor waived.
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
 

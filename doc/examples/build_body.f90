@@ -1,8 +1,8 @@
 !> Builds the long bar in code, without a deck, solves it for two loads on one factorisation and prints its floor.
 program build_body
    use, intrinsic :: iso_fortran_env, only: error_unit
-   use amontons, only: body_t, contact_t, dp, error_t, load_t, material_t, mesh_t, method_options_t, new_body, &
-      new_contact, new_load, new_material, new_rectangle_mesh, new_support, rectangle_t, result_t, solve_body, &
+   use amontons, only: body_t, contact_problem_t, contact_t, dp, error_t, load_t, material_t, mesh_t, method_options_t, &
+      new_body, new_contact, new_load, new_material, new_rectangle_mesh, new_support, rectangle_t, result_t, solve_body, &
       status_names, support_t
    implicit none (type, external)
    type(mesh_t) :: mesh
@@ -11,6 +11,7 @@ program build_body
    type(contact_t) :: contacts(1)
    type(load_t) :: loads(2)
    type(body_t) :: body
+   type(contact_problem_t) :: problem
    type(result_t) :: result
    type(error_t), allocatable :: error
 
@@ -31,12 +32,12 @@ program build_body
    loads(1)%traction = [10.0_dp, 0.0_dp]
    call new_load(loads(2), 'top')
    loads(2)%traction = [0.0_dp, -5.0_dp]
-   call solve_body(body, contacts, loads, method_options_t(), result, error)
+   call solve_body(body, problem, supports, contacts, loads, method_options_t(), result, error)
    call check(error)
    call print_floor(body, result)
 
    loads(1)%traction = [15.0_dp, 0.0_dp]
-   call solve_body(body, contacts, loads, method_options_t(), result, error)
+   call solve_body(body, problem, supports, contacts, loads, method_options_t(), result, error)
    call check(error)
    print '(a, 3f7.2)', 'pushed harder; separated, sliding, sticking:', result%lengths%separated, &
       result%lengths%sliding, result%lengths%sticking

@@ -218,14 +218,14 @@ contains
       call solve_case(workshop, config, result, error)
       if (allocated(error)) return
       if (command_line%writes_reduced) then
-         call export_case(command_line, config, workshop%body%problem, result%solution%force, error)
+         call export_case(command_line, config, workshop%problem, result%solution%force, error)
          if (allocated(error)) return
          result%has_reduced_files = .true.
       end if
       if (command_line%wants_all_solutions) then
          allocate (result%all_solutions)
          call result%timings%begin(phase_solve)
-         call find_all_solutions(result%all_solutions, workshop%body%problem, error)
+         call find_all_solutions(result%all_solutions, workshop%problem, error)
          if (allocated(error)) return
          call result%timings%begin(phase_write)
       end if

@@ -4,7 +4,7 @@
 Before a message stands a comment on where it comes from,
 
     <!-- raised by: ARGUMENTS; status N -->     what the program is run with, and its exit status, 1 if it is not named
-    <!-- in: FILE -->                           the source that has its words, where it cannot be raised at will
+    <!-- in: MODULE -->                         the module that has its words, where it cannot be raised at will
 
 and a message stands in what the program prints, or in the listing. An ellipsis stands for anything.
 """
@@ -53,9 +53,10 @@ class Guide(ProgramTest):
                 self.assert_has("\n".join([run.stdout, run.stderr, *listings]), message)
 
     def test_messages_are_in_the_sources(self):
-        for file, _, message in self.announced("in"):
-            with self.subTest(file=file, message=message):
-                self.assert_has((ROOT / file).read_text(encoding="utf-8"), message)
+        for module, _, message in self.announced("in"):
+            with self.subTest(module=module, message=message):
+                source = next((ROOT / "src").rglob(module + ".f90"))
+                self.assert_has(source.read_text(encoding="utf-8"), message)
 
     @unittest.skipIf(shutil.which("gmsh") is None, "Gmsh is not installed")
     def test_example_works(self):

@@ -1,13 +1,15 @@
 !> Contact sets in one line each, and bodies made ready to be solved.
 module sample_contacts
-   use amontons_assembly, only: from_unknowns, to_unknowns
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_constraints, only: support_t
+   use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_contact_zone, only: contact_t, set_obstacles
+   use amontons_contact_zone, only: contact_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_load_case, only: condense_load_case, load_case_t, new_load_case, pose_problem, recover_displacement
+   use amontons_loads, only: load_t
    use amontons_mesh, only: mesh_t
    use amontons_timings, only: new_timings, timings_t
    use sample_bodies, only: sample_material
@@ -43,43 +45,43 @@ contains
       contact%origin = 'deck.nml:12: '
    end function contact_on_set
 
-   !> Makes a body of the sample material in plane strain, sets its obstacles, factorises and condenses it.
-   subroutine ready_body(body, mesh, supports, contacts, error)
+   !> Makes a body of the sample material in plane strain with a load case without loads, factorizes and condenses it.
+   subroutine ready_body(body, problem, load_case, mesh, supports, contacts, error)
       type(body_t), intent(out) :: body !! the body
+      type(contact_problem_t), intent(out) :: problem !! its contact problem
+      type(load_case_t), intent(out) :: load_case !! the load case
       type(mesh_t), intent(in) :: mesh !! its mesh
       type(support_t), intent(in) :: supports(:) !! its supports
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
       type(error_t), allocatable, intent(out) :: error !! whatever failed
+      type(load_t) :: no_loads(0)
       type(timings_t) :: timings
 
       call new_timings(timings)
       call new_body(body, mesh, [sample_material('plane strain')], supports, contacts, error)
       if (allocated(error)) return
-      call set_obstacles(body%zone, body%mesh, contacts, error)
+      call new_load_case(load_case, body, supports, contacts, no_loads, error)
       if (allocated(error)) return
-      call condense_body(body, 'auto', 'auto', timings, error)
+      call condense_body(body, problem, 'auto', 'auto', timings, error)
    end subroutine ready_body
 
-   !> Solves a ready body, whose supports hold it in place, under nodal forces.
-   subroutine solve_loaded_body(body, loads, displacement, solution, error)
-      type(body_t), intent(inout) :: body !! the body
-      real(dp), intent(in) :: loads(:, :) !! nodal forces (2, n_nodes) [F]
+   !> Solves a load case of a ready body.
+   subroutine solve_loaded_body(body, problem, load_case, displacement, solution, error)
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem
+      type(load_case_t), intent(inout) :: load_case !! the load case
       real(dp), allocatable, intent(out) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       type(contact_solution_t), intent(out) :: solution !! solution of the contact problem
       type(error_t), allocatable, intent(out) :: error !! whatever failed
-      real(dp), allocatable :: unknowns(:)
       type(auto_t) :: method
 
-      call body%condensation%condense_load(to_unknowns(loads, body%constraints, body%dof_map), body%problem%load)
-      body%problem%gap = body%zone%gap
-      body%problem%friction = merge(0.0_dp, body%zone%friction, body%zone%is_guided)
-      body%problem%slip_bound = merge(0.0_dp, body%zone%slip_bound, body%zone%is_guided)
+      call condense_load_case(load_case, body)
+      call pose_problem(problem, body, load_case)
       call new_contact_solution(solution, body%zone%n_points)
       method%tolerance = 1.0e-12_dp
-      call method%solve(body%problem, solution, error)
+      call method%solve(problem, solution, error)
       if (allocated(error)) return
-      call body%condensation%recover(solution%displacement, unknowns)
-      displacement = from_unknowns(unknowns, body%constraints, body%dof_map)
+      call recover_displacement(displacement, body, load_case, solution%displacement)
    end subroutine solve_loaded_body
 
 end module sample_contacts

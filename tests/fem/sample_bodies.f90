@@ -150,11 +150,11 @@ contains
       type(sparse_matrix_t) :: stiffness
       class(factorization_t), allocatable :: factorization
       type(spring_side_t), allocatable :: springs(:)
-      real(dp), allocatable :: forces(:, :), held(:, :), unknowns(:)
+      real(dp), allocatable :: forces(:, :), held(:, :), prescribed(:, :), unknowns(:)
       integer :: no_nodes(0)
 
       call new_coloring(coloring, mesh)
-      call new_constraints(constraints, mesh, supports, error)
+      call new_constraints(constraints, prescribed, mesh, supports, error)
       if (allocated(error)) return
       call new_foundation(springs, mesh, materials, supports, error)
       if (allocated(error)) return
@@ -163,12 +163,12 @@ contains
       if (allocated(error)) return
       call load_vector(forces, mesh, materials, loads, error)
       if (allocated(error)) return
-      call internal_forces(held, mesh, materials, springs, coloring, constraints%prescribed)
+      call internal_forces(held, mesh, materials, springs, coloring, prescribed)
       call new_factorization(factorization, 'band', stiffness, 0, error)
       if (allocated(error)) return
       allocate (unknowns(dof_map%n_dofs))
       call factorization%solve(to_unknowns(forces - held, constraints, dof_map), unknowns)
-      displacement = from_unknowns(unknowns, constraints, dof_map)
+      displacement = from_unknowns(unknowns, prescribed, constraints, dof_map)
    end subroutine solve_materials
 
    !> What the supports of a body without loads exert on its nodes (2, n_nodes) [F].

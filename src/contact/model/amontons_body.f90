@@ -1,0 +1,224 @@
+!> A body made ready for loads: mesh, supports, contact zone, factorised and condensed stiffness.
+module amontons_body
+   use amontons_assembly, only: assemble_stiffness
+   use amontons_coloring, only: coloring_t, new_coloring
+   use amontons_condensation, only: condensation_t, find_band_order, new_condensation
+   use amontons_conditioning, only: conditioning_text, rounded
+   use amontons_constraints, only: constraints_t, new_constraints, support_t
+   use amontons_contact_problem, only: contact_problem_t, new_band_problem, new_contact_problem
+   use amontons_contact_zone, only: contact_t, contact_zone_t, new_contact_zone
+   use amontons_dof_map, only: dof_map_t, new_dof_map
+   use amontons_error, only: error_t, input_refused, new_error, numerical_failure
+   use amontons_factorization, only: factorization_t
+   use amontons_foundation, only: new_foundation, spring_side_t
+   use amontons_inf_sup, only: inf_sup_constant
+   use amontons_kinds, only: dp, int64
+   use amontons_material, only: material_t, materials_t, new_materials
+   use amontons_mesh, only: mesh_t
+   use amontons_new_factorization, only: analyze_matrix
+   use amontons_ordering, only: half_bandwidth
+   use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
+   use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
+   use amontons_text, only: to_text
+   use amontons_timings, only: phase_assemble, phase_condense, phase_factorize, timings_t
+   implicit none (type, external)
+   private
+
+   public :: body_t, condense_body, estimate_body, estimate_t, new_body, poor_inf_sup
+
+   !> Below this inf-sup constant the constant multipliers of a contact set are warned about.
+   real(dp), parameter :: poor_inf_sup = 0.3_dp
+
+   !> What many load cases share; constant once it is condensed.
+   type :: body_t
+      type(mesh_t) :: mesh !! the mesh
+      character(:), allocatable :: mesh_notes !! what its reader put right, a line of text for each
+      type(materials_t) :: materials !! the materials of the elements
+      type(spring_side_t), allocatable :: springs(:) !! springs along sides
+      logical :: is_axisymmetric = .false. !! whether it is a body of revolution
+      type(coloring_t) :: coloring !! colours of the elements
+      type(constraints_t) :: constraints !! the supports
+      type(rigid_motions_t), allocatable :: motions(:) !! the rigid motions of each piece that the supports leave free
+      type(contact_zone_t) :: zone !! the contact points
+      real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
+      type(dof_map_t) :: dof_map !! numbers of the unknowns
+      type(condensation_t) :: condensation !! the factorised stiffness, after `condense_body`
+   end type body_t
+
+   !> What condensing a body would take.
+   type :: estimate_t
+      character(:), allocatable :: factorization !! the kind of factorisation
+      integer(int64) :: n_entries = 0 !! entries of the factor
+      integer :: n_rows = 0 !! rows of the matrix that the contact problem is solved on
+      integer :: half_width = 0 !! number of its subdiagonals if it is a band matrix of the whole body, else 0
+      real(dp) :: memory_mb = 0.0_dp !! the most memory the program would hold [MB]
+      real(dp) :: available_mb = 0.0_dp !! the memory there is for it, what it holds already included [MB]
+   end type estimate_t
+
+contains
+
+   !> Makes a body from its mesh, materials, supports and contact sets: everything but the costly part.
+   subroutine new_body(body, mesh, materials, supports, contacts, error)
+      type(body_t), intent(out) :: body !! the body
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(material_t), intent(in) :: materials(:) !! its materials
+      type(support_t), intent(in) :: supports(:) !! its supports
+      type(contact_t), intent(in) :: contacts(:) !! its contact sets
+      type(error_t), allocatable, intent(out) :: error !! mesh, supports or contact sets do not fit together
+      real(dp), allocatable :: prescribed(:, :)
+
+      call mesh%check(error)
+      if (allocated(error)) return
+      body%mesh = mesh
+      body%mesh_notes = ''
+      call new_materials(body%materials, materials, mesh, error)
+      if (allocated(error)) return
+      call new_coloring(body%coloring, mesh)
+      call new_constraints(body%constraints, prescribed, mesh, supports, error)
+      if (allocated(error)) return
+      call new_foundation(body%springs, mesh, body%materials, supports, error)
+      if (allocated(error)) return
+      body%is_axisymmetric = materials(1)%is_axisymmetric
+      call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric)
+      call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error)
+      if (allocated(error)) return
+      call new_dof_map(body%dof_map, body%constraints, body%zone%node)
+      call measure_cells(body, contacts, error)
+   end subroutine new_body
+
+   !> Computes the inf-sup constants of the contact sets with constant multipliers, and refuses cells that the mesh
+   !> cannot tell apart.
+   pure subroutine measure_cells(body, contacts, error)
+      type(body_t), intent(inout) :: body !! the body
+      type(contact_t), intent(in) :: contacts(:) !! its contact sets
+      type(error_t), allocatable, intent(out) :: error !! the multipliers of a set are not independent
+      ! Rounding leaves about the root of the precision, with a few digits to spare.
+      real(dp), parameter :: dependent = 1.0e-6_dp
+      integer :: i
+
+      allocate (body%inf_sup(size(contacts)), source=1.0_dp)
+      do i = 1, size(contacts)
+         if (.not. contacts(i)%partition%is_constant .or. all(body%zone%set /= i)) cycle
+         body%inf_sup(i) = inf_sup_constant(body%zone, i, contacts(i)%set, body%mesh, body%materials, body%constraints)
+         if (body%inf_sup(i) > dependent) cycle
+         call new_error(error, input_refused, contacts(i)%origin//'the cells of the constant multipliers are too '// &
+            'small: the displacements of this mesh cannot tell them apart; make them at least two sides long')
+         return
+      end do
+   end subroutine measure_cells
+
+   !> Assembles and factorises the stiffness and condenses it to the contact points; the clock goes on condensing.
+   subroutine condense_body(body, problem, factorization, form, timings, error)
+      type(body_t), intent(inout) :: body !! the body, from `new_body`
+      type(contact_problem_t), intent(out) :: problem !! its contact problem; a load case sets load, gap and friction
+      character(*), intent(in) :: factorization !! one of `factorization_names`
+      character(*), intent(in) :: form !! form of the condensed stiffness, one of `condensation_names`
+      type(timings_t), intent(inout) :: timings !! gains the time of each step
+      type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
+      type(sparse_matrix_t) :: stiffness
+      real(dp), allocatable :: condensed(:, :)
+      logical :: is_held
+
+      call timings%begin(phase_assemble)
+      call check_held(body, error)
+      if (allocated(error)) return
+      is_held = all(body%motions%n_free == 0)
+      call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, body%constraints, &
+         body%dof_map, error)
+      if (allocated(error)) return
+      call timings%begin(phase_factorize)
+      call new_condensation(body%condensation, stiffness, factorization, form, is_held, body%zone, &
+         body%constraints, body%dof_map, error)
+      if (allocated(error)) call explain_refusal(body, error)
+      if (allocated(error)) return
+      call timings%begin(phase_condense)
+      if (allocated(body%condensation%band)) then
+         call new_band_problem(problem, body%condensation%band, is_held)
+      else
+         call body%condensation%condense_stiffness(condensed, error)
+         if (allocated(error)) return
+         call new_contact_problem(problem, condensed, is_held)
+      end if
+   end subroutine condense_body
+
+   !> Refuses a body of which a piece is held by neither supports nor contact points.
+   pure subroutine check_held(body, error)
+      type(body_t), intent(in) :: body !! the body
+      type(error_t), allocatable, intent(out) :: error !! nothing holds a piece; names a motion
+      logical :: may_touch(body%mesh%n_nodes)
+      integer :: i
+
+      may_touch = .false.
+      may_touch(body%zone%rows%node) = .true.
+      do i = 1, size(body%motions)
+         associate (motions => body%motions(i))
+            if (motions%n_free == 0 .or. any(may_touch(motions%node))) cycle
+            call new_error(error, numerical_failure, 'nothing holds the body against a '//motions%describe( &
+               [1.0_dp, spread(0.0_dp, 1, motions%n_free - 1)])//'; add a support or a contact set')
+            return
+         end associate
+      end do
+   end subroutine check_held
+
+   !> Says of a stiffness that the factorisation refused where it is singular, how ill-conditioned it must be and why.
+   subroutine explain_refusal(body, error)
+      type(body_t), intent(in) :: body !! the body, its factorisation refused
+      type(error_t), intent(inout) :: error !! gains the words; unchanged if memory ran out
+      integer :: place(2)
+
+      if (.not. allocated(body%condensation%factorization)) return
+      associate (factorization => body%condensation%factorization)
+         if (factorization%refused_unknown == 0) return
+         place = findloc(body%dof_map%dof, factorization%refused_unknown)
+         associate (point => body%mesh%coordinates(:, place(2)))
+            error%message = 'the stiffness is singular to rounding at the node '//to_text(point(1))//', '// &
+               to_text(point(2))//': its condition number is above '// &
+               rounded(factorization%least_refused_condition())// &
+               conditioning_text(body%mesh, body%materials, body%springs)
+         end associate
+      end associate
+   end subroutine explain_refusal
+
+   !> Estimates the work without doing it: assembles and orders the stiffness, but makes no factor.
+   subroutine estimate_body(body, factorization, form, timings, estimate, error)
+      type(body_t), intent(in) :: body !! the body
+      character(*), intent(in) :: factorization !! one of `factorization_names`
+      character(*), intent(in) :: form !! form of the condensed stiffness, one of `condensation_names`
+      type(timings_t), intent(inout) :: timings !! gains the time of assembly
+      type(estimate_t), intent(out) :: estimate !! the estimate
+      type(error_t), allocatable, intent(out) :: error !! too large for the memory
+      type(sparse_matrix_t) :: stiffness
+      class(factorization_t), allocatable :: analysis
+      integer, allocatable :: order(:)
+
+      call timings%begin(phase_assemble)
+      call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, body%constraints, &
+         body%dof_map, error)
+      if (allocated(error)) return
+      call timings%begin(phase_factorize)
+      call find_band_order(stiffness, form, body%zone, order)
+      if (allocated(order)) estimate%half_width = half_bandwidth(stiffness, order)
+      call analyze_matrix(analysis, factorization, stiffness, merge(0, body%dof_map%n_trailing, allocated(order)), error)
+      if (allocated(error)) return
+      estimate%n_rows = merge(stiffness%n, 2*body%zone%n_points, allocated(order))
+      stiffness = sparse_matrix_t()
+      call return_memory()
+      estimate%factorization = analysis%name()
+      estimate%n_entries = analysis%n_factor_entries()
+      estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + analysis%memory_mb() + contact_memory_mb(estimate))
+      estimate%available_mb = resident_memory_mb() + available_memory_mb()
+   end subroutine estimate_body
+
+   !> The memory that the matrices of the contact problem take: of a dense one the Schur complement, two copies and the
+   !> matrix of a step; of a band the matrix and its factor, both twice, and the factors of a step [MB].
+   pure real(dp) function contact_memory_mb(estimate) result(memory_mb)
+      type(estimate_t), intent(in) :: estimate !! the estimate, rows and half width known
+      real(dp) :: n_columns
+
+      n_columns = 4.0_dp*estimate%n_rows
+      if (estimate%half_width > 0) n_columns = 7.0_dp*(estimate%half_width + 1)
+      memory_mb = 8.0e-6_dp*n_columns*estimate%n_rows
+   end function contact_memory_mb
+
+end module amontons_body

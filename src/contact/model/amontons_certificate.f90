@@ -1,0 +1,248 @@
+!> The certificate: what a solution fulfils on the full model, computed from displacements and contact forces alone.
+module amontons_certificate
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_assembly, only: internal_forces, spring_forces, strained_share, uncancelled_forces
+   use amontons_body, only: body_t
+   use amontons_constraints, only: constraints_t
+   use amontons_contact_zone, only: contact_zone_t
+   use amontons_kinds, only: dp
+   use amontons_load_case, only: load_case_t
+   implicit none (type, external)
+   private
+
+   public :: certificate_t, new_certificate
+
+   !> Violations of the conditions that define the solution, each over its natural scale, and the resultants.
+   type :: certificate_t
+      real(dp) :: equilibrium = 0.0_dp !! |K u - f + C^T lambda| on the unknowns / size of the forces, or more [-]
+      real(dp) :: penetration = 0.0_dp !! largest overlap with the obstacle / largest displacement [-]
+      real(dp) :: tension = 0.0_dp !! largest normal force that pulls / force_scale [-]
+      real(dp) :: friction_excess = 0.0_dp !! largest |lambda_T| - phi lambda_N - g / force_scale [-]
+      real(dp) :: complementarity = 0.0_dp
+         !! largest smaller one of lambda_N / force_scale and gap / largest displacement [-]
+      real(dp) :: slip_below_bound = 0.0_dp !! the same of |u_T| and what |lambda_T| lacks to its bound [-]
+      real(dp) :: wrong_dissipation = 0.0_dp
+         !! the same of |lambda_T| and |u_T| where they point in opposite directions [-]
+      real(dp) :: resultant = 0.0_dp !! |loads + reactions + contact forces| / sum of their magnitudes [-]
+      real(dp) :: moment = 0.0_dp !! |moment of these| / (sum of their magnitudes times half the body's size) [-]
+      real(dp) :: energy = 0.0_dp !! |u . K u - work of all forces| / sum of the magnitudes of the terms, or more [-]
+      logical :: has_duality_gap = .false. !! whether no point rubs by Coulomb's law, so that both energies exist
+      real(dp) :: duality_gap = 0.0_dp
+         !! |primal energy of u - dual energy of lambda| / the same, of a given slip bound or none [-]
+      real(dp) :: force_scale = 0.0_dp !! what contact forces are measured by: the largest nodal force, or more [F]
+      real(dp) :: strain_energy = 0.0_dp !! u . K u / 2 [F L]
+      real(dp) :: dissipation = 0.0_dp !! work of friction: sum of lambda_T u_T [F L]
+      real(dp) :: load(2) = 0.0_dp !! resultant of the loads, x and y [F]
+      real(dp) :: reaction(2) = 0.0_dp !! resultant of the support reactions, x and y [F]
+      real(dp) :: contact(2) = 0.0_dp !! resultant of the obstacle's forces on the body, x and y [F]
+   contains
+      procedure :: is_finite => certificate_is_finite
+      procedure :: largest => certificate_largest
+   end type certificate_t
+
+   !> The share of |K| |u| that the largest rounding errors are a negligible part of.
+   real(dp), parameter :: rounding_share = 1.0e-5_dp
+
+contains
+
+   !> Computes the certificate.
+   subroutine new_certificate(certificate, body, load_case, displacement, force)
+      type(certificate_t), intent(out) :: certificate !! the certificate
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      real(dp), allocatable :: internal(:, :), contact(:, :), reaction(:, :), springs(:, :)
+      real(dp) :: force_size, least_scale, work
+
+      associate (loads => load_case%force, prescribed => load_case%prescribed)
+         call internal_forces(internal, body%mesh, body%materials, body%springs, body%coloring, displacement)
+         contact = body%zone%rows%forces(force, body%mesh%n_nodes)
+         reaction = internal - loads - contact
+         call split_imbalance(body%constraints, reaction, certificate%equilibrium)
+         force_size = max(norm2(loads), norm2(reaction), norm2(contact))
+         least_scale = 0.0_dp
+         if (.not. any(abs(loads) > 0.0_dp)) least_scale = unstrained_scale(body, displacement, force_size)
+         certificate%force_scale = max(maxval(abs(loads)), maxval(abs(reaction)), maxval(abs(contact)), least_scale)
+         call check_points(certificate, body%zone, load_case, displacement, force)
+         springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
+         call check_resultants(certificate, body, max(least_scale, sum(abs(springs))), loads, reaction - springs, contact)
+         certificate%equilibrium = relative_imbalance(certificate%equilibrium, body, displacement, force_size)
+         certificate%strain_energy = 0.5_dp*sum(internal*displacement)
+         ! Where a load acts on what a support moves, both do work that strains nothing.
+         work = max(sum(abs(internal*displacement)), least_scale*norm2(displacement), &
+            sum(abs(loads*displacement)) + sum(abs(contact*displacement)) + sum(abs(reaction*prescribed)))
+         certificate%energy = relative(abs(sum(internal*displacement) - sum((loads + contact)*displacement) &
+            - sum(reaction*prescribed)), work)
+         certificate%duality_gap = relative(certificate%duality_gap, work)
+      end associate
+   end subroutine new_certificate
+
+   !> What the forces on a body that nothing loads are measured by at the least: if they are all rounding errors of
+   !> |K| |u|, and no element is strained, a share of it, otherwise nothing. Forces of a strained soft part may be as
+   !> small beside the |K| |u| of a stiff one, but mean something [F].
+   real(dp) function unstrained_scale(body, displacement, force_size) result(scale)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: force_size !! size of the forces [F]
+      ! Some hundred times the relative rounding error of a sum of a few dozen terms.
+      real(dp), parameter :: rounding = 1.0e-13_dp
+      ! Displacements have the rounding errors of the whole solution.
+      real(dp), parameter :: negligible_share = 1.0e-11_dp
+
+      scale = 0.0_dp
+      associate (uncancelled => uncancelled_forces(body%mesh, body%materials, displacement))
+         if (force_size > rounding*uncancelled) return
+         if (strained_share(body%mesh, body%materials, displacement) > negligible_share) return
+         scale = rounding_share*uncancelled
+      end associate
+   end function unstrained_scale
+
+   !> An imbalance over the size of the forces; where that is too much, over a share of |K| |u| if this is larger: what
+   !> rounding leaves of displacements far larger than their differences is no imbalance, as long as it does not show in
+   !> resultants and energy.
+   real(dp) function relative_imbalance(imbalance, body, displacement, force_size) result(violation)
+      real(dp), intent(in) :: imbalance !! norm of the unbalanced forces [F]
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: force_size !! size of the forces [F]
+      real(dp), parameter :: suspicious = 1.0e-10_dp
+
+      violation = relative(imbalance, force_size)
+      if (violation > suspicious) violation = relative(imbalance, max(force_size, &
+         rounding_share*uncancelled_forces(body%mesh, body%materials, displacement)))
+   end function relative_imbalance
+
+   !> Splits what the forces lack for equilibrium into reactions (held directions) and imbalance (free ones).
+   pure subroutine split_imbalance(constraints, reaction, imbalance)
+      type(constraints_t), intent(in) :: constraints !! the supports
+      real(dp), intent(inout) :: reaction(:, :)
+         !! what is missing, and then its part along held directions (2, n_nodes) [F]
+      real(dp), intent(out) :: imbalance !! norm of the part along free directions [F]
+      real(dp) :: along, across, largest
+      integer :: node
+
+      ! Squares over that of the largest force neither overflow nor vanish.
+      largest = max(maxval(abs(reaction)), tiny(largest))
+      imbalance = 0.0_dp
+      do node = 1, size(reaction, 2)
+         associate (axis => constraints%axis(:, node), is_free => constraints%is_free(:, node))
+            along = axis(1)*reaction(1, node) + axis(2)*reaction(2, node)
+            across = axis(1)*reaction(2, node) - axis(2)*reaction(1, node)
+            if (is_free(1)) then
+               imbalance = imbalance + (along/largest)**2
+               along = 0.0_dp
+            end if
+            if (is_free(2)) then
+               imbalance = imbalance + (across/largest)**2
+               across = 0.0_dp
+            end if
+            reaction(1, node) = along*axis(1) - across*axis(2)
+            reaction(2, node) = along*axis(2) + across*axis(1)
+         end associate
+      end do
+      imbalance = largest*sqrt(imbalance)
+   end subroutine split_imbalance
+
+   !> Checks the contact law at every point.
+   pure subroutine check_points(certificate, zone, load_case, displacement, force)
+      type(certificate_t), intent(inout) :: certificate !! the certificate, its scale of forces set
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(load_case_t), intent(in) :: load_case !! gaps and friction
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
+      real(dp) :: distance(zone%n_points), slip(zone%n_points), largest_displacement
+      real(dp) :: at_points(2*zone%n_points)
+      integer :: m
+
+      m = zone%n_points
+      at_points = zone%rows%displacement(displacement)
+      distance = load_case%gap - at_points(:m)
+      slip = at_points(m + 1:)
+      largest_displacement = maxval(abs(displacement))
+      associate (normal => force(:m), tangential => force(m + 1:), &
+         bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), largest_force => certificate%force_scale)
+         certificate%penetration = relative(max(0.0_dp, maxval(-distance)), largest_displacement)
+         certificate%tension = relative(max(0.0_dp, maxval(-normal)), largest_force)
+         certificate%friction_excess = relative(max(0.0_dp, maxval(abs(tangential) - bound)), largest_force)
+         certificate%complementarity = max(0.0_dp, maxval(min(relative(normal, largest_force), &
+            relative(distance, largest_displacement))))
+         certificate%slip_below_bound = max(0.0_dp, maxval(min(relative(bound - abs(tangential), largest_force), &
+            relative(abs(slip), largest_displacement)), mask=.not. zone%is_guided))
+         certificate%wrong_dissipation = max(0.0_dp, maxval(-min(relative(abs(tangential), largest_force), &
+            relative(abs(slip), largest_displacement))*sign(1.0_dp, tangential*slip)))
+         certificate%dissipation = sum(tangential*slip)
+         ! Of displacements and forces in equilibrium with each other the energies differ by what each point adds here.
+         certificate%has_duality_gap = all(zone%is_guided .or. .not. load_case%friction > 0.0_dp)
+         if (certificate%has_duality_gap) certificate%duality_gap = abs(sum(normal*distance) &
+            + sum(bound*abs(slip) - tangential*slip, mask=.not. zone%is_guided))
+      end associate
+   end subroutine check_points
+
+   !> Checks that all forces on the body balance. In a body of revolution only those along the axis need to.
+   pure subroutine check_resultants(certificate, body, least_scale, loads, reaction, contact)
+      type(certificate_t), intent(inout) :: certificate !! the certificate
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: least_scale !! what the forces are measured by at the least [F]
+      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+      real(dp), intent(in) :: reaction(:, :) !! nodal reactions of supports and springs (2, n_nodes) [F]
+      real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (2, n_nodes) [F]
+      real(dp) :: norm, radius, center(2), moment, resultant(2)
+      integer :: node
+
+      certificate%load = sum(loads, dim=2)
+      certificate%reaction = sum(reaction, dim=2)
+      certificate%contact = sum(contact, dim=2)
+      norm = max(force_norm(loads, reaction, contact), least_scale)
+      resultant = certificate%load + certificate%reaction + certificate%contact
+      if (body%is_axisymmetric) resultant(1) = 0.0_dp
+      certificate%resultant = relative(norm2(resultant), norm)
+      if (body%is_axisymmetric) return
+      center = 0.5_dp*(minval(body%mesh%coordinates, dim=2) + maxval(body%mesh%coordinates, dim=2))
+      radius = maxval(maxval(body%mesh%coordinates, dim=2) - center)
+      moment = 0.0_dp
+      do node = 1, body%mesh%n_nodes
+         associate (f => loads(:, node) + reaction(:, node) + contact(:, node), &
+            arm => body%mesh%coordinates(:, node) - center)
+            moment = moment + arm(1)*f(2) - arm(2)*f(1)
+         end associate
+      end do
+      certificate%moment = relative(abs(moment), norm*radius)
+   end subroutine check_resultants
+
+   !> The sum of all nodal forces' magnitudes, components taken singly: the scale of resultants [F].
+   pure real(dp) function force_norm(loads, reaction, contact)
+      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+      real(dp), intent(in) :: reaction(:, :) !! nodal reactions (2, n_nodes) [F]
+      real(dp), intent(in) :: contact(:, :) !! nodal contact forces (2, n_nodes) [F]
+
+      force_norm = sum(abs(loads)) + sum(abs(reaction)) + sum(abs(contact))
+   end function force_norm
+
+   !> A ratio; 0 where there is nothing to compare.
+   elemental real(dp) function relative(value, scale)
+      real(dp), intent(in) :: value !! the value
+      real(dp), intent(in) :: scale !! what to divide by, at least 0
+
+      relative = 0.0_dp
+      if (scale > 0.0_dp .and. abs(value) > 0.0_dp) relative = value/scale
+   end function relative
+
+   !> The largest of the violations [-].
+   pure real(dp) function certificate_largest(self) result(largest)
+      class(certificate_t), intent(in) :: self !! the certificate
+
+      largest = max(self%equilibrium, self%penetration, self%tension, self%friction_excess, self%complementarity, &
+         self%slip_below_bound, self%wrong_dissipation, self%resultant, self%moment, self%energy, self%duality_gap)
+   end function certificate_largest
+
+   !> Whether every number of the certificate is finite.
+   pure logical function certificate_is_finite(self) result(is_finite)
+      class(certificate_t), intent(in) :: self !! the certificate
+
+      is_finite = all(ieee_is_finite([self%equilibrium, self%penetration, self%tension, self%friction_excess, &
+         self%complementarity, self%slip_below_bound, self%wrong_dissipation, self%resultant, self%moment, &
+         self%energy, self%duality_gap, self%strain_energy, self%dissipation, self%load, self%reaction, self%contact]))
+   end function certificate_is_finite
+
+end module amontons_certificate

@@ -1,0 +1,299 @@
+!> The condensation of a body: from its factorised stiffness to the contact problem, and back to all displacements.
+!>
+!> With the contact unknowns c last, the trailing block of the Cholesky factor of K + alpha E (E the identity on c) is
+!> the Cholesky factor of S + alpha I, S = K_cc - K_ci K_ii^-1 K_ic; alpha is 0 for a body that its supports hold.
+!> A forward substitution gives q = f_c - K_ci K_ii^-1 f_i, a backward one all displacements (theory, section 3).
+!> Where a point is a cell of constant multipliers, S and q are condensed once more, to the mean displacements.
+!>
+!> For a slender body with a long contact line S would take far more time and memory than the body: it is left a band
+!> matrix of the whole body then.
+module amontons_condensation
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_band_stiffness, only: band_stiffness_t, new_band_stiffness
+   use amontons_constraints, only: constraints_t
+   use amontons_contact_rows, only: turned
+   use amontons_contact_zone, only: contact_zone_t
+   use amontons_dof_map, only: dof_map_t
+   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_factorization, only: factorization_t
+   use amontons_kinds, only: dp
+   use amontons_new_factorization, only: analyze_matrix
+   use amontons_ordering, only: half_bandwidth, reverse_cuthill_mckee
+   use amontons_row_condensation, only: new_row_condensation, row_condensation_t
+   use amontons_sparse_matrix, only: sparse_matrix_t
+   implicit none (type, external)
+   private
+
+   public :: condensation_names, condensation_t, condensed_load_t, find_band_order, new_condensation
+
+   !> Forms of the condensed stiffness, as a deck writes them; the first stands for the quicker one.
+   character(5), parameter :: condensation_names(*) = [character(5) :: 'auto', 'dense', 'band']
+
+   !> What is left of a load when it is condensed: q, and what `recover` needs of it.
+   type :: condensed_load_t
+      real(dp), allocatable :: load(:) !! q on (u_N; u_T) of the points (2m) [F]
+      real(dp), allocatable, private :: partial(:) !! the load after the forward substitution; with a band, the load (n)
+      real(dp), allocatable, private :: contact_load(:) !! q on the contact unknowns (n_unknowns) [F]
+   end type condensed_load_t
+
+   !> The factorised body and the map between contact unknowns and normal and tangential displacements.
+   type :: condensation_t
+      class(factorization_t), allocatable :: factorization !! of K + alpha E
+      real(dp) :: alpha = 0.0_dp !! shift on the contact unknowns [F/L]
+      type(band_stiffness_t), allocatable :: band !! S, where it is no dense matrix
+      integer, private :: n_unknowns = 0 !! number of contact unknowns
+      integer, allocatable, private :: unknown(:, :)
+         !! the place of each point's displacements among the contact unknowns or, with cells, the rows of C; 0 for none
+         !! (2, m)
+      real(dp), allocatable, private :: map(:, :, :) !! unknowns of a point = map (u_N, u_T) (2, 2, m) [-]
+      real(dp), allocatable, private :: rows(:, :) !! C, if there are cells (any, n_unknowns) [-]
+      type(row_condensation_t), private :: to_rows !! the condensation to C v, if there are cells
+      logical, private :: is_held = .true. !! whether supports alone hold the body
+   contains
+      procedure :: condense_load => condensation_condense_load
+      procedure :: condense_stiffness => condensation_condense_stiffness
+      procedure :: recover => condensation_recover
+   end type condensation_t
+
+contains
+
+   !> Factorises the stiffness of a body.
+   subroutine new_condensation(condensation, stiffness, kind, form, is_held, zone, constraints, dof_map, error)
+      type(condensation_t), intent(out) :: condensation !! the factorised body
+      type(sparse_matrix_t), intent(inout) :: stiffness !! K; given up before the factor is made, to save memory [F/L]
+      character(*), intent(in) :: kind !! which factorisation, one of `factorization_names`
+      character(*), intent(in) :: form !! which form of S, one of `condensation_names`
+      logical, intent(in) :: is_held !! whether supports alone hold the body
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns, those of the points last
+      type(error_t), allocatable, intent(out) :: error !! K is not finite or positive definite, or memory ran out
+      type(error_t), allocatable :: band_error
+      real(dp) :: mean
+
+      mean = sum(stiffness%diagonal())/dof_map%n_dofs
+      if (.not. ieee_is_finite(mean)) then
+         call new_error(error, numerical_failure, 'the stiffness leaves the range of double precision (1.8e308): '// &
+            'choose units that make lengths and moduli smaller')
+         return
+      end if
+      condensation%is_held = is_held
+      condensation%n_unknowns = dof_map%n_trailing
+      if (any(zone%is_cell)) then
+         call map_rows(condensation, zone, constraints, dof_map)
+      else
+         call map_points(condensation, zone, constraints, dof_map)
+      end if
+      call keep_band(condensation, stiffness, form, zone, band_error)
+      if (.not. is_held) then
+         condensation%alpha = mean
+         call stiffness%shift_diagonal(dof_map%n_dofs - dof_map%n_trailing + 1, dof_map%n_dofs, condensation%alpha)
+      end if
+      call analyze_matrix(condensation%factorization, kind, stiffness, &
+         merge(0, dof_map%n_trailing, allocated(condensation%band)), error)
+      if (allocated(error)) return
+      stiffness = sparse_matrix_t()
+      call condensation%factorization%check_memory(error)
+      if (allocated(error)) return
+      call condensation%factorization%complete(error)
+      if (allocated(band_error)) call move_alloc(band_error, error)
+   end subroutine new_condensation
+
+   !> Keeps the band matrix of the whole body in the place of S if that is asked for, or the quicker way.
+   subroutine keep_band(condensation, stiffness, form, zone, error)
+      type(condensation_t), intent(inout) :: condensation !! the condensation, its points mapped
+      type(sparse_matrix_t), intent(in) :: stiffness !! K [F/L]
+      character(*), intent(in) :: form !! which form of S, one of `condensation_names`
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(error_t), allocatable, intent(out) :: error !! the body is not held even if all contact points are
+      integer, allocatable :: order(:)
+
+      call find_band_order(stiffness, form, zone, order)
+      if (.not. allocated(order)) return
+      allocate (condensation%band)
+      call new_band_stiffness(condensation%band, stiffness, order, condensation%unknown, condensation%map, error)
+   end subroutine keep_band
+
+   !> Finds an order that makes K a narrow band, if S should stay a band matrix of the whole body: asked for, or quicker
+   !> by far in Newton's method. A step takes about 4 n w^2 operations of n rows of half width w, against 2/3 m^3 quicker
+   !> ones, or a few times as many, with a dense S; w is about the number of unknowns that there are for each point, or
+   !> more. Of few points the bound of friction is to be found, which takes a dense S anyway; a cell of constant
+   !> multipliers has no place in a band.
+   pure subroutine find_band_order(matrix, form, zone, order)
+      type(sparse_matrix_t), intent(in) :: matrix !! K [F/L]
+      character(*), intent(in) :: form !! which form of S, one of `condensation_names`
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer, allocatable, intent(out) :: order(:) !! position k holds unknown order(k); allocated if it suits (n)
+      integer, parameter :: least_points = 501
+      real(dp), parameter :: slowness = 50.0_dp
+
+      if (form == 'dense' .or. any(zone%is_cell)) return
+      associate (n => real(matrix%n, dp), m => real(zone%n_points, dp))
+         if (form == 'auto' .and. (zone%n_points < least_points .or. slowness*n*(n/m)**2 > m**3)) return
+      end associate
+      allocate (order(matrix%n))
+      call reverse_cuthill_mckee(matrix, 0, order)
+      if (form == 'band') return
+      if (slowness*matrix%n*real(half_bandwidth(matrix, order), dp)**2 > real(zone%n_points, dp)**3) &
+         deallocate (order)
+   end subroutine find_band_order
+
+   !> Makes the rows of C on the contact unknowns. The tangential displacement of a guided point has no row.
+   pure subroutine map_rows(condensation, zone, constraints, dof_map)
+      type(condensation_t), intent(inout) :: condensation !! the condensation
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      real(dp) :: frame(2, 2), parts(2, 2)
+      integer :: p, i, k, axis, n
+
+      allocate (condensation%unknown(2, zone%n_points), source=0)
+      n = 0
+      do p = 1, zone%n_points
+         do k = 1, merge(1, 2, zone%is_guided(p))
+            n = n + 1
+            condensation%unknown(k, p) = n
+         end do
+      end do
+      condensation%map = spread(reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2]), 3, zone%n_points)
+      allocate (condensation%rows(n, dof_map%n_trailing), source=0.0_dp)
+      do p = 1, zone%n_points
+         do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+            frame = constraints%frame(zone%rows%node(i))
+            parts = reshape([zone%rows%part(:, i), turned(zone%rows%part(:, i))], [2, 2])
+            do axis = 1, 2
+               if (dof_map%dof(axis, zone%rows%node(i)) == 0) cycle
+               do k = 1, count(condensation%unknown(:, p) > 0)
+                  associate (c => condensation%rows(condensation%unknown(k, p), &
+                     dof_map%dof(axis, zone%rows%node(i)) - dof_map%n_dofs + dof_map%n_trailing))
+                     c = c + dot_product(parts(:, k), frame(:, axis))
+                  end associate
+               end do
+            end do
+         end do
+      end do
+   end subroutine map_rows
+
+   !> Finds the unknowns of every point and the map from (u_N, u_T) to them.
+   !>
+   !> A point that a support guides along one direction e has one unknown, u_N / (n . e); the support bears the
+   !> tangential force, and u_T has no part in the problem.
+   pure subroutine map_points(condensation, zone, constraints, dof_map)
+      type(condensation_t), intent(inout) :: condensation !! the condensation
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      real(dp) :: frame(2, 2), normal(2)
+      integer :: p, first, axis
+
+      first = dof_map%n_dofs - dof_map%n_trailing
+      allocate (condensation%unknown(2, zone%n_points), source=0)
+      allocate (condensation%map(2, 2, zone%n_points), source=0.0_dp)
+      do p = 1, zone%n_points
+         frame = constraints%frame(zone%node(p))
+         normal = zone%normal(:, p)
+         if (zone%is_guided(p)) then
+            axis = findloc(dof_map%dof(:, zone%node(p)) > 0, .true., dim=1)
+            condensation%unknown(1, p) = dof_map%dof(axis, zone%node(p)) - first
+            condensation%map(1, 1, p) = 1.0_dp/dot_product(normal, frame(:, axis))
+         else
+            condensation%unknown(:, p) = dof_map%dof(:, zone%node(p)) - first
+            condensation%map(:, 1, p) = matmul(normal, frame)
+            condensation%map(:, 2, p) = matmul([-normal(2), normal(1)], frame)
+         end if
+      end do
+   end subroutine map_points
+
+   !> The condensed stiffness S on (u_N; u_T). The tangential row of a guided point, which has no unknown, becomes that
+   !> of a spring of its own that nothing loads: its slip and shear are zero.
+   subroutine condensation_condense_stiffness(self, stiffness, error)
+      class(condensation_t), intent(inout) :: self !! the factorised body
+      real(dp), allocatable, intent(out) :: stiffness(:, :) !! S (2m, 2m) [F/L]
+      type(error_t), allocatable, intent(out) :: error !! the cells of constant multipliers are too small
+      real(dp), allocatable :: schur(:, :)
+      real(dp) :: block(2, 2)
+      integer :: p, r, m, i, j
+
+      if (allocated(self%band)) then
+         stiffness = self%band%dense()
+         return
+      end if
+      m = size(self%unknown, 2)
+      allocate (schur(self%n_unknowns, self%n_unknowns), stiffness(2*m, 2*m))
+      call self%factorization%schur_complement(schur)
+      do i = 1, size(schur, 1)
+         schur(i, i) = schur(i, i) - self%alpha
+      end do
+      if (allocated(self%rows)) then
+         call new_row_condensation(self%to_rows, schur, self%rows, self%is_held, error)
+         if (allocated(error)) return
+         schur = self%to_rows%stiffness
+      end if
+      do r = 1, m
+         do p = 1, m
+            block = 0.0_dp
+            do j = 1, count(self%unknown(:, r) > 0)
+               do i = 1, count(self%unknown(:, p) > 0)
+                  block(i, j) = schur(self%unknown(i, p), self%unknown(j, r))
+               end do
+            end do
+            block = matmul(transpose(self%map(:, :, p)), matmul(block, self%map(:, :, r)))
+            stiffness([p, p + m], [r, r + m]) = block
+         end do
+         if (self%unknown(2, r) == 0) stiffness(r + m, r + m) = stiffness(r, r)
+      end do
+   end subroutine condensation_condense_stiffness
+
+   !> Condenses a load to the contact points.
+   subroutine condensation_condense_load(self, load, condensed)
+      class(condensation_t), intent(in) :: self !! the factorised body
+      real(dp), intent(in) :: load(:) !! load on all unknowns (n) [F]
+      type(condensed_load_t), intent(out) :: condensed !! the condensed load
+      real(dp), allocatable :: q(:)
+      integer :: p, m, n
+
+      m = size(self%unknown, 2)
+      if (allocated(self%band)) then
+         condensed%partial = load
+         condensed%contact_load = load(size(load) - self%n_unknowns + 1:)
+      else
+         allocate (condensed%partial(size(load)), condensed%contact_load(self%n_unknowns))
+         call self%factorization%condense(load, condensed%partial, condensed%contact_load)
+      end if
+      q = condensed%contact_load
+      if (allocated(self%rows)) q = self%to_rows%condense(q)
+      allocate (condensed%load(2*m), source=0.0_dp)
+      do p = 1, m
+         n = count(self%unknown(:, p) > 0)
+         condensed%load([p, p + m]) = matmul(q(self%unknown(:n, p)), self%map(:n, :, p))
+      end do
+      if (allocated(self%band)) condensed%load = self%band%condensed(load(:size(load) - self%n_unknowns), condensed%load)
+   end subroutine condensation_condense_load
+
+   !> All unknowns from the displacements of the contact points under a load.
+   subroutine condensation_recover(self, condensed, displacement, unknowns)
+      class(condensation_t), intent(in) :: self !! the factorised body
+      type(condensed_load_t), intent(in) :: condensed !! the condensed load
+      real(dp), intent(in) :: displacement(:) !! (u_N; u_T) without prescribed parts (2m) [L]
+      real(dp), allocatable, intent(out) :: unknowns(:) !! all unknowns (n) [L]
+      real(dp), allocatable :: v(:)
+      integer :: p, m, n
+
+      m = size(self%unknown, 2)
+      allocate (v(count(self%unknown > 0)))
+      do p = 1, m
+         n = count(self%unknown(:, p) > 0)
+         v(self%unknown(:n, p)) = matmul(self%map(:n, :, p), displacement([p, p + m]))
+      end do
+      if (allocated(self%rows)) v = self%to_rows%expand(condensed%contact_load, v)
+      if (allocated(self%band)) then
+         associate (interior_load => condensed%partial(:size(condensed%partial) - self%n_unknowns))
+            unknowns = [self%band%interior_displacement(interior_load, displacement), v]
+         end associate
+      else
+         allocate (unknowns(size(condensed%partial)))
+         call self%factorization%expand(condensed%partial, v, unknowns)
+      end if
+   end subroutine condensation_recover
+
+end module amontons_condensation

@@ -1,0 +1,258 @@
+!> The contact zone: the contact points with their normals and areas. A point is a node, or a cell of constant
+!> multipliers.
+module amontons_contact_zone
+   use amontons_boundary, only: boundary_line_t, new_boundary_line
+   use amontons_cell_partition, only: cell_partition_t
+   use amontons_constraints, only: constraints_t
+   use amontons_contact_cells, only: contact_cells_t, new_contact_cells
+   use amontons_contact_rows, only: contact_rows_t
+   use amontons_contact_samples, only: contact_samples_t
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_line_field, only: line_field_t
+   use amontons_material, only: materials_t
+   use amontons_mesh, only: mesh_t
+   use amontons_obstacle, only: obstacle_names, obstacle_t
+   implicit none (type, external)
+   private
+
+   public :: contact_t, contact_zone_t, new_contact, new_contact_zone
+
+   !> A boundary set that may touch a rigid obstacle, and the friction there: |lambda_T| <= g + phi lambda_N.
+   type :: contact_t
+      character(:), allocatable :: set !! name of the boundary set
+      type(obstacle_t) :: obstacle !! the obstacle
+      real(dp) :: direction(2) = 0.0_dp !! along which gaps count, towards the obstacle; 0, 0 for the body's normal [-]
+      real(dp) :: extra_gap = 0.0_dp !! added to every gap; negative for an interference [L]
+      type(line_field_t) :: friction !! Coulomb's coefficient phi, at least 0 [-]
+      type(line_field_t) :: slip_bound !! given (Tresca) bound g of the shear stress, at least 0 [F/L^2]
+      type(cell_partition_t) :: partition !! whether multipliers are nodal or constant on cells, and on which cells
+      character(:), allocatable :: origin !! where the contact was specified, for messages: 'deck.nml:12: '
+   end type contact_t
+
+   !> The contact points of all contact sets, each set in the order of its line, body on the left.
+   type :: contact_zone_t
+      integer :: n_points = 0 !! number m of contact points
+      integer, allocatable :: node(:)
+         !! the nodes whose displacements the points are made of; node by node those of the points if none is a cell
+      logical, allocatable :: is_cell(:) !! whether the point is a cell of constant multipliers; a node otherwise (m)
+      type(contact_rows_t) :: rows !! the nodes' shares in the displacements of the points
+      type(contact_samples_t) :: samples !! where gaps and friction are measured
+      real(dp), allocatable :: position(:, :) !! coordinates of the node or of the centre of the cell (2, m) [L]
+      integer, allocatable :: set(:) !! which contact set the point belongs to (m)
+      integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (m)
+      real(dp), allocatable :: normal(:, :) !! unit normal n towards the obstacle; the tangent is t = (-n_y, n_x) (2, m)
+      real(dp), allocatable :: weight(:) !! tributary length, or length of the cell (m) [L]
+      real(dp), allocatable :: area(:) !! tributary area, or that of the cell: length times depth of the body (m) [L^2]
+      logical, allocatable :: is_guided(:) !! whether a support leaves it one direction and bears the shear (m)
+      integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
+      integer, allocatable :: shared_node(:) !! corners of two contact sets: they belong to the set named first
+      integer, allocatable :: bare_node(:) !! contact nodes that are no points since they have no area
+      integer :: n_held_cells = 0 !! number of cells that are no points since supports hold all their nodes
+   end type contact_zone_t
+
+contains
+
+   !> Makes a contact set on the floor y = 0.
+   pure subroutine new_contact(contact, set, friction)
+      type(contact_t), intent(out) :: contact !! the contact set
+      character(*), intent(in) :: set !! name of the boundary set
+      real(dp), intent(in) :: friction !! Coulomb's coefficient phi, at least 0 [-]
+
+      contact%set = set
+      contact%obstacle%kind = trim(obstacle_names(1))
+      contact%friction%value = friction
+      contact%origin = ''
+   end subroutine new_contact
+
+   !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point; nor
+   !> is a corner of a quadratic side on the axis of revolution: its area is 0, so that no pressure acts on it. A corner
+   !> of two contact sets belongs to the first of them.
+   subroutine new_contact_zone(zone, mesh, materials, contacts, constraints, error)
+      type(contact_zone_t), intent(out) :: zone !! the points
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(error_t), allocatable, intent(out) :: error !! a missing set, or no point at all
+      type(boundary_line_t), allocatable :: lines(:)
+      logical :: is_taken(mesh%n_nodes)
+      integer :: i
+
+      allocate (lines(size(contacts)))
+      do i = 1, size(contacts)
+         call new_boundary_line(lines(i), mesh, contacts(i)%set, error, materials)
+         if (.not. allocated(error)) cycle
+         error%message = contacts(i)%origin//error%message
+         return
+      end do
+      call empty_zone(zone)
+      is_taken = .false.
+      do i = 1, size(contacts)
+         if (all(is_taken(lines(i)%node))) then
+            call new_error(error, input_refused, contacts(i)%origin// &
+               'every node of this contact set belongs to an earlier one')
+            return
+         end if
+         if (contacts(i)%partition%is_constant) then
+            call add_cells(zone, i, contacts(i), lines(i), mesh, materials, constraints, error)
+            if (allocated(error)) error%message = contacts(i)%origin//error%message
+            if (allocated(error)) return
+         else
+            call add_line(zone, i, contacts(i)%direction, lines(i), mesh, constraints, is_taken)
+         end if
+         is_taken(lines(i)%node) = .true.
+      end do
+      if (size(contacts) == 0 .or. zone%n_points > 0) return
+      if (size(zone%bare_node) > 0) then
+         call new_error(error, input_refused, contacts(1)%origin//'the contact set lies on the axis of revolution, '// &
+            'where no pressure can act')
+      else
+         call new_error(error, input_refused, contacts(1)%origin// &
+            'supports hold every contact node; nothing is left that could come into contact')
+      end if
+   end subroutine new_contact_zone
+
+   !> A zone without points.
+   pure subroutine empty_zone(zone)
+      type(contact_zone_t), intent(inout) :: zone !! the zone
+      type(contact_rows_t) :: no_rows
+      type(contact_samples_t) :: no_samples
+
+      allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), zone%bare_node(0), &
+         zone%is_cell(0), zone%is_guided(0), zone%position(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0))
+      allocate (no_rows%start(1), no_samples%start(1), source=1)
+      allocate (no_rows%node(0), no_rows%part(2, 0), no_samples%position(2, 0), no_samples%normal(2, 0), &
+         no_samples%station(0), no_samples%share(0))
+      zone%rows = no_rows
+      zone%samples = no_samples
+   end subroutine empty_zone
+
+   !> Adds points behind those that are there.
+   pure subroutine add_points(zone, points)
+      type(contact_zone_t), intent(inout) :: zone !! the zone
+      type(contact_zone_t), intent(in) :: points
+         !! the points; `next` counts among them, nodes that are no points are left out
+      integer :: n
+
+      n = zone%n_points
+      zone%n_points = n + points%n_points
+      zone%set = [zone%set, points%set]
+      zone%next = [zone%next, merge(n + points%next, 0, points%next > 0)]
+      zone%is_cell = [zone%is_cell, points%is_cell]
+      zone%is_guided = [zone%is_guided, points%is_guided]
+      zone%position = reshape([zone%position, points%position], [2, zone%n_points])
+      zone%normal = reshape([zone%normal, points%normal], [2, zone%n_points])
+      zone%weight = [zone%weight, points%weight]
+      zone%area = [zone%area, points%area]
+      call zone%rows%add(points%rows)
+      call zone%samples%add(points%samples)
+   end subroutine add_points
+
+   !> Adds the nodes of one line as points.
+   pure subroutine add_line(zone, set, direction, line, mesh, constraints, is_taken)
+      type(contact_zone_t), intent(inout) :: zone !! the zone
+      integer, intent(in) :: set !! number of the contact set
+      real(dp), intent(in) :: direction(2) !! along which its gaps count; 0, 0 for the body's normal [-]
+      type(boundary_line_t), intent(in) :: line !! its line
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(constraints_t), intent(in) :: constraints !! the supports
+      logical, intent(in) :: is_taken(:) !! whether a node belongs to an earlier contact set (nodes)
+      ! What rounding leaves of an area of 0, over the largest one.
+      real(dp), parameter :: negligible = 1.0e-12_dp
+      type(contact_zone_t) :: points
+      real(dp) :: station(line%n_nodes), normal(2, line%n_nodes), along
+      integer :: point_of(0:line%n_nodes), kept(line%n_nodes), k, n
+
+      point_of = 0
+      n = 0
+      along = 0.0_dp
+      do k = 1, line%n_nodes
+         if (k > 1) along = along + norm2(mesh%coordinates(:, line%node(k)) - mesh%coordinates(:, line%node(k - 1)))
+         station(k) = along
+         if (is_taken(line%node(k))) then
+            zone%shared_node = [zone%shared_node, line%node(k)]
+            cycle
+         end if
+         normal(:, k) = line%normal(:, k)
+         if (any(abs(direction) > 0.0_dp)) normal(:, k) = direction/norm2(direction)
+         if (.not. constraints%leaves_free(line%node(k), normal(:, k))) then
+            zone%held_node = [zone%held_node, line%node(k)]
+            cycle
+         end if
+         if (abs(line%area(k)) <= negligible*maxval(line%area)) then
+            zone%bare_node = [zone%bare_node, line%node(k)]
+            cycle
+         end if
+         n = n + 1
+         kept(n) = k
+         point_of(k) = n
+      end do
+      associate (place => kept(:n), node => line%node(kept(:n)))
+         points%n_points = n
+         points%set = spread(set, 1, n)
+         points%next = point_of(line%next(place))
+         points%is_cell = spread(.false., 1, n)
+         points%is_guided = [(.not. all(constraints%is_free(:, node(k))), k=1, n)]
+         points%position = mesh%coordinates(:, node)
+         points%normal = normal(:, place)
+         points%weight = line%weight(place)
+         points%area = line%area(place)
+         points%rows = contact_rows_t(start=[(k, k=1, n + 1)], node=node, part=points%normal)
+         points%samples = contact_samples_t(start=points%rows%start, position=points%position, normal=points%normal, &
+            station=station(place), share=spread(1.0_dp, 1, n))
+         zone%node = [zone%node, node]
+      end associate
+      call add_points(zone, points)
+   end subroutine add_line
+
+   !> Adds the cells of one line as points. A cell whose nodes supports hold along its normal is no point.
+   pure subroutine add_cells(zone, set, contact, line, mesh, materials, constraints, error)
+      type(contact_zone_t), intent(inout) :: zone !! the zone
+      integer, intent(in) :: set !! number of the contact set
+      type(contact_t), intent(in) :: contact !! the contact set
+      type(boundary_line_t), intent(in) :: line !! its line
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
+      type(contact_cells_t) :: cells
+      type(contact_zone_t) :: points
+      logical, allocatable :: is_held(:)
+      integer, allocatable :: kept(:), point_of(:)
+      integer :: cell, k
+
+      call new_contact_cells(cells, mesh, materials, contact%set, line, contact%partition, contact%direction, error)
+      if (allocated(error)) return
+      do k = 1, line%n_nodes
+         if (all(zone%node /= line%node(k))) zone%node = [zone%node, line%node(k)]
+      end do
+      allocate (is_held(cells%n_cells), point_of(0:cells%n_cells))
+      do cell = 1, cells%n_cells
+         is_held(cell) = .not. any([(constraints%leaves_free(cells%rows%node(k), cells%normal(:, cell)), &
+            k=cells%rows%start(cell), cells%rows%start(cell + 1) - 1)])
+      end do
+      zone%n_held_cells = zone%n_held_cells + count(is_held)
+      kept = pack([(cell, cell=1, cells%n_cells)], .not. is_held)
+      point_of = 0
+      point_of(kept) = [(k, k=1, size(kept))]
+      points%n_points = size(kept)
+      points%set = spread(set, 1, size(kept))
+      points%next = point_of(cells%next(kept))
+      points%is_cell = spread(.true., 1, size(kept))
+      points%position = cells%center(:, kept)
+      points%normal = cells%normal(:, kept)
+      points%weight = cells%length(kept)
+      points%area = cells%area(kept)
+      points%rows = cells%rows%picked(kept)
+      points%samples = cells%samples%picked(kept)
+      allocate (points%is_guided(size(kept)))
+      do k = 1, size(kept)
+         associate (node => cells%rows%node(cells%rows%start(kept(k)):cells%rows%start(kept(k) + 1) - 1))
+            points%is_guided(k) = .not. any(all(constraints%is_free(:, node), dim=1))
+         end associate
+      end do
+      call add_points(zone, points)
+   end subroutine add_cells
+
+end module amontons_contact_zone

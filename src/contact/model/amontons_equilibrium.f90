@@ -1,0 +1,189 @@
+!> Whether admissible contact forces can balance the loads of a body that supports do not hold.
+!>
+!> The load's work on the free rigid motions must be a combination, with factors at least 0, of the works of the extreme
+!> forces n + phi t and n - phi t of the contact points (a cone), and of n between them, which large friction leaves to
+!> rounding otherwise. If it is none, the part that is left over is, by Farkas' lemma, a rigid motion that the loads
+!> drive and no contact force opposes: along it the body flies off.
+module amontons_equilibrium
+   use amontons_body, only: body_t
+   use amontons_contact_rows, only: turned
+   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_kinds, only: dp
+   use amontons_load_case, only: load_case_t
+   use amontons_rigid_motion, only: rigid_motions_t
+   implicit none (type, external)
+   private
+
+   public :: check_balance, nonnegative_remainder
+
+   !> What rounding leaves of a zero, over the numbers it came from.
+   real(dp), parameter :: negligible = 1.0e-13_dp
+
+contains
+
+   !> Refuses loads that drive a piece of the body away.
+   pure subroutine check_balance(body, load_case, error)
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
+      type(error_t), allocatable, intent(out) :: error !! the body flies off; names the motion
+      integer :: i
+
+      ! A given slip bound can bear any small shear of any sign: what it holds is left to the method to find.
+      if (any(load_case%slip_bound > 0.0_dp)) return
+      do i = 1, size(body%motions)
+         if (body%motions(i)%n_free > 0) call check_piece(body%motions(i), body, load_case, error)
+         if (allocated(error)) return
+      end do
+   end subroutine check_balance
+
+   !> Refuses loads that drive a piece away. Of a cell that other pieces touch, too, its own part counts.
+   pure subroutine check_piece(motions, body, load_case, error)
+      type(rigid_motions_t), intent(in) :: motions !! the motions of the piece that the supports leave free
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
+      type(error_t), allocatable, intent(out) :: error !! the piece flies off; names the motion
+      real(dp), parameter :: unbalanced = 1.0e-9_dp
+      real(dp) :: cone(motions%n_free, 3*body%zone%n_points), work(motions%n_free), remainder(motions%n_free)
+      real(dp) :: motion(2, motions%n_free), shear(2), scale
+      logical :: is_inside(body%mesh%n_nodes)
+      integer :: i, p
+
+      work = 0.0_dp
+      scale = 0.0_dp
+      do i = 1, size(motions%node)
+         associate (force => load_case%force(:, motions%node(i)))
+            if (.not. any(abs(force) > 0.0_dp)) cycle
+            motion = motions%displacement(body%mesh%coordinates(:, motions%node(i)))
+            work = work + matmul(force, motion)
+            scale = scale + maxval(abs(matmul(force, motion)))
+         end associate
+      end do
+      is_inside = .false.
+      is_inside(motions%node) = .true.
+      cone = 0.0_dp
+      associate (zone => body%zone)
+         do p = 1, zone%n_points
+            if (.not. load_case%is_in_reach(p)) cycle
+            do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+               if (.not. is_inside(zone%rows%node(i))) cycle
+               motion = motions%displacement(body%mesh%coordinates(:, zone%rows%node(i)))
+               associate (normal => zone%rows%part(:, i))
+                  shear = merge(0.0_dp, load_case%friction(p), zone%is_guided(p))*turned(normal)
+                  cone(:, 3*p - 2) = cone(:, 3*p - 2) + matmul(normal + shear, motion)
+                  cone(:, 3*p - 1) = cone(:, 3*p - 1) + matmul(normal - shear, motion)
+                  cone(:, 3*p) = cone(:, 3*p) + matmul(normal, motion)
+               end associate
+            end do
+         end do
+      end associate
+      remainder = nonnegative_remainder(cone, work)
+      if (norm2(remainder) <= unbalanced*scale) return
+      if (body%zone%n_points == 0) then
+         call new_error(error, numerical_failure, 'nothing holds the body against a '//motions%describe(remainder)// &
+            '; add a support or a contact set')
+      else
+         call new_error(error, numerical_failure, &
+            'the body flies off: no contact forces can balance the loads against a '//motions%describe(remainder)// &
+            '; add a support, or a load that presses the body on its obstacle')
+      end if
+   end subroutine check_piece
+
+   !> What is left of a vector after its best approximation by columns with factors at least 0: Lawson and Hanson's
+   !> algorithm (Solving Least Squares Problems, 1974, chapter 23).
+   pure function nonnegative_remainder(columns, vector) result(remainder)
+      real(dp), intent(in) :: columns(:, :) !! the columns (k, n)
+      real(dp), intent(in) :: vector(:) !! the vector (k)
+      real(dp) :: remainder(size(vector))
+      real(dp) :: unit(size(columns, 1), size(columns, 2)), gain(size(columns, 2)), factor(size(columns, 2))
+      logical :: is_used(size(columns, 2))
+      integer :: step, best
+
+      do step = 1, size(columns, 2)
+         unit(:, step) = columns(:, step)/max(norm2(columns(:, step)), tiny(1.0_dp))
+      end do
+      factor = 0.0_dp
+      is_used = .false.
+      remainder = vector
+      do step = 1, 3*size(columns, 2)
+         if (norm2(remainder) <= negligible*norm2(vector)) return
+         gain = matmul(remainder, unit)
+         best = maxloc(gain, dim=1, mask=.not. is_used)
+         if (best == 0) return
+         if (gain(best) <= negligible*norm2(remainder)) return
+         is_used(best) = .true.
+         call settle_factors(unit, vector, is_used, factor, remainder)
+      end do
+   end function nonnegative_remainder
+
+   !> Moves the factors to the best approximation by the columns in use; a column whose factor meets zero on the way
+   !> is given up, and the way goes on from there.
+   pure subroutine settle_factors(columns, vector, is_used, factor, remainder)
+      real(dp), intent(in) :: columns(:, :) !! the columns, of length 1 (k, n)
+      real(dp), intent(in) :: vector(:) !! the vector (k)
+      logical, intent(inout) :: is_used(:) !! which columns are in use (n)
+      real(dp), intent(inout) :: factor(:) !! the factors, at least 0 (n)
+      real(dp), intent(inout) :: remainder(:) !! what the columns leave of the vector (k)
+      real(dp) :: trial(size(factor)), length
+
+      do while (any(is_used))
+         call approximate(columns, vector, is_used, trial, remainder)
+         if (all(trial > 0.0_dp .or. .not. is_used)) then
+            factor = trial
+            return
+         end if
+         length = minval(factor/(factor - trial), mask=is_used .and. .not. trial > 0.0_dp)
+         factor = factor + length*(trial - factor)
+         is_used = is_used .and. factor > negligible*maxval(factor)
+         factor = merge(factor, 0.0_dp, is_used)
+      end do
+      remainder = vector
+   end subroutine settle_factors
+
+   !> Approximates a vector best by the columns in use, made orthogonal one by one (Gram and Schmidt): of columns that
+   !> are all but parallel, as those of a flat contact line far from the middle of the body, no digit is lost.
+   pure subroutine approximate(columns, vector, is_used, factor, remainder)
+      real(dp), intent(in) :: columns(:, :) !! the columns, of length 1 (k, n)
+      real(dp), intent(in) :: vector(:) !! the vector (k)
+      logical, intent(in) :: is_used(:) !! which columns are in use, k at the most (n)
+      real(dp), intent(out) :: factor(:) !! their factors; 0 for the others (n)
+      real(dp), intent(out) :: remainder(:) !! what they leave of the vector (k)
+      real(dp) :: axes(size(vector), count(is_used)), share(count(is_used), count(is_used) + 1), length
+      integer, allocatable :: column(:)
+      integer :: i, n
+
+      column = pack([(i, i=1, size(is_used))], is_used)
+      n = size(column)
+      do i = 1, n
+         axes(:, i) = columns(:, column(i))
+         call orthogonalize(axes(:, :i - 1), axes(:, i), share(:i - 1, i))
+         length = max(norm2(axes(:, i)), tiny(1.0_dp))
+         axes(:, i) = axes(:, i)/length
+         share(i, i) = length
+      end do
+      remainder = vector
+      call orthogonalize(axes, remainder, share(:, n + 1))
+      factor = 0.0_dp
+      do i = n, 1, -1
+         factor(column(i)) = (share(i, n + 1) - dot_product(share(i, i + 1:n), factor(column(i + 1:n))))/share(i, i)
+      end do
+   end subroutine approximate
+
+   !> Takes from a vector its components along orthogonal axes; what rounding leaves of them, a second time.
+   pure subroutine orthogonalize(axes, vector, share)
+      real(dp), intent(in) :: axes(:, :) !! the axes, of length 1 (k, n)
+      real(dp), intent(inout) :: vector(:) !! the vector (k)
+      real(dp), intent(out) :: share(:) !! its components (n)
+      real(dp) :: along
+      integer :: i, turn
+
+      share = 0.0_dp
+      do turn = 1, 2
+         do i = 1, size(axes, 2)
+            along = dot_product(axes(:, i), vector)
+            vector = vector - along*axes(:, i)
+            share(i) = share(i) + along
+         end do
+      end do
+   end subroutine orthogonalize
+
+end module amontons_equilibrium

@@ -1,0 +1,171 @@
+!> A load case: what acts on a body in one case, one step or one row of a sweep. The body itself never changes.
+module amontons_load_case
+   use amontons_assembly, only: from_unknowns, internal_forces, to_unknowns
+   use amontons_body, only: body_t
+   use amontons_condensation, only: condensed_load_t
+   use amontons_constraints, only: constraints_t, new_constraints, support_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_zone, only: contact_t, contact_zone_t
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_loads, only: load_t, load_vector
+   use amontons_mesh, only: mesh_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: condense_load_case, load_case_t, new_load_case, pose_problem, recover_displacement, set_obstacles
+
+   !> Loads, prescribed displacements, obstacles and friction.
+   type :: load_case_t
+      real(dp), allocatable :: force(:, :) !! nodal forces of the loads (2, n_nodes) [F]
+      real(dp), allocatable :: prescribed(:, :) !! displacements that the supports prescribe (2, n_nodes) [L]
+      real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
+      real(dp), allocatable :: free_gap(:)
+         !! what is left of the gap for the displacements that supports do not prescribe: d - n . u_p (m) [L]
+      logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle, so that the point can close (m)
+      real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
+      real(dp), allocatable :: slip_bound(:) !! given bound g of the tangential force (m) [F]
+      type(condensed_load_t) :: condensed !! the condensed load, after `condense_load_case`
+   end type load_case_t
+
+contains
+
+   !> Makes a load case, everything that its input can get wrong; `check_balance` tells whether it has an equilibrium.
+   subroutine new_load_case(load_case, body, supports, contacts, loads, error)
+      type(load_case_t), intent(out) :: load_case !! the load case, not condensed yet
+      type(body_t), intent(in) :: body !! the body
+      type(support_t), intent(in) :: supports(:)
+         !! the supports that the body was made with; their prescribed displacements may be others
+      type(contact_t), intent(in) :: contacts(:)
+         !! the contact sets that the body was made with; their obstacles, gaps and friction may be others
+      type(load_t), intent(in) :: loads(:) !! the loads
+      type(error_t), allocatable, intent(out) :: error !! supports, contacts or loads do not fit the body
+      type(constraints_t) :: constraints
+      real(dp) :: prescribed(2*body%zone%n_points)
+
+      call new_constraints(constraints, load_case%prescribed, body%mesh, supports, error)
+      if (allocated(error)) return
+      if (any(constraints%is_free .neqv. body%constraints%is_free)) then
+         call new_error(error, input_refused, 'the supports of a load case hold other components than those of its body')
+         return
+      end if
+      call set_obstacles(load_case, body%zone, body%mesh, contacts, error)
+      if (allocated(error)) return
+      prescribed = body%zone%rows%displacement(load_case%prescribed)
+      load_case%free_gap = load_case%gap - prescribed(:body%zone%n_points)
+      call load_vector(load_case%force, body%mesh, body%materials, loads, error)
+   end subroutine new_load_case
+
+   !> Sets gap, friction and slip bound of every point from its contact set.
+   !>
+   !> The gap is the distance to the obstacle along the point's normal; it is negative where the body overlaps the
+   !> obstacle (interference). A point whose normal never meets the obstacle gets a gap that nothing closes. A cell has
+   !> the means over its area.
+   pure subroutine set_obstacles(load_case, zone, mesh, contacts, error)
+      type(load_case_t), intent(inout) :: load_case !! the load case
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets, in the order of `new_contact_zone`
+      type(error_t), allocatable, intent(out) :: error !! a boundary that faces away, or a negative friction
+      real(dp), parameter :: out_of_reach = 1.0e3_dp
+      real(dp) :: size_of_body, gap, share
+      logical :: is_met
+      integer :: p, i
+
+      size_of_body = norm2(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
+      load_case%gap = spread(0.0_dp, 1, zone%n_points)
+      load_case%friction = load_case%gap
+      load_case%slip_bound = load_case%gap
+      load_case%is_in_reach = spread(.true., 1, zone%n_points)
+      do p = 1, zone%n_points
+         associate (contact => contacts(zone%set(p)), samples => zone%samples, friction => load_case%friction(p), &
+            bound => load_case%slip_bound(p))
+            do i = samples%start(p), samples%start(p + 1) - 1
+               share = samples%share(i)
+               call contact%obstacle%measure(samples%position(:, i), samples%normal(:, i), gap, is_met)
+               load_case%is_in_reach(p) = load_case%is_in_reach(p) .and. is_met
+               load_case%gap(p) = load_case%gap(p) + share*gap
+               friction = friction + share*contact%friction%at(samples%position(:, i), samples%station(i))
+               bound = bound + share*contact%slip_bound%at(samples%position(:, i), samples%station(i))*zone%area(p)
+            end do
+            load_case%gap(p) = load_case%gap(p) + contact%extra_gap
+            if (.not. load_case%is_in_reach(p)) load_case%gap(p) = out_of_reach*size_of_body
+            if (min(friction, bound) < 0.0_dp) then
+               call new_error(error, input_refused, contact%origin//'friction or slip bound is negative at '// &
+                  to_text(zone%position(1, p))//', '//to_text(zone%position(2, p)))
+               return
+            end if
+         end associate
+      end do
+      do i = 1, size(contacts)
+         if (any(load_case%is_in_reach .and. zone%set == i) .or. all(zone%set /= i)) cycle
+         call new_error(error, input_refused, contacts(i)%origin//'the boundary does not face its obstacle; '// &
+            'the normal of the obstacle must point to the body')
+         return
+      end do
+   end subroutine set_obstacles
+
+   !> Condenses the loads of a case, prescribed displacements included.
+   subroutine condense_load_case(load_case, body)
+      type(load_case_t), intent(inout) :: load_case !! the load case; gains its condensed load
+      type(body_t), intent(in) :: body !! the body, condensed
+      real(dp), allocatable :: forces(:, :)
+
+      if (any(abs(load_case%prescribed) > 0.0_dp)) then
+         call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, load_case%prescribed)
+         forces = load_case%force - forces
+      else
+         forces = load_case%force
+      end if
+      call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), load_case%condensed)
+   end subroutine condense_load_case
+
+   !> Sets load, gap, friction and slip bound of a body's contact problem to those of a load case.
+   subroutine pose_problem(problem, body, load_case)
+      type(contact_problem_t), intent(inout) :: problem !! the contact problem of the body
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case, condensed
+      real(dp), allocatable :: slip(:), from_slip(:)
+
+      problem%load = load_case%condensed%load
+      problem%prescribed = maxval(abs(load_case%prescribed))
+      problem%gap = load_case%free_gap
+      ! Slips are whole, since friction is against all of a slip: what is prescribed of them, as at one node of a cell,
+      ! becomes a load.
+      allocate (slip, source=prescribed_slip(body, load_case))
+      if (any(abs(slip) > 0.0_dp)) then
+         allocate (from_slip(2*size(slip)))
+         call problem%multiply_stiffness([0.0_dp*slip, slip], from_slip)
+         problem%load = problem%load + from_slip
+      end if
+      problem%friction = merge(0.0_dp, load_case%friction, body%zone%is_guided)
+      problem%slip_bound = merge(0.0_dp, load_case%slip_bound, body%zone%is_guided)
+   end subroutine pose_problem
+
+   !> The part of every slip that supports prescribe; 0 for a guided point, whose slip the contact problem does not know
+   !> (m) [L].
+   pure function prescribed_slip(body, load_case) result(slip)
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case
+      real(dp) :: slip(body%zone%n_points), prescribed(2*body%zone%n_points)
+
+      prescribed = body%zone%rows%displacement(load_case%prescribed)
+      slip = merge(0.0_dp, prescribed(body%zone%n_points + 1:), body%zone%is_guided)
+   end function prescribed_slip
+
+   !> Computes the displacements of all nodes from the solution of the contact problem.
+   subroutine recover_displacement(displacement, body, load_case, solution)
+      real(dp), allocatable, intent(out) :: displacement(:, :) !! displacements of all nodes (2, n_nodes) [L]
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case, condensed
+      real(dp), intent(in) :: solution(:) !! displacements v of the contact problem (2m) [L]
+      real(dp), allocatable :: unknowns(:), v(:)
+
+      v = solution
+      v(body%zone%n_points + 1:) = v(body%zone%n_points + 1:) - prescribed_slip(body, load_case)
+      call body%condensation%recover(load_case%condensed, v, unknowns)
+      displacement = from_unknowns(unknowns, load_case%prescribed, body%constraints, body%dof_map)
+   end subroutine recover_displacement
+
+end module amontons_load_case

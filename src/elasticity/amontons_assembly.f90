@@ -1,0 +1,247 @@
+!> The stiffness matrix of the unknowns, assembled from the elements, and the nodal forces of a displacement.
+module amontons_assembly
+   use amontons_coloring, only: coloring_t, worth_threads
+   use amontons_constraints, only: constraints_t
+   use amontons_dof_map, only: dof_map_t
+   use amontons_elasticity, only: element_forces, element_geometry_t, element_stiffness, new_element_geometry
+   use amontons_element, only: max_nodes
+   use amontons_error, only: error_t
+   use amontons_foundation, only: spring_side_t
+   use amontons_kinds, only: dp
+   use amontons_material, only: materials_t
+   use amontons_mesh, only: mesh_t
+   use amontons_sparse_matrix, only: new_sparse_matrix, sparse_matrix_t
+   implicit none (type, external)
+   private
+
+   public :: assemble_stiffness, from_unknowns, internal_forces, spring_forces, strained_share, to_unknowns, &
+      uncancelled_forces
+
+contains
+
+   !> Assembles the stiffness matrix of the unknowns.
+   subroutine assemble_stiffness(stiffness, mesh, materials, springs, coloring, constraints, dof_map, error)
+      type(sparse_matrix_t), intent(out) :: stiffness !! stiffness matrix (n_dofs, n_dofs) [F/L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials of the elements
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides
+      type(coloring_t), intent(in) :: coloring !! colours of the elements
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      type(error_t), allocatable, intent(out) :: error !! too large for the memory
+      type(element_geometry_t) :: geometry
+      real(dp) :: block(2*max_nodes, 2*max_nodes)
+      integer :: unknowns(2*max_nodes), color, i, k, n
+
+      call new_sparse_matrix(stiffness, dof_map%n_dofs, 2*mesh%node_start - 1, element_unknowns(mesh, dof_map), error)
+      if (allocated(error)) return
+      call place_unknowns(stiffness, mesh, dof_map)
+      do color = 1, coloring%n_colors
+         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(block, unknowns, k, n) &
+         !$omp shared(stiffness, mesh, materials, coloring, constraints, dof_map, color) &
+         !$omp if (mesh%n_elements >= worth_threads)
+         do i = coloring%start(color), coloring%start(color + 1) - 1
+            associate (material => materials%list(materials%of_element(coloring%element(i))))
+               call new_element_geometry(geometry, mesh, coloring%element(i), material)
+               call element_stiffness(geometry, material, block)
+            end associate
+            n = geometry%n_nodes
+            call turn_to_frames(block, geometry%node(:n), constraints)
+            do k = 1, n
+               unknowns(2*k - 1:2*k) = dof_map%dof(:, geometry%node(k))
+            end do
+            call stiffness%add_element(unknowns(:2*n), block(:2*n, :2*n))
+         end do
+         !$omp end parallel do
+      end do
+      do i = 1, size(springs)
+         n = springs(i)%n_nodes
+         block(:2*n, :2*n) = springs(i)%stiffness(:2*n, :2*n)
+         call turn_to_frames(block, springs(i)%node(:n), constraints)
+         call stiffness%add_element(reshape(dof_map%dof(:, springs(i)%node(:n)), [2*n]), block(:2*n, :2*n))
+      end do
+   end subroutine assemble_stiffness
+
+   !> Tells the matrix where its unknowns sit, for the ordering.
+   pure subroutine place_unknowns(stiffness, mesh, dof_map)
+      type(sparse_matrix_t), intent(inout) :: stiffness !! the matrix
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      integer :: node, axis
+
+      allocate (stiffness%place(2, dof_map%n_dofs))
+      do node = 1, mesh%n_nodes
+         do axis = 1, 2
+            if (dof_map%dof(axis, node) > 0) stiffness%place(:, dof_map%dof(axis, node)) = mesh%coordinates(:, node)
+         end do
+      end do
+   end subroutine place_unknowns
+
+   !> The unknowns of all elements, one element after the other; 0 for a held component.
+   pure function element_unknowns(mesh, dof_map) result(unknowns)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      integer, allocatable :: unknowns(:)
+      integer :: i
+
+      allocate (unknowns(2*size(mesh%node)))
+      do i = 1, size(mesh%node)
+         unknowns(2*i - 1:2*i) = dof_map%dof(:, mesh%node(i))
+      end do
+   end function element_unknowns
+
+   !> Turns an element's stiffness from x and y to the frames of its nodes.
+   pure subroutine turn_to_frames(block, nodes, constraints)
+      real(dp), intent(inout) :: block(:, :) !! stiffness (2 nodes, 2 nodes) [F/L]
+      integer, intent(in) :: nodes(:) !! its nodes
+      type(constraints_t), intent(in) :: constraints !! the supports, with the frames
+      real(dp) :: frame(2, 2)
+      integer :: i
+
+      do i = 1, size(nodes)
+         if (.not. abs(constraints%axis(2, nodes(i))) > 0.0_dp) cycle
+         frame = constraints%frame(nodes(i))
+         block(2*i - 1:2*i, :) = matmul(transpose(frame), block(2*i - 1:2*i, :))
+         block(:, 2*i - 1:2*i) = matmul(block(:, 2*i - 1:2*i), frame)
+      end do
+   end subroutine turn_to_frames
+
+   !> Nodal forces that stresses and springs of a displacement amount to: K u without ever forming K.
+   subroutine internal_forces(forces, mesh, materials, springs, coloring, displacement)
+      real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials of the elements
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides
+      type(coloring_t), intent(in) :: coloring !! colours of the elements
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      type(element_geometry_t) :: geometry
+      real(dp) :: element(2, max_nodes)
+      integer :: color, i, k
+
+      allocate (forces(2, mesh%n_nodes), source=0.0_dp)
+      do color = 1, coloring%n_colors
+         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(element, k) &
+         !$omp shared(forces, mesh, materials, coloring, displacement, color) &
+         !$omp if (mesh%n_elements >= worth_threads)
+         do i = coloring%start(color), coloring%start(color + 1) - 1
+            associate (material => materials%list(materials%of_element(coloring%element(i))))
+               call new_element_geometry(geometry, mesh, coloring%element(i), material)
+               element = element_forces(geometry, material, displacement)
+            end associate
+            do k = 1, geometry%n_nodes
+               forces(:, geometry%node(k)) = forces(:, geometry%node(k)) + element(:, k)
+            end do
+         end do
+         !$omp end parallel do
+      end do
+      forces = forces + spring_forces(mesh%n_nodes, springs, displacement)
+   end subroutine internal_forces
+
+   !> Norm of the nodal forces |K| |u|, to which stiffness times displacement would add up if no two terms cancelled:
+   !> the size that rounding errors of the internal forces are a share of [F].
+   pure real(dp) function uncancelled_forces(mesh, materials, displacement) result(size_of_terms)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials of the elements
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      type(element_geometry_t) :: geometry
+      real(dp), allocatable :: forces(:, :)
+      real(dp) :: stiffness(2*max_nodes, 2*max_nodes)
+      integer :: element, n
+
+      allocate (forces(2, mesh%n_nodes), source=0.0_dp)
+      do element = 1, mesh%n_elements
+         associate (material => materials%list(materials%of_element(element)))
+            call new_element_geometry(geometry, mesh, element, material)
+            call element_stiffness(geometry, material, stiffness)
+         end associate
+         n = geometry%n_nodes
+         associate (nodes => geometry%node(:n))
+            forces(:, nodes) = forces(:, nodes) + reshape(matmul(abs(stiffness(:2*n, :2*n)), &
+               reshape(abs(displacement(:, nodes)), [2*n])), [2, n])
+         end associate
+      end do
+      size_of_terms = norm2(forces)
+   end function uncancelled_forces
+
+   !> The largest share that the forces of an element are of what they would be if no two terms cancelled: as small as
+   !> rounding errors where no element is strained [-].
+   pure real(dp) function strained_share(mesh, materials, displacement) result(share)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials of the elements
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      type(element_geometry_t) :: geometry
+      real(dp) :: stiffness(2*max_nodes, 2*max_nodes)
+      integer :: element, n
+
+      share = 0.0_dp
+      do element = 1, mesh%n_elements
+         associate (material => materials%list(materials%of_element(element)))
+            call new_element_geometry(geometry, mesh, element, material)
+            call element_stiffness(geometry, material, stiffness)
+         end associate
+         n = 2*geometry%n_nodes
+         associate (u => reshape(displacement(:, geometry%node(:geometry%n_nodes)), [n]))
+            share = max(share, maxval(abs(matmul(stiffness(:n, :n), u))) &
+               /max(maxval(matmul(abs(stiffness(:n, :n)), abs(u))), tiny(share)))
+         end associate
+      end do
+   end function strained_share
+
+   !> Nodal forces that springs take: spring stiffness times displacement (2, n_nodes) [F].
+   pure function spring_forces(n_nodes, springs, displacement) result(forces)
+      integer, intent(in) :: n_nodes !! number of nodes of the mesh
+      type(spring_side_t), intent(in) :: springs(:) !! the springs
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), allocatable :: forces(:, :)
+      integer :: i, n
+
+      allocate (forces(2, n_nodes), source=0.0_dp)
+      do i = 1, size(springs)
+         n = springs(i)%n_nodes
+         associate (nodes => springs(i)%node(:n))
+            forces(:, nodes) = forces(:, nodes) + reshape(matmul(springs(i)%stiffness(:2*n, :2*n), &
+               reshape(displacement(:, nodes), [2*n])), [2, n])
+         end associate
+      end do
+   end function spring_forces
+
+   !> Collects a nodal field into a vector of the unknowns: its components along the free axes.
+   pure function to_unknowns(field, constraints, dof_map) result(vector)
+      real(dp), intent(in) :: field(:, :) !! values at the nodes, x and y (2, n_nodes)
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      real(dp), allocatable :: vector(:)
+      real(dp) :: frame(2, 2)
+      integer :: node, axis
+
+      allocate (vector(dof_map%n_dofs))
+      do node = 1, size(field, 2)
+         frame = constraints%frame(node)
+         do axis = 1, 2
+            if (dof_map%dof(axis, node) == 0) cycle
+            vector(dof_map%dof(axis, node)) = dot_product(frame(:, axis), field(:, node))
+         end do
+      end do
+   end function to_unknowns
+
+   !> Spreads a vector of the unknowns to the nodes, prescribed displacements included.
+   pure function from_unknowns(vector, prescribed, constraints, dof_map) result(displacement)
+      real(dp), intent(in) :: vector(:) !! the unknowns (n_dofs) [L]
+      real(dp), intent(in) :: prescribed(:, :) !! prescribed displacements (2, n_nodes) [L]
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      real(dp), allocatable :: displacement(:, :)
+      real(dp) :: frame(2, 2)
+      integer :: node, axis
+
+      displacement = prescribed
+      do node = 1, size(displacement, 2)
+         frame = constraints%frame(node)
+         do axis = 1, 2
+            if (dof_map%dof(axis, node) == 0) cycle
+            displacement(:, node) = displacement(:, node) + frame(:, axis)*vector(dof_map%dof(axis, node))
+         end do
+      end do
+   end function from_unknowns
+
+end module amontons_assembly

@@ -1,0 +1,189 @@
+!> The supports of a body: which directions of which nodes are held, and where to.
+module amontons_constraints
+   use amontons_boundary, only: boundary_line_t, new_boundary_line
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_mesh, only: mesh_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: constraints_t, new_constraints, new_support, support_t, supported_components
+
+   !> The components of a displacement that a support may prescribe: x, y, outward normal, tangent.
+   character(2), parameter :: supported_components(4) = ['ux', 'uy', 'un', 'ut']
+
+   !> A prescribed displacement or an elastic foundation of a boundary set, or a prescribed displacement of the node at
+   !> a point.
+   type :: support_t
+      character(:), allocatable :: set !! name of the boundary set; empty for a support at a point
+      real(dp) :: point(2) = 0.0_dp !! coordinates of the node [L]; read when `set` is empty
+      logical :: is_held(size(supported_components)) = .false. !! which components are prescribed
+      real(dp) :: displacement(size(supported_components)) = 0.0_dp !! their values [L]
+      real(dp) :: spring(2) = 0.0_dp !! stress per displacement along normal and tangent of the set [F/L^3]
+      character(:), allocatable :: origin !! where the support was specified, for messages: 'deck.nml:12: '
+   end type support_t
+
+   !> Which components the supports hold, node by node. Each node has an orthonormal frame (e1, e2); its displacement is
+   !> what a load case prescribes plus the free parts along e1 and e2.
+   type :: constraints_t
+      logical, allocatable :: is_free(:, :) !! whether the node can move along e1, e2 (2, n_nodes)
+      real(dp), allocatable :: axis(:, :) !! e1; e2 is e1 turned by +90 degrees (2, n_nodes) [-]
+   contains
+      procedure :: frame => constraints_frame
+      procedure :: leaves_free => constraints_leaves_free
+      procedure, private :: hold => constraints_hold
+   end type constraints_t
+
+   !> Below this a component of a unit vector counts as none: mesh files carry about eight digits, so directions that
+   !> should agree differ in the last of them.
+   real(dp), parameter :: negligible = 1.0e-6_dp
+
+contains
+
+   !> Makes a support of a boundary set that holds nothing yet.
+   pure subroutine new_support(support, set)
+      type(support_t), intent(out) :: support !! the support
+      character(*), intent(in) :: set !! name of the boundary set
+
+      support%set = set
+      support%origin = ''
+   end subroutine new_support
+
+   !> Applies all supports to the nodes of a mesh. Supports that hold the same components make the same constraints,
+   !> whatever displacements they prescribe.
+   subroutine new_constraints(constraints, prescribed, mesh, supports, error)
+      type(constraints_t), intent(out) :: constraints !! the constraints
+      real(dp), allocatable, intent(out) :: prescribed(:, :) !! prescribed displacements, x and y (2, n_nodes) [L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(support_t), intent(in) :: supports(:) !! the supports
+      type(error_t), allocatable, intent(out) :: error !! a set or node is missing, or supports contradict each other
+      integer :: i
+
+      allocate (constraints%is_free(2, mesh%n_nodes), source=.true.)
+      allocate (constraints%axis(2, mesh%n_nodes), prescribed(2, mesh%n_nodes), source=0.0_dp)
+      constraints%axis(1, :) = 1.0_dp
+      do i = 1, size(supports)
+         if (len(supports(i)%set) == 0) then
+            call hold_point(constraints, prescribed, mesh, supports(i), error)
+         else
+            call hold_set(constraints, prescribed, mesh, supports(i), error)
+         end if
+         if (.not. allocated(error)) cycle
+         error%message = supports(i)%origin//error%message
+         return
+      end do
+   end subroutine new_constraints
+
+   !> Applies a support to the node at its point; normal and tangential components do not exist there.
+   subroutine hold_point(constraints, prescribed, mesh, support, error)
+      type(constraints_t), intent(inout) :: constraints !! the constraints
+      real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements (2, n_nodes) [L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(support_t), intent(in) :: support !! the support
+      type(error_t), allocatable, intent(out) :: error !! no node is there, or the supports contradict each other
+      integer :: node
+
+      node = mesh%nearest_node(support%point)
+      if (node == 0) then
+         call new_error(error, input_refused, 'no node at the point '//to_text(support%point(1))//', '// &
+            to_text(support%point(2)))
+         return
+      end if
+      call hold_node(constraints, prescribed(:, node), node, [0.0_dp, 0.0_dp], support, mesh%coordinates(:, node), error)
+   end subroutine hold_point
+
+   !> Applies a support to all nodes of its boundary set.
+   subroutine hold_set(constraints, prescribed, mesh, support, error)
+      type(constraints_t), intent(inout) :: constraints !! the constraints
+      real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements (2, n_nodes) [L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(support_t), intent(in) :: support !! the support
+      type(error_t), allocatable, intent(out) :: error !! no such set, or the supports contradict each other
+      type(boundary_line_t) :: line
+      integer :: i
+
+      call new_boundary_line(line, mesh, support%set, error)
+      if (allocated(error)) return
+      do i = 1, line%n_nodes
+         associate (node => line%node(i))
+            call hold_node(constraints, prescribed(:, node), node, line%normal(:, i), support, &
+               mesh%coordinates(:, node), error)
+         end associate
+         if (allocated(error)) return
+      end do
+   end subroutine hold_set
+
+   !> Holds the prescribed components of one node.
+   subroutine hold_node(constraints, prescribed, node, normal, support, position, error)
+      type(constraints_t), intent(inout) :: constraints !! the constraints
+      real(dp), intent(inout) :: prescribed(2) !! prescribed displacement of the node [L]
+      integer, intent(in) :: node !! the node
+      real(dp), intent(in) :: normal(2) !! outward normal at the node [-]
+      type(support_t), intent(in) :: support !! the support
+      real(dp), intent(in) :: position(2) !! coordinates of the node, for the message [L]
+      type(error_t), allocatable, intent(out) :: error !! the supports contradict each other at this node
+      real(dp) :: direction(2, 4)
+      logical :: is_consistent
+      integer :: component
+
+      direction(:, 1) = [1.0_dp, 0.0_dp]
+      direction(:, 2) = [0.0_dp, 1.0_dp]
+      direction(:, 3) = normal
+      direction(:, 4) = [-normal(2), normal(1)]
+      do component = 1, 4
+         if (.not. support%is_held(component)) cycle
+         call constraints%hold(prescribed, node, direction(:, component), support%displacement(component), is_consistent)
+         if (is_consistent) cycle
+         call new_error(error, input_refused, 'the support contradicts an earlier one at the node '// &
+            to_text(position(1))//', '//to_text(position(2)))
+         return
+      end do
+   end subroutine hold_node
+
+   !> Holds one direction of a node: direction . u = displacement.
+   pure subroutine constraints_hold(self, prescribed, node, direction, displacement, is_consistent)
+      class(constraints_t), intent(inout) :: self !! the constraints
+      real(dp), intent(inout) :: prescribed(2) !! prescribed displacement of the node [L]
+      integer, intent(in) :: node !! the node
+      real(dp), intent(in) :: direction(2) !! unit vector [-]
+      real(dp), intent(in) :: displacement !! where to [L]
+      logical, intent(out) :: is_consistent !! whether no earlier support holds it elsewhere along this direction
+      real(dp) :: frame(2, 2), missing, along(2)
+      integer :: free
+
+      missing = displacement - dot_product(direction, prescribed)
+      if (all(self%is_free(:, node)) .and. all(abs(direction) > negligible)) self%axis(:, node) = direction
+      frame = self%frame(node)
+      ! The free axis that the direction has most of: the other one is held already, or normal to it.
+      along = abs(matmul(direction, frame))
+      free = maxloc(along, dim=1, mask=self%is_free(:, node) .and. along > negligible)
+      if (free == 0) then
+         is_consistent = abs(missing) <= negligible*(abs(displacement) + norm2(prescribed))
+         return
+      end if
+      is_consistent = .true.
+      self%is_free(free, node) = .false.
+      prescribed = prescribed + frame(:, free)*missing/dot_product(direction, frame(:, free))
+   end subroutine constraints_hold
+
+   !> Whether the supports leave a node some motion along a direction.
+   pure logical function constraints_leaves_free(self, node, direction) result(is_free)
+      class(constraints_t), intent(in) :: self !! the constraints
+      integer, intent(in) :: node !! the node
+      real(dp), intent(in) :: direction(2) !! unit vector [-]
+
+      is_free = any(self%is_free(:, node) .and. abs(matmul(direction, self%frame(node))) > negligible)
+   end function constraints_leaves_free
+
+   !> The frame of a node: its axes e1 and e2 as columns (2, 2) [-].
+   pure function constraints_frame(self, node) result(frame)
+      class(constraints_t), intent(in) :: self !! the constraints
+      integer, intent(in) :: node !! the node
+      real(dp) :: frame(2, 2)
+
+      frame(:, 1) = self%axis(:, node)
+      frame(:, 2) = [-self%axis(2, node), self%axis(1, node)]
+   end function constraints_frame
+
+end module amontons_constraints

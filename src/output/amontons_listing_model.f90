@@ -1,0 +1,227 @@
+!> The part of a listing that tells what was computed: mesh, materials, supports, contact sets, loads.
+module amontons_listing_model
+   use amontons_body, only: body_t, poor_inf_sup
+   use amontons_config, only: config_t
+   use amontons_constraints, only: support_t, supported_components
+   use amontons_contact_rows, only: turned
+   use amontons_contact_zone, only: contact_t
+   use amontons_kinds, only: dp
+   use amontons_line_field, only: line_field_t
+   use amontons_listing_text, only: heading, line, pair, short
+   use amontons_load_case, only: load_case_t
+   use amontons_loads, only: load_on_nodes, load_on_sides, load_t
+   use amontons_material, only: material_t
+   use amontons_text, only: newline, to_text
+   implicit none (type, external)
+   private
+
+   public :: loads_text, model_text
+
+contains
+
+   !> Mesh, material, supports and contact sets.
+   function model_text(config, body, load_case) result(text)
+      type(config_t), intent(in) :: config !! the case
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its obstacles
+      character(:), allocatable :: text
+      integer :: i
+
+      associate (r => config%rectangle)
+         if (len(config%mesh_file) > 0) then
+            text = heading('Model')//line('Mesh', config%mesh_file)
+         else
+            text = heading('Model')//line('Rectangle', short(r%size(1))//' x '//short(r%size(2))//', ' &
+               //to_text(r%cells(1))//' x '//to_text(r%cells(2))//' cells of '//r%element)
+         end if
+      end associate
+      text = text//line('Nodes, elements', to_text(body%mesh%n_nodes)//', '//to_text(body%mesh%n_elements))// &
+         line('Unknowns', to_text(body%dof_map%n_dofs)//', of them '//to_text(body%dof_map%n_trailing)// &
+         ' on the contact line')
+      do i = 1, size(config%materials)
+         text = text//line('Material', material_text(config%materials(i)))
+      end do
+      do i = 1, size(config%supports)
+         text = text//line('Support', support_text(config%supports(i)))
+      end do
+      do i = 1, size(config%contacts)
+         text = text//line('Contact', contact_text(config%contacts(i)))
+         if (config%contacts(i)%partition%is_constant) text = text//cells_text(body, i)
+      end do
+      text = text//line('Contact points', to_text(body%zone%n_points))//mesh_notes_text(body)// &
+         notes_text(body, load_case)
+   end function model_text
+
+   !> What a material is.
+   pure function material_text(material) result(text)
+      type(material_t), intent(in) :: material !! the material
+      character(:), allocatable :: text
+
+      text = material%hypothesis//', Young '//short(material%young)//', Poisson '//short(material%poisson)
+      if (.not. material%is_axisymmetric) text = text//', thickness '//short(material%thickness)
+      if (len(material%region) > 0) text = text//", region '"//material%region//"'"
+   end function material_text
+
+   !> What a support holds.
+   pure function support_text(support) result(text)
+      type(support_t), intent(in) :: support !! the support
+      character(:), allocatable :: text
+      integer :: k
+
+      if (len(support%set) > 0) then
+         text = "set '"//support%set//"'"
+      else
+         text = 'point '//pair(support%point)
+      end if
+      do k = 1, size(supported_components)
+         if (support%is_held(k)) text = text//', '//supported_components(k)//' = '//short(support%displacement(k))
+      end do
+      if (any(support%spring > 0.0_dp)) text = text//', springs '//pair(support%spring)//' along normal and tangent'
+   end function support_text
+
+   !> What a contact set may touch, and how it rubs.
+   pure function contact_text(contact) result(text)
+      type(contact_t), intent(in) :: contact !! the contact set
+      character(:), allocatable :: text
+
+      associate (obstacle => contact%obstacle)
+         text = "set '"//contact%set//"'"//field_text('friction', contact%friction) &
+            //field_text('slip bound', contact%slip_bound)//', '//obstacle%kind//' at '//pair(obstacle%point) &
+            //' with normal '//pair(obstacle%normal)
+         if (obstacle%has_radius()) text = text//', radius '//short(obstacle%radius)
+         if (obstacle%kind == 'polyline') text = text//', points of '//obstacle%file
+         if (any(abs(contact%direction) > 0.0_dp)) text = text//', gaps along '//pair(contact%direction)
+         if (abs(contact%extra_gap) > 0.0_dp) text = text//', extra gap '//short(contact%extra_gap)
+      end associate
+   end function contact_text
+
+   !> The cells of the constant multipliers of a contact set, and whether the mesh can tell them apart.
+   pure function cells_text(body, i) result(text)
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: i !! which contact set
+      character(:), allocatable :: text
+      real(dp), allocatable :: lengths(:)
+
+      lengths = pack(body%zone%weight, body%zone%set == i)
+      text = line('Multipliers', 'constant on '//to_text(size(lengths))//' cells of length '//short(minval(lengths))// &
+         ' to '//short(maxval(lengths)))//line('Inf-sup constant', short(body%inf_sup(i)))
+      if (body%inf_sup(i) < poor_inf_sup) text = text//line('WARNING', 'the inf-sup constant is below '// &
+         short(poor_inf_sup)//': forces and statuses may oscillate from cell to cell; make the cells larger')
+   end function cells_text
+
+   !> A quantity along a contact line; nothing where it is zero.
+   pure function field_text(name, field) result(text)
+      character(*), intent(in) :: name !! what it is
+      type(line_field_t), intent(in) :: field !! the quantity
+      character(:), allocatable :: text
+
+      text = ''
+      if (allocated(field%table)) then
+         text = ', '//name//' from '//field%file
+      else if (any(abs(field%slope) > 0.0_dp)) then
+         text = ', '//name//' '//short(field%value)//' + '//pair(field%slope)//' . (x, y)'
+      else if (abs(field%value) > 0.0_dp .or. name == 'friction') then
+         text = ', '//name//' '//short(field%value)
+      end if
+   end function field_text
+
+   !> What was put right in the mesh file.
+   pure function mesh_notes_text(body) result(text)
+      type(body_t), intent(in) :: body !! the body
+      character(:), allocatable :: text
+      integer :: first, length
+
+      text = ''
+      first = 1
+      do while (first <= len(body%mesh_notes))
+         length = index(body%mesh_notes(first:)//newline, newline) - 1
+         text = text//line('Note', body%mesh_notes(first:first + length - 1))
+         first = first + length + 1
+      end do
+   end function mesh_notes_text
+
+   !> What the reader must know of the contact points: what supports take over, overlap, free motions.
+   pure function notes_text(body, load_case) result(text)
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its obstacles
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      associate (zone => body%zone)
+         if (any(body%motions%n_free > 0)) text = text//line('Note', 'the supports leave '// &
+            to_text(sum(body%motions%n_free))//' rigid motion(s) free; contact alone holds the body there')
+         do i = 1, size(zone%held_node)
+            text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%held_node(i)))// &
+               ' is no contact point: supports hold it')
+         end do
+         do i = 1, size(zone%bare_node)
+            text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%bare_node(i)))// &
+               ' is no contact point: on the axis it has no area that a pressure could act on')
+         end do
+         do i = 1, size(zone%shared_node)
+            text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%shared_node(i)))// &
+               ' is a corner of two contact sets; it belongs to the one named first')
+         end do
+         do i = 1, zone%n_points
+            if (zone%is_guided(i)) text = text//line('Note', 'the '//trim(merge('cell', 'node', zone%is_cell(i)))// &
+               ' at '//pair(zone%position(:, i))//guide_text(body, i))
+         end do
+         if (zone%n_held_cells > 0) text = text//line('Note', to_text(zone%n_held_cells)// &
+            ' cell(s) of constant multipliers are no contact points: supports hold their nodes')
+         if (any(load_case%gap < 0.0_dp)) text = text//line('Note', 'the body overlaps the obstacle by up to '// &
+            short(-minval(load_case%gap))//' at the start')
+      end associate
+   end function notes_text
+
+   !> What the support of a guided point does to its friction.
+   pure function guide_text(body, p) result(text)
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: p !! number of the point
+      character(:), allocatable :: text
+      integer :: k
+
+      if (any([(body%constraints%leaves_free(body%zone%rows%node(k), turned(body%zone%normal(:, p))), &
+         k=body%zone%rows%start(p), body%zone%rows%start(p + 1) - 1)])) then
+         text = ' slides without friction: a support that is aslant to the obstacle guides it'
+      else
+         text = ' cannot slide: a support bears its tangential force'
+      end if
+   end function guide_text
+
+   !> The loads.
+   pure function loads_text(config) result(text)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(config%loads)
+         text = text//line('Load', load_text(config%loads(i)))
+      end do
+   end function loads_text
+
+   !> What a load is.
+   pure function load_text(load) result(text)
+      type(load_t), intent(in) :: load !! the load
+      character(:), allocatable :: text
+
+      text = ''
+      if (len(load%name) > 0) text = load%name//': '
+      if (len(load%set) > 0) text = text//"set '"//load%set//"', "
+      if (len(load%region) > 0) text = text//"region '"//load%region//"', "
+      select case (load%target)
+      case (load_on_sides)
+         text = text//'traction '//pair(load%traction)//', pressure '//short(load%pressure)
+         if (any(abs(load%traction_slope) > 0.0_dp)) text = text//', traction slope '// &
+            pair(load%traction_slope(:, 1))//' along x, '//pair(load%traction_slope(:, 2))//' along y'
+         if (any(abs(load%pressure_slope) > 0.0_dp)) text = text//', pressure slope '//pair(load%pressure_slope)
+      case (load_on_nodes)
+         if (len(load%set) == 0) text = text//'point '//pair(load%point)//', '
+         text = text//'force '//pair(load%force)
+      case default
+         text = text//'body force '//pair(load%body_force)
+      end select
+   end function load_text
+
+end module amontons_listing_model

@@ -1,0 +1,51 @@
+!> The result of a case: everything that the reports tell.
+module amontons_result
+   use amontons_all_solutions, only: all_solutions_t
+   use amontons_certificate, only: certificate_t
+   use amontons_contact_solution, only: contact_solution_t
+   use amontons_kinds, only: dp
+   use amontons_lengths, only: lengths_t
+   use amontons_load_case, only: load_case_t
+   use amontons_timings, only: timings_t
+   use amontons_uniqueness, only: uniqueness_t
+   implicit none (type, external)
+   private
+
+   public :: certificate_limit, result_t, status_not_converged
+
+   !> Exit status of a case that did not converge, or whose certificate failed; the others are the kinds of
+   !> `amontons_error`.
+   integer, parameter :: status_not_converged = 4
+
+   !> Solution, certificate and record of a case.
+   type :: result_t
+      type(contact_solution_t) :: solution !! forces, displacements and statuses of the contact points
+      type(load_case_t) :: load_case !! loads, prescribed displacements, obstacles and friction
+      real(dp), allocatable :: displacement(:, :) !! displacement of all nodes (2, n_nodes) [L]
+      type(certificate_t) :: certificate !! violations on the full model
+      real(dp) :: condition = 0.0_dp
+         !! condition number of the stiffness in the 1-norm, estimated where rounding shows; else 0 [-]
+      type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
+      type(all_solutions_t), allocatable :: all_solutions !! all solutions, where they were asked for
+      logical :: has_reduced_files = .false. !! whether its reduced problem was written
+      type(lengths_t) :: lengths !! lengths of the open, sliding and sticking parts
+      real(dp) :: method_error = -1.0_dp
+         !! largest difference of a contact force from the exact solution, over the largest force; -1 if not asked [-]
+      character(:), allocatable :: shared_with !! the case whose factorisation was used; not allocated for an own one
+      character(:), allocatable :: started_from !! the case whose solution was the start; not allocated for a cold start
+      type(timings_t) :: timings !! where the time went
+   end type result_t
+
+contains
+
+   !> What every violation of a certificate must stay below, for a tolerance of the contact method [-].
+   !>
+   !> A hundred times the tolerance leaves room for what a residual of the small problem becomes on the full model;
+   !> below 1e-8 rounding of a large model would speak.
+   pure real(dp) function certificate_limit(tolerance)
+      real(dp), intent(in) :: tolerance !! tolerance of the contact method [-]
+
+      certificate_limit = max(1.0e-8_dp, 100.0_dp*tolerance)
+   end function certificate_limit
+
+end module amontons_result

@@ -1,0 +1,179 @@
+!> The way of a case from its configuration to its result. Cases that share a body share its factorisation.
+module amontons_solve_case
+   use amontons_body, only: body_t, condense_body, new_body
+   use amontons_config, only: config_t
+   use amontons_contact_method, only: contact_method_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_contact_zone, only: contact_t
+   use amontons_effective_deck, only: body_text
+   use amontons_equilibrium, only: check_balance
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_load_case, only: new_load_case
+   use amontons_mesh, only: mesh_t
+   use amontons_mesh_file, only: read_mesh_file
+   use amontons_methods, only: new_contact_method
+   use amontons_name_check, only: check_names
+   use amontons_rectangle, only: new_rectangle_mesh
+   use amontons_result, only: result_t
+   use amontons_solve_load_case, only: solve_load_case
+   use amontons_timings, only: new_timings
+   implicit none (type, external)
+   private
+
+   public :: condense_case, prepare_case, solve_case, workshop_t
+
+   !> The body at hand and what was last done with it: what one case of a run hands on to the next.
+   type :: workshop_t
+      type(body_t), allocatable :: body !! the body
+      type(contact_problem_t) :: problem !! its contact problem, once it is condensed
+      character(:), allocatable :: body_text !! the deck text that the body was made from
+      character(:), allocatable :: first_case !! the case that the body was made for
+      character(:), allocatable :: last_case !! the case solved last on this body; not allocated before the first
+      logical :: is_condensed = .false. !! whether the body is factorised
+      type(contact_solution_t) :: last_solution !! its solution, the start of the next case
+   end type workshop_t
+
+contains
+
+   !> Makes the body, the obstacles and the loads of a case ready, everything that its deck can get wrong.
+   subroutine prepare_case(workshop, config, result, error)
+      type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the case needs another
+      type(config_t), intent(in) :: config !! the case
+      type(result_t), intent(out) :: result !! gains the load case
+      type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are at fault
+      type(contact_t), allocatable :: contacts(:)
+
+      call new_timings(result%timings)
+      if (has_body(workshop, config)) then
+         call check_names(config, workshop%body%mesh, error)
+      else
+         call make_body(workshop, config, error)
+      end if
+      if (allocated(error)) return
+      ! No case of a sweep may have a negative friction.
+      contacts = config%contacts
+      call config%sweep%lower_friction(contacts)
+      call new_load_case(result%load_case, workshop%body, config%supports, contacts, config%loads, error)
+      if (allocated(error)) return
+      ! Loads and friction that a sweep varies need not balance as they stand.
+      if (.not. config%sweep%is_given()) call check_balance(workshop%body, result%load_case, error)
+   end subroutine prepare_case
+
+   !> Makes the body of a case.
+   subroutine make_body(workshop, config, error)
+      type(workshop_t), intent(inout) :: workshop !! gains the body
+      type(config_t), intent(in) :: config !! the case
+      type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports or contacts are at fault
+      type(mesh_t) :: mesh
+      character(:), allocatable :: notes
+
+      if (allocated(workshop%body)) deallocate (workshop%body)
+      ! A body that cannot be made must not pass for the one before it.
+      workshop%body_text = ''
+      workshop%is_condensed = .false.
+      allocate (workshop%body)
+      call new_mesh(mesh, notes, config, error)
+      if (.not. allocated(error)) call check_names(config, mesh, error)
+      if (allocated(error)) return
+      call new_body(workshop%body, mesh, config%materials, config%supports, config%contacts, error)
+      if (allocated(error)) return
+      workshop%body%mesh_notes = notes
+      workshop%body_text = body_key(config)
+      workshop%first_case = config%name
+      if (allocated(workshop%last_case)) deallocate (workshop%last_case)
+   end subroutine make_body
+
+   !> Makes or reads the mesh of a case.
+   subroutine new_mesh(mesh, notes, config, error)
+      type(mesh_t), intent(out) :: mesh !! the mesh
+      character(:), allocatable, intent(out) :: notes !! what was put right in a file, a line of text for each
+      type(config_t), intent(in) :: config !! the case
+      type(error_t), allocatable, intent(out) :: error !! the file or the rectangle is at fault
+
+      notes = ''
+      if (len(config%mesh_file) > 0) then
+         call read_mesh_file(mesh, config%mesh_file, notes, error)
+      else
+         call new_rectangle_mesh(mesh, config%rectangle, error)
+      end if
+      if (allocated(error)) error%message = config%mesh_origin//error%message
+   end subroutine new_mesh
+
+   !> Whether the body at hand is that of a case.
+   pure logical function has_body(workshop, config)
+      type(workshop_t), intent(in) :: workshop !! the body at hand
+      type(config_t), intent(in) :: config !! the case
+
+      has_body = allocated(workshop%body) .and. allocated(workshop%body_text)
+      if (has_body) has_body = workshop%body_text == body_key(config)
+   end function has_body
+
+   !> The text that tells bodies apart: what a deck says of mesh, materials, supports and contact sets, but for the
+   !> displacements that supports prescribe.
+   pure function body_key(config) result(key)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: key
+      type(config_t) :: at_rest
+      integer :: i
+
+      at_rest = config
+      do i = 1, size(at_rest%supports)
+         at_rest%supports(i)%displacement = 0.0_dp
+      end do
+      key = body_text(at_rest)
+   end function body_key
+
+   !> Solves a case. The cases of a sweep are solved by `solve_sweep`.
+   subroutine solve_case(workshop, config, result, error)
+      type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the case needs another
+      type(config_t), intent(in) :: config !! the case
+      type(result_t), intent(out) :: result !! the result
+      type(error_t), allocatable, intent(out) :: error !! the deck or the numbers are at fault
+      class(contact_method_t), allocatable :: method
+
+      call prepare_case(workshop, config, result, error)
+      if (allocated(error)) return
+      call new_contact_method(method, config%method, error)
+      if (allocated(error)) return
+      call condense_case(workshop, config, result, error)
+      if (allocated(error)) return
+      call start_solution(workshop, result)
+      call solve_load_case(result, workshop%body, workshop%problem, method, error)
+      if (allocated(error)) return
+      if (.not. result%solution%is_converged) return
+      workshop%last_case = config%name
+      workshop%last_solution = result%solution
+   end subroutine solve_case
+
+   !> Factorises and condenses the body, unless an earlier case has done so.
+   subroutine condense_case(workshop, config, result, error)
+      type(workshop_t), intent(inout) :: workshop !! the body at hand
+      type(config_t), intent(in) :: config !! the case
+      type(result_t), intent(inout) :: result !! gains the times, and the case whose factorisation it shares
+      type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
+
+      if (workshop%is_condensed) then
+         result%shared_with = workshop%first_case
+      else
+         call condense_body(workshop%body, workshop%problem, config%factorization, config%condensation, result%timings, &
+            error)
+         workshop%is_condensed = .not. allocated(error)
+      end if
+   end subroutine condense_case
+
+   !> Starts from the last solution of the same body, or from rest.
+   subroutine start_solution(workshop, result)
+      type(workshop_t), intent(in) :: workshop !! the body at hand and its last solution
+      type(result_t), intent(inout) :: result !! the result, its solution set to the start
+
+      if (allocated(workshop%last_case)) then
+         result%solution = workshop%last_solution
+         result%started_from = workshop%last_case
+      else
+         call new_contact_solution(result%solution, workshop%body%zone%n_points)
+      end if
+   end subroutine start_solution
+
+end module amontons_solve_case

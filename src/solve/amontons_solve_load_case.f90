@@ -1,0 +1,129 @@
+!> From a load case to its result: the one way that decks, sweeps and bodies made in code go.
+module amontons_solve_load_case
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_assembly, only: uncancelled_forces
+   use amontons_auto, only: auto_t
+   use amontons_body, only: body_t
+   use amontons_certificate, only: new_certificate
+   use amontons_contact_method, only: contact_method_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_kinds, only: dp
+   use amontons_lengths, only: new_lengths
+   use amontons_load_case, only: condense_load_case, pose_problem, recover_displacement
+   use amontons_result, only: result_t
+   use amontons_timings, only: phase_condense, phase_recover, phase_solve, phase_write
+   use amontons_uniqueness, only: new_uniqueness
+   implicit none (type, external)
+   private
+
+   public :: certify, solve_load_case
+
+contains
+
+   !> Solves a load case of a body and certifies the result.
+   subroutine solve_load_case(result, body, problem, method, error)
+      type(result_t), intent(inout) :: result
+         !! the result: with its load case, times begun and a solution to start from; gains everything else
+      type(body_t), intent(in) :: body !! the body, condensed
+      type(contact_problem_t), intent(inout) :: problem
+         !! its contact problem; left with this load case, and the compliance if the method makes it
+      class(contact_method_t), intent(in) :: method !! the contact method
+      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+
+      call result%timings%begin(phase_condense)
+      call condense_load_case(result%load_case, body)
+      call pose_problem(problem, body, result%load_case)
+      call result%timings%begin(phase_solve)
+      call method%solve(problem, result%solution, error)
+      if (allocated(error)) return
+      call check_finite(result%solution, error)
+      if (allocated(error)) return
+      if (result%solution%is_at_rest) call compare_with_exact(problem, method%tolerance, result, error)
+      if (allocated(error)) return
+      call result%timings%begin(phase_recover)
+      call certify(result, body, error)
+      if (allocated(error)) return
+      call new_uniqueness(result%uniqueness, problem)
+      ! What the caller does with the result is to write it.
+      call result%timings%begin(phase_write)
+   end subroutine solve_load_case
+
+   !> Refuses a solution whose numbers have left the finite range.
+   pure subroutine check_finite(solution, error)
+      type(contact_solution_t), intent(in) :: solution !! the solution
+      type(error_t), allocatable, intent(out) :: error !! it is not finite
+
+      ! A residual still at its first value, the largest number, means that no iteration gave a finite one.
+      if (solution%residual < huge(solution%residual) .and. all(ieee_is_finite(solution%force)) &
+         .and. all(ieee_is_finite(solution%displacement))) return
+      call new_error(error, numerical_failure, 'the contact method left the range of finite numbers: '// &
+         'stiffness, load and friction differ by more than the arithmetic can hold')
+   end subroutine check_finite
+
+   !> Computes the displacements of all nodes, the certificate and the lengths, and refuses numbers that are not finite.
+   subroutine certify(result, body, error)
+      type(result_t), intent(inout) :: result !! the result, its load case condensed and its contact problem solved
+      type(body_t), intent(in) :: body !! the body
+      type(error_t), allocatable, intent(out) :: error !! the results left the range of numbers
+      ! A condition number that leaves more than half of the digits explains nothing.
+      real(dp), parameter :: explaining = 1.0e8_dp
+      real(dp) :: condition
+
+      call recover_displacement(result%displacement, body, result%load_case, result%solution%displacement)
+      call new_certificate(result%certificate, body, result%load_case, result%displacement, result%solution%force)
+      call new_lengths(result%lengths, body%zone, result%solution%status)
+      if (.not. (all(ieee_is_finite(result%displacement)) .and. result%certificate%is_finite())) then
+         call new_error(error, numerical_failure, 'displacements, forces or energies leave the range of double '// &
+            'precision (1.8e308): choose other units')
+         return
+      end if
+      if (.not. shows_rounding(result)) return
+      condition = max(body%condensation%factorization%condition(), cancellation(body, result))
+      if (condition > explaining) result%condition = min(condition, huge(1.0_dp))
+   end subroutine certify
+
+   !> How far the forces of the elements cancel, |K| |u| / |f|: of a body that its supports hold still, a bound from
+   !> below of the condition number. It sees what the shift in the factor of a body held by contact alone hides.
+   real(dp) function cancellation(body, result)
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! its displacements and forces
+      real(dp) :: forces
+
+      cancellation = 0.0_dp
+      ! Prescribed displacements are loads that no force tells.
+      if (any(abs(result%load_case%prescribed) > 0.0_dp)) return
+      forces = max(norm2(result%load_case%force), norm2(result%solution%force))
+      if (forces > 0.0_dp) cancellation = uncancelled_forces(body%mesh, body%materials, result%displacement)/forces
+   end function cancellation
+
+   !> Whether what the certificate finds may come from the rounding errors of an ill-conditioned stiffness: of what
+   !> depends on the whole model, something is well above rounding.
+   pure logical function shows_rounding(result)
+      type(result_t), intent(in) :: result !! the result
+      real(dp), parameter :: suspicious = 1.0e-9_dp
+
+      associate (certificate => result%certificate)
+         shows_rounding = max(certificate%equilibrium, certificate%resultant, certificate%moment, &
+            certificate%energy) > suspicious
+      end associate
+   end function shows_rounding
+
+   !> Measures the forces of a method that came to rest against the exact ones.
+   subroutine compare_with_exact(problem, tolerance, result, error)
+      type(contact_problem_t), intent(inout) :: problem !! the contact problem
+      real(dp), intent(in) :: tolerance !! tolerance of the method [-]
+      type(result_t), intent(inout) :: result !! the result, gains the error of the method
+      type(error_t), allocatable, intent(out) :: error !! the exact solution cannot be computed
+      type(contact_solution_t) :: exact
+      type(auto_t) :: method
+
+      method%tolerance = tolerance
+      call new_contact_solution(exact, problem%n_points)
+      call method%solve(problem, exact, error)
+      if (allocated(error) .or. .not. exact%is_converged) return
+      result%method_error = maxval(abs(result%solution%force - exact%force))/max(maxval(abs(exact%force)), tiny(1.0_dp))
+   end subroutine compare_with_exact
+
+end module amontons_solve_load_case

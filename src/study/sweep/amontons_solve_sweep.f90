@@ -1,0 +1,249 @@
+!> The way of a sweep from its deck to its table: all cases on one factorisation, solved by all threads.
+!>
+!> As many chunks as take about a second are a batch, after which the rows are put on the disk: an interrupted sweep
+!> goes on there.
+module amontons_solve_sweep
+   use amontons_auto, only: auto_t
+   use amontons_body, only: body_t
+   use amontons_config, only: config_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t
+   use amontons_effective_deck, only: effective_deck
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_load_case, only: condense_load_case
+   use amontons_methods, only: new_contact_method
+   use amontons_output_file, only: output_file_t
+   use amontons_result, only: result_t
+   use amontons_seal, only: seal_t
+   use amontons_solve_case, only: condense_case, prepare_case, workshop_t
+   use amontons_solve_load_case, only: certify
+   use amontons_sweep_checkpoint, only: open_sweep_checkpoint, sweep_checkpoint_t
+   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
+   use amontons_sweep_fields, only: write_sweep_fields
+   use amontons_sweep_model, only: new_sweep_model, sweep_model_t
+   use amontons_sweep_monitor, only: sweep_monitor_t
+   use amontons_sweep_table, only: sweep_header
+   use amontons_sweep_tally, only: sweep_tally_t
+   use amontons_system, only: make_directory, wall_seconds
+   use amontons_text, only: newline
+   use amontons_threads, only: n_threads
+   use amontons_timings, only: phase_recover, phase_solve, phase_write
+   use amontons_version, only: version
+   implicit none (type, external)
+   private
+
+   public :: solve_sweep, sweep_result_t
+
+   !> The result of a sweep. Its rows and its fields are on the disk.
+   type :: sweep_result_t
+      type(result_t) :: certified
+         !! the converged case that is most in doubt, certified on the full model; its times are those of the sweep
+      type(sweep_tally_t) :: tally !! counts and extremes
+      type(sweep_checkpoint_t) :: checkpoint !! the table, still under its temporary name
+      type(output_file_t), allocatable :: collection
+         !! the collection of the fields, if there is one, still under its temporary name
+      type(seal_t) :: grids !! the seal of the fields
+      integer :: n_resumed = 0 !! number of cases that an earlier run had done
+      logical :: is_interrupted = .false. !! whether cases are left to do
+   contains
+      procedure :: cases_per_second => sweep_result_cases_per_second
+   end type sweep_result_t
+
+contains
+
+   !> Solves all cases of a sweep that no earlier run has done. The table keeps its temporary name, and its lock until
+   !> it is written, unless the sweep was interrupted.
+   subroutine solve_sweep(workshop, config, directory, monitor, result, error)
+      type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the sweep needs another
+      type(config_t), intent(in) :: config !! the deck
+      character(*), intent(in) :: directory !! output directory, made if it is not there
+      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
+      type(sweep_result_t), intent(out) :: result !! the result
+      type(error_t), allocatable, intent(out) :: error !! the deck, the numbers or the disk are at fault
+      type(sweep_task_t) :: task
+
+      call prepare_case(workshop, config, result%certified, error)
+      if (allocated(error)) return
+      call condense_case(workshop, config, result%certified, error)
+      if (allocated(error)) return
+      call new_contact_method(task%method, config%method, error)
+      if (allocated(error)) return
+      select type (method => task%method)
+      type is (auto_t)
+         task%is_auto = .true.
+      end select
+      task%sweep = config%sweep
+      call new_sweep_model(task%model, workshop%body, workshop%problem, result%certified%load_case, config, error)
+      if (allocated(error)) return
+
+      call result%certified%timings%begin(phase_solve)
+      call make_directory(directory, error)
+      if (allocated(error)) return
+      call open_sweep_checkpoint(result%checkpoint, directory//'/'//config%name, sweep_key(config, task%model), &
+         sweep_header(config%sweep), result%tally, error)
+      if (allocated(error)) return
+      result%n_resumed = result%tally%n_cases
+      call solve_batches(task, workshop%body, monitor, result, error)
+      if (.not. allocated(error)) call finish_sweep(task, workshop%body, directory, config%name, monitor, result, error)
+      if (allocated(error) .or. result%is_interrupted) call result%checkpoint%close()
+   end subroutine solve_sweep
+
+   !> Keeps the fields that are asked for and certifies one case, unless the sweep was interrupted.
+   subroutine finish_sweep(task, body, directory, name, monitor, result, error)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      character(*), intent(in) :: directory !! output directory
+      character(*), intent(in) :: name !! name of the case
+      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
+      type(sweep_result_t), intent(inout) :: result !! gains the case and its certificate
+      type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
+
+      call result%certified%timings%begin(phase_write)
+      result%is_interrupted = result%tally%n_cases < task%sweep%n_cases()
+      call keep_fields(task, body, directory, name, monitor, result, error)
+      if (allocated(error)) return
+      call result%certified%timings%begin(phase_recover)
+      if (.not. result%is_interrupted .and. result%tally%doubtful_case > 0) then
+         call certify_worst(task, body, result, error)
+         if (allocated(error)) return
+      end if
+      call result%certified%timings%begin(phase_write)
+   end subroutine finish_sweep
+
+   !> Writes the fields that the deck asks for, once all cases are done.
+   subroutine keep_fields(task, body, directory, name, monitor, result, error)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      character(*), intent(in) :: directory !! output directory
+      character(*), intent(in) :: name !! name of the case
+      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
+      type(sweep_result_t), intent(inout) :: result !! gains the collection and the seal of the fields
+      type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
+
+      if (result%is_interrupted .or. task%sweep%n_fields() == 0) return
+      call write_sweep_fields(result%collection, result%grids, task, body, directory//'/'//name, monitor, &
+         result%is_interrupted, error)
+   end subroutine keep_fields
+
+   !> What the rows of a sweep depend on, lines of text.
+   function sweep_key(config, model) result(key)
+      type(config_t), intent(in) :: config !! the deck
+      type(sweep_model_t), intent(in) :: model !! its contact problems
+      character(:), allocatable :: key
+
+      key = '! Amontons '//version//', a sweep under way; contact problem '//model%fingerprint()//newline// &
+         effective_deck(config)
+   end function sweep_key
+
+   !> Solves batch after batch until all cases are done or the monitor stops the sweep.
+   subroutine solve_batches(task, body, monitor, result, error)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
+      type(sweep_result_t), intent(inout) :: result !! gains the tally
+      type(error_t), allocatable, intent(out) :: error !! the rows cannot be written
+      real(dp), parameter :: batch_seconds = 1.0_dp
+      type(chunk_t), allocatable :: chunks(:)
+      character(:), allocatable :: rows
+      real(dp) :: start, growth
+      integer :: n_cases, n_chunks, i
+
+      n_cases = int(task%sweep%n_cases())
+      n_chunks = n_threads()
+      call monitor%report(result%tally%n_cases, n_cases)
+      do while (result%tally%n_cases < n_cases .and. .not. monitor%is_stopped())
+         start = wall_seconds()
+         allocate (chunks(min(n_chunks, (n_cases - result%tally%n_cases - 1)/chunk_length + 1)))
+         do i = 1, size(chunks)
+            call new_chunk(chunks(i), result%tally%n_cases + (i - 1)*chunk_length, n_cases)
+         end do
+         call solve_chunks(task, body, monitor, chunks)
+         call gather_chunks(chunks, rows, result%tally)
+         deallocate (chunks)
+         if (len(rows) > 0) call result%checkpoint%append(rows, result%tally, error)
+         if (allocated(error)) return
+         call monitor%report(result%tally%n_cases, n_cases)
+         growth = min(4.0_dp, batch_seconds/max(wall_seconds() - start, tiny(1.0_dp)))
+         n_chunks = max(n_threads(), int(n_chunks*growth))
+      end do
+   end subroutine solve_batches
+
+   !> Solves chunks on all threads, as many as are begun before the monitor stops the sweep.
+   subroutine solve_chunks(task, body, monitor, chunks)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      class(sweep_monitor_t), intent(in) :: monitor !! may stop the sweep
+      type(chunk_t), intent(inout) :: chunks(:) !! the chunks
+
+      !$omp parallel default(none) shared(task, body, monitor, chunks)
+      call share_chunks(task, body, monitor, chunks)
+      !$omp end parallel
+   end subroutine solve_chunks
+
+   !> One thread's share of the chunks, with a contact problem of its own.
+   subroutine share_chunks(task, body, monitor, chunks)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      class(sweep_monitor_t), intent(in) :: monitor !! may stop the sweep
+      type(chunk_t), intent(inout) :: chunks(:) !! the chunks
+      type(contact_problem_t) :: problem
+      type(contact_solution_t) :: solutions(chunk_length)
+      integer :: i
+
+      problem = task%model%problem
+      !$omp do schedule(dynamic, 1)
+      do i = 1, size(chunks)
+         if (.not. monitor%is_stopped()) call solve_chunk(task, body, problem, chunks(i), solutions)
+      end do
+      !$omp end do
+   end subroutine share_chunks
+
+   !> Gathers the chunks that are done, as far as no chunk is missing before them.
+   pure subroutine gather_chunks(chunks, rows, tally)
+      type(chunk_t), intent(in) :: chunks(:) !! the chunks
+      character(:), allocatable, intent(out) :: rows !! their rows
+      type(sweep_tally_t), intent(inout) :: tally !! gains their cases
+      integer :: n_done, i, k, first
+
+      n_done = findloc([chunks%is_done, .false.], .false., dim=1) - 1
+      allocate (character(sum([(len(chunks(i)%rows), i=1, n_done)])) :: rows)
+      first = 1
+      do i = 1, n_done
+         rows(first:first + len(chunks(i)%rows) - 1) = chunks(i)%rows
+         first = first + len(chunks(i)%rows)
+         do k = 1, chunks(i)%last - chunks(i)%first + 1
+            call tally%add(chunks(i)%results(k))
+         end do
+      end do
+   end subroutine gather_chunks
+
+   !> Solves the case that is most in doubt again and certifies it on the full model.
+   subroutine certify_worst(task, body, result, error)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      type(sweep_result_t), intent(inout) :: result !! gains the case and its certificate
+      type(error_t), allocatable, intent(out) :: error !! its numbers are not finite
+      type(contact_problem_t) :: problem
+      type(contact_solution_t) :: solutions(chunk_length)
+      type(chunk_t) :: chunk
+
+      associate (number => result%tally%doubtful_case, certified => result%certified)
+         problem = task%model%problem
+         call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
+         call solve_chunk(task, body, problem, chunk, solutions)
+         certified%solution = solutions(chunk%last - chunk%first + 1)
+         call task%model%load_case(task%sweep%values(number), certified%load_case)
+         call condense_load_case(certified%load_case, body)
+         call certify(certified, body, error)
+      end associate
+   end subroutine certify_worst
+
+   !> Number of cases that this run solved in a second; 0 if it had none to solve.
+   pure real(dp) function sweep_result_cases_per_second(self) result(rate)
+      class(sweep_result_t), intent(in) :: self !! the result
+
+      rate = (self%tally%n_cases - self%n_resumed)/max(self%certified%timings%seconds(phase_solve), epsilon(1.0_dp))
+   end function sweep_result_cases_per_second
+
+end module amontons_solve_sweep

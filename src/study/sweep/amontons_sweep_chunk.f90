@@ -1,0 +1,155 @@
+!> A chunk of a sweep: consecutive cases that one thread solves, one after the other.
+!>
+!> A chunk begins at rest; each further case of it starts from its neighbour, if that belongs to the chunk. So no result
+!> depends on the number of threads, nor on where a sweep was interrupted.
+module amontons_sweep_chunk
+   use amontons_body, only: body_t
+   use amontons_contact_method, only: contact_method_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_equilibrium, only: check_balance
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_lengths, only: lengths_t, new_lengths
+   use amontons_load_case, only: load_case_t
+   use amontons_newton, only: newton_t
+   use amontons_sweep, only: sweep_t
+   use amontons_sweep_model, only: sweep_model_t
+   use amontons_sweep_table, only: append_row, status_runs
+   use amontons_sweep_tally, only: case_flies_off, case_result_t, new_case_result
+   implicit none (type, external)
+   private
+
+   public :: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
+
+   !> Number of cases of a chunk: few enough that an interrupt need not wait, many enough that the one which begins at
+   !> rest does not count.
+   integer, parameter :: chunk_length = 64
+
+   !> What all threads share and none changes.
+   type :: sweep_task_t
+      type(sweep_t) :: sweep !! the cases
+      type(sweep_model_t) :: model !! their contact problems
+      class(contact_method_t), allocatable :: method !! the deck's method
+      logical :: is_auto = .false. !! whether the deck leaves the method to the program
+   end type sweep_task_t
+
+   !> Consecutive cases and what became of them.
+   type :: chunk_t
+      integer :: first = 1 !! its first case
+      integer :: last = 0 !! its last case
+      logical :: is_done = .false. !! whether it has been solved
+      character(:), allocatable :: rows !! rows of its cases
+      type(case_result_t) :: results(chunk_length) !! what is kept of its cases
+   end type chunk_t
+
+contains
+
+   !> The chunk that begins behind a number of cases, as far as there are cases.
+   pure subroutine new_chunk(chunk, n_before, n_cases)
+      type(chunk_t), intent(out) :: chunk !! the chunk
+      integer, intent(in) :: n_before !! number of cases before it, a multiple of the length of a chunk
+      integer, intent(in) :: n_cases !! the last case there is
+
+      chunk%first = n_before + 1
+      chunk%last = n_before + min(chunk_length, n_cases - n_before)
+   end subroutine new_chunk
+
+   !> Solves the cases of a chunk.
+   subroutine solve_chunk(task, body, problem, chunk, solutions)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! a copy of the model's; left as that of the last case
+      type(chunk_t), intent(inout) :: chunk !! the chunk
+      type(contact_solution_t), intent(out) :: solutions(chunk_length) !! the solutions of its cases
+      character(:), allocatable :: runs
+      integer :: i, number, neighbor
+
+      chunk%rows = ''
+      do i = 1, chunk%last - chunk%first + 1
+         number = chunk%first + i - 1
+         neighbor = task%sweep%neighbor(number) - chunk%first + 1
+         call task%model%set_case(problem, task%sweep%values(number))
+         associate (solution => solutions(i), kept => chunk%results(i))
+            if (neighbor >= 1) solution = solutions(neighbor)
+            call solve_one(task, body, number, problem, solution, kept)
+            call status_runs(runs, solution%status, body%zone%set)
+            call append_row(chunk%rows, task%sweep, number, kept, runs)
+         end associate
+      end do
+      chunk%is_done = .true.
+   end subroutine solve_chunk
+
+   !> Solves one case: where the deck leaves the method to the program, by Newton from the neighbour's solution, whose
+   !> statuses are nearly right; otherwise, and where that fails, from rest as the deck by itself would be.
+   subroutine solve_one(task, body, number, problem, solution, kept)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: number !! number of the case
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem
+      type(contact_solution_t), intent(inout) :: solution !! its neighbour's, which may be without; its own on return
+      type(case_result_t), intent(out) :: kept !! what is kept of it
+      integer, parameter :: n_newton_steps = 8
+      type(newton_t) :: newton
+      type(lengths_t) :: lengths
+      type(error_t), allocatable :: error
+      integer :: n_iterations
+      logical :: is_solved
+
+      n_iterations = 0
+      is_solved = .false.
+      ! A body that nothing loads stays at rest; from elsewhere, rounding would choose its statuses.
+      if (task%is_auto .and. solution%is_converged .and. any(abs(problem%load) > 0.0_dp)) then
+         newton%tolerance = task%method%tolerance
+         newton%max_iterations = min(n_newton_steps, task%method%max_iterations)
+         call newton%solve(problem, solution, error)
+         n_iterations = solution%n_iterations
+         is_solved = solution%is_converged
+      end if
+      if (.not. is_solved) then
+         call new_contact_solution(solution, problem%n_points)
+         ! Threads cannot make the texts of errors side by side, see `amontons_sweep_table`.
+         !$omp critical
+         call check_balance_of(task, body, number, error)
+         !$omp end critical
+         if (allocated(error)) then
+            kept%outcome = case_flies_off
+            kept%n_iterations = n_iterations
+            return
+         end if
+         call task%method%solve(problem, solution, error)
+         if (allocated(error)) solution%is_converged = .false.
+      end if
+      call new_lengths(lengths, body%zone, solution%status)
+      call new_case_result(kept, solution, lengths)
+      kept%doubt = doubt(problem, solution, maxval(abs(task%model%case_forces(task%sweep%values(number)))))
+      if (.not. is_solved) kept%n_iterations = kept%n_iterations + n_iterations
+   end subroutine solve_one
+
+   !> What residual and rounding errors, as forces, are of the largest force that acts in a case [-].
+   pure real(dp) function doubt(problem, solution, largest_load)
+      type(contact_problem_t), intent(in) :: problem !! the contact problem
+      type(contact_solution_t), intent(in) :: solution !! its solution
+      real(dp), intent(in) :: largest_load !! the largest nodal force of the loads [F]
+      real(dp) :: acting, wrong
+
+      wrong = solution%residual*problem%force_scale() &
+         + epsilon(wrong)*maxval(problem%augmentation()*abs(solution%displacement))
+      acting = max(largest_load, maxval(abs(solution%force)))
+      if (.not. acting > 0.0_dp) acting = problem%force_scale()
+      doubt = min(wrong/acting, huge(doubt))
+   end function doubt
+
+   !> Whether contact forces can balance the loads of a case.
+   pure subroutine check_balance_of(task, body, number, error)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: number !! number of the case
+      type(error_t), allocatable, intent(out) :: error !! the body flies off
+      type(load_case_t) :: load_case
+
+      call task%model%load_case(task%sweep%values(number), load_case)
+      call check_balance(body, load_case, error)
+   end subroutine check_balance_of
+
+end module amontons_sweep_chunk

@@ -1,0 +1,117 @@
+!> The fields of the cases of a sweep: mesh and contact line of every case that the deck asks for.
+!>
+!> The cases are solved again, chunk by chunk, which gives the same solutions: so an interrupted sweep need not remember
+!> any, and a sweep without fields keeps none.
+module amontons_sweep_fields
+   use amontons_body, only: body_t
+   use amontons_collection, only: collection_t, new_collection
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t
+   use amontons_contact_vtu, only: write_contact_vtu
+   use amontons_error, only: error_t
+   use amontons_load_case, only: condense_load_case, recover_displacement
+   use amontons_output_file, only: commit_files, output_file_t
+   use amontons_result, only: result_t
+   use amontons_seal, only: seal_t
+   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
+   use amontons_sweep_monitor, only: sweep_monitor_t
+   use amontons_sweep_tally, only: case_converged
+   use amontons_system, only: make_directory
+   use amontons_text, only: to_text
+   use amontons_vtu, only: write_vtu
+   implicit none (type, external)
+   private
+
+   public :: write_sweep_fields
+
+contains
+
+   !> Writes NAME.sweep/NUMBER.vtu and NAME.sweep/NUMBER.contact.vtu of the cases that converged, and NAME.sweep.pvd,
+   !> which keeps its temporary name. There is none without such cases, after an error, or where the monitor stops it.
+   subroutine write_sweep_fields(file, seal, task, body, stem, monitor, is_stopped, error)
+      type(output_file_t), allocatable, intent(out) :: file !! the finished collection, if there is one
+      type(seal_t), intent(out) :: seal !! the seal of the grids
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      character(*), intent(in) :: stem !! directory and name of the case
+      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far it is, and may stop it
+      logical, intent(out) :: is_stopped !! whether it did
+      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(collection_t) :: collection
+      type(contact_problem_t) :: problem
+      type(chunk_t) :: chunk
+      integer :: n_cases, n_before, slash
+
+      is_stopped = .false.
+      slash = index(stem, '/', back=.true.)
+      call make_directory(stem//'.sweep', error)
+      if (allocated(error)) return
+      call new_collection(collection, stem//'.sweep.pvd', error)
+      if (allocated(error)) return
+      problem = task%model%problem
+      n_cases = int(task%sweep%n_cases())
+      do n_before = 0, n_cases - 1, chunk_length
+         call new_chunk(chunk, n_before, n_cases)
+         if (.not. task%sweep%has_fields(chunk%first, chunk%last)) cycle
+         is_stopped = monitor%is_stopped()
+         if (is_stopped) exit
+         call write_chunk(collection, task, body, problem, chunk, stem(:slash), stem(slash + 1:)//'.sweep/', error)
+         if (allocated(error)) exit
+         call monitor%report_fields((chunk%last - 1)/task%sweep%fields_every + 1, int(task%sweep%n_fields()))
+      end do
+      if (is_stopped .or. allocated(error) .or. collection%n_cases == 0) then
+         call collection%discard()
+      else
+         allocate (file)
+         call collection%finish(file, error)
+         seal = collection%grids
+      end if
+   end subroutine write_sweep_fields
+
+   !> Solves a chunk again and writes the fields of its cases.
+   subroutine write_chunk(collection, task, body, problem, chunk, directory, folder, error)
+      type(collection_t), intent(inout) :: collection !! gains the cases and the seal of their grids
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! a copy of the model's
+      type(chunk_t), intent(inout) :: chunk !! the chunk
+      character(*), intent(in) :: directory !! output directory, a slash behind it
+      character(*), intent(in) :: folder !! folder of the grids in it, a slash behind it
+      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(contact_solution_t) :: solutions(chunk_length)
+      type(result_t) :: result
+      integer :: number, i
+
+      call solve_chunk(task, body, problem, chunk, solutions)
+      do number = chunk%first, chunk%last
+         i = number - chunk%first + 1
+         if (.not. task%sweep%has_fields(number, number) .or. chunk%results(i)%outcome /= case_converged) cycle
+         result%solution = solutions(i)
+         call task%model%load_case(task%sweep%values(number), result%load_case)
+         call condense_load_case(result%load_case, body)
+         call recover_displacement(result%displacement, body, result%load_case, result%solution%displacement)
+         call write_grids(collection%grids, directory, folder, to_text(number), body, result, error)
+         if (allocated(error)) return
+         call collection%add(number, folder//to_text(number))
+      end do
+   end subroutine write_chunk
+
+   !> Writes the two grids of a case.
+   subroutine write_grids(seal, directory, folder, name, body, result, error)
+      type(seal_t), intent(inout) :: seal !! gains them
+      character(*), intent(in) :: directory !! output directory, a slash behind it
+      character(*), intent(in) :: folder !! folder of the grids in it, a slash behind it
+      character(*), intent(in) :: name !! name of the files without endings
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! the result
+      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(output_file_t) :: files(2)
+
+      call write_vtu(files(1), directory//folder//name//'.vtu', body, result, error)
+      if (.not. allocated(error)) call write_contact_vtu(files(2), directory//folder//name//'.contact.vtu', body, &
+         result, error)
+      if (.not. allocated(error)) call seal%add_outputs(files, folder, error)
+      call commit_files(files, error)
+   end subroutine write_grids
+
+end module amontons_sweep_fields

@@ -1,0 +1,117 @@
+!> NAME.lst of a sweep: the model, what varies, and what became of the cases together.
+module amontons_sweep_listing
+   use amontons_body, only: body_t
+   use amontons_config, only: config_t
+   use amontons_kinds, only: dp
+   use amontons_listing, only: certificate_text, condition_text, factorization_text, listed_phases
+   use amontons_listing_model, only: loads_text, model_text
+   use amontons_listing_parts, only: head_text, method_text, times_text
+   use amontons_listing_text, only: heading, line, right, scientific, short
+   use amontons_solve_sweep, only: sweep_result_t
+   use amontons_sweep, only: sweep_axis_t, swept_load
+   use amontons_sweep_tally, only: case_converged, outcome_names, quantity_labels, sweep_tally_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: sweep_listing_text
+
+contains
+
+   !> The whole listing.
+   function sweep_listing_text(config, body, result) result(text)
+      type(config_t), intent(in) :: config !! the deck
+      type(body_t), intent(in) :: body !! the body
+      type(sweep_result_t), intent(in) :: result !! the result
+      character(:), allocatable :: text
+
+      text = head_text(config)//model_text(config, body, result%certified%load_case)//loads_text(config)//sweep_text(config) &
+         //solution_text(config, body, result)
+      if (result%tally%residual_case > 0) text = text//extremes_text(result%tally) &
+         //certificate_text(config, result%certified%certificate)//condition_text(body, result%certified) &
+         //line('Case certified', to_text(result%tally%doubtful_case)//', the one that is most in doubt')
+      text = text//times_text(result%certified%timings, listed_phases)
+   end function sweep_listing_text
+
+   !> What varies, and in which combination.
+   pure function sweep_text(config) result(text)
+      type(config_t), intent(in) :: config !! the deck
+      character(:), allocatable :: text
+      integer :: i
+
+      text = heading('Sweep')
+      do i = 1, size(config%sweep%axes)
+         associate (axis => config%sweep%axes(i))
+            text = text//line(trim(merge('along with', 'vary      ', axis%is_paired)), axis_text(axis))
+         end associate
+      end do
+      text = text//line('Cases', to_text(config%sweep%n_cases())//', row by row in '//config%name//'.sweep.csv')
+      if (config%sweep%n_fields() > 0) text = text//line('Fields', 'of '//to_text(config%sweep%n_fields())// &
+         ' cases, those that converged, in '//config%name//'.sweep.pvd')
+   end function sweep_text
+
+   !> A quantity and its values; of many values the first and the last ones.
+   pure function axis_text(axis) result(text)
+      type(sweep_axis_t), intent(in) :: axis !! the quantity
+      character(:), allocatable :: text
+      integer, parameter :: n_shown = 8
+      integer :: i
+
+      if (axis%target == swept_load) then
+         text = "factor of load '"//axis%name//"': "
+      else
+         text = axis%label()//': '
+      end if
+      text = text//to_text(size(axis%values))//' values, '
+      do i = 1, size(axis%values)
+         if (i == n_shown .and. size(axis%values) > n_shown) text = text//'... '
+         if (i >= n_shown .and. i < size(axis%values)) cycle
+         text = text//short(axis%values(i))
+         if (i < size(axis%values)) text = text//', '
+      end do
+   end function axis_text
+
+   !> How the cases were solved.
+   function solution_text(config, body, result) result(text)
+      type(config_t), intent(in) :: config !! the deck
+      type(body_t), intent(in) :: body !! the body
+      type(sweep_result_t), intent(in) :: result !! the result
+      character(:), allocatable :: text
+      integer :: i
+
+      associate (tally => result%tally)
+         text = heading('Solution')//line('Method', method_text(config))// &
+            line('Factorisation', factorization_text(body, result%certified))// &
+            line('Converged', to_text(tally%n_outcomes(case_converged))//' of '//to_text(tally%n_cases)//' cases')
+         do i = 1, size(outcome_names)
+            if (i == case_converged .or. tally%n_outcomes(i) == 0) cycle
+            text = text//line('NOT SOLVED', to_text(tally%n_outcomes(i))//' cases: '//trim(outcome_names(i)))
+         end do
+         text = text//line('Iterations', to_text(tally%n_iterations)//', '// &
+            short(real(tally%n_iterations, dp)/max(1, tally%n_cases))//' a case')
+         if (tally%residual_case > 0) text = text//line('Largest residual', scientific(tally%residual)// &
+            ' in case '//to_text(tally%residual_case)//', tolerance '//scientific(config%method%tolerance))
+         if (result%n_resumed > 0) text = text//line('Done earlier', to_text(result%n_resumed)//' cases')
+         if (result%checkpoint%is_anew) text = text//line('Note', 'an interrupted run had left rows of another '// &
+            'deck or version, or damaged ones: all cases were solved anew')
+         text = text//line('Cases a second', short(result%cases_per_second()))
+      end associate
+   end function solution_text
+
+   !> Extremes of the cases that converged.
+   pure function extremes_text(tally) result(text)
+      type(sweep_tally_t), intent(in) :: tally !! counts and extremes
+      character(:), allocatable :: text
+      integer, parameter :: width = 14
+      integer :: i
+
+      text = heading('Extremes of the cases that converged')//line('', right('least', width)// &
+         right('in case', width)//right('greatest', width)//right('in case', width))
+      do i = 1, size(quantity_labels)
+         text = text//line(trim(quantity_labels(i)), right(short(tally%least(i)), width)// &
+            right(to_text(tally%least_case(i)), width)//right(short(tally%greatest(i)), width)// &
+            right(to_text(tally%greatest_case(i)), width))
+      end do
+   end function extremes_text
+
+end module amontons_sweep_listing

@@ -1,0 +1,199 @@
+!> The contact problem of every case of a sweep: load and friction are sums over the quantities, value times effect.
+!>
+!> The condensed load is linear in the loads, q = q_0 + sum f_k q_k, so that one forward substitution for each quantity
+!> serves all cases; friction is linear in what a sweep varies of it as well.
+module amontons_sweep_model
+   use amontons_assembly, only: to_unknowns
+   use amontons_body, only: body_t
+   use amontons_checksum, only: checksum_length, checksum_t
+   use amontons_condensation, only: condensed_load_t
+   use amontons_config, only: config_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_load_case, only: condense_load_case, load_case_t, pose_problem
+   use amontons_loads, only: load_t, load_vector
+   use amontons_sweep, only: sweep_axis_t, swept_friction, swept_load
+   implicit none (type, external)
+   private
+
+   public :: new_sweep_loads, new_sweep_model, sweep_model_t
+
+   !> What all cases share, and the effect of each quantity.
+   type :: sweep_model_t
+      type(contact_problem_t) :: problem !! with load and friction of what does not vary, its compliance prepared
+      real(dp), allocatable :: load(:, :) !! condensed load of each quantity at 1 (2m, quantities) [F]
+      real(dp), allocatable :: friction(:, :) !! friction of each quantity at 1 (m, quantities) [-]
+      logical, allocatable :: is_guided(:) !! whether a support bears the shear of a point, whatever its friction (m)
+      type(load_case_t) :: fixed !! the load case of what does not vary
+      real(dp), allocatable :: forces(:, :, :) !! nodal forces of each quantity at 1 (2, n_nodes, quantities) [F]
+   contains
+      procedure :: case_forces => sweep_model_case_forces
+      procedure :: load_case => sweep_model_load_case
+      procedure :: fingerprint => sweep_model_fingerprint
+      procedure :: set_case => sweep_model_set_case
+   end type sweep_model_t
+
+contains
+
+   !> Separates what varies from what does not.
+   subroutine new_sweep_model(model, body, problem, prepared, config, error)
+      type(sweep_model_t), intent(out) :: model !! the model
+      type(body_t), intent(in) :: body !! the body, condensed
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      type(load_case_t), intent(in) :: prepared !! the load case of the deck as it stands
+      type(config_t), intent(in) :: config !! the deck
+      type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh, or S is not positive definite
+      type(condensed_load_t) :: condensed
+      integer :: k
+
+      call new_sweep_loads(model, body, prepared, config, error)
+      if (allocated(error)) return
+      call condense_load_case(model%fixed, body)
+      model%problem = problem
+      call pose_problem(model%problem, body, model%fixed)
+      allocate (model%load(2*body%zone%n_points, size(config%sweep%axes)), source=0.0_dp)
+      do k = 1, size(config%sweep%axes)
+         if (config%sweep%axes(k)%target /= swept_load) cycle
+         call body%condensation%condense_load(to_unknowns(model%forces(:, :, k), body%constraints, body%dof_map), &
+            condensed)
+         model%load(:, k) = condensed%load
+      end do
+      call model%problem%prepare_compliance(error)
+   end subroutine new_sweep_model
+
+   !> Separates loads and friction alone, which takes no condensed body; the contact problems stay undefined.
+   subroutine new_sweep_loads(model, body, prepared, config, error)
+      type(sweep_model_t), intent(out) :: model !! the model, for `load_case`
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: prepared !! the load case of the deck as it stands
+      type(config_t), intent(in) :: config !! the deck
+      type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh
+      real(dp), allocatable :: forces(:, :)
+      integer :: k, n
+
+      n = size(config%sweep%axes)
+      allocate (model%friction(body%zone%n_points, n), model%forces(2, body%mesh%n_nodes, n), source=0.0_dp)
+      model%fixed = prepared
+      call sum_loads(model%fixed%force, body, config, 0, error)
+      if (allocated(error)) return
+      model%is_guided = body%zone%is_guided
+      do k = 1, n
+         if (config%sweep%axes(k)%target == swept_load) then
+            call sum_loads(forces, body, config, k, error)
+            if (allocated(error)) return
+            model%forces(:, :, k) = forces
+         else
+            call separate_friction(model, body, config, k)
+         end if
+      end do
+   end subroutine new_sweep_loads
+
+   !> Sums the nodal forces of all loads that a quantity multiplies, or of those that none does.
+   subroutine sum_loads(forces, body, config, axis, error)
+      real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
+      type(body_t), intent(in) :: body !! the body
+      type(config_t), intent(in) :: config !! the deck
+      integer, intent(in) :: axis !! number of the quantity, or 0
+      type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh
+      real(dp), allocatable :: part(:, :)
+      integer :: i
+
+      allocate (forces(2, body%mesh%n_nodes), source=0.0_dp)
+      do i = 1, size(config%loads)
+         if (axis_of(config%loads(i), config%sweep%axes) /= axis) cycle
+         call load_vector(part, body%mesh, body%materials, config%loads(i:i), error)
+         if (allocated(error)) return
+         forces = forces + part
+      end do
+   end subroutine sum_loads
+
+   !> The quantity that multiplies a load, 0 for none.
+   pure integer function axis_of(load, axes) result(axis)
+      type(load_t), intent(in) :: load !! the load
+      type(sweep_axis_t), intent(in) :: axes(:) !! the quantities
+
+      do axis = 1, size(axes)
+         if (axes(axis)%target == swept_load .and. axes(axis)%name == load%name) return
+      end do
+      axis = 0
+   end function axis_of
+
+   !> Moves the friction that a quantity stands for from what does not vary to the quantity.
+   pure subroutine separate_friction(model, body, config, axis)
+      type(sweep_model_t), intent(inout) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      type(config_t), intent(in) :: config !! the deck
+      integer, intent(in) :: axis !! number of the quantity
+      integer :: p
+
+      do p = 1, body%zone%n_points
+         associate (contact => config%contacts(body%zone%set(p)), quantity => config%sweep%axes(axis), &
+            fixed => model%fixed%friction(p))
+            if (.not. quantity%acts_on(contact%set)) cycle
+            if (quantity%target == swept_friction) then
+               model%friction(p, axis) = 1.0_dp
+               fixed = dot_product(contact%friction%slope, body%zone%position(:, p))
+            else
+               model%friction(p, axis) = fixed
+               fixed = 0.0_dp
+            end if
+         end associate
+      end do
+   end subroutine separate_friction
+
+   !> Sets load and friction of a contact problem to those of a case.
+   pure subroutine sweep_model_set_case(self, problem, values)
+      class(sweep_model_t), intent(in) :: self !! the model
+      type(contact_problem_t), intent(inout) :: problem !! a copy of the model's problem
+      real(dp), intent(in) :: values(:) !! value of each quantity [-]
+
+      problem%load = self%problem%load + matmul(self%load, values)
+      problem%friction = merge(0.0_dp, self%fixed%friction + matmul(self%friction, values), self%is_guided)
+   end subroutine sweep_model_set_case
+
+   !> The load case of a case of the sweep, not condensed.
+   pure subroutine sweep_model_load_case(self, values, load_case)
+      class(sweep_model_t), intent(in) :: self !! the model
+      real(dp), intent(in) :: values(:) !! value of each quantity [-]
+      type(load_case_t), intent(out) :: load_case !! the load case
+
+      load_case = self%fixed
+      load_case%force = self%case_forces(values)
+      load_case%friction = self%fixed%friction + matmul(self%friction, values)
+   end subroutine sweep_model_load_case
+
+   !> The nodal forces of a case (2, n_nodes) [F].
+   pure function sweep_model_case_forces(self, values) result(forces)
+      class(sweep_model_t), intent(in) :: self !! the model
+      real(dp), intent(in) :: values(:) !! value of each quantity [-]
+      real(dp), allocatable :: forces(:, :)
+      integer :: k
+
+      forces = self%fixed%force
+      do k = 1, size(values)
+         forces = forces + values(k)*self%forces(:, :, k)
+      end do
+   end function sweep_model_case_forces
+
+   !> A text that tells whether two models are the same to the last bit: files that a deck names may have changed
+   !> although the deck has not.
+   pure function sweep_model_fingerprint(self) result(digits)
+      class(sweep_model_t), intent(in) :: self !! the model
+      character(checksum_length) :: digits
+      type(checksum_t) :: checksum
+      integer :: j
+
+      associate (problem => self%problem)
+         do j = 1, size(problem%stiffness, 2)
+            call checksum%add(problem%stiffness(:, j))
+         end do
+         call checksum%add([problem%load, problem%gap, self%fixed%friction, problem%slip_bound])
+      end associate
+      do j = 1, size(self%load, 2)
+         call checksum%add([self%load(:, j), self%friction(:, j)])
+      end do
+      digits = checksum%digits()
+   end function sweep_model_fingerprint
+
+end module amontons_sweep_model
