@@ -4,6 +4,7 @@ module amontons_run
    use amontons_body, only: estimate_body, estimate_t
    use amontons_collection, only: collection_t, new_collection
    use amontons_command_line, only: argument_t, command_line_t
+   use amontons_condensation, only: condensation_options_t
    use amontons_conditioning, only: rounded
    use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_error, only: error_t, input_refused, new_error
@@ -200,7 +201,8 @@ contains
 
       call prepare_case(workshop, config, result, error)
       if (allocated(error)) return
-      call estimate_body(workshop%body, config%factorization, config%condensation, result%timings, estimate, error)
+      call estimate_body(workshop%body, condensation_options_t(config%factorization, config%condensation), &
+         result%timings, estimate, error)
       if (.not. allocated(error)) call tell(command_line, check_text(config, workshop, estimate), error)
    end subroutine check_case
 
@@ -292,8 +294,8 @@ contains
 
       associate (body => workshop%body)
          text = config%name//': in order; '//to_text(body%mesh%n_nodes)//' nodes, '//to_text(body%mesh%n_elements)// &
-            ' elements, '//to_text(body%dof_map%n_dofs)//' unknowns, '//to_text(body%zone%n_points)//' contact points '// &
-            contact_matrix_text(estimate)
+            ' elements, '//to_text(body%dof_map%n_dofs)//' unknowns, '//to_text(body%zone%n_points)// &
+            ' contact points '//contact_matrix_text(estimate)
       end associate
       if (config%sweep%is_given()) text = text//', '//to_text(config%sweep%n_cases())//' cases'
       if (config%sweep%n_fields() > 0) text = text//', fields of '//to_text(config%sweep%n_fields())

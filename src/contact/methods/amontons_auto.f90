@@ -40,82 +40,121 @@ module amontons_auto
       procedure :: solve => auto_solve
    end type auto_t
 
+   !> What methods that follow each other have come to.
+   type :: stages_t
+      real(dp) :: tolerance = 0.0_dp !! residual that counts as solved [-]
+      integer :: max_iterations = 0 !! most iterations of all together
+      type(contact_solution_t) :: best !! the best pair so far
+      type(effort_t) :: effort !! what all took
+      real(dp), allocatable :: history(:) !! residual after each iteration [-]
+   contains
+      procedure :: is_done => stages_is_done
+      procedure :: run => stages_run
+   end type stages_t
+
 contains
 
-   !> A few steps of Newton from the start, and from rest if that is another one; the splitting to a coarse tolerance,
-   !> which gets close where friction is moderate. Then, until the iterations are used up, Newton at length and sweeps
-   !> from the best pair so far, each time four times as many as before. Lemke's pivoting, where it is quick, has its
-   !> turn once.
+   !> A few steps of Newton from the start, and from rest if that is another one; on a band matrix, whatever lets fronts
+   !> pass; the splitting to a coarse tolerance, which gets close where friction is moderate. Then rounds of Newton at
+   !> length and of other methods.
    subroutine auto_solve(self, problem, solution, error)
       class(auto_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
-      type(contact_solution_t) :: best, front
-      type(effort_t) :: effort
-      real(dp), allocatable :: history(:)
+      type(stages_t) :: stages
+
+      stages%tolerance = self%tolerance
+      stages%max_iterations = self%max_iterations
+      stages%best = solution
+      call stages%best%begin()
+      allocate (stages%history(0))
+      if (any(solution%force > 0.0_dp)) then
+         call stages%run(newton_t(self%tolerance, n_first_steps, patience=patience), problem, solution, error)
+      end if
+      call new_contact_solution(solution, problem%n_points)
+      call stages%run(newton_t(self%tolerance, n_first_steps), problem, solution, error)
+      if (allocated(problem%band)) call follow_fronts(stages, problem, solution, error)
+      solution = stages%best
+      if (suits_splitting(problem)) then
+         call stages%run(splitting_t(max(coarse, self%tolerance), n_splitting_steps), problem, solution, error)
+      end if
+      call take_rounds(stages, problem, solution, error)
+      solution = stages%best
+      solution%is_converged = solution%residual <= self%tolerance
+      solution%history = stages%history
+      solution%effort = stages%effort
+      solution%n_iterations = size(stages%history)
+   end subroutine auto_solve
+
+   !> Newton from where springs lead; and if they mislead, from where it was, as long as it gets on.
+   subroutine follow_fronts(stages, problem, solution, error)
+      type(stages_t), intent(inout) :: stages !! the stages so far
+      type(contact_problem_t), intent(inout) :: problem !! the problem, with a band matrix
+      type(contact_solution_t), intent(inout) :: solution !! the last pair
+      type(error_t), allocatable, intent(out) :: error !! never allocated
+      type(contact_solution_t) :: front
+
+      front = stages%best
+      call stages%run(newton_t(stages%tolerance, n_newton_steps, patience=front_patience, begins_softly=.true.), &
+         problem, solution, error)
+      solution = front
+      call stages%run(newton_t(stages%tolerance, stages%max_iterations, patience=front_patience, &
+         better=still_better), problem, solution, error)
+   end subroutine follow_fronts
+
+   !> Until the iterations are used up, Newton at length and sweeps from the best pair so far, each time four times as
+   !> many as before. Lemke's pivoting, where it is quick, has its turn once. Where a line is too long for the sweeps,
+   !> one round with each share.
+   subroutine take_rounds(stages, problem, solution, error)
+      type(stages_t), intent(inout) :: stages !! the stages so far
+      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_solution_t), intent(inout) :: solution !! the last pair
+      type(error_t), allocatable, intent(out) :: error !! never allocated
       integer :: n_sweeps, round
 
-      best = solution
-      call best%begin()
-      allocate (history(0))
-      if (any(solution%force > 0.0_dp)) call run(newton_t(self%tolerance, n_first_steps, patience=patience))
-      call new_contact_solution(solution, problem%n_points)
-      call run(newton_t(self%tolerance, n_first_steps))
-      if (allocated(problem%band)) then
-         front = best
-         call run(newton_t(self%tolerance, n_newton_steps, patience=front_patience, begins_softly=.true.))
-         solution = front
-         call run(newton_t(self%tolerance, self%max_iterations, patience=front_patience, better=still_better))
-      end if
-      solution = best
-      if (suits_splitting(problem)) call run(splitting_t(max(coarse, self%tolerance), n_splitting_steps))
       n_sweeps = n_first_sweeps
       round = 0
-      do while (.not. is_done())
+      do while (.not. (stages%is_done() .or. is_long(problem) .and. round == size(most_shares)))
          round = round + 1
-         call run(newton_t(self%tolerance, n_newton_steps, most_shares(1 + modulo(round - 1, 2))))
+         call stages%run(newton_t(stages%tolerance, n_newton_steps, most_shares(1 + modulo(round - 1, 2))), problem, &
+            solution, error)
          if (round == 2 .and. problem%n_points <= most_points) then
-            call run(lemke_t(self%tolerance))
+            call stages%run(lemke_t(stages%tolerance), problem, solution, error)
             cycle
          end if
-         solution = best
-         if (is_long(problem)) then
-            if (round == size(most_shares)) exit
-            cycle
-         end if
-         call run(psor_t(self%tolerance, n_sweeps, space=merge('dual  ', 'primal', problem%is_reduced())))
+         solution = stages%best
+         if (is_long(problem)) cycle
+         call stages%run(psor_t(stages%tolerance, n_sweeps, space=merge('dual  ', 'primal', problem%is_reduced())), &
+            problem, solution, error)
          n_sweeps = growth*min(n_sweeps, most_sweeps)
       end do
-      solution = best
-      solution%is_converged = solution%residual <= self%tolerance
-      solution%history = history
-      solution%effort = effort
-      solution%n_iterations = size(history)
+   end subroutine take_rounds
 
-   contains
+   !> Whether the problem is solved or the iterations are used up.
+   pure logical function stages_is_done(self) result(is_done)
+      class(stages_t), intent(in) :: self !! the stages so far
 
-      !> Whether the problem is solved or the iterations are used up.
-      pure logical function is_done()
-         is_done = best%residual <= self%tolerance .or. size(history) >= self%max_iterations
-      end function is_done
+      is_done = self%best%residual <= self%tolerance .or. size(self%history) >= self%max_iterations
+   end function stages_is_done
 
-      !> Runs one method from the present solution, as far as there is need and iterations are left, and appends its
-      !> record.
-      subroutine run(method)
-         class(contact_method_t), intent(in) :: method !! the method
-         class(contact_method_t), allocatable :: limited
+   !> Runs one method from a solution, as far as there is need and iterations are left, and appends its record.
+   subroutine stages_run(self, method, problem, solution, error)
+      class(stages_t), intent(inout) :: self !! the stages so far
+      class(contact_method_t), intent(in) :: method !! the method
+      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(error_t), allocatable, intent(out) :: error !! never allocated
+      class(contact_method_t), allocatable :: limited
 
-         if (is_done()) return
-         allocate (limited, source=method)
-         limited%max_iterations = min(method%max_iterations, self%max_iterations - size(history))
-         call limited%solve(problem, solution, error)
-         history = [history, solution%history(:solution%n_iterations)]
-         call effort%add(solution%effort)
-         if (solution%residual < best%residual) best = solution
-      end subroutine run
-
-   end subroutine auto_solve
+      if (self%is_done()) return
+      allocate (limited, source=method)
+      limited%max_iterations = min(method%max_iterations, self%max_iterations - size(self%history))
+      call limited%solve(problem, solution, error)
+      self%history = [self%history, solution%history(:solution%n_iterations)]
+      call self%effort%add(solution%effort)
+      if (solution%residual < self%best%residual) self%best = solution
+   end subroutine stages_run
 
    !> Whether a problem is one of a line too long for the methods that need S as a dense matrix.
    pure logical function is_long(problem)
@@ -124,8 +163,8 @@ contains
       is_long = allocated(problem%band) .and. problem%n_points > most_dense_points
    end function is_long
 
-   !> Whether the splitting may lead on: not for a reduced problem with a sparse compliance, whose quadratic programs are
-   !> large and, as in a pile of grains, mostly singular, so that each takes seconds.
+   !> Whether the splitting may lead on: not for a reduced problem with a sparse compliance, whose quadratic programs
+   !> are large and, as in a pile of grains, mostly singular, so that each takes seconds.
    pure logical function suits_splitting(problem)
       type(contact_problem_t), intent(in) :: problem !! the problem
 

@@ -143,10 +143,9 @@ contains
       type(band_lu_t), intent(inout) :: matrix !! the matrix
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(equations_t), intent(in) :: equations !! the equations
-      integer :: i, j, m, p
+      integer :: i, j
 
-      m = problem%n_points
-      associate (whole => problem%band%whole, is_known => equations%is_known, place => problem%band%place)
+      associate (whole => problem%band%whole, is_known => equations%is_known)
          ! A tangential row reaches as far as its normal one.
          call new_band_matrix(matrix, whole%n, whole%width + problem%band%reach)
          do j = 1, whole%n
@@ -161,16 +160,28 @@ contains
                call matrix%add(j, i, whole%entry(i - j + 1, j))
             end do
          end do
-         do p = 1, m
-            if (is_known(place(p + m))) cycle
-            if (abs(equations%coupling(p)) > 0.0_dp) call matrix%add(place(p + m), place(p), equations%coupling(p))
-            if (.not. abs(equations%slope(p)) > 0.0_dp) cycle
-            do j = max(1, place(p) - whole%width), min(whole%n, place(p) + whole%width)
-               if (.not. is_known(j)) call matrix%add(place(p + m), j, -equations%slope(p)*whole%element(place(p), j))
+      end associate
+      call add_slip_rows(matrix, problem, equations)
+   end subroutine fill_matrix
+
+   !> Adds to the tangential rows of sliding points what goes with the normal force.
+   pure subroutine add_slip_rows(matrix, problem, equations)
+      type(band_lu_t), intent(inout) :: matrix !! the matrix
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(equations_t), intent(in) :: equations !! the equations
+      integer :: j, p
+
+      associate (whole => problem%band%whole, is_known => equations%is_known, slope => equations%slope, &
+         normal => problem%band%place(:problem%n_points), tangential => problem%band%place(problem%n_points + 1:))
+         do p = 1, problem%n_points
+            if (abs(equations%coupling(p)) > 0.0_dp) call matrix%add(tangential(p), normal(p), equations%coupling(p))
+            if (.not. abs(slope(p)) > 0.0_dp) cycle
+            do j = max(1, normal(p) - whole%width), min(whole%n, normal(p) + whole%width)
+               if (.not. is_known(j)) call matrix%add(tangential(p), j, -slope(p)*whole%element(normal(p), j))
             end do
          end do
       end associate
-   end subroutine fill_matrix
+   end subroutine add_slip_rows
 
    !> What given displacements leave of the load; 0 where they are known (n) [F].
    pure function residual(problem, equations, x)

@@ -36,16 +36,16 @@ module amontons_newton
       real(dp) :: most_share = 1.0_dp !! largest share of the diagonal that holds a step [-]
       integer :: patience = huge(1) !! how many steps without a better pair end the iteration
       real(dp) :: better = 0.9_dp !! part of itself that the least residual falls to at the most with a better pair [-]
-      logical :: begins_softly = .false. !! whether on a band matrix springs between points and obstacle lead to the first guess
+      logical :: begins_softly = .false. !! whether, on a band matrix, springs of the points lead to the first guess
    contains
       procedure :: solve => newton_solve
+      procedure, private :: begin => newton_begin
       procedure, private :: is_stuck => newton_is_stuck
    end type newton_t
 
 contains
 
-   !> Takes steps, and keeps the best pair where none is the solution. From rest the first guess is that all points
-   !> stick, unless nothing acts.
+   !> Takes steps, and keeps the best pair where none is the solution.
    subroutine newton_solve(self, problem, solution, error)
       class(newton_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
@@ -64,14 +64,7 @@ contains
       scale = problem%force_scale()
       displacement = solution%displacement
       force = solution%force
-      call guess%guess(problem, rho, displacement, force, violation)
-      if (.not. (any(force(:problem%n_points) > 0.0_dp) .or. problem%is_unloaded())) then
-         call guess%guess_stick(problem, rho, scale)
-      end if
-      select type (system)
-      type is (band_stiffness_system_t)
-         if (self%begins_softly) call harden(system, problem, rho, scale, self%max_iterations, guess, displacement, solution)
-      end select
+      call self%begin(system, problem, rho, scale, guess, displacement, solution)
       n_soft = solution%n_iterations
       share = system%first_share
       least_share = system%least_share
@@ -103,9 +96,32 @@ contains
       call judge(solution, problem)
    end subroutine newton_solve
 
+   !> Makes the first guess. From rest it is that all points stick, unless nothing acts.
+   subroutine newton_begin(self, system, problem, rho, scale, guess, displacement, solution)
+      class(newton_t), intent(in) :: self !! the method
+      class(newton_system_t), intent(inout) :: system !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: rho(:) !! stiffness of the points (2m) [F/L]
+      real(dp), intent(in) :: scale !! the force that residuals are measured by [F]
+      type(active_set_t), intent(inout) :: guess !! state of each point
+      real(dp), intent(inout) :: displacement(:) !! v (2m) [L]
+      type(contact_solution_t), intent(inout) :: solution !! gains a record of the steps, if there are any
+      real(dp) :: violation
+
+      call guess%guess(problem, rho, displacement, solution%force, violation)
+      if (.not. (any(solution%force(:problem%n_points) > 0.0_dp) .or. problem%is_unloaded())) then
+         call guess%guess_stick(problem, rho, scale)
+      end if
+      select type (system)
+      type is (band_stiffness_system_t)
+         if (self%begins_softly) call harden(system, problem, rho, scale, self%max_iterations, guess, displacement, &
+            solution)
+      end select
+   end subroutine newton_begin
+
    !> Guesses in a way that lets fronts of opening or sliding pass, which Newton's steps move by a few points each: by
-   !> springs between the points and the obstacle, so soft at first that the ends of the line feel each other, and so hard
-   !> at last that neighbors hardly do.
+   !> springs between the points and the obstacle, so soft at first that the ends of the line feel each other, and so
+   !> hard at last that neighbors hardly do.
    subroutine harden(system, problem, rho, scale, max_iterations, guess, displacement, solution)
       type(band_stiffness_system_t), intent(inout) :: system !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem

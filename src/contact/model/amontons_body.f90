@@ -2,7 +2,7 @@
 module amontons_body
    use amontons_assembly, only: assemble_stiffness
    use amontons_coloring, only: coloring_t, new_coloring
-   use amontons_condensation, only: condensation_t, find_band_order, new_condensation
+   use amontons_condensation, only: condensation_options_t, condensation_t, find_band_order, new_condensation
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t, new_band_problem, new_contact_problem
@@ -109,11 +109,10 @@ contains
    end subroutine measure_cells
 
    !> Assembles and factorises the stiffness and condenses it to the contact points; the clock goes on condensing.
-   subroutine condense_body(body, problem, factorization, form, timings, error)
+   subroutine condense_body(body, problem, options, timings, error)
       type(body_t), intent(inout) :: body !! the body, from `new_body`
       type(contact_problem_t), intent(out) :: problem !! its contact problem; a load case sets load, gap and friction
-      character(*), intent(in) :: factorization !! one of `factorization_names`
-      character(*), intent(in) :: form !! form of the condensed stiffness, one of `condensation_names`
+      type(condensation_options_t), intent(in) :: options !! how to condense
       type(timings_t), intent(inout) :: timings !! gains the time of each step
       type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
       type(sparse_matrix_t) :: stiffness
@@ -128,8 +127,8 @@ contains
          body%dof_map, error)
       if (allocated(error)) return
       call timings%begin(phase_factorize)
-      call new_condensation(body%condensation, stiffness, factorization, form, is_held, body%zone, &
-         body%constraints, body%dof_map, error)
+      call new_condensation(body%condensation, stiffness, options, is_held, body%zone, body%constraints, &
+         body%dof_map, error)
       if (allocated(error)) call explain_refusal(body, error)
       if (allocated(error)) return
       call timings%begin(phase_condense)
@@ -181,10 +180,9 @@ contains
    end subroutine explain_refusal
 
    !> Estimates the work without doing it: assembles and orders the stiffness, but makes no factor.
-   subroutine estimate_body(body, factorization, form, timings, estimate, error)
+   subroutine estimate_body(body, options, timings, estimate, error)
       type(body_t), intent(in) :: body !! the body
-      character(*), intent(in) :: factorization !! one of `factorization_names`
-      character(*), intent(in) :: form !! form of the condensed stiffness, one of `condensation_names`
+      type(condensation_options_t), intent(in) :: options !! how to condense
       type(timings_t), intent(inout) :: timings !! gains the time of assembly
       type(estimate_t), intent(out) :: estimate !! the estimate
       type(error_t), allocatable, intent(out) :: error !! too large for the memory
@@ -197,16 +195,18 @@ contains
          body%dof_map, error)
       if (allocated(error)) return
       call timings%begin(phase_factorize)
-      call find_band_order(stiffness, form, body%zone, order)
+      call find_band_order(stiffness, options%form, body%zone, order)
       if (allocated(order)) estimate%half_width = half_bandwidth(stiffness, order)
-      call analyze_matrix(analysis, factorization, stiffness, merge(0, body%dof_map%n_trailing, allocated(order)), error)
+      call analyze_matrix(analysis, trim(options%factorization), stiffness, &
+         merge(0, body%dof_map%n_trailing, allocated(order)), error)
       if (allocated(error)) return
       estimate%n_rows = merge(stiffness%n, 2*body%zone%n_points, allocated(order))
       stiffness = sparse_matrix_t()
       call return_memory()
       estimate%factorization = analysis%name()
       estimate%n_entries = analysis%n_factor_entries()
-      estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + analysis%memory_mb() + contact_memory_mb(estimate))
+      estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + analysis%memory_mb() &
+         + contact_memory_mb(estimate))
       estimate%available_mb = resident_memory_mb() + available_memory_mb()
    end subroutine estimate_body
 

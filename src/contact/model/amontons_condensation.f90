@@ -24,15 +24,23 @@ module amontons_condensation
    implicit none (type, external)
    private
 
-   public :: condensation_names, condensation_t, condensed_load_t, find_band_order, new_condensation
+   public :: condensation_names, condensation_options_t, condensation_t, condensed_load_t, find_band_order, &
+      new_condensation
 
    !> Forms of the condensed stiffness, as a deck writes them; the first stands for the quicker one.
    character(5), parameter :: condensation_names(*) = [character(5) :: 'auto', 'dense', 'band']
 
+   !> How a body is condensed.
+   type :: condensation_options_t
+      character(13) :: factorization = 'auto' !! one of `factorization_names`
+      character(5) :: form = 'auto' !! form of the condensed stiffness, one of `condensation_names`
+   end type condensation_options_t
+
    !> What is left of a load when it is condensed: q, and what `recover` needs of it.
    type :: condensed_load_t
       real(dp), allocatable :: load(:) !! q on (u_N; u_T) of the points (2m) [F]
-      real(dp), allocatable, private :: partial(:) !! the load after the forward substitution; with a band, the load (n)
+      real(dp), allocatable, private :: partial(:)
+         !! the load after the forward substitution; with a band, the load itself (n)
       real(dp), allocatable, private :: contact_load(:) !! q on the contact unknowns (n_unknowns) [F]
    end type condensed_load_t
 
@@ -58,11 +66,10 @@ module amontons_condensation
 contains
 
    !> Factorises the stiffness of a body.
-   subroutine new_condensation(condensation, stiffness, kind, form, is_held, zone, constraints, dof_map, error)
+   subroutine new_condensation(condensation, stiffness, options, is_held, zone, constraints, dof_map, error)
       type(condensation_t), intent(out) :: condensation !! the factorised body
       type(sparse_matrix_t), intent(inout) :: stiffness !! K; given up before the factor is made, to save memory [F/L]
-      character(*), intent(in) :: kind !! which factorisation, one of `factorization_names`
-      character(*), intent(in) :: form !! which form of S, one of `condensation_names`
+      type(condensation_options_t), intent(in) :: options !! how to condense
       logical, intent(in) :: is_held !! whether supports alone hold the body
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
@@ -84,12 +91,12 @@ contains
       else
          call map_points(condensation, zone, constraints, dof_map)
       end if
-      call keep_band(condensation, stiffness, form, zone, band_error)
+      call keep_band(condensation, stiffness, options%form, zone, band_error)
       if (.not. is_held) then
          condensation%alpha = mean
          call stiffness%shift_diagonal(dof_map%n_dofs - dof_map%n_trailing + 1, dof_map%n_dofs, condensation%alpha)
       end if
-      call analyze_matrix(condensation%factorization, kind, stiffness, &
+      call analyze_matrix(condensation%factorization, trim(options%factorization), stiffness, &
          merge(0, dof_map%n_trailing, allocated(condensation%band)), error)
       if (allocated(error)) return
       stiffness = sparse_matrix_t()
@@ -115,7 +122,7 @@ contains
    end subroutine keep_band
 
    !> Finds an order that makes K a narrow band, if S should stay a band matrix of the whole body: asked for, or quicker
-   !> by far in Newton's method. A step takes about 4 n w^2 operations of n rows of half width w, against 2/3 m^3 quicker
+   !> by far in Newton's method. A step takes about 4 n w^2 operations of n rows of half width w, against 2/3 m^3 faster
    !> ones, or a few times as many, with a dense S; w is about the number of unknowns that there are for each point, or
    !> more. Of few points the bound of friction is to be found, which takes a dense S anyway; a cell of constant
    !> multipliers has no place in a band.
@@ -134,8 +141,9 @@ contains
       allocate (order(matrix%n))
       call reverse_cuthill_mckee(matrix, 0, order)
       if (form == 'band') return
-      if (slowness*matrix%n*real(half_bandwidth(matrix, order), dp)**2 > real(zone%n_points, dp)**3) &
-         deallocate (order)
+      associate (half_width => real(half_bandwidth(matrix, order), dp))
+         if (slowness*matrix%n*half_width**2 > real(zone%n_points, dp)**3) deallocate (order)
+      end associate
    end subroutine find_band_order
 
    !> Makes the rows of C on the contact unknowns. The tangential displacement of a guided point has no row.
@@ -267,7 +275,8 @@ contains
          n = count(self%unknown(:, p) > 0)
          condensed%load([p, p + m]) = matmul(q(self%unknown(:n, p)), self%map(:n, :, p))
       end do
-      if (allocated(self%band)) condensed%load = self%band%condensed(load(:size(load) - self%n_unknowns), condensed%load)
+      if (.not. allocated(self%band)) return
+      condensed%load = self%band%condensed(load(:size(load) - self%n_unknowns), condensed%load)
    end subroutine condensation_condense_load
 
    !> All unknowns from the displacements of the contact points under a load.

@@ -1,5 +1,5 @@
-!> The condensed stiffness S of a slender body that is never made: a product with S is one with the stiffness of the whole
-!> body, after its interior has found its place.
+!> The condensed stiffness S of a slender body that is never made: a product with S is one with the stiffness of the
+!> whole body, after its interior has found its place.
 !>
 !> The unknowns are in an order that makes the matrix a narrow band, those of a contact point in its normal and
 !> tangential direction. Everything takes time and memory in proportion to the length of the body.
@@ -201,8 +201,8 @@ contains
       integer :: j
 
       associate (all_near => [(j, j=max(1, position - matrix%width), min(matrix%n, position + matrix%width))])
-         near = pack(all_near, [(.not. is_contact(all_near(j)) .and. abs(matrix%element(all_near(j), position)) > 0.0_dp, &
-            j=1, size(all_near))])
+         near = pack(all_near, [(.not. is_contact(all_near(j)) &
+            .and. abs(matrix%element(all_near(j), position)) > 0.0_dp, j=1, size(all_near))])
       end associate
    end function neighbors
 
@@ -210,7 +210,8 @@ contains
    pure subroutine band_stiffness_solve_interior(self, load, x)
       class(band_stiffness_t), intent(in) :: self !! the stiffness
       real(dp), intent(in) :: load(:) !! b on all positions; those of contact points have no effect (n) [F]
-      real(dp), contiguous, intent(inout) :: x(:) !! displacements by position, 0 but for contact points; then all (n) [L]
+      real(dp), contiguous, intent(inout) :: x(:)
+         !! displacements by position, 0 but for contact points; then all (n) [L]
       real(dp) :: right(size(x)), contact(size(self%place))
 
       contact = x(self%place)
