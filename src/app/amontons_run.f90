@@ -294,12 +294,12 @@ contains
 
       associate (body => workshop%body)
          text = config%name//': in order; '//to_text(body%mesh%n_nodes)//' nodes, '//to_text(body%mesh%n_elements)// &
-            ' elements, '//to_text(body%dof_map%n_dofs)//' unknowns, '//to_text(body%zone%n_points)// &
-            ' contact points '//contact_matrix_text(estimate)
+            ' elements, '//to_text(body%dof_map%n_dofs)//' unknowns, '//to_text(body%zone%n_points)//' contact points'
       end associate
       if (config%sweep%is_given()) text = text//', '//to_text(config%sweep%n_cases())//' cases'
       if (config%sweep%n_fields() > 0) text = text//', fields of '//to_text(config%sweep%n_fields())
-      text = text//'; '//estimate%factorization//' factor of '//to_text(estimate%n_entries)//' entries, about '// &
+      text = text//'; '//contact_matrix_text(estimate)//', '//estimate%factorization//' factor of '// &
+         to_text(estimate%n_entries)//' entries, about '// &
          to_text(ceiling(estimate%memory_mb))//' MB of memory'
       if (estimate%memory_mb > estimate%available_mb) text = text//', but only '// &
          to_text(floor(estimate%available_mb))//' MB are available'
@@ -311,9 +311,10 @@ contains
       character(:), allocatable :: text
 
       if (estimate%half_width > 0) then
-         text = 'on a band matrix of '//to_text(estimate%n_rows)//' rows with half width '//to_text(estimate%half_width)
+         text = 'band contact matrix of '//to_text(estimate%n_rows)//' rows with half width '// &
+            to_text(estimate%half_width)
       else
-         text = 'on a dense matrix of '//to_text(estimate%n_rows)//' rows'
+         text = 'dense contact matrix of '//to_text(estimate%n_rows)//' rows'
       end if
    end function contact_matrix_text
 

@@ -99,9 +99,9 @@ class Options(ProgramTest):
 
     def test_check_solves_and_writes_nothing(self):
         run = self.run_program("--check", "--output", "results", "case.nml")
-        self.assertRegex(run.stdout, r"^case: in order; 45 nodes, 32 elements, 85 unknowns, 9 contact points "
-                                     r"on a dense matrix of 18 rows; "
-                                     r"band factor of \d+ entries, about \d+ MB of memory\n$")
+        self.assertRegex(run.stdout, r"^case: in order; 45 nodes, 32 elements, 85 unknowns, 9 contact points; "
+                                     r"dense contact matrix of 18 rows, band factor of \d+ entries, "
+                                     r"about \d+ MB of memory\n$")
         self.assertEqual(self.files(), ["case.nml"])
         self.assertEqual(self.run_program("--check", "--quiet", "case.nml").stdout, "")
 
@@ -111,7 +111,7 @@ class Options(ProgramTest):
                                 "&support set = 'left'  ux = 0.0 /\n"
                                 "&load set = 'top'  pressure = 1.0 /\n"
                                 "&contact set = 'bottom'  friction = 0.3 /\n")
-        self.assertIn("2402 unknowns, 601 contact points on a band matrix of 2402 rows with half width 7; ",
+        self.assertIn("2402 unknowns, 601 contact points; band contact matrix of 2402 rows with half width 7, ",
                       self.run_program("--check", "strip.nml").stdout)
 
     def test_check_finds_what_does_not_fit_the_mesh(self):
