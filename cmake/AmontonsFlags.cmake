@@ -1,16 +1,17 @@
 # Compiler flags of the project, on an interface target that only its own targets link.
 add_library(amontons_flags INTERFACE)
 
-set(_fortran "$<COMPILE_LANGUAGE:Fortran>")
 set(_gfortran "$<COMPILE_LANG_AND_ID:Fortran,GNU>")
+set(_flang "$<COMPILE_LANG_AND_ID:Fortran,LLVMFlang>")
 set(_c "$<COMPILE_LANGUAGE:C>")
 set(_debug "$<CONFIG:Debug>")
 # A failing check ends the program, which the counters would show as a call that no test made.
 set(_checked "$<AND:${_debug},$<NOT:$<BOOL:${AMONTONS_COVERAGE}>>>")
 
 target_compile_options(amontons_flags INTERFACE
-  "$<${_fortran}:-std=f2018;-pedantic>"
-  "$<${_gfortran}:-ffree-line-length-132;-fimplicit-none>"
+  "$<${_gfortran}:-std=f2018;-pedantic;-ffree-line-length-132;-fimplicit-none>"
+  # flang's -std warns of standard Fortran that other compilers may lack.
+  "$<${_flang}:-Werror>"
   "$<${_gfortran}:-Wall;-Wextra;-Wimplicit-interface;-Wimplicit-procedure;-Werror>"
   # gfortran 12 takes the descriptor of an allocatable for uninitialised when it is first allocated by assignment.
   "$<${_gfortran}:-Wno-maybe-uninitialized;-Wno-uninitialized>"

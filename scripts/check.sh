@@ -5,10 +5,10 @@ set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
 
 scripts/setup.sh build check
-scripts/tools.sh
+scripts/dev/tools.sh
 
 mapfile -t fortran < <(find src tests -name '*.f90' -o -name '*.f90.in' -o -name '*.pf' | sort)
-mapfile -t shell < <(grep -rlE '^#!.*\b(ba)?sh\b' .ci scripts tests | sort)
+mapfile -t shell < <(grep -rlE '^#!.*\b(ba)?sh\b' .ci scripts tests | sort; echo doc/amontons.bash)
 
 # Two things stay as the author put them: continuation lines, and a `!!` that hangs under its declaration.
 findent_changes_nothing() {
@@ -45,12 +45,13 @@ check() {
 }
 
 check 'release build without warnings' scripts/build.sh release
-check rooms scripts/check_layers.py
-check 'lengths, comments, no stop, no print' scripts/check_sources.py
+check rooms scripts/dev/check_layers.py
+check 'lengths, comments, no stop, no print' scripts/dev/check_sources.py
+check 'every test is run and asks something' scripts/dev/check_tests.py
 check fortitude .venv/bin/fortitude check --quiet --output-format concise src tests
 check findent findent_changes_nothing
 check 'FORD without warnings' ford_has_no_warnings
-check 'links of the pages' scripts/check_links.py
+check 'links of the pages' scripts/dev/check_links.py
 # Its other options ask for braces around every name and for a line of its own for every command.
 optional=add-default-case,avoid-nullary-conditions,check-unassigned-uppercase,deprecate-which
 check shellcheck shellcheck --enable="$optional,quote-safe-variables,require-double-brackets" "${shell[@]}"

@@ -16,14 +16,14 @@ case ${1-} in
       ;;
 esac
 
-scripts/setup.sh build pictures >&2
+scripts/setup.sh build >&2
 scripts/build.sh release
 
 output=build/methods
 rm -rf "$output"
 mkdir -p "$output"
 AMONTONS=$PWD/build/release/bin/amontons OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
-   /usr/bin/python3 -B scripts/compare_methods.py "$output" "$output"/methods.{png,svg} >"$output/tables"
+   scripts/python.sh scripts/helpers/compare_methods.py "$output" "$output"/methods.{png,svg} >"$output/tables"
 echo >>"$output/tables"
 cat "$output/tables"
 

@@ -22,15 +22,15 @@ for preset in sanitize debug release; do
    scripts/build.sh "$preset"
 done
 status=0
-fuzz() { (($3 == 0)) || python3 -B scripts/fuzz.py "build/$1/bin/amontons" "$2" "$3" "$4" || status=1; }
+fuzz() { (($3 == 0)) || python3 -B scripts/dev/fuzz.py "build/$1/bin/amontons" "$2" "$3" "$4" || status=1; }
 for ((done = 0; done < count; done += round)); do
    n=$((count - done < round ? count - done : round))
    start=$((first + done))
-   for format in deck gmsh_2 gmsh_2_binary gmsh_4 gmsh_4_binary abaqus table reduced fclib; do
+   for format in deck gmsh_2 gmsh_2_binary gmsh_4 gmsh_4_binary abaqus table reduced; do
       fuzz sanitize "$format" $((n / 10)) "$start"
       fuzz debug "$format" $((n - n / 10)) $((start + n / 10))
    done
    fuzz debug command $((n / 10)) "$start"
 done
-((count == 0)) || python3 -B scripts/fuzz_bodies.py build/release/bin/amontons "$count" "$first" || status=1
+((count == 0)) || python3 -B scripts/dev/fuzz_bodies.py build/release/bin/amontons "$count" "$first" || status=1
 exit "$status"

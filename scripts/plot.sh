@@ -2,7 +2,4 @@
 # Draws solved cases, each as CASE.png and CASE.svg beside its files. Usage: plot.sh CASE...
 #   CASE    a folder of cases, any file of a case, or the path of its files without their endings
 set -euo pipefail
-scripts=$(dirname "$(realpath "${BASH_SOURCE[0]}")")
-
-"$scripts/setup.sh" pictures
-exec /usr/bin/python3 -B "$scripts/plot.py" "$@"
+exec "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/python.sh" -m amontons plot "$@"

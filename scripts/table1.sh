@@ -50,10 +50,9 @@ run_rows() { # mesh name, cells
 run_rows coarse '32, 10'
 run_rows fine '256, 80'
 status=0
-python3 scripts/table1.py "$output/coarse" "$output/fine" || status=$?
+python3 scripts/helpers/table1.py "$output/coarse" "$output/fine" || status=$?
 if $is_figure; then
-   scripts/setup.sh pictures
    build/release/bin/amontons --quiet --output "$output" input/long_bar_map.nml
-   /usr/bin/python3 -B scripts/figure.py "$output/coarse" "$output/long_bar_map" "$output"/figure.{png,svg}
+   scripts/python.sh scripts/helpers/figure.py "$output/coarse" "$output/long_bar_map" "$output"/figure.{png,svg}
 fi
 exit "$status"

@@ -12,5 +12,5 @@ status=0
 # Counting reads the tests' output, so none of it may be cut.
 ctest --preset debug --parallel 2 --no-tests=error --output-junit results.xml \
    --test-output-size-passed 100000000 --test-output-size-failed 100000000 "$@" || status=$?
-python3 scripts/count_tests.py "$results" || status=1
+python3 scripts/dev/count_tests.py "$results" || status=1
 exit "$status"

@@ -4,7 +4,7 @@
 !> `new_rectangle_mesh` or `read_mesh_file`, `new_material`, `new_support`, `new_contact`, `new_body`, `new_load`,
 !> `solve_body`. A contact problem alone: `new_contact_problem` or `new_reduced_problem`, `new_contact_method`,
 !> `new_contact_solution`. A reduced problem from a file: `new_reduced_config`, `solve_reduced`, `write_reduced_report`;
-!> to one: `new_condensed_system`, `write_reduced_files`; from arrays: `new_dense_system`, `solve_reduced_system`. Files
+!> to one: `new_condensed_system`, `write_reduced_file`; from arrays: `new_dense_system`, `solve_reduced_system`. Files
 !> of an earlier run: `find_cases`, `verify_files`.
 module amontons
    use amontons_all_solutions, only: all_solutions_t, find_all_solutions
@@ -27,7 +27,7 @@ module amontons
    use amontons_mesh_file, only: read_mesh_file
    use amontons_methods, only: method_names, method_options_t, new_contact_method
    use amontons_rectangle, only: new_rectangle_mesh, rectangle_t
-   use amontons_reduced_file, only: read_reduced_file, write_reduced_files
+   use amontons_reduced_file, only: read_reduced_file, write_reduced_file
    use amontons_reduced_report, only: write_reduced_report
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_report, only: write_report
@@ -56,7 +56,7 @@ module amontons
    public :: solve_sweep, sweep_monitor_t, sweep_result_t, write_sweep_report
    ! Reduced problems of others
    public :: find_reduced_solutions, new_condensed_system, new_dense_system, new_reduced_config, read_reduced_file, &
-      reduced_result_t, reduced_system_t, solve_reduced, solve_reduced_system, write_reduced_files, write_reduced_report
+      reduced_result_t, reduced_system_t, solve_reduced, solve_reduced_system, write_reduced_file, write_reduced_report
    ! Bodies
    public :: body_t, condense_body, contact_t, load_t, material_t, mesh_t, new_body, new_contact, new_load, &
       new_material, new_rectangle_mesh, new_support, read_mesh_file, rectangle_t, solve_body, support_t

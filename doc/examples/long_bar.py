@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
-import meshio
 
 import amontons
 
@@ -34,12 +33,12 @@ print(", ".join(f"{part} {lengths[part]:g} mm" for part in ("separated", "slidin
 
 # %% The body, its displacements exaggerated.
 SCALE = 200
-mesh = meshio.read(directory / "long_bar.vtu")
+mesh = amontons.read_grid(directory / "long_bar.vtu")
 place = mesh.points[:, :2] + SCALE*mesh.point_data["displacement"][:, :2]
-stress = mesh.cell_data["von_mises"][0]
+(_, quadrilaterals), = mesh.cells
 figure, (body, line) = plt.subplots(2, 1, figsize=(7, 9), height_ratios=(3, 2), layout="constrained")
-cells = plt.matplotlib.collections.PolyCollection(place[mesh.cells[0].data], array=stress, cmap="viridis",
-                                                  edgecolors="white", linewidths=0.2)
+cells = plt.matplotlib.collections.PolyCollection(place[quadrilaterals], array=mesh.cell_data["von_mises"],
+                                                  cmap="viridis", edgecolors="white", linewidths=0.2)
 body.add_collection(cells)
 body.axhline(0, color="black")
 body.set(title=f"Displacements times {SCALE}", xlabel="x [mm]", ylabel="y [mm]")

@@ -1,5 +1,6 @@
 !> The command line: options and decks.
 module amontons_command_line
+   use amontons_deck_setting, only: new_setting, setting_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_text, only: nearest_word, read_integer
    implicit none (type, external)
@@ -8,8 +9,8 @@ module amontons_command_line
    public :: argument_t, command_line_t, read_command_line
 
    !> Options, as they are written.
-   character(15), parameter :: option_names(*) = [character(15) :: '--output', '--check', '--quiet', '--threads', &
-      '--reduced', '--write-reduced', '--all-solutions', '--verify', '--reference', '--help', '--version']
+   character(15), parameter :: option_names(*) = [character(15) :: '--output', '--set', '--check', '--quiet', &
+      '--threads', '--reduced', '--write-reduced', '--all-solutions', '--verify', '--reference', '--help', '--version']
 
    !> A word of the command line.
    type :: argument_t
@@ -19,6 +20,7 @@ module amontons_command_line
    !> What the command line asks for.
    type :: command_line_t
       type(argument_t), allocatable :: decks(:) !! names of the decks, in their order
+      type(setting_t), allocatable :: settings(:) !! what takes the place of what the decks say
       character(:), allocatable :: output !! output directory
       integer :: n_threads = 0 !! number of threads; 0 for what OMP_NUM_THREADS says, or all cores
       logical :: is_check = .false. !! whether decks are only checked
@@ -42,7 +44,7 @@ contains
       integer :: i
       logical :: only_decks
 
-      allocate (command_line%decks(0))
+      allocate (command_line%decks(0), command_line%settings(0))
       only_decks = .false.
       i = 0
       do while (i < command_argument_count())
@@ -73,8 +75,9 @@ contains
       if (command_line%is_verify) expected = 'a directory with results'
       if (size(command_line%decks) == 0) then
          call new_error(error, input_refused, 'amontons: expected '//expected//'; try amontons --help')
-      else if (command_line%is_verify .and. (allocated(command_line%output) .or. command_line%is_check .or. &
-         command_line%is_reduced .or. command_line%writes_reduced .or. command_line%wants_all_solutions)) then
+      else if (command_line%is_verify .and. any([allocated(command_line%output), command_line%is_check, &
+         command_line%is_reduced, command_line%writes_reduced, command_line%wants_all_solutions, &
+         size(command_line%settings) > 0])) then
          call new_error(error, input_refused, 'amontons: --verify takes directories with results; of the other '// &
             'options only --quiet and --threads go with it')
       else if (command_line%is_reduced .and. has_input(command_line%decks)) then
@@ -97,34 +100,23 @@ contains
       character(*), intent(in) :: word !! the option as written
       integer, intent(inout) :: i !! its place on the command line; moved on where the next word is its value
       type(error_t), allocatable, intent(out) :: error !! an unknown option, or a value that is missing or wrong
-      character(:), allocatable :: name, value
+      character(:), allocatable :: name
       integer :: at_equals
-      logical :: ok
 
       at_equals = index(word//'=', '=')
       name = word(:at_equals - 1)
       select case (name)
-      case ('--output', '--threads')
+      case ('--output', '-o', '--set', '--threads', '-t')
          if (at_equals <= len(word)) then
-            value = word(at_equals + 1:)
+            call read_value(command_line, name, word(at_equals + 1:), error)
          else
             i = i + 1
-            value = argument(i)
+            call read_value(command_line, name, argument(i), error)
          end if
-         if (name == '--output') then
-            command_line%output = value
-            ok = len(value) > 0
-         else
-            call read_integer(value, command_line%n_threads, ok)
-            ok = ok .and. command_line%n_threads > 0
-         end if
-         if (.not. ok) call new_error(error, input_refused, 'amontons: '//name//' expects '// &
-            trim(merge('the name of a directory', 'a number of at least 1 ', name == '--output'))// &
-            ", found '"//value//"'")
          return
       case ('--check')
          command_line%is_check = .true.
-      case ('--quiet')
+      case ('--quiet', '-q')
          command_line%is_quiet = .true.
       case ('--reduced')
          command_line%is_reduced = .true.
@@ -141,13 +133,69 @@ contains
       case ('--version')
          command_line%is_version = .true.
       case default
-         value = nearest_word(name, option_names)
-         if (len(value) > 0) value = '; did you mean '//value//'?'
-         call new_error(error, input_refused, "amontons: '"//name//"' is no option"//value//'; try amontons --help')
+         call new_error(error, input_refused, "amontons: unknown option '"//name//"'"//suggestion(name))
          return
       end select
       if (at_equals <= len(word)) call new_error(error, input_refused, 'amontons: '//name//' takes no value')
    end subroutine read_option
+
+   !> Reads the value of an option.
+   subroutine read_value(command_line, name, value, error)
+      type(command_line_t), intent(inout) :: command_line !! gains what the option asks for
+      character(*), intent(in) :: name !! the option as written
+      character(*), intent(in) :: value !! its value
+      type(error_t), allocatable, intent(out) :: error !! it is missing or wrong
+      character(:), allocatable :: expected
+      type(setting_t) :: setting
+      logical :: ok
+
+      select case (name)
+      case ('--output', '-o')
+         expected = 'the name of a directory'
+         command_line%output = value
+         ok = len(value) > 0
+      case ('--set')
+         call new_setting(setting, value, error)
+         if (allocated(error)) error%message = 'amontons: --set: '//error%message
+         if (.not. allocated(error)) call append_setting(command_line%settings, setting)
+         return
+      case default
+         expected = 'a number of at least 1'
+         call read_integer(value, command_line%n_threads, ok)
+         ok = ok .and. command_line%n_threads > 0
+      end select
+      if (.not. ok) call new_error(error, input_refused, 'amontons: '//name//' expects '//expected//", found '"// &
+         value//"'")
+   end subroutine read_value
+
+   !> What the message about an unknown option adds: the option that is near, or the only one that begins like it.
+   pure function suggestion(name) result(text)
+      character(*), intent(in) :: name !! the unknown option
+      character(:), allocatable :: text
+      logical :: begins(size(option_names))
+      integer :: i
+
+      text = nearest_word(name, option_names)
+      begins = [(index(option_names(i), '--'//trim(name(verify(name//'.', '-'):))) == 1, i=1, size(option_names))]
+      if (len(text) == 0 .and. count(begins) == 1) text = trim(option_names(findloc(begins, .true., dim=1)))
+      if (len(text) > 0) then
+         text = '; did you mean '//text//'?'
+      else
+         text = '; try amontons --help'
+      end if
+   end function suggestion
+
+   !> Appends a setting to a list.
+   pure subroutine append_setting(list, setting)
+      type(setting_t), allocatable, intent(inout) :: list(:) !! the list
+      type(setting_t), intent(in) :: setting !! the setting
+      type(setting_t), allocatable :: longer(:)
+
+      allocate (longer(size(list) + 1))
+      longer(:size(list)) = list
+      longer(size(longer)) = setting
+      call move_alloc(longer, list)
+   end subroutine append_setting
 
    !> Appends a word to a list.
    pure subroutine append_argument(list, word)

@@ -1,8 +1,8 @@
 !> What --help and --version print.
 module amontons_help
    use, intrinsic :: iso_fortran_env, only: compiler_version
-   use amontons_fclib_file, only: has_fclib
-   use amontons_libraries, only: blas_text, suitesparse_text
+   use amontons_libraries, only: blas_text
+   use amontons_suitesparse, only: suitesparse_text
    use amontons_text, only: newline, to_text
    use amontons_threads, only: n_threads, openmp_date
    use amontons_version, only: build_type, version
@@ -60,21 +60,23 @@ contains
       lines = [character(width) :: &
          'Options:', &
          '  --output DIR     where the files go (made if missing; default: the current', &
-         '                   directory)', &
+         '                   directory); -o too', &
+         '  --set KEY=VALUE  take VALUE for a key of the decks: --set contact.friction=0.5,', &
+         '                   --set "support(2).set=left"; may be repeated', &
          '  --check          check the decks and print their sizes; solve and write nothing', &
-         '  --quiet          print nothing but errors', &
-         '  --threads N      threads to use (default: OMP_NUM_THREADS, or all cores)', &
-         '  --reduced        the files are reduced problems u = W r + q (Siconos text or', &
-         '                   FCLIB), not decks', &
+         '  --quiet          print nothing but errors; -q too', &
+         '  --threads N      threads to use (default: OMP_NUM_THREADS, or all cores); -t too', &
+         '  --reduced        the files are reduced problems u = W r + q (Siconos text), not', &
+         '                   decks', &
          '  --write-reduced  write the reduced problem of each case too: NAME.reduced.dat', &
-         '                   (Siconos text) and NAME.reduced.hdf5 (FCLIB)', &
+         '                   (Siconos text)', &
          '  --all-solutions  find every solution of problems of at most 12 contact points:', &
          '                   NAME.solutions.csv', &
          '  --verify         verify the results in directories from their files alone: that', &
          '                   no byte was changed, and that they follow from deck and mesh', &
          '  --reference      print every key of a deck with its values, unit, default and', &
          '                   meaning, or those of groups: amontons --reference mesh contact', &
-         '  --help           print this text (-h too)', &
+         '  --help           print this text; -h too', &
          '  --version        print the version and how the program was built', &
          '  --               what follows are decks']
    end function option_lines
@@ -111,7 +113,6 @@ contains
          'build type   '//build_type, &
          'BLAS         '//blas_text(), &
          'SuiteSparse  '//suitesparse_text(), &
-         'HDF5         '//trim(merge('yes', 'no ', has_fclib)), &
          'OpenMP       '//to_text(openmp_date)//', '//to_text(n_threads())//' threads'])
    end function version_text
 

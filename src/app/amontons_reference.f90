@@ -1,7 +1,7 @@
 !> What --reference prints: the groups of a deck and their keys.
 module amontons_reference
    use amontons_command_line, only: argument_t
-   use amontons_deck_reference, only: reference_text
+   use amontons_config, only: reference_text
    use amontons_error, only: error_t
    use amontons_screen, only: complain
    use amontons_terminal, only: print_line, standard_output

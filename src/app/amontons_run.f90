@@ -6,22 +6,22 @@ module amontons_run
    use amontons_command_line, only: argument_t, command_line_t
    use amontons_condensation, only: condensation_options_t
    use amontons_conditioning, only: rounded
-   use amontons_config, only: config_t, new_reduced_config, read_config
+   use amontons_config, only: config_t, read_set_config
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: short
+   use amontons_listing_text, only: scientific, short
    use amontons_output_file, only: commit_files, output_file_t
    use amontons_progress, only: progress_t
    use amontons_report, only: write_report
    use amontons_result, only: certificate_limit, result_t, status_not_converged
    use amontons_run_reduced, only: export_case, run_reduced
-   use amontons_screen, only: complain, tell
+   use amontons_screen, only: complain, tell_case
    use amontons_solve_case, only: prepare_case, solve_case, workshop_t
    use amontons_solve_sweep, only: solve_sweep, sweep_result_t
    use amontons_status_line, only: close_status_line, open_status_line
    use amontons_sweep_report, only: write_sweep_report
    use amontons_sweep_tally, only: case_converged
-   use amontons_text, only: to_text
+   use amontons_text, only: newline, to_text
    use amontons_timings, only: phase_solve, phase_write
    implicit none (type, external)
    private
@@ -129,13 +129,15 @@ contains
       character(*), intent(in) :: deck !! name of the deck
       type(claim_t), intent(inout) :: claims(:) !! of the decks so far; the last one is this deck's
       type(error_t), allocatable, intent(out) :: error !! the deck was refused
+      integer :: i
 
-      if (command_line%is_reduced) then
-         call new_reduced_config(config, deck, error)
-      else
-         call read_config(config, deck, error)
+      call read_set_config(config, deck, command_line%is_reduced, command_line%settings, error)
+      if (allocated(error)) then
+         do i = 1, size(command_line%settings)
+            error%message = error%message//newline//'   with --set '//command_line%settings(i)%text
+         end do
+         return
       end if
-      if (allocated(error)) return
       call claim_name(claims, config, error)
       if (.not. allocated(error)) call check_options(command_line, config, error)
    end subroutine read_case
@@ -203,7 +205,8 @@ contains
       if (allocated(error)) return
       call estimate_body(workshop%body, condensation_options_t(config%factorization, config%condensation), &
          result%timings, estimate, error)
-      if (.not. allocated(error)) call tell(command_line, check_text(config, workshop, estimate), error)
+      if (.not. allocated(error)) call tell_case(command_line, check_text(config, workshop, estimate), config%name, &
+         result%warnings, error)
    end subroutine check_case
 
    !> Solves a case, writes its files and tells how it went.
@@ -220,7 +223,7 @@ contains
       call solve_case(workshop, config, result, error)
       if (allocated(error)) return
       if (command_line%writes_reduced) then
-         call export_case(command_line, config, workshop%problem, result%solution%force, error)
+         call export_case(command_line, config, workshop%problem, error)
          if (allocated(error)) return
          result%has_reduced_files = .true.
       end if
@@ -234,7 +237,7 @@ contains
       call write_report(command_line%output, config, workshop%body, result, error)
       if (allocated(error)) return
       if (result%solution%is_converged) grid%text = config%name
-      call tell(command_line, solved_text(config, result), error)
+      call tell_case(command_line, solved_text(config, result), config%name, result%warnings, error)
       if (.not. result%solution%is_converged) then
          status = status_not_converged
       else if (.not. result%certificate%largest() <= certificate_limit(config%method%tolerance)) then
@@ -265,7 +268,7 @@ contains
       end if
       call write_sweep_report(command_line%output, config, workshop%body, result, error)
       if (allocated(error)) return
-      call tell(command_line, swept_text(config, result), error)
+      call tell_case(command_line, swept_text(config, result), config%name, result%certified%warnings, error)
       if (result%tally%n_outcomes(case_converged) < result%tally%n_cases) then
          status = status_not_converged
       else if (.not. result%certified%certificate%largest() <= certificate_limit(config%method%tolerance)) then
@@ -323,13 +326,11 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
-      character(9) :: residual
 
-      write (residual, '(es9.2)') result%solution%residual
       text = config%name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
-         to_text(result%solution%n_iterations)//' iterations, residual '//trim(adjustl(residual))//'; separated '// &
-         short(result%lengths%separated)//', sliding '//short(result%lengths%sliding)//', sticking '// &
-         short(result%lengths%sticking)
+         to_text(result%solution%n_iterations)//' iterations, residual '//scientific(result%solution%residual)// &
+         '; separated '//short(result%lengths%separated)//', sliding '//short(result%lengths%sliding)// &
+         ', sticking '//short(result%lengths%sticking)
    end function solved_text
 
    !> What is told of a sweep.
@@ -337,7 +338,6 @@ contains
       type(config_t), intent(in) :: config !! the deck
       type(sweep_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
-      character(9) :: residual
 
       associate (tally => result%tally)
          text = config%name//': '//to_text(tally%n_cases)//' cases, '
@@ -347,8 +347,7 @@ contains
             text = text//to_text(tally%n_cases - tally%n_outcomes(case_converged))//' of them NOT SOLVED'
          end if
          if (tally%residual_case == 0) return
-         write (residual, '(es9.2)') tally%residual
-         text = text//', residual at most '//trim(adjustl(residual))
+         text = text//', residual at most '//scientific(tally%residual)
       end associate
    end function swept_text
 

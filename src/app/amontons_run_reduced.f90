@@ -4,13 +4,12 @@ module amontons_run_reduced
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_error, only: error_t
-   use amontons_fclib_file, only: has_fclib
-   use amontons_kinds, only: dp
-   use amontons_reduced_file, only: write_reduced_files
+   use amontons_listing_text, only: scientific
+   use amontons_reduced_file, only: write_reduced_file
    use amontons_reduced_report, only: write_reduced_report
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_result, only: certificate_limit
-   use amontons_screen, only: complain, tell
+   use amontons_screen, only: complain, tell, tell_case
    use amontons_solve_reduced, only: find_reduced_solutions, prepare_reduced, reduced_result_t, solve_reduced
    use amontons_text, only: to_text
    use amontons_timings, only: phase_solve, phase_write
@@ -36,7 +35,8 @@ contains
       end if
       call solve_reduced(config, result, error)
       if (allocated(error)) return
-      if (command_line%writes_reduced) call export(command_line, config, result%system, error)
+      if (command_line%writes_reduced) call write_reduced_file(command_line%output, config%name, &
+         result%system, error)
       if (allocated(error)) return
       result%has_reduced_files = command_line%writes_reduced
       if (command_line%wants_all_solutions) then
@@ -48,7 +48,7 @@ contains
       end if
       call write_reduced_report(command_line%output, config, result, error)
       if (allocated(error)) return
-      call tell(command_line, solved_text(config, result), error)
+      call tell_case(command_line, solved_text(config, result), config%name, result%warnings, error)
       is_solved = result%solution%is_converged
       if (.not. is_solved .or. result%check%largest() <= certificate_limit(config%method%tolerance)) return
       is_solved = .false.
@@ -63,48 +63,31 @@ contains
       type(reduced_result_t) :: result
 
       call prepare_reduced(config, result, error)
-      if (.not. allocated(error)) call tell(command_line, config%name//': in order; '//result%system%form//', '// &
+      if (.not. allocated(error)) call tell_case(command_line, config%name//': in order; '//result%system%form//', '// &
          to_text(result%system%n_contacts)//' contacts, '//to_text(size(result%system%entry))//' entries of W', &
-         error)
+         config%name, result%warnings, error)
    end subroutine check_reduced
 
-   !> Writes the reduced problem of a solved deck, and its solution.
-   subroutine export_case(command_line, config, problem, force, error)
+   !> Writes the reduced problem of a solved deck.
+   subroutine export_case(command_line, config, problem, error)
       type(command_line_t), intent(in) :: command_line !! the options
       type(config_t), intent(in) :: config !! the case
       type(contact_problem_t), intent(inout) :: problem !! its contact problem; gains its compliance
-      real(dp), intent(in) :: force(:) !! its contact forces (2m) [F]
-      type(error_t), allocatable, intent(out) :: error !! it has no reduced problem, or a file cannot be written
+      type(error_t), allocatable, intent(out) :: error !! it has no reduced problem, or the file cannot be written
       type(reduced_system_t) :: system
 
       call new_condensed_system(system, problem, error)
-      if (allocated(error)) return
-      call system%set_solution(force, 1.0_dp)
-      call export(command_line, config, system, error)
+      if (.not. allocated(error)) call write_reduced_file(command_line%output, config%name, system, error)
    end subroutine export_case
-
-   !> Writes a reduced problem, and tells where this build cannot write one of its files.
-   subroutine export(command_line, config, system, error)
-      type(command_line_t), intent(in) :: command_line !! the options
-      type(config_t), intent(in) :: config !! the case
-      type(reduced_system_t), intent(in) :: system !! the reduced problem and its solution
-      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
-
-      call write_reduced_files(command_line%output, config%name, system, error)
-      if (.not. (allocated(error) .or. has_fclib)) call tell(command_line, config%name//': '//config%name// &
-         '.reduced.hdf5 is not written: this program was built without the HDF5 library', error)
-   end subroutine export
 
    !> What is told of a solved reduced problem.
    pure function solved_text(config, result) result(text)
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
-      character(9) :: residual
 
-      write (residual, '(es9.2)') result%solution%residual
       text = config%name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
-         to_text(result%solution%n_iterations)//' iterations, residual '//trim(adjustl(residual))//'; '// &
+         to_text(result%solution%n_iterations)//' iterations, residual '//scientific(result%solution%residual)//'; '// &
          to_text(result%system%n_contacts)//' contacts'
    end function solved_text
 

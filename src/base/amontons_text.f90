@@ -1,12 +1,13 @@
 !> Text helpers: numbers to text, text to numbers, words.
 module amontons_text
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_decimal, only: longest_decimal, put_decimal
    use amontons_kinds, only: dp, int64
    implicit none (type, external)
    private
 
-   public :: as_lines, comma_separated, lower_case, nearest_word, newline, quoted, read_integer, read_real, to_text, &
-      to_text_17, utf_8_width
+   public :: as_lines, comma_separated, lower_case, nearest_word, newline, put_decimals, quoted, read_integer, &
+      read_real, to_short_text, to_text, utf_8_width
 
    !> The end of a line.
    character(*), parameter :: newline = new_line('a')
@@ -40,69 +41,59 @@ contains
 
    !> A real as the shortest decimal text that reads back as the same number; valid in JSON and in a namelist.
    pure function real_to_text(value) result(text)
-      real(dp), intent(in) :: value !! the number, finite
-      character(:), allocatable :: text
-      character(32) :: buffer, pattern
-      real(dp) :: back
-      integer :: digits
-
-      do digits = 1, 17
-         write (pattern, '(a,i0,a)') '(es32.', digits - 1, 'e3)'
-         write (buffer, pattern) value
-         read (buffer, '(es32.0)') back
-         if (.not. abs(back - value) > 0.0_dp) exit
-      end do
-      text = plain_decimal(trim(adjustl(buffer)))
-   end function real_to_text
-
-   !> Rewrites scientific text without exponent where that is as readable: `1.25E+001` becomes `12.5`.
-   pure function plain_decimal(scientific) result(text)
-      character(*), intent(in) :: scientific !! text of the form `[-]d.dddE+ddd`
-      character(:), allocatable :: text, digits, sign
-      integer :: at_e, exponent, at_point
-
-      at_e = scan(scientific, 'E')
-      if (at_e == 0) then
-         text = scientific
-         return
-      end if
-      read (scientific(at_e + 1:), '(i4)') exponent
-      sign = ''
-      if (scientific(1:1) == '-') sign = '-'
-      at_point = scan(scientific, '.')
-      digits = scientific(at_point - 1:at_point - 1)//scientific(at_point + 1:at_e - 1)
-      if (exponent < -4 .or. exponent > 14) then
-         if (len(digits) == 1) digits = digits//'0'
-         text = sign//digits(1:1)//'.'//digits(2:)//'e'//integer_to_text(exponent)
-      else if (exponent < 0) then
-         text = sign//'0.'//repeat('0', -exponent - 1)//digits
-      else
-         if (len(digits) < exponent + 2) digits = digits//repeat('0', exponent + 2 - len(digits))
-         text = sign//digits(:exponent + 1)//'.'//digits(exponent + 2:)
-      end if
-   end function plain_decimal
-
-   !> A real with 17 significant digits, the fixed form of the tables.
-   pure function to_text_17(value) result(text)
       real(dp), intent(in) :: value !! the number
       character(:), allocatable :: text
-      character(25) :: buffer
+      character(longest_decimal) :: buffer
+      integer :: length
 
-      write (buffer, '(es24.16e3)') value
-      text = trim(adjustl(buffer))
-   end function to_text_17
+      length = 0
+      call put_decimal(buffer, length, value)
+      text = buffer(:length)
+   end function real_to_text
 
-   !> Reals with 17 significant digits and commas between them, as the tables hold them.
+   !> A real rounded to a few significant digits, for reading.
+   pure function to_short_text(value, n_digits) result(text)
+      real(dp), intent(in) :: value !! the number
+      integer, intent(in) :: n_digits !! number of digits, at most 17
+      character(:), allocatable :: text
+      character(32) :: buffer, pattern
+      real(dp) :: rounded
+      integer :: status
+
+      write (pattern, '(a, i0, a)') '(es32.', n_digits - 1, 'e3)'
+      write (buffer, pattern) value
+      read (buffer, '(es32.0)', iostat=status) rounded
+      ! The largest numbers may be rounded up beyond all.
+      if (status /= 0 .or. abs(rounded) > huge(rounded)) rounded = value
+      text = real_to_text(rounded)
+   end function to_short_text
+
+   !> Reals with commas between them, as the tables hold them.
    pure function comma_separated(values) result(text)
       real(dp), intent(in) :: values(:) !! the numbers, one at the least
       character(:), allocatable :: text
+      character((longest_decimal + 1)*size(values)) :: buffer
+      integer :: length
+
+      length = 0
+      call put_decimals(buffer, length, values)
+      text = buffer(2:length)
+   end function comma_separated
+
+   !> Puts numbers behind what a text holds so far, a comma before each.
+   ! allow(C072): the text is the caller's, who knows its room
+   pure subroutine put_decimals(text, length, values)
+      character(*), intent(inout) :: text !! the text, with room for 25 characters more for each number
+      integer, intent(inout) :: length !! how much of it is filled
+      real(dp), intent(in) :: values(:) !! the numbers
       integer :: i
 
-      text = to_text_17(values(1))
-      do i = 2, size(values)
-         text = text//','//to_text_17(values(i))
+      do i = 1, size(values)
+         length = length + 1
+         text(length:length) = ','
+         call put_decimal(text, length, values(i))
       end do
-   end function comma_separated
+   end subroutine put_decimals
 
    !> Lines one behind the other, without the blanks that pad them, each with its end.
    pure function as_lines(lines) result(text)

@@ -26,8 +26,8 @@ enum { AMONTONS_OPEN = 1, AMONTONS_STICK = 2, AMONTONS_SLIP_PLUS = 3, AMONTONS_S
 /* The version, "major.minor.patch". */
 const char *amontons_version_text(void);
 
-/* Sets the number of threads (at least 1) of the loops inside, and makes the BLAS ready for them. To be called, if at
-   all, before any other procedure, while no other thread runs. */
+/* Sets the number of threads (at least 1) of the loops inside, and one thread for the BLAS. To be called, if at all,
+   before any other procedure, while no other thread runs. */
 void amontons_set_threads(int n_threads);
 
 /* Solves a reduced problem of m contacts with friction: forces r and displacements u with

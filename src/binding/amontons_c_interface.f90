@@ -19,7 +19,8 @@ module amontons_c_interface
 
    !> The version as C wants it.
    character(*, c_char), parameter :: version_of_c = version//c_null_char
-   character(len(version_of_c), c_char), target :: version_text = version_of_c
+   character(c_char), target :: version_text(len(version_of_c)) = &
+      transfer(version_of_c, [c_null_char], len(version_of_c))
 
 contains
 

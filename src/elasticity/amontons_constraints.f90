@@ -90,7 +90,8 @@ contains
             to_text(support%point(2)))
          return
       end if
-      call hold_node(constraints, prescribed(:, node), node, [0.0_dp, 0.0_dp], support, mesh%coordinates(:, node), error)
+      call hold_node(constraints, prescribed(:, node), node, [0.0_dp, 0.0_dp], support, mesh%coordinates(:, node), &
+         error)
    end subroutine hold_point
 
    !> Applies a support to all nodes of its boundary set.
@@ -133,7 +134,8 @@ contains
       direction(:, 4) = [-normal(2), normal(1)]
       do component = 1, 4
          if (.not. support%is_held(component)) cycle
-         call constraints%hold(prescribed, node, direction(:, component), support%displacement(component), is_consistent)
+         call constraints%hold(prescribed, node, direction(:, component), support%displacement(component), &
+            is_consistent)
          if (is_consistent) cycle
          call new_error(error, input_refused, 'the support contradicts an earlier one at the node '// &
             to_text(position(1))//', '//to_text(position(2)))

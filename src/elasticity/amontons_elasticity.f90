@@ -1,6 +1,6 @@
 !> Elasticity of one element: stiffness, stress, nodal forces.
 module amontons_elasticity
-   use amontons_element, only: max_nodes, max_points, n_element_nodes, n_element_points, quadrature_point, &
+   use amontons_element, only: max_nodes, max_points, n_element_nodes, n_element_points, quad4, quadrature_point, &
       shape_functions
    use amontons_kinds, only: dp
    use amontons_material, only: material_t
@@ -25,6 +25,8 @@ module amontons_elasticity
       real(dp) :: gradient(2, max_nodes, max_points) !! gradients of the functions (x and y, node, point) [1/L]
       real(dp) :: position(2, max_points) !! coordinates of the points [L]
       real(dp) :: volume(max_points) !! quadrature weight, Jacobian and depth of each point, 0 past the last [L^3]
+      logical :: has_mean_dilatation !! whether the change of volume is that of the whole element: B-bar
+      real(dp) :: mean_dilatation(2, max_nodes) !! then its mean over the element by displacement (x and y, node) [1/L]
    end type element_geometry_t
 
 contains
@@ -66,7 +68,28 @@ contains
             end associate
          end do
       end do
+      geometry%has_mean_dilatation = material%has_mean_dilatation .and. geometry%kind == quad4
+      if (geometry%has_mean_dilatation) call average_dilatation(geometry, material)
    end subroutine new_element_geometry
+
+   !> Averages the change of volume that each displacement makes over the element.
+   pure subroutine average_dilatation(geometry, material)
+      type(element_geometry_t), intent(inout) :: geometry !! the element's shape functions; gains the means
+      type(material_t), intent(in) :: material !! its material
+      integer :: point
+
+      geometry%mean_dilatation = 0.0_dp
+      associate (n => geometry%n_nodes, mean => geometry%mean_dilatation)
+         do point = 1, geometry%n_points
+            associate (volume => geometry%volume(point))
+               mean(:, :n) = mean(:, :n) + volume*geometry%gradient(:, :n, point)
+               if (material%is_axisymmetric) mean(1, :n) = mean(1, :n) &
+                  + volume*geometry%values(:n, point)/geometry%position(1, point)
+            end associate
+         end do
+         mean(:, :n) = mean(:, :n)/sum(geometry%volume(:geometry%n_points))
+      end associate
+   end subroutine average_dilatation
 
    !> Evaluates the shape functions of a kind of element at its quadrature points, unless they are at hand.
    pure subroutine choose_reference(geometry, kind, is_axisymmetric)
@@ -90,14 +113,18 @@ contains
 
    !> Stiffness of an element: sum over the points of volume times
    !> lambda g_i g_j^T + mu (g_j g_i^T + (g_i . g_j) I), g the gradients, and in a body of revolution the hoop strain's
-   !> part.
+   !> part. With a mean dilatation b this lambda is that of the deviatoric stress, -2/3 mu, and the pressure adds
+   !> (lambda + 2/3 mu) volume b_i b_j^T.
    pure subroutine element_stiffness(geometry, material, stiffness)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(out) :: stiffness(2*max_nodes, 2*max_nodes) !! in the first 2 nodes rows and columns [F/L]
-      real(dp) :: xx, xy, yx, yy, block(2, 2)
+      real(dp) :: xx, xy, yx, yy, lambda, bulk, block(2, 2)
       integer :: i, j, point
 
+      lambda = material%lambda
+      if (geometry%has_mean_dilatation) lambda = -2.0_dp*material%mu/3.0_dp
+      bulk = (material%lambda - lambda)*sum(geometry%volume(:geometry%n_points))
       do j = 1, geometry%n_nodes
          do i = j, geometry%n_nodes
             xx = 0.0_dp
@@ -113,11 +140,13 @@ contains
                   yy = yy + volume*a(2)*b(2)
                end associate
             end do
-            associate (lambda => material%lambda, mu => material%mu)
+            associate (mu => material%mu)
                block(:, 1) = [(lambda + 2.0_dp*mu)*xx + mu*yy, lambda*yx + mu*xy]
                block(:, 2) = [lambda*xy + mu*yx, (lambda + 2.0_dp*mu)*yy + mu*xx]
             end associate
-            if (material%is_axisymmetric) call add_hoop_stiffness(geometry, material, i, j, block)
+            if (material%is_axisymmetric) call add_hoop_stiffness(geometry, lambda, material%mu, i, j, block)
+            if (geometry%has_mean_dilatation) block = block + bulk*outer_product(geometry%mean_dilatation(:, i), &
+               geometry%mean_dilatation(:, j))
             stiffness(2*i - 1:2*i, 2*j - 1:2*j) = block
             stiffness(2*j - 1:2*j, 2*i - 1:2*i) = transpose(block)
          end do
@@ -125,9 +154,10 @@ contains
    end subroutine element_stiffness
 
    !> Adds what the hoop strain u_r / r contributes to the stiffness between two nodes.
-   pure subroutine add_hoop_stiffness(geometry, material, i, j, block)
+   pure subroutine add_hoop_stiffness(geometry, first_lame, shear_modulus, i, j, block)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
-      type(material_t), intent(in) :: material !! its material
+      real(dp), intent(in) :: first_lame !! lambda [F/L^2]
+      real(dp), intent(in) :: shear_modulus !! mu [F/L^2]
       integer, intent(in) :: i !! node of the rows
       integer, intent(in) :: j !! node of the columns
       real(dp), intent(inout) :: block(2, 2) !! stiffness between the nodes [F/L]
@@ -135,8 +165,8 @@ contains
       integer :: point
 
       do point = 1, geometry%n_points
-         lambda = material%lambda*geometry%volume(point)
-         mu = material%mu*geometry%volume(point)
+         lambda = first_lame*geometry%volume(point)
+         mu = shear_modulus*geometry%volume(point)
          hoop_i = geometry%values(i, point)/geometry%position(1, point)
          hoop_j = geometry%values(j, point)/geometry%position(1, point)
          associate (a => geometry%gradient(:, i, point), b => geometry%gradient(:, j, point))
@@ -146,6 +176,16 @@ contains
          end associate
       end do
    end subroutine add_hoop_stiffness
+
+   !> The matrix a b^T of two vectors.
+   pure function outer_product(a, b) result(matrix)
+      real(dp), intent(in) :: a(2) !! the vector of the rows
+      real(dp), intent(in) :: b(2) !! the vector of the columns
+      real(dp) :: matrix(2, 2)
+
+      matrix(:, 1) = a*b(1)
+      matrix(:, 2) = a*b(2)
+   end function outer_product
 
    !> Stress at a quadrature point: xx, yy, xy, zz; in a body of revolution radial, axial, shear, hoop [F/L^2].
    pure function element_stress(geometry, material, displacement, point) result(stress)
@@ -158,13 +198,15 @@ contains
       stress = material%stress(element_strain(geometry, material, displacement, point))
    end function element_stress
 
-   !> Strain at a quadrature point: xx, yy, the engineering shear 2 xy, and the hoop strain, 0 in the plane [-].
+   !> Strain at a quadrature point: xx, yy, the engineering shear 2 xy, and the hoop strain, 0 in the plane. With a mean
+   !> dilatation it is the one that makes the stress: its trace is the element's mean, in the plane too [-].
    pure function element_strain(geometry, material, displacement, point) result(strain)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
       integer, intent(in) :: point !! number of the quadrature point
       real(dp) :: strain(4)
+      real(dp) :: mean
       integer :: i
 
       strain = 0.0_dp
@@ -175,13 +217,24 @@ contains
             strain(3) = strain(3) + (g(2)*u(1) + g(1)*u(2))
          end associate
       end do
-      if (.not. material%is_axisymmetric) return
+      if (material%is_axisymmetric) then
+         do i = 1, geometry%n_nodes
+            strain(4) = strain(4) &
+               + geometry%values(i, point)*displacement(1, geometry%node(i))/geometry%position(1, point)
+         end do
+      end if
+      if (.not. geometry%has_mean_dilatation) return
+      mean = 0.0_dp
       do i = 1, geometry%n_nodes
-         strain(4) = strain(4) + geometry%values(i, point)*displacement(1, geometry%node(i))/geometry%position(1, point)
+         mean = mean + dot_product(geometry%mean_dilatation(:, i), displacement(:, geometry%node(i)))
       end do
+      mean = (mean - strain(1) - strain(2) - strain(4))/3.0_dp
+      strain(1:2) = strain(1:2) + mean
+      strain(4) = strain(4) + mean
    end function element_strain
 
-   !> Nodal forces that the stress of an element amounts to: integral of B^T stress (2, nodes) [F].
+   !> Nodal forces that the stress of an element amounts to: integral of B^T stress. The pressure of a mean dilatation
+   !> does not vary over the element, so that B does as well as B-bar (2, nodes) [F].
    pure function element_forces(geometry, material, displacement) result(forces)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material

@@ -7,11 +7,18 @@ module amontons_material
    implicit none (type, external)
    private
 
-   public :: hypothesis_names, material_t, materials_t, new_material, new_materials
+   public :: formulation_names, hypothesis_names, material_t, materials_t, nearly_incompressible, new_material, &
+      new_materials
 
    !> Hypotheses that reduce a body to the plane, as a deck writes them. Under 'axisymmetric' x is the radius and y the
    !> axis of revolution.
    character(12), parameter :: hypothesis_names(*) = [character(12) :: 'plane strain', 'plane stress', 'axisymmetric']
+
+   !> How linear quadrilaterals integrate the change of volume, as a deck writes it: at every quadrature point, or by
+   !> its mean over the element (B-bar); or the one that suits Poisson's ratio.
+   character(8), parameter :: formulation_names(*) = [character(8) :: 'auto', 'standard', 'b-bar']
+   !> From this Poisson's ratio on linear elements lock in plane strain and in bodies of revolution.
+   real(dp), parameter :: nearly_incompressible = 0.49_dp
 
    !> A material. Under every hypothesis stress = lambda tr(strain) I + 2 mu strain, with a lambda of its own.
    type :: material_t
@@ -19,6 +26,8 @@ module amontons_material
       real(dp) :: poisson = 0.0_dp !! Poisson's ratio [-]
       real(dp) :: thickness = 1.0_dp !! thickness of a plane body; multiplies stiffness and loads [L]
       character(:), allocatable :: hypothesis !! one of `hypothesis_names`
+      character(:), allocatable :: formulation !! one of `formulation_names`
+      logical :: has_mean_dilatation = .false. !! whether linear quadrilaterals of it are of the B-bar formulation
       character(:), allocatable :: region !! the region it fills; empty for all that no other material fills
       real(dp) :: lambda = 0.0_dp !! first Lame coefficient of the hypothesis [F/L^2]
       real(dp) :: mu = 0.5_dp !! shear modulus [F/L^2]
@@ -26,7 +35,10 @@ module amontons_material
       logical :: is_axisymmetric = .false. !! whether the hypothesis is 'axisymmetric'
       character(:), allocatable :: origin !! where the material was specified, for messages: 'deck.nml:12: '
    contains
+      procedure :: choose_formulation => material_choose_formulation
       procedure :: depth => material_depth
+      procedure :: has_chosen_b_bar => material_has_chosen_b_bar
+      procedure :: locks => material_locks
       procedure :: stress => material_stress
    end type material_t
 
@@ -72,7 +84,31 @@ contains
       else
          material%lambda = young*poisson/((1.0_dp + poisson)*(1.0_dp - 2.0_dp*poisson))
       end if
+      call material%choose_formulation(trim(formulation_names(1)))
    end subroutine new_material
+
+   !> Chooses how linear quadrilaterals integrate the change of volume. In plane stress nothing locks.
+   pure subroutine material_choose_formulation(self, formulation)
+      class(material_t), intent(inout) :: self !! the material
+      character(*), intent(in) :: formulation !! one of `formulation_names`
+
+      self%formulation = formulation
+      self%has_mean_dilatation = formulation == 'b-bar' .or. (formulation == 'auto' .and. self%locks())
+   end subroutine material_choose_formulation
+
+   !> Whether the B-bar formulation was chosen, not found to suit.
+   elemental logical function material_has_chosen_b_bar(self) result(has_chosen)
+      class(material_t), intent(in) :: self !! the material
+
+      has_chosen = self%formulation == 'b-bar'
+   end function material_has_chosen_b_bar
+
+   !> Whether linear elements of the standard formulation lock with this material.
+   elemental logical function material_locks(self) result(locks)
+      class(material_t), intent(in) :: self !! the material
+
+      locks = self%poisson >= nearly_incompressible .and. .not. self%is_plane_stress
+   end function material_locks
 
    !> Gives every element of a mesh its material: that of its region, or the one without a region.
    pure subroutine new_materials(materials, list, mesh, error)

@@ -1,7 +1,7 @@
 !> Elimination of a general band matrix with exchange of rows, by LAPACK.
 module amontons_band_lu
    use amontons_kinds, only: dp
-   use amontons_lapack_band, only: dgbtrf, dgbtrs
+   use amontons_lapack, only: dgbtrf, dgbtrs
    implicit none (type, external)
    private
 

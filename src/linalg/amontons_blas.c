@@ -48,8 +48,9 @@ static const char *suitable_kernels(void)
 
 /* OpenBLAS knows processors by a list of models, and gives one that is newer than the list its oldest kernels, which
    are four times slower. Where that happened this picks by instructions instead, as setting OPENBLAS_CORETYPE before
-   the start would; a value that the user set stands. To be called while no other thread is in the BLAS. */
-void amontons_choose_blas_kernels(void)
+   the start would; a value that the user set stands. It runs when the program or library that it is part of is loaded:
+   after OpenBLAS, and before anyone can be waiting for a result. */
+__attribute__((constructor)) static void choose_blas_kernels(void)
 {
     const char *const variable = "OPENBLAS_CORETYPE";
     if (!openblas_get_corename || !gotoblas_dynamic_init || !gotoblas_dynamic_quit || getenv(variable)

@@ -53,20 +53,12 @@ contains
       end do
    end subroutine cholesky_factor_softly
 
-   !> Replaces the lower triangle of a large symmetric matrix by its Cholesky factor, on all threads. The digits are
-   !> those of one thread.
-   subroutine cholesky_factor_tiled(a, info)
-      real(dp), contiguous, intent(inout) :: a(:, :)
-         !! the matrix (n, n); on return L in the lower triangle; the strictly upper part means nothing
-      integer, intent(out) :: info !! 0, or the order of the first leading block that is not positive definite
-
-      call factor_tiles(size(a, 1), a, info)
-   end subroutine cholesky_factor_tiled
-
-   !> Factorises tile by tile: a tile of the diagonal, the tiles below it, what is left of the matrix.
-   subroutine factor_tiles(n, a, info)
+   !> Replaces the lower triangle of a large symmetric matrix by its Cholesky factor, on all threads: a tile of the
+   !> diagonal, the tiles below it, what is left of the matrix. The digits are those of one thread.
+   subroutine cholesky_factor_tiled(n, a, info)
       integer, intent(in) :: n !! order of the matrix
-      real(dp), intent(inout) :: a(n, n) !! the matrix, L in the lower triangle on return
+      real(dp), intent(inout) :: a(n, n)
+         !! the matrix; on return L in the lower triangle; the strictly upper part means nothing
       integer, intent(out) :: info !! 0, or the order of the first leading block that is not positive definite
       integer, parameter :: tile = 192
       integer :: lda, i, j, k, width
@@ -95,7 +87,7 @@ contains
          !$omp end do
          !$omp end parallel
       end do
-   end subroutine factor_tiles
+   end subroutine cholesky_factor_tiled
 
    !> Solves L L^T x = b for one right-hand side.
    pure subroutine cholesky_solve_vector(l, b)

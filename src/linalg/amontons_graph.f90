@@ -10,57 +10,57 @@ module amontons_graph
 
    public :: graph_t, new_graph
 
-   !> Groups of consecutive like unknowns and which of them couple. Neighbours of a group never include itself.
+   !> Supervariables, consecutive like unknowns, and which of them couple. None is a neighbor of itself.
    type :: graph_t
-      integer :: n = 0 !! Number of groups.
-      integer :: n_trailing = 0 !! How many groups, the last ones, hold the trailing unknowns.
-      integer, allocatable :: first_unknown(:) !! First unknown of each group, and past the last one (n + 1).
-      integer(int64), allocatable :: start(:) !! Where the neighbours of each group start (n + 1), from 1.
-      integer(int64), allocatable :: neighbour(:) !! Neighbours of each group, ascending, from 1.
+      integer :: n = 0 !! Number of supervariables.
+      integer :: n_schur = 0 !! How many of them, the last ones, hold the Schur variables.
+      integer, allocatable :: first_unknown(:) !! First unknown of each, and past the last one (n + 1).
+      integer(int64), allocatable :: start(:) !! Where the neighbors of each start (n + 1), from 1.
+      integer(int64), allocatable :: neighbor(:) !! Neighbors of each, ascending, from 1.
    contains
       procedure :: expand => graph_expand
    end type graph_t
 
 contains
 
-   !> Makes the graph of a matrix. No group holds both a trailing unknown and another one.
-   pure subroutine new_graph(graph, matrix, n_trailing)
+   !> Makes the graph of a matrix. No supervariable holds both a Schur variable and another unknown.
+   pure subroutine new_graph(graph, matrix, n_schur)
       type(graph_t), intent(out) :: graph !! the graph
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer, intent(in) :: n_trailing !! number of trailing unknowns
-      integer, allocatable :: group_of(:)
+      integer, intent(in) :: n_schur !! number of Schur variables, the last unknowns
+      integer, allocatable :: member_of(:)
 
-      call merge_unknowns(matrix, n_trailing, group_of, graph%first_unknown)
+      call merge_unknowns(matrix, n_schur, member_of, graph%first_unknown)
       graph%n = size(graph%first_unknown) - 1
-      if (n_trailing > 0) graph%n_trailing = graph%n - group_of(matrix%n - n_trailing + 1) + 1
-      call list_neighbours(graph, matrix, group_of)
+      if (n_schur > 0) graph%n_schur = graph%n - member_of(matrix%n - n_schur + 1) + 1
+      call list_neighbors(graph, matrix, member_of)
    end subroutine new_graph
 
    !> Merges consecutive unknowns that couple to the same unknowns.
-   pure subroutine merge_unknowns(matrix, n_trailing, group_of, first_unknown)
+   pure subroutine merge_unknowns(matrix, n_schur, member_of, first_unknown)
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer, intent(in) :: n_trailing !! number of trailing unknowns
-      integer, allocatable, intent(out) :: group_of(:) !! group of each unknown (n)
-      integer, allocatable, intent(out) :: first_unknown(:) !! first unknown of each group, and past the last one
+      integer, intent(in) :: n_schur !! number of Schur variables, the last unknowns
+      integer, allocatable, intent(out) :: member_of(:) !! supervariable of each unknown (n)
+      integer, allocatable, intent(out) :: first_unknown(:) !! first unknown of each, and past the last one
       integer(int64), allocatable :: signature(:)
-      integer :: j, n_groups
+      integer :: j, n_merged
 
-      allocate (group_of(matrix%n), signature(matrix%n))
+      allocate (member_of(matrix%n), signature(matrix%n))
       call sign_columns(matrix, signature)
-      n_groups = 0
+      n_merged = 0
       do j = 1, matrix%n
-         if (j == 1 .or. j == matrix%n - n_trailing + 1) then
-            n_groups = n_groups + 1
+         if (j == 1 .or. j == matrix%n - n_schur + 1) then
+            n_merged = n_merged + 1
          else if (signature(j) /= signature(j - 1)) then
-            n_groups = n_groups + 1
+            n_merged = n_merged + 1
          end if
-         group_of(j) = n_groups
+         member_of(j) = n_merged
       end do
-      allocate (first_unknown(n_groups + 1))
+      allocate (first_unknown(n_merged + 1))
       do j = matrix%n, 1, -1
-         first_unknown(group_of(j)) = j
+         first_unknown(member_of(j)) = j
       end do
-      first_unknown(n_groups + 1) = matrix%n + 1
+      first_unknown(n_merged + 1) = matrix%n + 1
    end subroutine merge_unknowns
 
    !> Gives every column a number that equal full columns share and, all but surely, no others.
@@ -91,11 +91,11 @@ contains
       end do
    end subroutine sign_columns
 
-   !> Lists the neighbours of every group, read off its first unknown.
-   pure subroutine list_neighbours(graph, matrix, group_of)
-      type(graph_t), intent(inout) :: graph !! the graph, its groups known
+   !> Lists the neighbors of every supervariable, read off its first unknown.
+   pure subroutine list_neighbors(graph, matrix, member_of)
+      type(graph_t), intent(inout) :: graph !! the graph, its supervariables known
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer, intent(in) :: group_of(:) !! group of each unknown (n)
+      integer, intent(in) :: member_of(:) !! supervariable of each unknown (n)
       integer(int64), allocatable :: next(:)
       integer(int64) :: at
       integer :: pass, g, h, last
@@ -106,12 +106,12 @@ contains
          do g = 1, graph%n
             last = g
             do at = matrix%column_start(graph%first_unknown(g)), matrix%column_start(graph%first_unknown(g) + 1) - 1
-               h = group_of(matrix%row(at))
+               h = member_of(matrix%row(at))
                if (h == last) cycle
                last = h
                if (pass == 2) then
-                  graph%neighbour(next(g)) = h
-                  graph%neighbour(next(h)) = g
+                  graph%neighbor(next(g)) = h
+                  graph%neighbor(next(h)) = g
                end if
                next(g) = next(g) + 1
                next(h) = next(h) + 1
@@ -119,12 +119,12 @@ contains
          end do
          if (pass == 1) call start_lists(graph, next)
       end do
-   end subroutine list_neighbours
+   end subroutine list_neighbors
 
-   !> Turns the numbers of neighbours into the places where the lists start.
+   !> Turns the numbers of neighbors into the places where the lists start.
    pure subroutine start_lists(graph, next)
       type(graph_t), intent(inout) :: graph !! the graph
-      integer(int64), intent(inout) :: next(:) !! number of neighbours of each group, then where its list starts (n + 1)
+      integer(int64), intent(inout) :: next(:) !! number of neighbors of each, then where its list starts (n + 1)
       integer :: g
 
       allocate (graph%start(graph%n + 1))
@@ -133,19 +133,19 @@ contains
          graph%start(g + 1) = graph%start(g) + next(g)
       end do
       next = graph%start
-      allocate (graph%neighbour(graph%start(graph%n + 1) - 1))
+      allocate (graph%neighbor(graph%start(graph%n + 1) - 1))
    end subroutine start_lists
 
-   !> Turns an order of the groups into the order of the unknowns.
-   pure subroutine graph_expand(self, group_order, order)
+   !> Turns an order of the supervariables into the order of the unknowns.
+   pure subroutine graph_expand(self, graph_order, order)
       class(graph_t), intent(in) :: self !! the graph
-      integer, intent(in) :: group_order(:) !! position k holds group group_order(k) (n groups)
+      integer, intent(in) :: graph_order(:) !! position k holds supervariable graph_order(k) (n supervariables)
       integer, intent(out) :: order(:) !! position k holds unknown order(k) (n unknowns)
       integer :: k, at, j
 
       at = 0
       do k = 1, self%n
-         do j = self%first_unknown(group_order(k)), self%first_unknown(group_order(k) + 1) - 1
+         do j = self%first_unknown(graph_order(k)), self%first_unknown(graph_order(k) + 1) - 1
             at = at + 1
             order(at) = j
          end do

@@ -3,8 +3,8 @@ module amontons_lapack
    implicit none (type, external)
    private
 
-   public :: daxpy, dgemm, dgemv, dgesv, dgetrf, dgetrs, dlacn2, dlauum, dpbtrf, dpotrf, dpotri, dpotrs, dsyev, &
-      dsymv, dsyrk, dtbsv, dtrsm, dtrsv
+   public :: daxpy, dgbtrf, dgbtrs, dgemm, dgemv, dgesv, dgetrf, dgetrs, dlacn2, dlauum, dpbtrf, dpotrf, dpotri, &
+      dpotrs, dsbmv, dsyev, dsymv, dsyrk, dtbsv, dtrsm, dtrsv
 
    ! allow(assumed-size): these routines take the shape apart from the address
    interface
@@ -15,6 +15,25 @@ module amontons_lapack
          real(dp), intent(in) :: alpha, x(*)
          real(dp), intent(inout) :: y(*)
       end subroutine daxpy
+
+      pure subroutine dgbtrf(m, n, kl, ku, ab, ldab, ipiv, info)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         integer, intent(in) :: m, n, kl, ku, ldab
+         real(dp), intent(inout) :: ab(ldab, *)
+         integer, intent(out) :: ipiv(*), info
+      end subroutine dgbtrf
+
+      pure subroutine dgbtrs(trans, n, kl, ku, nrhs, ab, ldab, ipiv, b, ldb, info)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: trans
+         integer, intent(in) :: n, kl, ku, nrhs, ldab, ldb
+         real(dp), intent(in) :: ab(ldab, *)
+         integer, intent(in) :: ipiv(*)
+         real(dp), intent(inout) :: b(ldb, *)
+         integer, intent(out) :: info
+      end subroutine dgbtrs
 
       pure subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
          use amontons_kinds, only: dp
@@ -114,6 +133,15 @@ module amontons_lapack
          real(dp), intent(inout) :: b(ldb, *)
          integer, intent(out) :: info
       end subroutine dpotrs
+
+      pure subroutine dsbmv(uplo, n, k, alpha, a, lda, x, incx, beta, y, incy)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: uplo
+         integer, intent(in) :: n, k, lda, incx, incy
+         real(dp), intent(in) :: alpha, beta, a(lda, *), x(*)
+         real(dp), intent(inout) :: y(*)
+      end subroutine dsbmv
 
       pure subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
          use amontons_kinds, only: dp

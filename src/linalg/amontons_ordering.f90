@@ -1,110 +1,71 @@
-!> Elimination orders of a sparse symmetric matrix that leave its trailing unknowns last.
+!> Orders of a sparse symmetric matrix for a narrow band that leave its Schur variables, the last unknowns, last.
 module amontons_ordering
-   use, intrinsic :: iso_c_binding, only: c_int, c_int64_t
-   use amontons_error, only: error_t, new_error, system_failure
    use amontons_graph, only: graph_t, new_graph
    use amontons_kinds, only: dp, int64
    use amontons_sparse_matrix, only: positions, sparse_matrix_t
-   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: graph_places, half_bandwidth, minimum_degree, reverse_cuthill_mckee
+   public :: graph_places, half_bandwidth, reverse_cuthill_mckee
 
-   !> The groups taken so far, in order.
+   !> The supervariables taken so far, in order.
    type :: queue_t
       integer :: n = 0 !! How many were taken.
-      integer, allocatable :: group(:) !! Groups in the order they were taken.
-      logical, allocatable :: has(:) !! Whether each group was taken.
+      integer, allocatable :: item(:) !! Supervariables in the order they were taken.
+      logical, allocatable :: has(:) !! Whether each was taken.
    end type queue_t
-
-   ! allow(assumed-size): C takes an address and knows no shape
-   interface
-      function camd_order(n, start, neighbour, constraint, order) bind(c, name='amontons_camd_order') result(code)
-         import :: c_int, c_int64_t
-         implicit none (type, external)
-         integer(c_int64_t), value, intent(in) :: n
-         integer(c_int64_t), intent(in) :: start(*), neighbour(*), constraint(*)
-         integer(c_int64_t), intent(out) :: order(*)
-         integer(c_int) :: code
-      end function camd_order
-   end interface
 
 contains
 
-   !> Approximate minimum degree order: little fill.
-   subroutine minimum_degree(matrix, n_trailing, order, error)
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer, intent(in) :: n_trailing !! number of trailing unknowns
-      integer, intent(out) :: order(:) !! position k holds unknown order(k) (n)
-      type(error_t), allocatable, intent(out) :: error !! memory ran out
-      type(graph_t) :: graph
-      integer(int64), allocatable :: constraint(:), group_order(:)
-
-      call new_graph(graph, matrix, n_trailing)
-      allocate (constraint(graph%n), source=0_int64)
-      allocate (group_order(graph%n))
-      ! The sets in use must be numbered from 0.
-      if (graph%n_trailing < graph%n) constraint(graph%n - graph%n_trailing + 1:) = 1
-      graph%start = graph%start - 1
-      graph%neighbour = graph%neighbour - 1
-      if (camd_order(int(graph%n, int64), graph%start, graph%neighbour, constraint, group_order) /= 0) then
-         ! not raised: no test may use up the machine's memory
-         call new_error(error, system_failure, 'memory ran out while ordering '//to_text(matrix%n)//' unknowns')
-         return
-      end if
-      call graph%expand(int(group_order) + 1, order)
-   end subroutine minimum_degree
-
    !> Reverse Cuthill-McKee order: a narrow band.
-   pure subroutine reverse_cuthill_mckee(matrix, n_trailing, order)
+   pure subroutine reverse_cuthill_mckee(matrix, n_schur, order)
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix
-      integer, intent(in) :: n_trailing !! number of trailing unknowns
+      integer, intent(in) :: n_schur !! number of Schur variables
       integer, intent(out) :: order(:) !! position k holds unknown order(k) (n)
       type(graph_t) :: graph
 
-      call new_graph(graph, matrix, n_trailing)
+      call new_graph(graph, matrix, n_schur)
       call graph%expand(narrow_order(graph), order)
    end subroutine reverse_cuthill_mckee
 
-   !> Stands in for places that nobody knows: neighbours in the graph get neighbouring numbers.
+   !> Stands in for places that nobody knows: neighbors in the graph get neighboring numbers.
    pure function graph_places(graph) result(place)
       type(graph_t), intent(in) :: graph !! the graph
       real(dp), allocatable :: place(:, :)
       integer, allocatable :: position(:)
 
       allocate (position, source=positions(narrow_order(graph)))
-      allocate (place(2, graph%n - graph%n_trailing), source=0.0_dp)
-      place(1, :) = position(:graph%n - graph%n_trailing)
+      allocate (place(2, graph%n - graph%n_schur), source=0.0_dp)
+      place(1, :) = position(:graph%n - graph%n_schur)
    end function graph_places
 
-   !> The groups in reverse Cuthill-McKee order.
+   !> The supervariables in reverse Cuthill-McKee order.
    !>
-   !> The level structure grows from the trailing unknowns, so that reversed they come last.
-   pure function narrow_order(graph) result(group_order)
+   !> The level structure grows from the Schur variables, so that reversed they come last.
+   pure function narrow_order(graph) result(graph_order)
       type(graph_t), intent(in) :: graph !! the graph
-      integer, allocatable :: group_order(:)
+      integer, allocatable :: graph_order(:)
       type(queue_t) :: queue
       integer :: seed
 
-      allocate (queue%group(graph%n), queue%has(graph%n))
+      allocate (queue%item(graph%n), queue%has(graph%n))
       queue%has = .false.
-      do seed = graph%n - graph%n_trailing + 1, graph%n
-         if (.not. queue%has(seed)) call append_component(graph, seed, graph%n - graph%n_trailing + 1, queue)
+      do seed = graph%n - graph%n_schur + 1, graph%n
+         if (.not. queue%has(seed)) call append_component(graph, seed, graph%n - graph%n_schur + 1, queue)
       end do
       call grow(graph, 1, 1, queue)
-      do seed = 1, graph%n - graph%n_trailing
+      do seed = 1, graph%n - graph%n_schur
          if (.not. queue%has(seed)) call append_component(graph, seed, 1, queue)
       end do
-      group_order = queue%group(graph%n:1:-1)
+      graph_order = queue%item(graph%n:1:-1)
    end function narrow_order
 
-   !> Takes everything connected to a group, starting from a group far out.
+   !> Takes everything connected to a supervariable, starting from one far out.
    pure subroutine append_component(graph, seed, lowest, queue)
       type(graph_t), intent(in) :: graph !! the graph
-      integer, intent(in) :: seed !! any group of the component, not yet taken
-      integer, intent(in) :: lowest !! groups below this one do not count
-      type(queue_t), intent(inout) :: queue !! the groups taken, the component added
+      integer, intent(in) :: seed !! any supervariable of the component, not yet taken
+      integer, intent(in) :: lowest !! supervariables below this one do not count
+      type(queue_t), intent(inout) :: queue !! those taken, the component added
       integer :: first, start, n_levels, most_levels
 
       first = queue%n + 1
@@ -112,24 +73,24 @@ contains
       most_levels = 0
       do
          queue%n = first
-         queue%group(first) = start
+         queue%item(first) = start
          queue%has(start) = .true.
          call grow(graph, first, lowest, queue, n_levels)
          if (n_levels <= most_levels) exit
-         ! The last group of the deepest structure so far is a better start.
+         ! The last one of the deepest structure so far is a better start.
          most_levels = n_levels
-         start = queue%group(queue%n)
-         queue%has(queue%group(first:queue%n)) = .false.
+         start = queue%item(queue%n)
+         queue%has(queue%item(first:queue%n)) = .false.
       end do
    end subroutine append_component
 
-   !> Takes the untaken neighbours of the groups in the queue, level by level, until there are none.
+   !> Takes the untaken neighbors of what is in the queue, level by level, until there are none.
    pure subroutine grow(graph, first, lowest, queue, n_levels)
       type(graph_t), intent(in) :: graph !! the graph
-      integer, intent(in) :: first !! place in the queue of the first group to grow from
-      integer, intent(in) :: lowest !! groups below this one do not count
-      type(queue_t), intent(inout) :: queue !! the groups taken
-      integer, intent(out), optional :: n_levels !! number of levels, the groups grown from included
+      integer, intent(in) :: first !! place in the queue of the first one to grow from
+      integer, intent(in) :: lowest !! supervariables below this one do not count
+      type(queue_t), intent(inout) :: queue !! the supervariables taken
+      integer, intent(out), optional :: n_levels !! number of levels, that grown from included
       integer :: at, depth, level_end, old_n
 
       at = first
@@ -141,47 +102,47 @@ contains
             level_end = queue%n
          end if
          old_n = queue%n
-         call take_neighbours(graph, queue%group(at), lowest, queue)
-         call sort_by_degree(graph, queue%group(old_n + 1:queue%n))
+         call take_neighbors(graph, queue%item(at), lowest, queue)
+         call sort_by_degree(graph, queue%item(old_n + 1:queue%n))
          at = at + 1
       end do
       if (present(n_levels)) n_levels = depth
    end subroutine grow
 
-   !> Takes the untaken neighbours of one group.
-   pure subroutine take_neighbours(graph, group, lowest, queue)
+   !> Takes the untaken neighbors of one supervariable.
+   pure subroutine take_neighbors(graph, center, lowest, queue)
       type(graph_t), intent(in) :: graph !! the graph
-      integer, intent(in) :: group !! the group
-      integer, intent(in) :: lowest !! groups below this one do not count
-      type(queue_t), intent(inout) :: queue !! the groups taken
+      integer, intent(in) :: center !! the supervariable
+      integer, intent(in) :: lowest !! supervariables below this one do not count
+      type(queue_t), intent(inout) :: queue !! the supervariables taken
       integer(int64) :: at
       integer :: other
 
-      do at = graph%start(group), graph%start(group + 1) - 1
-         other = int(graph%neighbour(at))
+      do at = graph%start(center), graph%start(center + 1) - 1
+         other = int(graph%neighbor(at))
          if (other < lowest) cycle
          if (queue%has(other)) cycle
          queue%has(other) = .true.
          queue%n = queue%n + 1
-         queue%group(queue%n) = other
+         queue%item(queue%n) = other
       end do
-   end subroutine take_neighbours
+   end subroutine take_neighbors
 
-   !> Sorts a short list of groups by their number of neighbours, ascending; ties keep their order.
-   pure subroutine sort_by_degree(graph, group)
+   !> Sorts a short list of supervariables by their number of neighbors, ascending; ties keep their order.
+   pure subroutine sort_by_degree(graph, list)
       type(graph_t), intent(in) :: graph !! the graph
-      integer, intent(inout) :: group(:) !! the groups
+      integer, intent(inout) :: list(:) !! the list
       integer(int64) :: degree
       integer :: i, k, item
 
-      do i = 2, size(group)
-         item = group(i)
+      do i = 2, size(list)
+         item = list(i)
          degree = graph%start(item + 1) - graph%start(item)
          do k = i - 1, 1, -1
-            if (graph%start(group(k) + 1) - graph%start(group(k)) <= degree) exit
-            group(k + 1) = group(k)
+            if (graph%start(list(k) + 1) - graph%start(list(k)) <= degree) exit
+            list(k + 1) = list(k)
          end do
-         group(k + 1) = item
+         list(k + 1) = item
       end do
    end subroutine sort_by_degree
 

@@ -10,7 +10,7 @@ module amontons_sparse_lu
    !> The triangular factors of a matrix.
    type :: sparse_lu_t
       private
-      type(c_ptr) :: numeric = c_null_ptr !! UMFPACK's side of the factorisation.
+      type(c_ptr) :: numeric = c_null_ptr !! UMFPACK's side of the factorization.
    contains
       procedure, public :: factorize => sparse_lu_factorize
       procedure, public :: solve_transposed => sparse_lu_solve_transposed
@@ -49,7 +49,7 @@ module amontons_sparse_lu
 
 contains
 
-   !> Factorises the matrix of some entries, in any order; entries of one place add up.
+   !> Factorizes the matrix of some entries, in any order; entries of one place add up.
    subroutine sparse_lu_factorize(self, n, row, column, value, info)
       class(sparse_lu_t), intent(inout) :: self !! the factors
       integer, intent(in) :: n !! order of the matrix, at least 1

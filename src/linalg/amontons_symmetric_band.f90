@@ -1,8 +1,7 @@
 !> Symmetric band matrices: products, the Cholesky factor in their place, and the part of the inverse near the diagonal.
 module amontons_symmetric_band
-   use amontons_kinds, only: dp, int64
-   use amontons_lapack, only: dpbtrf, dtbsv
-   use amontons_lapack_band, only: dsbmv
+   use amontons_kinds, only: dp
+   use amontons_lapack, only: dpbtrf, dsbmv, dtbsv
    implicit none (type, external)
    private
 

@@ -6,12 +6,12 @@ module amontons_threads
    implicit none (type, external)
    private
 
-   public :: hold_threads, n_threads, openmp_date, release_threads, set_threads, thread_state_t
+   public :: limit_nested_threads, n_threads, openmp_date, restore_nested_threads, set_threads, thread_state_t
 
    !> Year and month of the OpenMP standard that the compiler follows.
    integer, parameter :: openmp_date = openmp_version
 
-   !> The settings that `hold_threads` found, for `release_threads` to put back.
+   !> The settings that `limit_nested_threads` found, for `restore_nested_threads` to put back.
    type :: thread_state_t
       private
       integer :: active_levels = 1 !! Nested parallel regions that may be active.
@@ -19,10 +19,6 @@ module amontons_threads
    end type thread_state_t
 
    interface
-      subroutine choose_blas_kernels() bind(c, name='amontons_choose_blas_kernels')
-         implicit none (type, external)
-      end subroutine choose_blas_kernels
-
       subroutine end_blas_threads() bind(c, name='amontons_end_blas_threads')
          implicit none (type, external)
       end subroutine end_blas_threads
@@ -42,15 +38,14 @@ module amontons_threads
 
 contains
 
-   !> Sets the number of threads of the parallel loops, and makes the BLAS ready: one thread, since its own gain little
-   !> and fight ours, and kernels for this processor where it did not know it. Not to be called from a parallel loop.
+   !> Sets the number of threads of the parallel loops, and one for the BLAS, since its own gain little and fight ours.
+   !> Not to be called from a parallel loop.
    subroutine set_threads(n)
       integer, intent(in) :: n !! number of threads, at least 1
 
       call omp_set_num_threads(n)
       call set_blas_threads(1_c_int)
       call end_blas_threads()
-      call choose_blas_kernels()
    end subroutine set_threads
 
    !> The number of threads a parallel loop gets.
@@ -58,9 +53,9 @@ contains
       n_threads = omp_get_max_threads()
    end function n_threads
 
-   !> Keeps everything called from this thread on this thread, until `release_threads`; or all but the parallel loops
-   !> of the caller itself.
-   subroutine hold_threads(state, n_levels)
+   !> Keeps everything called from this thread on this thread, until `restore_nested_threads`; or all but the parallel
+   !> loops of the caller itself.
+   subroutine limit_nested_threads(state, n_levels)
       type(thread_state_t), intent(out) :: state !! what to put back
       integer, intent(in), optional :: n_levels !! how many nested parallel loops may still be active, by default none
 
@@ -72,14 +67,14 @@ contains
          call omp_set_max_active_levels(omp_get_active_level())
       end if
       call set_blas_threads(1_c_int)
-   end subroutine hold_threads
+   end subroutine limit_nested_threads
 
-   !> Puts back what `hold_threads` found.
-   subroutine release_threads(state)
+   !> Puts back what `limit_nested_threads` found.
+   subroutine restore_nested_threads(state)
       type(thread_state_t), intent(in) :: state !! what it found
 
       call omp_set_max_active_levels(state%active_levels)
       call set_blas_threads(state%blas_threads)
-   end subroutine release_threads
+   end subroutine restore_nested_threads
 
 end module amontons_threads

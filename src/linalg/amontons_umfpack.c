@@ -5,14 +5,14 @@
 /* What a call reports; the Fortran side has the same numbers. */
 enum { done = 0, singular = 1, out_of_memory = 2 };
 
-/* Frees a factorisation; a null handle is none. */
+/* Frees a factorization; a null handle is none. */
 void amontons_umfpack_free(void *numeric)
 {
     if (numeric)
         umfpack_di_free_numeric(&numeric);
 }
 
-/* Factorises a compressed matrix. On success the handle owns the factors. */
+/* Factorizes a compressed matrix. On success the handle owns the factors. */
 static int factorize(int n, const int *start, const int *index, const double *value, void **numeric)
 {
     void *symbolic = NULL;
@@ -23,7 +23,7 @@ static int factorize(int n, const int *start, const int *index, const double *va
     return code == UMFPACK_OK ? done : code == UMFPACK_WARNING_singular_matrix ? singular : out_of_memory;
 }
 
-/* Factorises the n x n matrix of some entries, counted from 0, in any order; entries of one place add up. */
+/* Factorizes the n x n matrix of some entries, counted from 0, in any order; entries of one place add up. */
 int amontons_umfpack_factorize(int n, int n_entries, const int *row, const int *column, const double *value,
                                void **numeric)
 {

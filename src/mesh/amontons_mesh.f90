@@ -5,6 +5,7 @@ module amontons_mesh
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_text, only: lower_case, nearest_word, to_text
+   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 
@@ -40,6 +41,8 @@ module amontons_mesh
       type(boundary_set_t), allocatable :: sets(:) !! named boundary sets
       type(node_set_t), allocatable :: node_sets(:) !! named sets of nodes; not allocated means none
       type(region_t), allocatable :: regions(:) !! named parts of the body; not allocated means none
+      type(warning_list_t) :: warnings !! what is doubtful about the file it was read from
+      character(12) :: hypothesis = '' !! the hypothesis that its file says the elements are of; empty if it says none
    contains
       procedure :: check => mesh_check
       procedure :: find_node_set => mesh_find_node_set

@@ -3,8 +3,8 @@
 !> A case is a step of the collection, its time the number of the case; body and contact line are parts of the step.
 module amontons_collection
    use amontons_error, only: error_t
+   use amontons_manifest, only: manifest_t
    use amontons_output_file, only: new_output_file, output_file_t
-   use amontons_seal, only: seal_t
    use amontons_text, only: newline, to_text
    implicit none (type, external)
    private
@@ -23,7 +23,7 @@ module amontons_collection
       type(output_file_t) :: file !! the file
       integer :: state = 0 !! status of the last write statement; nothing is written after a failure
       integer, public :: n_cases = 0 !! number of its cases
-      type(seal_t), public :: grids !! the seal of their files, for those who keep one
+      type(manifest_t), public :: grids !! the manifest of their files, for those who keep one
    contains
       procedure, public :: add => collection_add
       procedure, public :: discard => collection_discard

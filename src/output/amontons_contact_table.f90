@@ -1,4 +1,4 @@
-!> NAME.contact.csv: one row per contact point, in the order of the contact line, 17 significant digits.
+!> NAME.contact.csv: one row per contact point, in the order of the contact line.
 module amontons_contact_table
    use amontons_body, only: body_t
    use amontons_contact_rows, only: contact_rows_t

@@ -59,8 +59,6 @@ contains
       start = pack([(p, p=1, body%zone%n_points)], body%zone%next > 0)
       lone = pack([(p, p=1, body%zone%n_points)], .not. have_neighbor(body%zone))
       call put_arrays(vtk, line, body%zone%set, result%solution%status, start, body%zone%next(start), lone)
-      call vtk%begin_data()
-      call put_arrays(vtk, line, body%zone%set, result%solution%status, start, body%zone%next(start), lone)
    end subroutine show_contact_line
 
    !> Number of the cells of the contact line: segments, and vertices where a point has no neighbour.

@@ -1,13 +1,13 @@
 !> What an earlier run of a case left in its directory and the new one does not write again: grids of other cases of a
 !> sweep, all solutions, a reduced problem. It is removed, so that the files of a case are those of one run.
 !>
-!> What the earlier run left is what its seal names. Whatever else has the name of the case is left alone, as is a file
-!> that is no longer the one that was sealed, or that the new run has read.
+!> What the earlier run left is what its manifest names. Whatever else has the name of the case is left alone, as is a
+!> file that is no longer the one that was written, or that the new run has read.
 module amontons_earlier_files
    use amontons_checksum, only: checksum_t, file_checksum
    use amontons_directory, only: file_name_t
    use amontons_error, only: error_t
-   use amontons_seal, only: read_sealed_summary, seal_t, sealed_file_t, sealed_list_t
+   use amontons_manifest, only: read_summary, manifest_t, manifest_file_t, manifest_list_t
    use amontons_system, only: absolute_path
    implicit none (type, external)
    private
@@ -17,23 +17,23 @@ module amontons_earlier_files
 contains
 
    !> Finds the files to remove.
-   subroutine find_earlier_files(files, directory, name, seal)
+   subroutine find_earlier_files(files, directory, name, manifest)
       type(file_name_t), allocatable, intent(out) :: files(:) !! the files, with their directory
       character(*), intent(in) :: directory !! output directory
       character(*), intent(in) :: name !! name of the case
-      type(seal_t), intent(in) :: seal !! the seal of the new results
-      type(seal_t) :: earlier
+      type(manifest_t), intent(in) :: manifest !! the manifest of the new results
+      type(manifest_t) :: earlier
       character(:), allocatable :: summary, fault
       integer :: i, n
 
-      ! Where it cannot be read, or its seal is broken, nothing is named.
-      call read_sealed_summary(earlier, summary, directory//'/'//name//'.summary.json', fault)
+      ! Where it cannot be read, or it was changed, nothing is named.
+      call read_summary(earlier, summary, directory//'/'//name//'.summary.json', fault)
       allocate (files(earlier%outputs%n))
       n = 0
       do i = 1, earlier%outputs%n
          associate (file => earlier%outputs%files(i))
-            if (.not. is_of_case(file%name, name) .or. is_among(seal%outputs, file%name)) cycle
-            if (.not. is_removable(file, directory, seal%inputs)) cycle
+            if (.not. is_of_case(file%name, name) .or. is_among(manifest%outputs, file%name)) cycle
+            if (.not. is_removable(file, directory, manifest%inputs)) cycle
             n = n + 1
             files(n)%text = directory//'/'//file%name
          end associate
@@ -41,7 +41,7 @@ contains
       files = files(:n)
    end subroutine find_earlier_files
 
-   !> Whether a file is one that a case of this name may leave; a seal that was made by others may name any.
+   !> Whether a file is one that a case of this name may leave; a summary of another program may name any.
    pure logical function is_of_case(file, name)
       character(*), intent(in) :: file !! its name, seen from the output directory
       character(*), intent(in) :: name !! name of the case
@@ -53,7 +53,7 @@ contains
 
    !> Whether a name is among those of a list.
    pure logical function is_among(list, name)
-      type(sealed_list_t), intent(in) :: list !! the list
+      type(manifest_list_t), intent(in) :: list !! the list
       character(*), intent(in) :: name !! the name
       integer :: i
 
@@ -64,11 +64,11 @@ contains
       is_among = .false.
    end function is_among
 
-   !> Whether a file is still the one that was sealed, and none that the new run has read.
+   !> Whether a file is still the one that was written, and none that the new run has read.
    logical function is_removable(file, directory, inputs)
-      type(sealed_file_t), intent(in) :: file !! what is known of it
+      type(manifest_file_t), intent(in) :: file !! what is known of it
       character(*), intent(in) :: directory !! output directory
-      type(sealed_list_t), intent(in) :: inputs !! the files that were read
+      type(manifest_list_t), intent(in) :: inputs !! the files that were read
       type(checksum_t) :: checksum
       type(error_t), allocatable :: error
       character(:), allocatable :: path
@@ -77,7 +77,7 @@ contains
       path = directory//'/'//file%name
       call file_checksum(checksum, path, error)
       is_removable = .not. allocated(error) .and. checksum%n_bytes == file%n_bytes .and. &
-         checksum%digits() == file%checksum
+         checksum%value() == file%checksum
       do i = 1, inputs%n
          if (absolute_path(inputs%files(i)%name) == absolute_path(path)) is_removable = .false.
       end do

@@ -2,15 +2,13 @@
 module amontons_listing
    use amontons_body, only: body_t
    use amontons_certificate, only: certificate_t
-   use amontons_conditioning, only: conditioning_text
    use amontons_config, only: config_t
    use amontons_contact_table, only: contact_point_t, new_contact_point
-   use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
    use amontons_listing_model, only: loads_text, model_text
    use amontons_listing_parts, only: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
-      violations_text
-   use amontons_listing_text, only: heading, line, pair, scientific, short
+      violations_text, warnings_text
+   use amontons_listing_text, only: columns, heading, line, pair, right, scientific, short
    use amontons_result, only: certificate_limit, result_t
    use amontons_solutions_report, only: solutions_text, uniqueness_text
    use amontons_text, only: as_lines, to_text
@@ -18,8 +16,7 @@ module amontons_listing
    implicit none (type, external)
    private
 
-   public :: certificate_text, condition_text, factorization_text, listed_phases, listing_text, points_text, &
-      resultants_text, zones_text
+   public :: certificate_text, factorization_text, listed_phases, listing_text, points_text, resultants_text, zones_text
 
    !> The phases that lie behind a deck when its listing is written.
    integer, parameter :: listed_phases(*) = [phase_read, phase_assemble, phase_factorize, phase_condense, phase_solve, &
@@ -34,9 +31,9 @@ contains
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
-      text = head_text(config)//model_text(config, body, result%load_case)//loads_text(config)// &
-         solution_text(config, body, result)//zones_text(body, result)//resultants_text(body, result)// &
-         certificate_text(config, result%certificate)//condition_text(body, result)//points_text(body, result)// &
+      text = head_text(config)//warnings_text(result%warnings)//model_text(config, body, result%load_case)// &
+         loads_text(config)//solution_text(config, body, result)//zones_text(body, result)// &
+         resultants_text(body, result)//certificate_text(config, result%certificate)//points_text(body, result)// &
          times_text(result%timings, listed_phases)
    end function listing_text
 
@@ -68,8 +65,8 @@ contains
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
-      associate (factorization => body%condensation%factorization)
-         text = factorization%name()//', '//to_text(factorization%n_factor_entries())//' entries'
+      associate (condenser => body%condensation%condenser)
+         text = condenser%name//', '//to_text(condenser%n_factor_entries)//' entries'
       end associate
       if (allocated(result%shared_with)) text = text//', shared with case '//result%shared_with
    end function factorization_text
@@ -86,8 +83,6 @@ contains
             line('Separated length', short(lengths%separated))// &
             line('Sliding length', short(lengths%sliding))// &
             line('Sticking length', short(lengths%sticking))
-         if (body%zone%n_points > 0 .and. all(result%solution%status == open_point)) text = text// &
-            line('Note', 'nothing touches the obstacle')
       end associate
    end function zones_text
 
@@ -126,26 +121,12 @@ contains
          //violations_text(names, violations, certificate_limit(config%method%tolerance))
    end function certificate_text
 
-   !> The condition of the stiffness where rounding shows, and what makes it poor.
-   pure function condition_text(body, result) result(text)
-      type(body_t), intent(in) :: body !! the body
-      type(result_t), intent(in) :: result !! the result
-      character(:), allocatable :: text, reasons
-
-      text = ''
-      if (.not. result%condition > 0.0_dp) return
-      text = line('Condition number', 'about '//scientific(result%condition)//', of the stiffness: rounding may cost ' &
-         //to_text(min(16, nint(log10(result%condition))))//' of 16 digits')
-      reasons = conditioning_text(body%mesh, body%materials, body%springs)
-      if (len(reasons) > 0) text = text//line('', reasons(3:))
-   end function condition_text
-
    !> The table of contact points.
    pure function points_text(body, result) result(text)
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
-      character(120) :: rows(0:body%zone%n_points)
+      character(132) :: rows(0:body%zone%n_points)
       type(contact_point_t) :: point
       integer :: p
 
@@ -153,8 +134,8 @@ contains
          'norm. stress', 'tang. stress', 'status'
       do p = 1, body%zone%n_points
          call new_contact_point(point, body, result, p)
-         write (rows(p), '(i7, 8es13.5, 2x, a)') p, point%position, point%gap, point%slip, &
-            point%normal_force, point%tangential_force, point%normal_stress, point%tangential_stress, point%status
+         rows(p) = right(to_text(p), 7)//columns([point%position, point%gap, point%slip, point%normal_force, &
+            point%tangential_force, point%normal_stress, point%tangential_stress])//'  '//point%status
       end do
       text = heading('Contact points (forces and stresses: compression and shear along the slip positive)') &
          //as_lines(rows)

@@ -1,10 +1,11 @@
 !> The part of a listing that tells what was computed: mesh, materials, supports, contact sets, loads.
 module amontons_listing_model
-   use amontons_body, only: body_t, poor_inf_sup
+   use amontons_body, only: body_t
    use amontons_config, only: config_t
    use amontons_constraints, only: support_t, supported_components
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_t
+   use amontons_element, only: quad4
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
    use amontons_listing_text, only: heading, line, pair, short
@@ -39,7 +40,7 @@ contains
          line('Unknowns', to_text(body%dof_map%n_dofs)//', of them '//to_text(body%dof_map%n_trailing)// &
          ' on the contact line')
       do i = 1, size(config%materials)
-         text = text//line('Material', material_text(config%materials(i)))
+         text = text//line('Material', material_text(config%materials(i), any(body%mesh%element_kind == quad4)))
       end do
       do i = 1, size(config%supports)
          text = text//line('Support', support_text(config%supports(i)))
@@ -53,12 +54,14 @@ contains
    end function model_text
 
    !> What a material is.
-   pure function material_text(material) result(text)
+   pure function material_text(material, has_quad4) result(text)
       type(material_t), intent(in) :: material !! the material
+      logical, intent(in) :: has_quad4 !! whether the mesh has linear quadrilaterals
       character(:), allocatable :: text
 
       text = material%hypothesis//', Young '//short(material%young)//', Poisson '//short(material%poisson)
       if (.not. material%is_axisymmetric) text = text//', thickness '//short(material%thickness)
+      if (material%has_mean_dilatation .and. has_quad4) text = text//', quad4 of B-bar formulation'
       if (len(material%region) > 0) text = text//", region '"//material%region//"'"
    end function material_text
 
@@ -95,7 +98,7 @@ contains
       end associate
    end function contact_text
 
-   !> The cells of the constant multipliers of a contact set, and whether the mesh can tell them apart.
+   !> The cells of the constant multipliers of a contact set, and how well the mesh can tell them apart.
    pure function cells_text(body, i) result(text)
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: i !! which contact set
@@ -105,8 +108,6 @@ contains
       lengths = pack(body%zone%weight, body%zone%set == i)
       text = line('Multipliers', 'constant on '//to_text(size(lengths))//' cells of length '//short(minval(lengths))// &
          ' to '//short(maxval(lengths)))//line('Inf-sup constant', short(body%inf_sup(i)))
-      if (body%inf_sup(i) < poor_inf_sup) text = text//line('WARNING', 'the inf-sup constant is below '// &
-         short(poor_inf_sup)//': forces and statuses may oscillate from cell to cell; make the cells larger')
    end function cells_text
 
    !> A quantity along a contact line; nothing where it is zero.

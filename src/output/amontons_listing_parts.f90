@@ -9,11 +9,12 @@ module amontons_listing_parts
    use amontons_text, only: newline, to_text
    use amontons_timings, only: phase_names, timings_t
    use amontons_version, only: version
+   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 
    public :: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
-      violations_text
+      violations_text, warnings_text
 
 contains
 
@@ -104,6 +105,19 @@ contains
       text = text//line('Verdict', trim(merge('passed', 'FAILED', all(violations <= limit)))// &
          ': every violation must be at most '//scientific(limit))
    end function violations_text
+
+   !> The warnings, a line each.
+   pure function warnings_text(warnings) result(text)
+      type(warning_list_t), intent(in) :: warnings !! the warnings
+      character(:), allocatable :: text
+      integer :: i
+
+      text = heading('Warnings')
+      if (warnings%n() == 0) text = text//line('Warnings', 'none')
+      do i = 1, warnings%n()
+         text = text//line('Warning', warnings%item(i))
+      end do
+   end function warnings_text
 
    !> Where the time went, and the end of the listing.
    pure function times_text(timings, phases) result(text)

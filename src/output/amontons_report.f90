@@ -1,17 +1,16 @@
 !> The files of a solved case: all of them, each whole, or none.
 module amontons_report
    use amontons_body, only: body_t
-   use amontons_config, only: config_t
+   use amontons_config, only: config_t, effective_deck
    use amontons_contact_table, only: contact_table_text
    use amontons_contact_vtu, only: write_contact_vtu
    use amontons_directory, only: file_name_t
    use amontons_earlier_files, only: find_earlier_files
-   use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_listing, only: listing_text
+   use amontons_manifest, only: manifest_t, with_manifest
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_result, only: result_t
-   use amontons_seal, only: seal_t, sealed_text
    use amontons_solutions_report, only: solutions_table_text
    use amontons_summary, only: summary_text
    use amontons_system, only: make_directory
@@ -37,19 +36,19 @@ contains
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(output_file_t) :: files(n_files + merge(1, 0, allocated(result%all_solutions)))
       type(file_name_t), allocatable :: earlier(:)
-      type(seal_t) :: seal
+      type(manifest_t) :: manifest
 
       call make_directory(directory, error)
       if (allocated(error)) return
-      call write_files(files, seal, directory//'/'//config%name, config, body, result, error)
-      if (.not. allocated(error)) call find_earlier_files(earlier, directory, config%name, seal)
+      call write_files(files, manifest, directory//'/'//config%name, config, body, result, error)
+      if (.not. allocated(error)) call find_earlier_files(earlier, directory, config%name, manifest)
       call commit_files(files, error, earlier)
    end subroutine write_report
 
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
-   subroutine write_files(files, seal, stem, config, body, result, error)
+   subroutine write_files(files, manifest, stem, config, body, result, error)
       type(output_file_t), intent(inout) :: files(:) !! the finished files, the summary last
-      type(seal_t), intent(out) :: seal !! their seal
+      type(manifest_t), intent(out) :: manifest !! their manifest
       character(*), intent(in) :: stem !! directory and name of the case
       type(config_t), intent(in) :: config !! the case
       type(body_t), intent(in) :: body !! the body
@@ -71,13 +70,13 @@ contains
             result%load_case%free_gap), error)
          if (allocated(error)) return
       end if
-      call seal%add_outputs(files, '', error)
-      if (result%has_reduced_files .and. .not. allocated(error)) call seal%add_reduced(stem, error)
+      call manifest%add_outputs(files, '', error)
+      if (result%has_reduced_files .and. .not. allocated(error)) call manifest%add_reduced(stem, error)
       if (allocated(error)) return
-      call seal%add_inputs(config)
+      call manifest%add_inputs(config)
       call result%timings%begin(phase_write)
-      call write_text_file(files(size(files)), stem//'.summary.json', sealed_text(summary_text(config, body, result), &
-         seal), error)
+      call write_text_file(files(size(files)), stem//'.summary.json', &
+         with_manifest(summary_text(config, body, result), manifest), error)
    end subroutine write_files
 
 end module amontons_report

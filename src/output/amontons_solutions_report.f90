@@ -72,7 +72,7 @@ contains
 
    end function solutions_text
 
-   !> NAME.solutions.csv: one row for each point of each solution, 17 significant digits.
+   !> NAME.solutions.csv: one row for each point of each solution.
    pure function solutions_table_text(solutions, gap) result(text)
       type(all_solutions_t), intent(in) :: solutions !! all solutions
       real(dp), intent(in) :: gap(:) !! initial distance to the obstacle along the normal (m) [L]

@@ -23,16 +23,16 @@ contains
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
-      associate (solution => result%solution, factorization => body%condensation%factorization)
-         text = head_members(config, solution%is_converged)//effort_members(solution)
+      associate (solution => result%solution, condenser => body%condensation%condenser)
+         text = head_members(config, solution%is_converged, result%warnings)//effort_members(solution)
          if (result%method_error >= 0.0_dp) text = text//member('method_error', number(result%method_error))
          if (any(config%contacts%partition%is_constant)) text = text//member('inf_sup', number(minval(body%inf_sup)))
          if (result%condition > 0.0_dp) text = text//member('condition', number(result%condition))
          text = text//member('certificate', '{'//certificate_text(result%certificate, config%method%tolerance)//'}') &
             //uniqueness_member(result%uniqueness) &
             //member('counts', '{'//size_counts(body)//', '//status_counts(solution%status) &
-            //', "factor_entries": '//to_text(factorization%n_factor_entries()) &
-            //', "factor_flops": '//to_text(nint(factorization%n_flops, int64))//'}') &
+            //', "factor_entries": '//to_text(condenser%n_factor_entries) &
+            //', "factor_flops": '//to_text(nint(condenser%n_flops, int64))//'}') &
             //member('lengths', '{'//number_members([character(9) :: 'separated', 'sliding', 'sticking'], &
             [result%lengths%separated, result%lengths%sliding, result%lengths%sticking])//'}') &
             //resultants_member(solution%force(:body%zone%n_points), solution%force(body%zone%n_points + 1:)) &

@@ -11,11 +11,12 @@ module amontons_summary_members
    use amontons_timings, only: phase_names, timings_t
    use amontons_uniqueness, only: uniqueness_t
    use amontons_version, only: version
+   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 
    public :: effort_members, head_members, last_members, member, resultants_member, size_counts, status_counts, &
-      uniqueness_member
+      uniqueness_member, warnings_array
 
 contains
 
@@ -29,15 +30,30 @@ contains
    end function member
 
    !> The beginning of the object: which case, and whether it was solved.
-   pure function head_members(config, is_converged) result(text)
+   pure function head_members(config, is_converged, warnings) result(text)
       type(config_t), intent(in) :: config !! the case
       logical, intent(in) :: is_converged !! whether all that was to be solved is solved
+      type(warning_list_t), intent(in) :: warnings !! what is doubtful about it
       character(:), allocatable :: text
 
       text = '{'//newline//member('case', string(config%name))//member('title', string(config%title)) &
          //member('version', string(version))//member('method', string(config%method%method)) &
-         //member('converged', truth(is_converged))
+         //member('converged', truth(is_converged))//member('warnings', warnings_array(warnings))
    end function head_members
+
+   !> Warnings as a JSON array of texts.
+   pure function warnings_array(warnings) result(text)
+      type(warning_list_t), intent(in) :: warnings !! the warnings
+      character(:), allocatable :: text
+      integer :: i
+
+      text = '['
+      do i = 1, warnings%n()
+         if (i > 1) text = text//', '
+         text = text//string(warnings%item(i))
+      end do
+      text = text//']'
+   end function warnings_array
 
    !> What the method spent, and what it reached.
    pure function effort_members(solution) result(text)

@@ -1,9 +1,8 @@
-!> Unstructured grids in VTK's XML format with appended raw data.
-!>
-!> The arrays are handed over twice in the same order: first they are announced in the head, then, after `begin_data`,
-!> their values are written behind it.
+!> Unstructured grids in VTK's XML format, every array in base64 where it belongs: the form that all readers of such
+!> files know.
 module amontons_vtk_file
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_base64, only: encode_base64
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp, int32, int64
    use amontons_output_file, only: new_output_file, output_file_t
@@ -11,26 +10,27 @@ module amontons_vtk_file
    implicit none (type, external)
    private
 
-   public :: new_vtk_file, vtk_file_t, vtk_tail
+   public :: bytes_per_length, new_vtk_file, vtk_file_t
 
-   !> What stands behind the values.
-   character(*), parameter :: vtk_tail = newline//'  </AppendedData>'//newline//'</VTKFile>'//newline
+   !> The bytes of an array stand behind their number, an integer of so many bytes.
+   integer(int64), parameter :: bytes_per_length = 8_int64
+
+   !> Bytes that are encoded at a time, a multiple of three.
+   integer(int64), parameter :: piece_size = 49152_int64
 
    !> A grid being written.
    type :: vtk_file_t
       private
-      character(:), allocatable, public :: head !! the XML head so far
-      character(:), allocatable :: section !! the section that the next array belongs to
-      integer(int64) :: offset = 0_int64 !! bytes announced so far
-      logical, public :: has_head = .false. !! whether the head is complete, so that values are written
+      character(:), allocatable, public :: markup !! what stands between the array before and the next one
+      character(:), allocatable :: section !! the section that is open
       integer :: state = 0 !! status of the last write statement; nothing is written after a failure
       character(:), allocatable :: not_finite !! the first quantity with a number that is not finite
       type(output_file_t) :: file !! the file
    contains
-      procedure, public :: announce => vtk_file_announce
-      procedure, public :: begin_data => vtk_file_begin_data
-      procedure, public :: begin_head => vtk_file_begin_head
-      procedure, public :: end_head => vtk_file_end_head
+      procedure, public :: begin_array => vtk_file_begin_array
+      procedure, public :: begin_grid => vtk_file_begin_grid
+      procedure, public :: end_array => vtk_file_end_array
+      procedure, public :: end_grid => vtk_file_end_grid
       procedure, public :: finish => vtk_file_finish
       procedure, public :: put_cells => vtk_file_put_cells
       procedure, public :: put_integers => vtk_file_put_integers
@@ -38,6 +38,7 @@ module amontons_vtk_file
       procedure, public :: put_stresses => vtk_file_put_stresses
       procedure, public :: put_vectors => vtk_file_put_vectors
       procedure :: enter => vtk_file_enter
+      procedure :: write_array => vtk_file_write_array
    end type vtk_file_t
 
 contains
@@ -50,32 +51,63 @@ contains
       integer, intent(in) :: n_cells !! number of cells
       type(error_t), allocatable, intent(out) :: error !! the file cannot be opened
 
-      call vtk%begin_head(n_points, n_cells)
+      call vtk%begin_grid(n_points, n_cells)
       call new_output_file(vtk%file, path, .true., error)
    end subroutine new_vtk_file
 
-   !> Begins the head.
-   pure subroutine vtk_file_begin_head(self, n_points, n_cells)
+   !> Begins the markup.
+   pure subroutine vtk_file_begin_grid(self, n_points, n_cells)
       class(vtk_file_t), intent(inout) :: self !! the grid
       integer, intent(in) :: n_points !! number of points
       integer, intent(in) :: n_cells !! number of cells
 
       self%section = ''
-      self%head = '<?xml version="1.0"?>'//newline// &
+      self%markup = '<?xml version="1.0"?>'//newline// &
          '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">'//newline// &
          '  <UnstructuredGrid>'//newline//'    <Piece NumberOfPoints="'//to_text(n_points)//'" NumberOfCells="'// &
          to_text(n_cells)//'">'//newline
-   end subroutine vtk_file_begin_head
+   end subroutine vtk_file_begin_grid
 
-   !> Completes the head: from here on values are handed over.
-   pure subroutine vtk_file_end_head(self)
+   !> Completes the markup before an array.
+   pure subroutine vtk_file_begin_array(self, section, type, name, n_components)
+      class(vtk_file_t), intent(inout) :: self !! the grid
+      character(*), intent(in) :: section !! the section it belongs to
+      character(*), intent(in) :: type !! VTK's word for the kind of number
+      character(*), intent(in) :: name !! name of the quantity
+      integer, intent(in) :: n_components !! numbers per point or cell
+
+      call self%enter(section)
+      self%markup = self%markup//'        <DataArray type="'//type//'" Name="'//name//'"'
+      ! Readers take a stated single component for a column, an unstated one for a plain array.
+      if (n_components > 1) self%markup = self%markup//' NumberOfComponents="'//to_text(n_components)//'"'
+      self%markup = self%markup//' format="binary">'
+   end subroutine vtk_file_begin_array
+
+   !> Begins the markup behind an array.
+   pure subroutine vtk_file_end_array(self)
+      class(vtk_file_t), intent(inout) :: self !! the grid
+
+      self%markup = '</DataArray>'//newline
+   end subroutine vtk_file_end_array
+
+   !> Completes the markup behind the last array.
+   pure subroutine vtk_file_end_grid(self)
       class(vtk_file_t), intent(inout) :: self !! the grid
 
       call self%enter('')
-      self%head = self%head//'    </Piece>'//newline//'  </UnstructuredGrid>'//newline// &
-         '  <AppendedData encoding="raw">'//newline//'_'
-      self%has_head = .true.
-   end subroutine vtk_file_end_head
+      self%markup = self%markup//'    </Piece>'//newline//'  </UnstructuredGrid>'//newline//'</VTKFile>'//newline
+   end subroutine vtk_file_end_grid
+
+   !> Leaves the present section for another one; none is named ''.
+   pure subroutine vtk_file_enter(self, section)
+      class(vtk_file_t), intent(inout) :: self !! the grid
+      character(*), intent(in) :: section !! the section to enter
+
+      if (section == self%section) return
+      if (len(self%section) > 0) self%markup = self%markup//'      </'//self%section//'>'//newline
+      if (len(section) > 0) self%markup = self%markup//'      <'//section//'>'//newline
+      self%section = section
+   end subroutine vtk_file_enter
 
    !> Hands over an array of reals.
    subroutine vtk_file_put_reals(self, section, name, n_components, values)
@@ -84,16 +116,18 @@ contains
       character(*), intent(in) :: name !! name of the quantity
       integer, intent(in) :: n_components !! numbers per point or cell
       real(dp), intent(in) :: values(:) !! the values, those of one point or cell together
+      character(:), allocatable :: bytes
+      integer(int64) :: n_bytes
 
-      if (.not. self%has_head) then
-         call self%announce(section, 'Float64', name, n_components, 8_int64*size(values, kind=int64))
-         return
-      end if
       if (.not. allocated(self%not_finite)) then
          if (.not. all(ieee_is_finite(values))) self%not_finite = name
       end if
-      ! allow(C181): `finish` checks the state
-      if (self%state == 0) write (self%file%unit, iostat=self%state) 8_int64*size(values, kind=int64), values
+      n_bytes = 8_int64*size(values, kind=int64)
+      allocate (character(bytes_per_length + n_bytes) :: bytes)
+      bytes(:bytes_per_length) = transfer(n_bytes, bytes(:bytes_per_length))
+      bytes(bytes_per_length + 1:) = transfer(values, bytes(bytes_per_length + 1:))
+      call self%begin_array(section, 'Float64', name, n_components)
+      call self%write_array(bytes)
    end subroutine vtk_file_put_reals
 
    !> Hands over an array of integers.
@@ -102,17 +136,32 @@ contains
       character(*), intent(in) :: section !! 'PointData', 'CellData', 'Points' or 'Cells', in this order
       character(*), intent(in) :: name !! name of the quantity
       integer, intent(in) :: values(:) !! the values
-      integer(int32), allocatable :: raw(:)
+      character(:), allocatable :: bytes
+      integer(int64) :: n_bytes
 
-      if (.not. self%has_head) then
-         call self%announce(section, 'Int32', name, 1, 4_int64*size(values, kind=int64))
-      else if (self%state == 0) then
-         ! An expression in the list would be written number by number.
-         raw = int(values, int32)
-         ! allow(C181): `finish` checks the state
-         write (self%file%unit, iostat=self%state) 4_int64*size(values, kind=int64), raw
-      end if
+      n_bytes = 4_int64*size(values, kind=int64)
+      allocate (character(bytes_per_length + n_bytes) :: bytes)
+      bytes(:bytes_per_length) = transfer(n_bytes, bytes(:bytes_per_length))
+      bytes(bytes_per_length + 1:) = transfer(int(values, int32), bytes(bytes_per_length + 1:))
+      call self%begin_array(section, 'Int32', name, 1)
+      call self%write_array(bytes)
    end subroutine vtk_file_put_integers
+
+   !> Writes an array with the markup before it.
+   subroutine vtk_file_write_array(self, bytes)
+      class(vtk_file_t), intent(inout) :: self !! the grid
+      character(*), intent(in) :: bytes !! the number of bytes, then the array as the machine has it
+      integer(int64) :: first
+
+      ! allow(C181): `finish` checks the state
+      if (self%state == 0) write (self%file%unit, iostat=self%state) self%markup
+      do first = 1_int64, len(bytes, int64), piece_size
+         ! allow(C181): `finish` checks the state
+         if (self%state == 0) write (self%file%unit, iostat=self%state) &
+            encode_base64(bytes(first:min(len(bytes, int64), first + piece_size - 1_int64)))
+      end do
+      call self%end_array()
+   end subroutine vtk_file_write_array
 
    !> Hands over plane vectors, as vectors in space.
    subroutine vtk_file_put_vectors(self, section, name, vectors)
@@ -144,16 +193,12 @@ contains
       real(dp), allocatable :: spread_out(:)
       integer :: i, k
 
-      ! What is only announced need not be made; its size counts.
       allocate (spread_out(size(component, kind=int64)*size(values, 2)))
-      if (vtk%has_head) then
-         do i = 1, size(values, 2)
-            do k = 1, size(component)
-               spread_out((i - 1)*size(component) + k) = &
-                  merge(values(max(1, component(k)), i), 0.0_dp, component(k) > 0)
-            end do
+      do i = 1, size(values, 2)
+         do k = 1, size(component)
+            spread_out((i - 1)*size(component) + k) = merge(values(max(1, component(k)), i), 0.0_dp, component(k) > 0)
          end do
-      end if
+      end do
       call vtk%put_reals(section, name, size(component), spread_out)
    end subroutine put_spread
 
@@ -171,56 +216,19 @@ contains
       call self%put_integers('Cells', 'types', types)
    end subroutine vtk_file_put_cells
 
-   !> Completes and writes the head.
-   subroutine vtk_file_begin_data(self)
-      class(vtk_file_t), intent(inout) :: self !! the grid
-
-      call self%end_head()
-      ! allow(C181): `finish` checks the state
-      write (self%file%unit, iostat=self%state) self%head
-   end subroutine vtk_file_begin_data
-
-   !> Closes the file; it still has its temporary name.
+   !> Completes and closes the file; it still has its temporary name.
    subroutine vtk_file_finish(self, file, error)
       class(vtk_file_t), intent(inout) :: self !! the grid
       type(output_file_t), intent(out) :: file !! the finished file
       type(error_t), allocatable, intent(out) :: error !! not everything could be written, or a number is not finite
 
+      call self%end_grid()
       ! allow(C181): the output file's own `finish` checks the state
-      if (self%state == 0) write (self%file%unit, iostat=self%state) vtk_tail
+      if (self%state == 0) write (self%file%unit, iostat=self%state) self%markup
       call self%file%finish(self%state, error)
       file = self%file
       if (allocated(self%not_finite) .and. .not. allocated(error)) call new_error(error, numerical_failure, &
          "the quantity '"//self%not_finite//"' leaves the range of double precision (1.8e308): choose other units")
    end subroutine vtk_file_finish
-
-   !> Announces an array in the head.
-   pure subroutine vtk_file_announce(self, section, type, name, n_components, n_bytes)
-      class(vtk_file_t), intent(inout) :: self !! the grid
-      character(*), intent(in) :: section !! the section it belongs to
-      character(*), intent(in) :: type !! VTK's word for the kind of number
-      character(*), intent(in) :: name !! name of the quantity
-      integer, intent(in) :: n_components !! numbers per point or cell
-      integer(int64), intent(in) :: n_bytes !! length of the values [byte]
-
-      call self%enter(section)
-      self%head = self%head//'        <DataArray type="'//type//'" Name="'//name//'"'
-      ! Readers take a stated single component for a column, an unstated one for a plain array.
-      if (n_components > 1) self%head = self%head//' NumberOfComponents="'//to_text(n_components)//'"'
-      self%head = self%head//' format="appended" offset="'//to_text(self%offset)//'"/>'//newline
-      ! Each array stands behind its length, a 64-bit integer.
-      self%offset = self%offset + 8_int64 + n_bytes
-   end subroutine vtk_file_announce
-
-   !> Leaves the present section of the head for another one; none is named ''.
-   pure subroutine vtk_file_enter(self, section)
-      class(vtk_file_t), intent(inout) :: self !! the grid
-      character(*), intent(in) :: section !! the section to enter
-
-      if (section == self%section) return
-      if (len(self%section) > 0) self%head = self%head//'      </'//self%section//'>'//newline
-      if (len(section) > 0) self%head = self%head//'      <'//section//'>'//newline
-      self%section = section
-   end subroutine vtk_file_enter
 
 end module amontons_vtk_file

@@ -47,8 +47,6 @@ contains
       call new_stress_field(stress, body%mesh, body%materials, body%coloring, result%displacement)
       call spread_contact(body, result, contact, status)
       call put_arrays(vtk, body, result, stress, contact, status)
-      call vtk%begin_data()
-      call put_arrays(vtk, body, result, stress, contact, status)
    end subroutine show_body
 
    !> Hands over all arrays.

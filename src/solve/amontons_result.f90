@@ -8,6 +8,7 @@ module amontons_result
    use amontons_load_case, only: load_case_t
    use amontons_timings, only: timings_t
    use amontons_uniqueness, only: uniqueness_t
+   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 
@@ -23,6 +24,7 @@ module amontons_result
       type(load_case_t) :: load_case !! loads, prescribed displacements, obstacles and friction
       real(dp), allocatable :: displacement(:, :) !! displacement of all nodes (2, n_nodes) [L]
       type(certificate_t) :: certificate !! violations on the full model
+      type(warning_list_t) :: warnings !! what is doubtful about the model and the result
       real(dp) :: condition = 0.0_dp
          !! condition number of the stiffness in the 1-norm, estimated where rounding shows; else 0 [-]
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one

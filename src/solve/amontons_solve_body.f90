@@ -12,6 +12,7 @@ module amontons_solve_body
    use amontons_load_case, only: new_load_case
    use amontons_loads, only: load_t
    use amontons_methods, only: method_options_t, new_contact_method
+   use amontons_model_warnings, only: add_model_warnings
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_load_case
    use amontons_timings, only: new_timings
@@ -35,15 +36,16 @@ contains
          !! the result; one that converged for another load case is where the method starts
       type(error_t), allocatable, intent(out) :: error !! supports, contacts, loads or the numbers are at fault
       class(contact_method_t), allocatable :: method
-      type(result_t) :: previous
+      type(result_t) :: previous, empty
 
       previous = result
-      result = result_t()
+      result = empty
       call new_timings(result%timings)
       call new_load_case(result%load_case, body, supports, contacts, loads, error)
       if (allocated(error)) return
       call check_balance(body, result%load_case, error)
       if (allocated(error)) return
+      call add_model_warnings(result%warnings, body, result%load_case)
       call new_contact_method(method, options, error)
       if (allocated(error)) return
       if (.not. allocated(problem%load)) then

@@ -2,19 +2,18 @@
 module amontons_solve_case
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_condensation, only: condensation_options_t
-   use amontons_config, only: config_t
+   use amontons_config, only: body_text, config_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_t
-   use amontons_effective_deck, only: body_text
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
-   use amontons_kinds, only: dp
    use amontons_load_case, only: new_load_case
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: read_mesh_file
    use amontons_methods, only: new_contact_method
+   use amontons_model_warnings, only: add_model_warnings, add_sweep_warnings
    use amontons_name_check, only: check_names
    use amontons_rectangle, only: new_rectangle_mesh
    use amontons_result, only: result_t
@@ -42,7 +41,7 @@ contains
    subroutine prepare_case(workshop, config, result, error)
       type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
-      type(result_t), intent(out) :: result !! gains the load case
+      type(result_t), intent(out) :: result !! gains the load case, and the warnings on the model
       type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are at fault
       type(contact_t), allocatable :: contacts(:)
 
@@ -60,6 +59,9 @@ contains
       if (allocated(error)) return
       ! Loads and friction that a sweep varies need not balance as they stand.
       if (.not. config%sweep%is_given()) call check_balance(workshop%body, result%load_case, error)
+      if (allocated(error)) return
+      call add_model_warnings(result%warnings, workshop%body, result%load_case)
+      if (config%sweep%is_given()) call add_sweep_warnings(result%warnings, config%sweep, config%contacts)
    end subroutine prepare_case
 
    !> Makes the body of a case.
@@ -81,7 +83,7 @@ contains
       call new_body(workshop%body, mesh, config%materials, config%supports, config%contacts, error)
       if (allocated(error)) return
       workshop%body%mesh_notes = notes
-      workshop%body_text = body_key(config)
+      workshop%body_text = body_text(config)
       workshop%first_case = config%name
       if (allocated(workshop%last_case)) deallocate (workshop%last_case)
    end subroutine make_body
@@ -103,28 +105,13 @@ contains
    end subroutine new_mesh
 
    !> Whether the body at hand is that of a case.
-   pure logical function has_body(workshop, config)
+   logical function has_body(workshop, config)
       type(workshop_t), intent(in) :: workshop !! the body at hand
       type(config_t), intent(in) :: config !! the case
 
       has_body = allocated(workshop%body) .and. allocated(workshop%body_text)
-      if (has_body) has_body = workshop%body_text == body_key(config)
+      if (has_body) has_body = workshop%body_text == body_text(config)
    end function has_body
-
-   !> The text that tells bodies apart: what a deck says of mesh, materials, supports and contact sets, but for the
-   !> displacements that supports prescribe.
-   pure function body_key(config) result(key)
-      type(config_t), intent(in) :: config !! the case
-      character(:), allocatable :: key
-      type(config_t) :: at_rest
-      integer :: i
-
-      at_rest = config
-      do i = 1, size(at_rest%supports)
-         at_rest%supports(i)%displacement = 0.0_dp
-      end do
-      key = body_text(at_rest)
-   end function body_key
 
    !> Solves a case. The cases of a sweep are solved by `solve_sweep`.
    subroutine solve_case(workshop, config, result, error)

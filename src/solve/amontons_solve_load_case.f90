@@ -13,6 +13,7 @@ module amontons_solve_load_case
    use amontons_lengths, only: new_lengths
    use amontons_load_case, only: condense_load_case, pose_problem, recover_displacement
    use amontons_result, only: result_t
+   use amontons_result_warnings, only: add_result_warnings
    use amontons_timings, only: phase_condense, phase_recover, phase_solve, phase_write
    use amontons_uniqueness, only: new_uniqueness
    implicit none (type, external)
@@ -45,6 +46,7 @@ contains
       call result%timings%begin(phase_recover)
       call certify(result, body, error)
       if (allocated(error)) return
+      call add_result_warnings(result, body)
       call new_uniqueness(result%uniqueness, problem)
       ! What the caller does with the result is to write it.
       call result%timings%begin(phase_write)
@@ -80,7 +82,7 @@ contains
          return
       end if
       if (.not. shows_rounding(result)) return
-      condition = max(body%condensation%factorization%condition(), cancellation(body, result))
+      condition = max(body%condensation%condenser%condition(), cancellation(body, result))
       if (condition > explaining) result%condition = min(condition, huge(1.0_dp))
    end subroutine certify
 

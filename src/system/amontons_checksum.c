@@ -1,42 +1,64 @@
-/* Fletcher's checksum of 32-bit words (the low byte first, as the machine has it; zeros fill the last one), with two
-   sums of 64 bits: of the words, and of these sums. No change of one word or of two leaves both as they were, and it
-   is nearly as fast as memory. */
+/* The checksum of POSIX, which `cksum` prints: the remainder of the bytes and of their number, lowest byte first, as a
+   polynomial modulo x^32 + x^26 + x^23 + x^22 + x^16 + x^12 + x^11 + x^10 + x^8 + x^7 + x^5 + x^4 + x^2 + x + 1, with
+   every bit reversed at the end. Eight bytes are taken at once, each with a table of its own. */
 #define _XOPEN_SOURCE 700
 
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <stdint.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { word_size = 4 };
+enum { n_tables = 8, n_bytes_at_once = 8 };
 
-/* Adds bytes to the checksum of those before them. The last word counts with zeros for the bytes that it lacks: what
-   comes in their place is added to both sums. */
-void amontons_add_to_checksum(uint64_t total[2], int64_t n_before, const char *bytes, int64_t n_bytes)
+static const uint32_t polynomial = 0x04c11db7;
+static pthread_once_t is_filled = PTHREAD_ONCE_INIT;
+/* What a byte with so many bytes behind it adds to the remainder. */
+static uint32_t tables[n_tables][256];
+
+static void fill_tables(void)
 {
-    uint64_t words = total[0], sums = total[1];
-    uint32_t word;
-    for (int place = (int)(n_before % word_size); place % word_size != 0 && n_bytes > 0; place++, n_bytes--) {
-        uint64_t more = (uint64_t)(unsigned char)*bytes++ << 8 * place;
-        words += more;
-        sums += more;
+    for (uint32_t byte = 0; byte < 256; byte++) {
+        uint32_t remainder = byte << 24;
+        for (int bit = 0; bit < 8; bit++)
+            remainder = remainder & 0x80000000u ? remainder << 1 ^ polynomial : remainder << 1;
+        tables[0][byte] = remainder;
     }
-    for (; n_bytes >= word_size; bytes += word_size, n_bytes -= word_size) {
-        memcpy(&word, bytes, word_size);
-        words += word;
-        sums += words;
-    }
-    if (n_bytes > 0) {
-        word = 0;
-        memcpy(&word, bytes, (size_t)n_bytes);
-        words += word;
-        sums += words;
-    }
-    total[0] = words;
-    total[1] = sums;
+    for (int behind = 1; behind < n_tables; behind++)
+        for (int byte = 0; byte < 256; byte++) {
+            uint32_t before = tables[behind - 1][byte];
+            tables[behind][byte] = before << 8 ^ tables[0][before >> 24];
+        }
+}
+
+static uint32_t with_byte(uint32_t remainder, unsigned char byte)
+{
+    return remainder << 8 ^ tables[0][remainder >> 24 ^ byte];
+}
+
+/* Adds bytes to the remainder of those before them. */
+void amontons_add_to_checksum(uint32_t *remainder, const char *bytes, int64_t n_bytes)
+{
+    pthread_once(&is_filled, fill_tables);
+    const unsigned char *b = (const unsigned char *)bytes;
+    uint32_t r = *remainder;
+    for (; n_bytes >= n_bytes_at_once; b += n_bytes_at_once, n_bytes -= n_bytes_at_once)
+        r = tables[7][b[0] ^ r >> 24] ^ tables[6][b[1] ^ (r >> 16 & 255)] ^ tables[5][b[2] ^ (r >> 8 & 255)]
+            ^ tables[4][b[3] ^ (r & 255)] ^ tables[3][b[4]] ^ tables[2][b[5]] ^ tables[1][b[6]] ^ tables[0][b[7]];
+    for (; n_bytes > 0; n_bytes--)
+        r = with_byte(r, *b++);
+    *remainder = r;
+}
+
+/* The checksum of so many bytes with this remainder. */
+int64_t amontons_checksum_value(uint32_t remainder, int64_t n_bytes)
+{
+    pthread_once(&is_filled, fill_tables);
+    for (; n_bytes > 0; n_bytes >>= 8)
+        remainder = with_byte(remainder, (unsigned char)(n_bytes & 255));
+    return (int64_t)(uint32_t)~remainder;
 }
 
 /* Fills a buffer from a file as far as the file goes. Returns how many bytes, or minus the system's error number. */
@@ -57,7 +79,7 @@ static int64_t fill(int file, char *buffer, int64_t size)
 
 /* Adds a file, or its first bytes if it has more than so many. Returns 0 or the system's error number. What a pipe held
    is gone when it has been read: it has no checksum. */
-int amontons_checksum_of_file(const char *path, int64_t most, uint64_t total[2], int64_t *n_bytes)
+int amontons_checksum_of_file(const char *path, int64_t most, uint32_t *remainder, int64_t *n_bytes)
 {
     const int64_t size = 1 << 17;
     int file = open(path, O_RDONLY | O_NONBLOCK);
@@ -73,7 +95,7 @@ int amontons_checksum_of_file(const char *path, int64_t most, uint64_t total[2],
     while (n == size) {
         n = fill(file, buffer, most - *n_bytes < size ? most - *n_bytes : size);
         if (n > 0) {
-            amontons_add_to_checksum(total, *n_bytes, buffer, n);
+            amontons_add_to_checksum(remainder, buffer, n);
             *n_bytes += n;
         }
     }

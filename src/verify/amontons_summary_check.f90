@@ -20,6 +20,7 @@ module amontons_summary_check
       procedure :: expect_contact => summary_check_expect_contact
       procedure :: expect_number => summary_check_expect_number
       procedure :: expect_text => summary_check_expect_text
+      procedure :: take_condition => summary_check_take_condition
       procedure :: value => summary_check_value
    end type summary_check_t
 
@@ -48,6 +49,16 @@ contains
       if (len(section) == 0 .and. self%text(last:last) == ',') last = last - 1
       value = self%text(first:last)
    end function summary_check_value
+
+   !> Takes the condition number, which only the factor gives, as it is stated; 0 if it is not.
+   pure subroutine summary_check_take_condition(self, condition)
+      class(summary_check_t), intent(in) :: self !! the summary
+      real(dp), intent(out) :: condition !! the condition number [-]
+      logical :: is_stated
+
+      call read_real(self%value('', 'condition'), condition, is_stated)
+      if (.not. is_stated) condition = 0.0_dp
+   end subroutine summary_check_take_condition
 
    !> Compares a member with the text that follows from the other files.
    subroutine summary_check_expect_text(self, section, member, text)

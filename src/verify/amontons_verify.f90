@@ -1,18 +1,17 @@
 !> The results in a directory, verified from the files alone: nothing is known of the run that wrote them.
 !>
 !> Two questions are asked of every case. Is each file, the mesh and the tables included, byte by byte the one that was
-!> sealed? And do the files agree with each other: does what the displacements and the contact forces say follow from
-!> the deck and the mesh, and do the tables, grids, listing and summary say the same? The first finds accidents, the
-!> second whoever changes a result and its seal.
+!> written? And do the files agree with each other: does what the displacements and the contact forces say follow from
+!> the deck and the mesh, and do the tables, grids, listing and summary say the same? Checksums answer
+!> the first and find accidents; recomputation answers the second and finds wrong numbers.
 module amontons_verify
    use amontons_agreement, only: fault_text_t
    use amontons_checksum, only: checksum_t, file_checksum
-   use amontons_config, only: config_t, read_config
+   use amontons_config, only: config_t, effective_deck, read_config
    use amontons_directory, only: file_name_t, list_directory
-   use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_json, only: string
-   use amontons_seal, only: read_sealed_summary, seal_t, sealed_file_t
+   use amontons_manifest, only: read_summary, manifest_t, manifest_file_t
    use amontons_solve_case, only: workshop_t
    use amontons_summary_check, only: summary_check_t
    use amontons_text, only: to_text
@@ -98,7 +97,7 @@ contains
 
       stem = directory//'/'//name
       summary%path = stem//summary_suffix
-      call check_seal(summary, directory)
+      call check_manifest(summary, directory)
       if (allocated(summary%text)) call read_config(config, stem//'.deck.nml', error)
       if (allocated(error)) then
          call summary%faults%add(stem//'.deck.nml', error%message)
@@ -116,45 +115,45 @@ contains
       verdict%faults = summary%faults%text()
    end subroutine verify_files
 
-   !> Reads the summary and compares every file with its seal.
-   subroutine check_seal(summary, directory)
+   !> Reads the summary and compares every file with its manifest.
+   subroutine check_manifest(summary, directory)
       type(summary_check_t), intent(inout) :: summary !! gains the text, if it can be read, and the faults
       character(*), intent(in) :: directory !! the directory of the results
-      type(seal_t) :: seal
+      type(manifest_t) :: manifest
       character(:), allocatable :: fault
       integer :: i
 
-      call read_sealed_summary(seal, summary%text, summary%path, fault)
+      call read_summary(manifest, summary%text, summary%path, fault)
       if (len(fault) > 0) call summary%faults%add(summary%path, fault)
-      do i = 1, seal%outputs%n
-         associate (file => seal%outputs%files(i))
+      do i = 1, manifest%outputs%n
+         associate (file => manifest%outputs%files(i))
             call check_file(summary%faults, directory//'/'//file%name, file)
          end associate
       end do
-      do i = 1, seal%inputs%n
-         associate (file => seal%inputs%files(i))
+      do i = 1, manifest%inputs%n
+         associate (file => manifest%inputs%files(i))
             call check_file(summary%faults, file%name, file)
          end associate
       end do
-   end subroutine check_seal
+   end subroutine check_manifest
 
-   !> Compares a file with its seal.
-   subroutine check_file(faults, path, sealed)
+   !> Compares a file with its manifest.
+   subroutine check_file(faults, path, listed)
       type(fault_text_t), intent(inout) :: faults !! gains what does not agree
       character(*), intent(in) :: path !! name of the file
-      type(sealed_file_t), intent(in) :: sealed !! what is known of it
+      type(manifest_file_t), intent(in) :: listed !! what is known of it
       type(error_t), allocatable :: error
       type(checksum_t) :: checksum
 
       call file_checksum(checksum, path, error)
       if (allocated(error)) then
          call faults%add(path, error%message(len(path) + 3:))
-      else if (checksum%n_bytes /= sealed%n_bytes) then
+      else if (checksum%n_bytes /= listed%n_bytes) then
          call faults%add(path, 'it was changed: '//to_text(checksum%n_bytes)//' bytes, but '// &
-            to_text(sealed%n_bytes)//' were sealed')
-      else if (checksum%digits() /= sealed%checksum) then
-         call faults%add(path, 'it was changed: its checksum is '//checksum%digits()//', but '//sealed%checksum// &
-            ' was sealed')
+            to_text(listed%n_bytes)//' were written')
+      else if (checksum%value() /= listed%checksum) then
+         call faults%add(path, 'it was changed: its checksum is '//to_text(checksum%value())//', but '// &
+            to_text(listed%checksum)//' when it was written')
       end if
    end subroutine check_file
 

@@ -16,9 +16,12 @@ module amontons_verify_case
    use amontons_listing, only: certificate_text, points_text, resultants_text, zones_text
    use amontons_listing_check, only: check_section
    use amontons_listing_model, only: loads_text, model_text
+   use amontons_listing_parts, only: warnings_text
    use amontons_result, only: certificate_limit, result_t
+   use amontons_result_warnings, only: add_result_warnings
    use amontons_solve_case, only: prepare_case, workshop_t
    use amontons_summary_check, only: summary_check_t
+   use amontons_summary_members, only: warnings_array
    use amontons_text, only: to_text
    use amontons_text_file, only: read_text_file
    use amontons_vtk_check, only: new_vtk_check, read_displacement, vtk_check_t
@@ -61,6 +64,8 @@ contains
          result%solution%is_converged = summary%value('', 'converged') == 'true'
          call new_certificate(result%certificate, body, result%load_case, result%displacement, result%solution%force)
          call new_lengths(result%lengths, body%zone, result%solution%status)
+         call summary%take_condition(result%condition)
+         call add_result_warnings(result, body)
       end associate
       call check_points(summary, workshop, config, result, table, stem)
       call check_summary(summary, workshop, config, result)
@@ -103,6 +108,7 @@ contains
       associate (body => workshop%body, force => result%solution%force, limit => &
          certificate_limit(config%method%tolerance))
          m = body%zone%n_points
+         call summary%expect_text('', 'warnings', warnings_array(result%warnings))
          call summary%expect_text('certificate', 'passed', truth(result%certificate%largest() <= limit))
          call summary%expect_number('certificate', 'limit', limit, 0.0_dp)
          call summary%expect_certificate(result%certificate)
@@ -155,7 +161,9 @@ contains
          return
       end if
       associate (body => workshop%body, faults => summary%faults, force => sum(abs(result%load_case%force)))
-         call check_section(faults, path, listing, model_text(config, body, result%load_case)//loads_text(config), 0.0_dp)
+         call check_section(faults, path, listing, warnings_text(result%warnings), 0.0_dp)
+         call check_section(faults, path, listing, model_text(config, body, result%load_case)//loads_text(config), &
+            0.0_dp)
          call check_section(faults, path, listing, zones_text(body, result), 0.0_dp)
          call check_section(faults, path, listing, resultants_text(body, result), &
             max(force, sum(abs(result%solution%force)), result%certificate%strain_energy))

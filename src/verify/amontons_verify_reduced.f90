@@ -13,7 +13,9 @@ module amontons_verify_reduced
    use amontons_result, only: certificate_limit
    use amontons_solve_reduced, only: prepare_reduced, reduced_result_t
    use amontons_summary_check, only: summary_check_t
+   use amontons_summary_members, only: warnings_array
    use amontons_text, only: to_text
+   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 
@@ -54,7 +56,7 @@ contains
             .true., table, system%friction, spread(0.0_dp, 1, system%n_contacts), &
             spread(.false., 1, system%n_contacts), law_scales_t(limit*length_scale(system), &
             limit*maxval(abs(system%r))))
-         call check_summary(summary, check, system, table, limit)
+         call check_summary(summary, check, system, table, limit, result%warnings)
          is_certified = is_converged .and. check%largest() <= limit
       end associate
    end subroutine verify_reduced
@@ -99,13 +101,15 @@ contains
    end function length_scale
 
    !> Checks the numbers of the summary.
-   subroutine check_summary(summary, check, system, table, limit)
+   subroutine check_summary(summary, check, system, table, limit, warnings)
       type(summary_check_t), intent(inout) :: summary !! the summary; gains the faults
       type(reduced_check_t), intent(in) :: check !! the violations of the contact law
       type(reduced_system_t), intent(in) :: system !! the problem and the forces
       type(contact_table_t), intent(in) :: table !! the table of contacts
       real(dp), intent(in) :: limit !! what every violation must stay below [-]
+      type(warning_list_t), intent(in) :: warnings !! what is doubtful about the problem
 
+      call summary%expect_text('', 'warnings', warnings_array(warnings))
       call summary%expect_text('certificate', 'passed', truth(check%largest() <= limit))
       call summary%expect_number('certificate', 'limit', limit, 0.0_dp)
       call summary%expect_number('certificate', 'penetration', check%penetration, 1.0_dp)

@@ -1,6 +1,6 @@
 !> The files of a sweep checked against each other: values, lengths and counts of every row, and what the summary tells
 !> of the rows together. A row holds no displacements: where the fields of its case are not kept, its forces and its
-!> residual cannot be computed again without solving the case, and are only sealed.
+!> residual cannot be computed again without solving the case, and are only checksummed.
 module amontons_verify_sweep
    use amontons_agreement, only: agree, contradiction
    use amontons_config, only: config_t
@@ -11,8 +11,10 @@ module amontons_verify_sweep
    use amontons_kinds, only: dp
    use amontons_lengths, only: lengths_t, new_lengths
    use amontons_result, only: result_t
+   use amontons_result_warnings, only: add_conditioning
    use amontons_solve_case, only: prepare_case, workshop_t
    use amontons_summary_check, only: summary_check_t
+   use amontons_summary_members, only: warnings_array
    use amontons_sweep_summary, only: extremes_text
    use amontons_sweep_table, only: append_row, read_status_runs, status_runs, sweep_header
    use amontons_sweep_tally, only: case_converged, case_result_t, outcome_names, quantity_labels, sweep_tally_t
@@ -50,6 +52,9 @@ contains
          call summary%faults%add(stem//'.deck.nml', error%message)
          return
       end if
+      call summary%take_condition(result%condition)
+      call add_conditioning(result, workshop%body)
+      call summary%expect_text('', 'warnings', warnings_array(result%warnings))
       header = sweep_header(config%sweep)
       call read_csv_table(rows, stem//'.sweep.csv', header(:len(header) - 1), &
          1 + size(config%sweep%axes) + n_columns, fault)

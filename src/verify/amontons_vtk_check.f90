@@ -2,24 +2,21 @@
 !> written can hand them over to this one.
 module amontons_vtk_check
    use amontons_agreement, only: contradiction, fault_text_t, first_disagreement
+   use amontons_base64, only: base64_size, decode_base64
    use amontons_kinds, only: dp, int32, int64
-   use amontons_text, only: newline, to_text
-   use amontons_vtk_file, only: vtk_file_t, vtk_tail
+   use amontons_text, only: to_text
+   use amontons_vtk_file, only: bytes_per_length, vtk_file_t
    implicit none (type, external)
    private
 
    public :: new_vtk_check, read_array, read_displacement, vtk_check_t
 
-   !> What stands before the values.
-   character(*), parameter :: before_values = '<AppendedData encoding="raw">'//newline//'_'
-   !> No head is longer [byte].
-   integer, parameter :: longest_head = 16384
-   !> What stands before and behind the place of an array.
-   character(*), parameter :: before_offset = ' format="appended" offset="', behind_offset = '"/>'
+   !> Bytes that are searched for the markup of an array at a time.
+   integer(int64), parameter :: block_size = 65536_int64
    !> Components of a vector.
    integer, parameter :: n_space = 3
 
-   !> A grid being compared. After a fault in the head or in the length of an array the rest is not looked at.
+   !> A grid being compared. After a fault in the markup or in the length of an array the rest is not looked at.
    type, extends(vtk_file_t) :: vtk_check_t
       private
       character(:), allocatable :: path !! name of the file
@@ -28,11 +25,11 @@ module amontons_vtk_check
       logical :: is_readable = .true. !! whether what comes next is where it should be
       type(fault_text_t), public :: faults !! what does not agree
    contains
-      procedure, public :: begin_data => vtk_check_begin_data
       procedure, public :: close => vtk_check_close
       procedure, public :: put_integers => vtk_check_put_integers
       procedure, public :: put_reals => vtk_check_put_reals
-      procedure :: enter_array => vtk_check_enter_array
+      procedure :: compare_markup => vtk_check_compare_markup
+      procedure :: read_array => vtk_check_read_array
       procedure :: stop_at => vtk_check_stop_at
    end type vtk_check_t
 
@@ -47,7 +44,7 @@ contains
       logical :: is_open
 
       check%path = path
-      call check%begin_head(n_points, n_cells)
+      call check%begin_grid(n_points, n_cells)
       call open_grid(check%unit, path, is_open)
       if (.not. is_open) call check%stop_at('cannot be read')
    end subroutine new_vtk_check
@@ -70,27 +67,6 @@ contains
       if (.not. is_open) unit = -1
    end subroutine open_grid
 
-   !> Compares the head.
-   subroutine vtk_check_begin_data(self)
-      class(vtk_check_t), intent(inout) :: self !! the grid
-      character(:), allocatable :: found
-      integer :: status, i
-
-      call self%end_head()
-      if (.not. self%is_readable) return
-      allocate (character(len(self%head)) :: found)
-      read (self%unit, pos=1, iostat=status) found
-      self%position = len(found) + 1
-      if (status /= 0) then
-         call self%stop_at('the file ends within its head')
-      else if (found /= self%head) then
-         do i = 1, len(found)
-            if (found(i:i) /= self%head(i:i)) exit
-         end do
-         call self%stop_at('the head is not that of this mesh, from byte '//to_text(i)//' on')
-      end if
-   end subroutine vtk_check_begin_data
-
    !> Compares an array of reals.
    subroutine vtk_check_put_reals(self, section, name, n_components, values)
       class(vtk_check_t), intent(inout) :: self !! the grid
@@ -98,21 +74,14 @@ contains
       character(*), intent(in) :: name !! name of the quantity
       integer, intent(in) :: n_components !! numbers per point or cell
       real(dp), intent(in) :: values(:) !! the values that should stand there
+      character(:), allocatable :: bytes
       real(dp), allocatable :: found(:)
-      integer :: place, status
+      integer :: place
 
-      if (.not. self%has_head) call self%announce(section, 'Float64', name, n_components, &
-         8_int64*size(values, kind=int64))
-      if (.not. (self%has_head .and. self%is_readable)) return
-      call self%enter_array(name, 8_int64*size(values, kind=int64))
+      call self%begin_array(section, 'Float64', name, n_components)
+      call self%read_array(name, 8_int64*size(values, kind=int64), bytes)
       if (.not. self%is_readable) return
-      allocate (found(size(values)))
-      read (self%unit, pos=self%position, iostat=status) found
-      self%position = self%position + 8_int64*size(values, kind=int64)
-      if (status /= 0) then
-         call self%stop_at('the file ends within '//name)
-         return
-      end if
+      found = transfer(bytes, values, size(values))
       place = first_disagreement(found, values)
       if (place == 0) return
       call self%faults%add(self%path, contradiction(name//' of '//place_name(section, place, n_components), &
@@ -125,20 +94,14 @@ contains
       character(*), intent(in) :: section !! the section of the array
       character(*), intent(in) :: name !! name of the quantity
       integer, intent(in) :: values(:) !! the values that should stand there
+      character(:), allocatable :: bytes
       integer(int32), allocatable :: found(:)
-      integer :: place, status
+      integer :: place
 
-      if (.not. self%has_head) call self%announce(section, 'Int32', name, 1, 4_int64*size(values, kind=int64))
-      if (.not. (self%has_head .and. self%is_readable)) return
-      call self%enter_array(name, 4_int64*size(values, kind=int64))
+      call self%begin_array(section, 'Int32', name, 1)
+      call self%read_array(name, 4_int64*size(values, kind=int64), bytes)
       if (.not. self%is_readable) return
-      allocate (found(size(values)))
-      read (self%unit, pos=self%position, iostat=status) found
-      self%position = self%position + 4_int64*size(values, kind=int64)
-      if (status /= 0) then
-         call self%stop_at('the file ends within '//name)
-         return
-      end if
+      found = transfer(bytes, 0_int32, size(values))
       do place = 1, size(values)
          if (found(place) == values(place)) cycle
          call self%faults%add(self%path, name//' of '//place_name(section, place, 1)//' is '// &
@@ -147,37 +110,55 @@ contains
       end do
    end subroutine vtk_check_put_integers
 
-   !> Reads the length of the next array.
-   subroutine vtk_check_enter_array(self, name, n_bytes)
+   !> Compares the markup before an array and reads the array.
+   subroutine vtk_check_read_array(self, name, n_bytes, bytes)
       class(vtk_check_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: name !! name of the array
-      integer(int64), intent(in) :: n_bytes !! the length that it should have
-      integer(int64) :: found
-      integer :: status
+      integer(int64), intent(in) :: n_bytes !! its length
+      character(:), allocatable, intent(out) :: bytes !! the array as the machine has it, if it can be read
+      character(:), allocatable :: fault
 
+      call self%compare_markup('before '//name)
+      if (.not. self%is_readable) return
+      call read_bytes(self%unit, self%position, name, n_bytes, bytes, fault)
+      if (len(fault) > 0) call self%stop_at(fault)
+      self%position = self%position + base64_size(bytes_per_length + n_bytes)
+      call self%end_array()
+   end subroutine vtk_check_read_array
+
+   !> Compares the markup.
+   subroutine vtk_check_compare_markup(self, place)
+      class(vtk_check_t), intent(inout) :: self !! the grid
+      character(*), intent(in) :: place !! where in the file it stands
+      character(len(self%markup)) :: found
+      integer :: status, i
+
+      if (.not. self%is_readable) return
       read (self%unit, pos=self%position, iostat=status) found
-      self%position = self%position + 8_int64
       if (status /= 0) then
-         call self%stop_at('the file ends before '//name)
-      else if (found /= n_bytes) then
-         call self%stop_at('the length of '//name//' is '//to_text(found)//', expected '//to_text(n_bytes)//' bytes')
+         call self%stop_at('the file ends '//place)
+      else if (found /= self%markup) then
+         do i = 1, len(found)
+            if (found(i:i) /= self%markup(i:i)) exit
+         end do
+         call self%stop_at('from byte '//to_text(self%position + int(i - 1, int64))//' on, '//place// &
+            ', it is not a grid of this mesh')
       end if
-   end subroutine vtk_check_enter_array
+      self%position = self%position + len(found, int64)
+   end subroutine vtk_check_compare_markup
 
-   !> Compares what stands behind the values, and closes the file.
+   !> Compares what stands behind the last array, and closes the file.
    subroutine vtk_check_close(self)
       class(vtk_check_t), intent(inout) :: self !! the grid
-      character(len(vtk_tail)) :: found
       integer(int64) :: n_bytes
       integer :: status
 
       if (self%unit == -1) return
-      if (self%is_readable) then
-         read (self%unit, pos=self%position, iostat=status) found
-         inquire (unit=self%unit, size=n_bytes)
-         if (status /= 0 .or. found /= vtk_tail .or. n_bytes /= self%position - 1 + len(vtk_tail)) then
-            call self%stop_at('the file does not end as it was written')
-         end if
+      call self%end_grid()
+      call self%compare_markup('behind the last array')
+      inquire (unit=self%unit, size=n_bytes)
+      if (self%is_readable .and. n_bytes /= self%position - 1) then
+         call self%stop_at('bytes follow the end of the grid')
       end if
       ! It was only read.
       ! allow(C181): nothing can be lost
@@ -233,55 +214,80 @@ contains
       integer, intent(in) :: n_components !! numbers per point
       real(dp), intent(out) :: values(:) !! the values, those of one point together; 0 after a fault
       character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
-      character(longest_head) :: head
-      integer(int64) :: n_bytes, found, first
-      integer :: unit, status
+      character(:), allocatable :: markup, bytes
+      integer(int64) :: first
+      integer :: unit
       logical :: is_open
 
-      fault = ''
-      head = ''
       values = 0.0_dp
       call open_grid(unit, path, is_open)
       if (.not. is_open) then
          fault = 'cannot be read'
          return
       end if
-      inquire (unit=unit, size=n_bytes)
-      read (unit, iostat=status) head(:min(n_bytes, len(head, int64)))
-      first = array_place(head, name, n_components)
-      if (status /= 0 .or. first < 1 .or. first > n_bytes) then
+      markup = '<DataArray type="Float64" Name="'//name//'"'
+      if (n_components > 1) markup = markup//' NumberOfComponents="'//to_text(n_components)//'"'
+      markup = markup//' format="binary">'
+      first = place_behind(unit, markup)
+      if (first == 0) then
          fault = 'no '//name//' stands where it was written'
       else
-         read (unit, pos=first, iostat=status) found
-         if (status /= 0 .or. found /= 8_int64*size(values)) then
-            fault = 'the '//name//' is not that of '//to_text(size(values)/n_components)//' points'
-         else
-            read (unit, iostat=status) values
-            if (.not. all(abs(values) <= huge(1.0_dp))) fault = 'not every '//name//' is a finite number'
-            if (status /= 0) fault = 'the file ends within the '//name
-         end if
+         call read_bytes(unit, first, name, 8_int64*size(values, kind=int64), bytes, fault)
+         if (len(fault) == 0) values = transfer(bytes, values, size(values))
+         if (.not. all(abs(values) <= huge(1.0_dp))) fault = 'not every '//name//' is a finite number'
       end if
       close (unit)
    end subroutine read_array
 
-   !> Where in a grid an array of reals begins with its length; 0 if its head does not tell.
-   pure integer(int64) function array_place(head, name, n_components) result(place)
-      character(*), intent(in) :: head !! the head
-      character(*), intent(in) :: name !! name of the quantity
-      integer, intent(in) :: n_components !! numbers per point
-      character(:), allocatable :: before
-      integer :: first, last, status
+   !> The byte behind a piece of markup, from 1; 0 if the file does not hold it.
+   integer(int64) function place_behind(unit, markup) result(place)
+      integer, intent(in) :: unit !! the open file
+      character(*), intent(in) :: markup !! the markup
+      character(block_size) :: text
+      integer(int64) :: n_bytes, start
+      integer :: status, found
 
       place = 0
-      before = '<DataArray type="Float64" Name="'//name//'"'
-      if (n_components > 1) before = before//' NumberOfComponents="'//to_text(n_components)//'"'
-      before = before//before_offset
-      first = index(head, before) + len(before)
-      last = first + index(head(first:), behind_offset) - 2
-      if (first == len(before) .or. last < first .or. index(head, before_values) == 0) return
-      read (head(first:last), *, iostat=status) place
-      if (status /= 0 .or. place < 0) place = -longest_head
-      place = min(place, huge(place) - longest_head) + index(head, before_values) + len(before_values)
-   end function array_place
+      inquire (unit=unit, size=n_bytes)
+      ! Blocks overlap: the markup may lie across the end of one.
+      do start = 1_int64, n_bytes, block_size - len(markup)
+         text = ''
+         read (unit, pos=start, iostat=status) text(:min(block_size, n_bytes - start + 1))
+         found = index(text, markup)
+         if (found > 0) place = start - 1 + found + len(markup)
+         if (found > 0 .or. status /= 0) return
+      end do
+   end function place_behind
+
+   !> Reads the bytes of an array, which stand behind their number.
+   subroutine read_bytes(unit, position, name, n_bytes, bytes, fault)
+      integer, intent(in) :: unit !! the open file
+      integer(int64), intent(in) :: position !! where its letters begin, from 1
+      character(*), intent(in) :: name !! name of the array
+      integer(int64), intent(in) :: n_bytes !! number of bytes that it should have
+      character(:), allocatable, intent(out) :: bytes !! the bytes, if they can be read
+      character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
+      character(:), allocatable :: text, all_bytes
+      integer(int64) :: found
+      integer :: status
+      logical :: is_valid
+
+      fault = ''
+      allocate (character(base64_size(bytes_per_length + n_bytes)) :: text)
+      read (unit, pos=position, iostat=status) text
+      if (status /= 0) then
+         fault = 'the file ends within '//name
+         return
+      end if
+      call decode_base64(text, bytes_per_length + n_bytes, all_bytes, is_valid)
+      found = transfer(all_bytes(:bytes_per_length), found)
+      if (.not. is_valid) then
+         fault = name//' is not '//to_text(bytes_per_length + n_bytes)//' bytes in base64'
+      else if (found /= n_bytes) then
+         fault = 'the length of '//name//' is '//to_text(found)//', expected '//to_text(n_bytes)//' bytes'
+      else
+         bytes = all_bytes(bytes_per_length + 1:)
+      end if
+   end subroutine read_bytes
 
 end module amontons_vtk_check

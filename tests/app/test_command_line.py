@@ -2,9 +2,9 @@
 """The command line: options, names of decks and of cases."""
 import unittest
 
-from harness import CONTACT, PRESSURE, PROGRAM, SOUND, SUPPORT, ProgramTest, block, results_of
+from harness import CONTACT, HAS_SUITESPARSE, PRESSURE, PROGRAM, SOUND, SUPPORT, ProgramTest, block, results_of
 
-SOLVED = r"^case: solved, \d+ iterations, residual \d\.\d\dE-\d\d; separated 0\.0, sliding 0\.5, sticking 3\.5\n$"
+SOLVED = r"^case: solved, \d+ iterations, residual \d\.\d+e-\d+; separated 0\.0, sliding 0\.5, sticking 3\.5\n$"
 
 
 class Options(ProgramTest):
@@ -24,7 +24,8 @@ class Options(ProgramTest):
         for option in ("--help", "-h"):
             text = self.run_program(option).stdout
             self.assertIn("Usage: amontons [options] DECK...\n", text)
-            options = ("--output DIR", "--check", "--quiet", "--threads N", "--all-solutions", "--help", "--version")
+            options = ("--output DIR", "--set KEY=VALUE", "--check", "--quiet", "--threads N", "--all-solutions",
+                       "--help", "--version")
             for word in (*options, *results_of("NAME")):
                 self.assertIn(f"  {word}  ", text)
             for status in ("0 solved", "1 input refused", "2 numerical failure", "3 cannot write", "4 not converged"):
@@ -34,10 +35,22 @@ class Options(ProgramTest):
     def test_version(self):
         run = self.run_program("--version")
         facts = [r"amontons \d+\.\d+\.\d+", r"compiler     GCC version \d+.*", r"build type   \w+.*",
-                 r"BLAS         \S.*", r"SuiteSparse  \d+\.\d+\.\d+, CHOLMOD \d+\.\d+\.\d+",
-                 r"HDF5         (yes|no)", r"OpenMP       20\d{4}, 1 threads"]
+                 r"BLAS         \S.*", r"SuiteSparse  (none|\d+\.\d+\.\d+, CHOLMOD \d+\.\d+\.\d+)",
+                 r"OpenMP       20\d{4}, 1 threads"]
         self.assertRegex(run.stdout, "^" + "".join(fact + r"\n" for fact in facts) + "$")
         self.assertEqual(run.stderr, "")
+
+    @unittest.skipIf(HAS_SUITESPARSE, "this build has SuiteSparse")
+    def test_sparse_factorization_is_refused_without_suitesparse(self):
+        self.write("sparse.nml", block(SUPPORT, PRESSURE, CONTACT, "solver factorization = 'sparse'"))
+        for options in ([], ["--check"]):
+            self.assertEqual(self.run_program(*options, "sparse.nml", status=1).stderr,
+                             "sparse.nml: factorization = 'sparse' needs SuiteSparse, and this program was built "
+                             "without it (AMONTONS_SUITESPARSE=OFF); choose 'auto', 'band' or 'multifrontal'\n")
+
+    def test_former_word_of_a_factorization_is_read(self):
+        self.write("former.nml", block(SUPPORT, PRESSURE, CONTACT, "solver factorization = 'substructured'"))
+        self.assertIn("; multifrontal factor of ", self.run_program("--check", "former.nml").stdout)
 
     def test_help_and_version_solve_nothing(self):
         self.run_program("case.nml", "--help")
@@ -45,10 +58,18 @@ class Options(ProgramTest):
         self.assertEqual(self.files(), ["case.nml"])
 
     def test_unknown_option(self):
-        self.refuse("'--outptu' is no option; did you mean --output?; try amontons --help", "--outptu", "x", "case.nml")
-        self.refuse("'--Quiet' is no option; did you mean --quiet?; try amontons --help", "case.nml", "--Quiet")
-        self.refuse("'-q' is no option; try amontons --help", "-q", "case.nml")
-        self.refuse("'--ouput' is no option; did you mean --output?; try amontons --help", "--ouput=x", "case.nml")
+        for word, hint in (("--outptu", "did you mean --output?"), ("--Quiet", "did you mean --quiet?"),
+                           ("--ouput=x", "did you mean --output?"), ("--out", "did you mean --output?"),
+                           ("-c", "did you mean --check?"), ("-output", "did you mean --output?"),
+                           ("-x", "try amontons --help"), ("--ver", "try amontons --help"),
+                           ("---", "try amontons --help")):
+            self.refuse(f"unknown option '{word.removesuffix('=x')}'; {hint}", word, "case.nml")
+
+    def test_short_options(self):
+        self.refuse("-t expects a number of at least 1, found '0'", "-t=0", "case.nml")
+        run = self.run_program("-q", "-t", "1", "-o", "results", "case.nml")
+        self.assertEqual(run.stdout + run.stderr, "")
+        self.assertEqual(sorted(self.contents("results")), results_of("case"))
 
     def test_help_fits_a_terminal_and_its_deck_can_be_solved(self):
         text = self.run_program("--help").stdout
@@ -139,9 +160,87 @@ class Options(ProgramTest):
             run = self.run_program("--threads", n_threads, "--output", n_threads, "large.nml")
             self.assertRegex(run.stdout, "^large: solved, ")
         first, second = self.contents("1"), self.contents("2")
-        self.assertIn(b"substructured, ", first["large.lst"])
+        self.assertIn(b"multifrontal, ", first["large.lst"])
         for name in ("large.contact.csv", "large.vtu"):
             self.assertTrue(first[name] == second[name], name)
+
+
+class Settings(ProgramTest):
+    """Values from the command line."""
+
+    DECK = block(SUPPORT, PRESSURE, CONTACT, "load set = 'right'  traction(1) = 0.1, traction(2) = 0.0,")
+
+    def effective_deck(self, *settings, deck=DECK):
+        """The effective deck of a deck with settings."""
+        self.write("case.nml", deck)
+        self.run_program("--quiet", "--output", "results", *(f"--set={setting}" for setting in settings), "case.nml")
+        return self.contents("results")["case.deck.nml"].decode()
+
+    def refuse(self, setting, message, deck=DECK):
+        self.write("case.nml", deck)
+        run = self.run_program("--check", "--set", setting, "case.nml", status=1)
+        self.assertEqual(run.stderr, f"case.nml:{message}\n   with --set {setting}\n")
+
+    def test_value_takes_the_place_of_the_deck_s(self):
+        expected = self.effective_deck(deck=self.DECK.replace("friction = 0.3", "friction = 0.5"))
+        for setting in ("contact.friction=0.5", "CONTACT(1).Friction= 5e-1 ", "contact.friction=1*0.5"):
+            self.assertEqual(self.effective_deck(setting), expected)
+        expected = self.effective_deck(deck=self.DECK.replace("traction(1) = 0.1, traction(2) = 0.0,",
+                                                              "traction = 0.2, -0.1"))
+        self.assertEqual(self.effective_deck("load(2).traction=0.2,-0.1"), expected)
+
+    def test_last_one_counts(self):
+        self.assertEqual(self.effective_deck("contact.friction=0.7", "contact.friction=0.5"),
+                         self.effective_deck("contact.friction=0.5"))
+
+    def test_key_or_group_that_the_deck_has_not_is_added(self):
+        more = "&solver method = 'psor'  omega = 1.5 /\n"
+        expected = self.effective_deck(deck=self.DECK.replace("friction = 0.3", "friction = 0.3  extra_gap = 0.01")
+                                       + more)
+        self.assertEqual(self.effective_deck("contact.extra_gap=0.01", "solver.method=psor", "solver.omega=1.5"),
+                         expected)
+        self.assertEqual(self.effective_deck("solver.method='psor'", "contact.extra_gap=0.01", "solver.omega=1.5",
+                                             deck=self.DECK.rstrip() + " ! end"), expected)
+
+    def test_text_needs_no_quotes(self):
+        deck = self.effective_deck("case.title=it's one, two", "mesh.element=tri3")
+        self.assertIn("title = 'it''s one, two'", deck)
+        self.assertIn("element = 'tri3'", deck)
+        self.assertIn("title = '2.5'", self.effective_deck("case.title='2.5'"))
+
+    def test_reduced_problem_takes_settings(self):
+        self.write("case.nml", self.DECK + "&support point = 0.0, 2.0  uy = 0.0 /")
+        self.run_program("--quiet", "--write-reduced", "case.nml")
+        self.run_program("--quiet", "--reduced", "--set", "solver.method=psor", "case.reduced.dat")
+        self.assertIn("method = 'psor'", self.contents()["case.reduced.deck.nml"].decode())
+
+    def test_faults_are_those_of_a_deck(self):
+        for setting, message in (
+                ("contact.friction=-1", "5: friction must be at least 0, found -1.0"),
+                ("contact.mu=1", "5: unknown key 'mu' in &contact; did you mean friction?"),
+                ("mesh.cells=4", "1: cells: expected 2 whole numbers, found 1"),
+                ("material.young=stiff", "2: young: expected a number, found 'stiff' (column 19)"),
+                ("case.title=2.5", "7: title: expected quoted text, found 2.5 (column 15)"),
+                ("cotnact.friction=1", "7: unknown group &cotnact; did you mean &contact?"),
+                ("load.pressure=1", " load.pressure=1: the deck has 2 &load; write load(1).pressure for the first"),
+                ("load(3).pressure=1", " load(3).pressure=1: the deck has 2 &load; write load(1).pressure for the "
+                 "first")):
+            self.refuse(setting, message)
+
+    def test_deck_that_is_refused_anyway(self):
+        self.refuse("contact.friction=0.5", "5: &contact is not closed: expected '/' before &load in line 6",
+                    self.DECK.replace("friction = 0.3 /", "friction = 0.3"))
+
+    def test_what_is_no_setting(self):
+        self.write("case.nml", self.DECK)
+        for word in ("", "friction=0.5", "contact.friction", "contact.=1", ".friction=1", "contact(0).friction=1",
+                     "contact(x).friction=1", "contact(1.friction=1", "contact(1)x.friction=1", "contact.cells(1)=1",
+                     "=", "contact=0.5", "a b.c=1"):
+            run = self.run_program("--set", word, "case.nml", status=1)
+            self.assertEqual(run.stderr, "amontons: --set: expected GROUP.KEY=VALUE, such as contact.friction=0.3, "
+                                         f"found '{word}'\n")
+        run = self.run_program("--verify", "--set", "contact.friction=1", ".", status=1)
+        self.assertIn("only --quiet and --threads go with it", run.stderr)
 
 
 class Names(ProgramTest):
@@ -229,7 +328,7 @@ class Forms(ProgramTest):
 
     def test_faults_of_standard_input(self):
         for text, message in (("&mesh size = 4.0, 2.0  cells = 0, 4 /\n&material young = 1.0  poisson = 0.2 /",
-                               "stdin:1: cells must be positive\n"), ("", "stdin: this file is empty\n"),
+                               "stdin:1: cells must be at least 1, found 0\n"), ("", "stdin: this file is empty\n"),
                               (SOUND.replace("'left'", "'tpo'"),
                                "stdin:3: the mesh has no set 'tpo'; its sets are: left, right, bottom, top; did you "
                                "mean 'top'?\n")):

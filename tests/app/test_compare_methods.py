@@ -1,4 +1,4 @@
-"""The comparison of methods, scripts/compare_methods.py, on one row of Table 1 and a coarse mesh."""
+"""The comparison of methods, scripts/helpers/compare_methods.py, on one row of Table 1 and a coarse mesh."""
 import csv
 import sys
 import unittest
@@ -11,7 +11,7 @@ try:
 except ImportError:
     numpy = None
 
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "compare_methods.py"
+SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "helpers" / "compare_methods.py"
 
 
 @unittest.skipIf(numpy is None, "numpy is not installed")

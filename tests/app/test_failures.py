@@ -289,7 +289,7 @@ class SeveralDecks(ProgramTest):
         self.write("slow.nml", SLOW)
         self.write("lifted.nml", LIFTED)
         self.write("refused.nml", "&mesh /")
-        self.write("other.nml", SOUND.replace("pressure = 1.0", "pressure = 2.0"))
+        self.write("other.nml", SOUND.replace("pressure = 1.0", "pressure = 1.5"))
 
     def test_the_largest_status_counts(self):
         decks = ["sound.nml", "refused.nml", "lifted.nml", "slow.nml"]
@@ -317,7 +317,7 @@ class SeveralDecks(ProgramTest):
         self.assertEqual(behind.columns, self.result("other", "alone").columns)
 
     def test_case_names_must_differ(self):
-        self.write("twin.nml", SOUND.replace("pressure = 1.0", "pressure = 2.0") + "&case name = 'sound' /\n")
+        self.write("twin.nml", SOUND.replace("pressure = 1.0", "pressure = 1.5") + "&case name = 'sound' /\n")
         for check in ([], ["--check"]):
             run = self.run_program(*check, "sound.nml", "twin.nml", "other.nml", status=1)
             self.assertEqual(run.stderr, "twin.nml: an earlier deck of this run has the case name 'sound' too; "

@@ -80,7 +80,8 @@ class Decks(HostileTest):
     def test_lines_of_ten_million_characters(self):
         for text, message in ((SOUND.replace("left", "l"*10*MANY), "3: set: expected a text of at most 4096 "),
                               (SOUND.replace("100.0", "1"*10*MANY), "2: young: expected a number, found 111"),
-                              (SOUND.replace("young", "y"*10*MANY), "2: 'yyyyyy"), ("&" + "m"*10*MANY, "1: &mmm")):
+                              (SOUND.replace("young", "y"*10*MANY), "2: unknown key 'yyyyyy"),
+                              ("&" + "m"*10*MANY, "1: &mmm")):
             self.assertTrue(self.refuse("deck.nml", text).startswith(f"deck.nml:{message}"))
 
     def test_nests_and_repetitions(self):
@@ -91,7 +92,8 @@ class Decks(HostileTest):
     def test_cells_beyond_all_memory(self):
         for cells, message in (("60000, 60000", "rectangle: more cells than node numbers allow"),
                                ("2000000000, 2000000000", "rectangle: more cells than node numbers allow"),
-                               ("0, 4", "cells must be positive"), ("-8, 4", "cells must be positive"),
+                               ("0, 4", "cells must be at least 1, found 0"),
+                               ("-8, 4", "cells must be at least 1, found -8"),
                                ("2147483648, 4", "cells: expected a whole number of at most 2147483647, found "),
                                ("1000000000*3", "cells: expected 2 whole numbers, found 1000000000")):
             found = self.refuse("deck.nml", SOUND.replace("8, 4", cells))
@@ -133,7 +135,7 @@ class Decks(HostileTest):
                             ("mesh:\n  size: [4, 2]\n", "mesh:"), ("[mesh]\nsize = [4.0, 2.0]\n", "[mesh]")):
             self.refuse("deck.nml", text, f"{expected}{found} (column 1)")
         found = self.refuse("deck.nml", "&control\n calculation = 'scf'\n/\n")
-        self.assertIn("&control is not a group of a deck", found)
+        self.assertIn("unknown group &control", found)
         for content in (b"\x7fELF\x02\x01\x01" + bytes(100), b"\x89PNG\r\n\x1a\n" + bytes(100), bytes(1000)):
             self.assertIn("expected text, found the control character", self.refuse("deck.nml", content))
 
@@ -217,8 +219,6 @@ class Meshes(HostileTest):
             found = self.refuse("problem.dat", f"2\n{n}\n0\n4\n4\n", arguments=["--reduced", "problem.dat"])
             self.assertRegex(found, r"^problem\.dat:2: (\d+ contacts are announced, but the file ends after \d+ more "
                              r"bytes|expected the number of contacts, found '\d+', which is out of range)\n$")
-        for content in (b"\x89HDF\r\n\x1a\n" + bytes(4000), b"\x89HDF\r\n\x1a\n" + b"\xff"*4000):
-            self.refuse("problem.hdf5", content, arguments=["--reduced", "problem.hdf5"])
 
 
 if __name__ == "__main__":

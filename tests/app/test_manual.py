@@ -10,7 +10,7 @@ from harness import PROGRAM, SUFFIXES, ProgramTest
 
 ROOT = Path(__file__).resolve().parents[2]
 MANUAL = ROOT / "doc" / "amontons.1"
-COMPLETION = ROOT / "scripts" / "amontons.bash"
+COMPLETION = ROOT / "doc" / "amontons.bash"
 
 
 class Manual(ProgramTest):
@@ -46,7 +46,7 @@ class Completion(ProgramTest):
 
     def setUp(self):
         super().setUp()
-        for name in ("block.nml", "bar.nml", "two words.nml", "w.dat", "w.hdf5", "mesh.msh"):
+        for name in ("block.nml", "bar.nml", "two words.nml", "w.dat", "w.lst", "mesh.msh"):
             self.write(name, "")
         (self.directory / "results").mkdir()
 
@@ -69,7 +69,7 @@ class Completion(ProgramTest):
         self.assertEqual(self.complete("--", "bl"), ["block.nml"])
 
     def test_reduced_problems(self):
-        self.assertEqual(self.complete("--reduced", "w"), ["w.dat", "w.hdf5"])
+        self.assertEqual(self.complete("--reduced", "w"), ["w.dat"])
 
     def test_groups_of_the_reference(self):
         self.assertEqual(self.complete("--reference", "m"), ["material", "mesh"])
@@ -79,7 +79,9 @@ class Completion(ProgramTest):
         self.assertEqual(self.complete("--output", ""), ["results"])
         self.assertEqual(self.complete("--output", "=", "re"), ["results"])
         self.assertEqual(self.complete("--output", "="), ["results"])
-        self.assertEqual(self.complete("--threads", ""), [])
+        self.assertEqual(self.complete("-o", "re"), ["results"])
+        for option in ("--threads", "-t", "--set"):
+            self.assertEqual(self.complete(option, ""), [])
         self.assertEqual(self.complete("--", "--output", "bl"), ["block.nml"])
 
 

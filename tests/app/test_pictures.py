@@ -1,4 +1,5 @@
-"""Pictures and pages made of solved cases by scripts/plot.sh and scripts/report.sh."""
+"""Pictures and pages made of solved cases by the commands amontons-plot and amontons-report."""
+import os
 import re
 import shutil
 import subprocess
@@ -7,22 +8,21 @@ import unittest
 from pathlib import Path
 from xml.etree import ElementTree
 
-from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block
+from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block, read_vtu
 
 try:
     import matplotlib
-    import meshio
 except ImportError:
-    matplotlib = meshio = None
+    matplotlib = None
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+ROOT = Path(__file__).resolve().parents[2]
 BROWSER = shutil.which("chromium")
 PUSH = "load set = 'right'  traction = -1.5, 0.3"
 
 
-@unittest.skipIf(matplotlib is None or meshio is None, "matplotlib or meshio is not installed")
+@unittest.skipIf(matplotlib is None, "matplotlib is not installed")
 class Pictures(ProgramTest):
-    """The two scripts, on cases with names that need care."""
+    """The two commands, on cases with names that need care."""
 
     def setUp(self):
         super().setUp()
@@ -32,8 +32,9 @@ class Pictures(ProgramTest):
             self.run_program("--quiet", "--output", "some results", "deck.nml", status=4 if options else 0)
 
     def script(self, name, *arguments, status=0):
-        """Runs one of the two Python scripts."""
-        return self.run_command([sys.executable, "-B", SCRIPTS / f"{name}.py", *arguments], status)
+        """Runs one of the two commands."""
+        return self.run_command(["env", f"PYTHONPATH={ROOT / 'python'}", sys.executable, "-B", "-m", "amontons", name,
+                                 *arguments], status)
 
     def test_a_case_is_drawn_as_png_and_svg(self):
         run = self.script("plot", "some results/two.lst")
@@ -52,7 +53,7 @@ class Pictures(ProgramTest):
         self.write("deck.nml", block(SUPPORT, PRESSURE, CONTACT, PUSH, "case title = 'of $5 and $\\frac{$, <script>'"))
         (self.directory / "deck.nml").rename(self.directory / f"{name}.nml")
         self.run_program("--quiet", f"--output={folder}", "--", f"{name}.nml")
-        self.run_command([SCRIPTS / "report.sh", folder])
+        self.run_command([ROOT / "scripts" / "report.sh", folder])
         page = (self.directory / folder / "report.html").read_text(encoding="utf-8")
         self.assertIn("of $5 and $\\frac{$, &lt;script&gt;", page)
         self.assertNotIn("<script>", page)
@@ -73,6 +74,20 @@ class Pictures(ProgramTest):
         page = (self.directory / "more" / "report.html").read_text(encoding="utf-8")
         self.assertIn("3 cases: 3 green, 0 amber, 0 red.", page)
         self.assertEqual(len(list((self.directory / "more").glob("*.svg"))), 3)
+
+    def test_scripts_take_the_python_that_can_draw(self):
+        # A python3 that comes first on the search path and has the packages, and one that has not.
+        for packages, expected in ((True, "first"), (False, "other")):
+            folder = self.directory / str(packages)
+            folder.mkdir()
+            python = folder / "python3"
+            python.write_text("#!/bin/sh\ncase $1 in -c) " + ("exit 0" if packages else "exit 1") + " ;; esac\n"
+                              f"echo first \"$@\"\n", encoding="utf-8")
+            python.chmod(0o755)
+            run = self.run_command(["env", f"PATH={folder}:{os.environ['PATH']}", ROOT / "scripts" / "plot.sh",
+                                    "some results/two"])
+            self.assertEqual(run.stdout, "first -B -m amontons plot some results/two\n" if packages else
+                             "some results/two.png\nsome results/two.svg\n", expected)
 
     def test_what_is_no_case_is_refused(self):
         for script in ("plot", "report"):
@@ -103,13 +118,23 @@ class Pictures(ProgramTest):
         self.assertIn("No case is solved", verdicts[1][1])
         self.assertIn('href="off.sweep.pvd"', page)
 
+    def test_warnings_are_amber(self):
+        self.write("rough.nml", block(SUPPORT, PRESSURE, "contact set = 'bottom'  friction = 2.5"))
+        self.write("fine.nml", block(SUPPORT, PRESSURE, CONTACT))
+        self.run_program("--quiet", "--output", "warned", "rough.nml", "fine.nml")
+        self.script("report", "warned")
+        page = (self.directory / "warned" / "report.html").read_text(encoding="utf-8")
+        self.assertIn("2 cases: 1 green, 1 amber, 0 red.", page)
+        self.assertEqual(page.count('<p class="verdict amber"><b>warning</b>contact set &#x27;bottom&#x27;: friction of 2.5'),
+                         1)
+
     def test_bodies_with_one_contact_point_and_with_none_are_drawn(self):
         held = "support set = 'left'  ux = 0.0  uy = 0.0"
         self.write("one.nml", block(held, PRESSURE, CONTACT, mesh="size = 4.0, 2.0  cells = 1, 1"))
-        self.write("none.nml", block(held, PRESSURE))
+        self.write("none.nml", block(held, "load set = 'top'  pressure = 0.1"))
         self.run_program("--quiet", "--output", "few", "one.nml", "none.nml")
-        line = meshio.read(self.directory / "few" / "one.contact.vtu")
-        self.assertEqual([cells.type for cells in line.cells], ["vertex"])
+        arrays, *_ = read_vtu((self.directory / "few" / "one.contact.vtu").read_bytes())
+        self.assertEqual(arrays["types"], (1, ))
         self.assertEqual(self.script("plot", "few").stderr, "")
         self.script("report", "few")
         self.assertIn("2 cases: 2 green", (self.directory / "few" / "report.html").read_text(encoding="utf-8"))

@@ -123,6 +123,12 @@ class Tables(ProgramTest):
             self.assertEqual(run.stderr, f"case.nml:5: {key} must have stations that ascend from row to row\n")
         self.assertEqual(self.files(), ["case.nml", "table.txt"])
 
+    def test_line_of_a_plane(self):
+        self.write("table.txt", "0.0 0.0\n1.0 0.0\n")
+        deck = SOUND.replace("friction = 0.3", "line = 'table.txt'")
+        run = self.run_program(self.write("case.nml", deck), status=1)
+        self.assertEqual(run.stderr, "case.nml:5: line is only for obstacle = 'polyline'\n")
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -8,7 +8,7 @@ import time
 import unittest
 
 from harness import CONTACT, PRESSURE, PROGRAM, SUPPORT, block, results_of
-from verification import ROOT, SEAL, Verification, checksum
+from verification import ROOT, CHECKSUM, Verification, checksum
 
 SINGLE = block(SUPPORT, PRESSURE, CONTACT)
 SMALL = block("support set = 'left'  ux = 0.0  uy = 0.0", PRESSURE, CONTACT, mesh="size = 4.0, 2.0  cells = 4, 2")
@@ -29,11 +29,11 @@ class Rerun(Verification):
         return sorted(str(path.relative_to(self.results)) for path in self.results.rglob("*"))
 
     def assert_left(self, *more):
-        """Checks that the results are verified, and that there are only the files of the seal, and some more."""
+        """Checks that the results are verified, and that there are only the files of the manifest, and some more."""
         self.assertEqual(self.verify(), "case_0: verified\n")
-        sealed = [file["name"] for file in json.loads((self.results/"case_0.summary.json").read_text("utf-8"))["files"]]
-        folders = {name.partition("/")[0] for name in (*sealed, *more) if "/" in name}
-        self.assertEqual(self.found(), sorted({*sealed, "case_0.summary.json", *folders, *more}))
+        listed = [file["name"] for file in json.loads((self.results/"case_0.summary.json").read_text("utf-8"))["files"]]
+        folders = {name.partition("/")[0] for name in (*listed, *more) if "/" in name}
+        self.assertEqual(self.found(), sorted({*listed, "case_0.summary.json", *folders, *more}))
 
 
 class Left(Rerun):
@@ -90,7 +90,7 @@ class Kept(Rerun):
         self.assertEqual(self.verify(status=4), "case_0: NOT VERIFIED\nresults/case_0.sweep/2.vtu: it is no grid of "
                                                 "this sweep\n")
 
-    def test_everything_where_the_seal_is_broken(self):
+    def test_everything_where_the_manifest_is_broken(self):
         self.solve_into_results(sweep(1))
         summary = self.results/"case_0.summary.json"
         summary.write_bytes(summary.read_bytes().replace(b"case_0.sweep/2.vtu", b"case_0.sweep/3.vtu"))
@@ -114,17 +114,17 @@ class Kept(Rerun):
         self.assert_left("case_0.reduced.dat")
 
     def test_names_that_no_run_gives(self):
-        # The seal is one that anybody can make.
+        # A manifest that no run of the program makes.
         victims = ("../victim", "case_1.vtu", "case_0.sweep/../victim", "case_0.sweep/more/victim", "victim")
         self.solve_into_results(sweep(3))
         (self.results/"case_0.sweep/more").mkdir()
         summary = self.results/"case_0.summary.json"
         for name in victims:
             (self.results/name).write_text("precious", encoding="utf-8")
-            text = summary.read_text(encoding="utf-8").rpartition(SEAL)[0].replace(
+            text = summary.read_text(encoding="utf-8").rpartition(CHECKSUM)[0].replace(
                 '  "files": [\n', f'  "files": [\n    {{"name": "{name}", "bytes": 8, "checksum": '
-                                  f'"{checksum(b"precious")}"}},\n')
-            summary.write_text(f'{text}{SEAL}{checksum(text.encode())}"\n}}\n', encoding="utf-8")
+                                  f'{checksum(b"precious")}}},\n')
+            summary.write_text(f'{text}{CHECKSUM}{checksum(text.encode())}\n}}\n', encoding="utf-8")
         self.assertEqual(self.verify(), "case_0: verified\n")
         self.solve_into_results(sweep(0))
         for name in victims:
@@ -158,7 +158,7 @@ class Killed(Rerun):
             run.wait()
             n_left = len(list(grids.iterdir())) if grids.exists() else 0
             n_halfway += 0 < n_left < n_before
-            # The old seal goes last.
+            # The old manifest goes last.
             if n_left > 0:
                 self.assertEqual((self.results/"case_0.summary.json").read_bytes(), old)
             self.run_program("--quiet", "--output", "results", "case_0.nml")

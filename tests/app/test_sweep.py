@@ -196,8 +196,9 @@ class Refusals(SweepTest):
         self.write("sweep.nml", block(SUPPORT, PRESSURE, "contact set = 'bottom'  friction_table = 'friction.txt'",
                                       "sweep friction = 0.1, 0.2"))
         run = self.run_program("sweep.nml", status=1)
-        self.assertEqual(run.stderr, "sweep.nml:6: the friction of contact set 'bottom' comes from a table: expected "
-                                     "friction_factor, which multiplies it\n")
+        self.assertEqual(
+            run.stderr, "sweep.nml:6: "
+            "the friction of contact set 'bottom' comes from a table; use friction_factor, which multiplies it\n")
         self.assertEqual(self.files(), ["friction.txt", "sweep.nml"])
 
     def test_options_for_single_cases(self):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Results verified from their files alone: what was changed is found, by the seal and without it."""
+"""Results verified from their files alone: what was changed is found, by checksums and by recomputation."""
 import json
 import os
 import random
@@ -7,7 +7,7 @@ import shutil
 import unittest
 
 from harness import CONTACT, PRESSURE, SUPPORT, block, results_of
-from verification import PUSH, ROOT, SEAL, Verification, checksum
+from verification import PUSH, ROOT, CHECKSUM, Verification, checksum
 
 
 class Sound(Verification):
@@ -60,7 +60,7 @@ class Sound(Verification):
         self.solve_into_results(*(f"&case name = '{name}' /\n" + block(SUPPORT, PRESSURE, CONTACT) for name in names))
         self.assertEqual(sorted(self.verify().splitlines()), sorted(f"{name}: verified" for name in names))
 
-    def test_seal_is_the_checksum_of_the_files(self):
+    def test_manifest_is_the_checksum_of_the_files(self):
         self.solve_into_results(block(SUPPORT, PRESSURE, CONTACT))
         contents = self.contents("results")
         summary = json.loads(contents["case_0.summary.json"])
@@ -69,8 +69,17 @@ class Sound(Verification):
         for file in summary["files"]:
             self.assertEqual((file["bytes"], file["checksum"]),
                              (len(contents[file["name"]]), checksum(contents[file["name"]])))
-        before = contents["case_0.summary.json"].decode().rpartition(SEAL)[0]
+        before = contents["case_0.summary.json"].decode().rpartition(CHECKSUM)[0]
         self.assertEqual(summary["checksum"], checksum(before.encode()))
+
+    def test_manifest_of_an_earlier_version_is_named(self):
+        self.solve_into_results(block(SUPPORT, PRESSURE, CONTACT))
+        path = self.results/"case_0.summary.json"
+        text = path.read_text(encoding="utf-8").rpartition(CHECKSUM)[0]
+        path.write_text(f'{text}{CHECKSUM}"000006c5d716d14400706ec74e9bc6d4"\n}}\n', encoding="utf-8")
+        self.assertEqual(self.verify(status=4),
+                         "case_0: NOT VERIFIED\nresults/case_0.summary.json: it is of an earlier version of the "
+                         "program, whose checksums are of another kind\n")
 
 
 class Unsound(Verification):
@@ -101,7 +110,7 @@ class Unsound(Verification):
 
 
 class Changed(Verification):
-    """Accidents: the seal finds them all."""
+    """Accidents: checksums find them all."""
 
     def solve_one_of_each_kind(self):
         """A case from a mesh file, one with a table, a sweep and a reduced problem, each in a directory of its own."""

@@ -1,23 +1,21 @@
-"""What the tests of --verify share: results in a directory, and what a forger would do to them."""
+"""What the tests of --verify share: results in a directory, and changes of them that their manifest does not show."""
 import re
 import struct
+import subprocess
 from pathlib import Path
 
-from harness import ProgramTest, read_vtu
+from harness import ProgramTest, change_array, read_vtu
 
 ROOT = Path(__file__).resolve().parents[2]
 PUSH = "load set = 'right'  traction = -1.5, 0.3"  # part of the floor sticks, part slides, part opens
-MEMBER = re.compile(r'    \{"name": "([^"]*)", "bytes": \d+, "checksum": "[0-9a-f]{32}"\}')
-SEAL = '  "checksum": "'
+MEMBER = re.compile(r'    \{"name": "([^"]*)", "bytes": \d+, "checksum": \d+\}')
+CHECKSUM = '  "checksum": '
 
 
 def checksum(content):
-    """The sum of all 32-bit words and the sum of these sums, modulo 2^64."""
-    words = sums = 0
-    for word, in struct.iter_unpack("<I", content + bytes(-len(content) % 4)):
-        words += word
-        sums += words
-    return f"{words % 2**64:016x}{sums % 2**64:016x}"
+    """The number that cksum prints first."""
+    run = subprocess.run(["cksum"], input=content, capture_output=True, check=True)
+    return int(run.stdout.split()[0])
 
 
 class Verification(ProgramTest):
@@ -38,25 +36,25 @@ class Verification(ProgramTest):
         run = self.run_program("--verify", "results", status=status)
         return run.stdout if status == 0 else run.stderr
 
-    def seal(self, name):
-        """Does what a forger would: gives a case the seal that its files have now."""
+    def renew_manifest(self, name):
+        """Gives a case the manifest that its files have now."""
         path = self.results / f"{name}.summary.json"
 
-        def sealed(match):
+        def renewed(match):
             file = self.results / match[1]
             return (f'    {{"name": "{match[1]}", "bytes": {file.stat().st_size},'
-                    f' "checksum": "{checksum(file.read_bytes())}"}}')
-        text = MEMBER.sub(sealed, path.read_text(encoding="utf-8"))
-        text = text[:text.rindex(SEAL)]
-        path.write_text(f'{text}{SEAL}{checksum(text.encode())}"\n}}\n', encoding="utf-8")
+                    f' "checksum": {checksum(file.read_bytes())}}}')
+        text = MEMBER.sub(renewed, path.read_text(encoding="utf-8"))
+        text = text[:text.rindex(CHECKSUM)]
+        path.write_text(f'{text}{CHECKSUM}{checksum(text.encode())}\n}}\n', encoding="utf-8")
 
     def assert_forgery_is_found(self, file, change, expected, name="case_0"):
-        """Changes the content of a file and the seal, and checks what is said of it."""
+        """Changes the content of a file and the manifest, and checks what is said of it."""
         contents = {**self.contents("results"), file: (self.results / file).read_bytes()}
         changed = change(contents[file])
         self.assertNotEqual(changed, contents[file], "nothing was changed")
         (self.results / file).write_bytes(changed)
-        self.seal(name)
+        self.renew_manifest(name)
         self.assertRegex(self.verify(status=4), expected)
         for key, content in contents.items():
             (self.results / key).write_bytes(content)
@@ -64,23 +62,19 @@ class Verification(ProgramTest):
     def assert_every_array_is_checked(self, *files):
         """Changes a number in the middle of each array of some grids."""
         for file in files:
-            content = (self.results/file).read_bytes()
-            arrays, _, _ = read_vtu(content)
-            offset = content.index(b'<AppendedData encoding="raw">\n_') + len(b'<AppendedData encoding="raw">\n_')
+            arrays, _, _ = read_vtu((self.results/file).read_bytes())
             for name, values in arrays.items():
                 flat = [value for row in values for value in (row if isinstance(row, tuple) else (row,))]
-                is_real = isinstance(flat[0], float)
                 place = len(flat)//2
+                # A real moves by a millionth of the largest one, an integer by one.
+                if isinstance(flat[0], float):
+                    value = struct.pack("<d", flat[place] + 1e-6*max(1e-3, *map(abs, flat)))
+                else:
+                    value = struct.pack("<i", flat[place] + 1)
+                at = 8 + place*len(value)
 
-                def change(content, at=offset + 8, flat=flat, is_real=is_real, place=place):
-                    # A real moves by a millionth of the largest one, an integer by one.
-                    if is_real:
-                        value = struct.pack("<d", flat[place] + 1e-6*max(1e-3, *map(abs, flat)))
-                    else:
-                        value = struct.pack("<i", flat[place] + 1)
-                    at += place*len(value)
-                    return content[:at] + value + content[at + len(value):]
+                def change(content, name=name, at=at, value=value):
+                    return change_array(content, name, lambda array: array[:at] + value + array[at + len(value):])
                 with self.subTest(file=file, array=name):
                     self.assert_forgery_is_found(file, change, rf"results/{file}: {name} of .* follows from the other|"
                                                                "equilibrium")
-                offset += 8 + len(flat)*(8 if is_real else 4)

@@ -17,12 +17,12 @@ ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "doc" / "examples"
 EXAMPLES = Path(os.environ["EXAMPLES"])
 LIBRARIES = Path(os.environ["LIBRARY_DIRECTORY"])
-HAS_PYTHON = all(importlib.util.find_spec(module) for module in ("numpy", "matplotlib", "meshio"))
+HAS_PYTHON = all(importlib.util.find_spec(module) for module in ("numpy", "matplotlib"))
 LENGTHS = {"separated": 3.75, "sliding": 20.0, "sticking": 16.25}  # row 1 of the paper's Table 1
 
 C_PROJECT = """cmake_minimum_required(VERSION 3.25)
 project(only_c LANGUAGES C)
-find_package(amontons 0.1 REQUIRED)
+find_package(amontons 0.2 REQUIRED)
 add_executable(from_c from_c.c)
 target_link_libraries(from_c PRIVATE amontons::amontons_c)
 """
@@ -74,7 +74,8 @@ class Examples(ProgramTest):
     def test_c_needs_no_fortran(self):
         self.write("from_c.c", (SOURCES / "from_c.c").read_text(encoding="utf-8"))
         self.write("CMakeLists.txt", C_PROJECT)
-        self.run_command(["cmake", "-S", ".", "-B", "build", f"-DCMAKE_PREFIX_PATH={os.environ['PREFIX']}"])
+        self.run_command(["cmake", "-G", "Ninja", "-S", ".", "-B", "build",
+                          f"-DCMAKE_PREFIX_PATH={os.environ['PREFIX']}"])
         self.run_command(["cmake", "--build", "build"])
         self.assertIn("bar: solved", self.run_command(["build/from_c", str(SOURCES / "bar.nml"), "out"]).stdout)
 
@@ -88,7 +89,7 @@ eval "cc -std=c11 -Wall -Wextra -pedantic -Werror '{SOURCES}/from_c.c' -o from_c
         self.run_command(["bash", "compile.sh"])
         self.assertIn("bar: solved", self.run_command(["./from_c", str(SOURCES / "bar.nml"), "out"]).stdout)
 
-    @unittest.skipUnless(HAS_PYTHON, "NumPy, Matplotlib and meshio are needed")
+    @unittest.skipUnless(HAS_PYTHON, "NumPy and Matplotlib are needed")
     def test_long_bar_is_drawn_by_the_installed_module(self):
         printed = self.run_command(["env", "-u", "AMONTONS_LIBRARY", f"PYTHONPATH={LIBRARIES / 'amontons'}",
                                     f"MPLCONFIGDIR={self.directory}", "MPLBACKEND=agg", sys.executable, "-B",
@@ -98,6 +99,21 @@ eval "cc -std=c11 -Wall -Wextra -pedantic -Werror '{SOURCES}/from_c.c' -o from_c
         self.assertTrue(files["long_bar.png"].startswith(b"\x89PNG"))
         self.assertIn(b"<svg", files["long_bar.svg"])
 
+    @unittest.skipUnless(HAS_PYTHON, "NumPy and Matplotlib are needed")
+    def test_installed_commands_run_on_the_python_of_the_search_path(self):
+        self.run_command([os.environ["PREFIX"] + "/bin/amontons", "--quiet", "--output", "out",
+                          str(SOURCES / "bar.nml")])
+        (self.directory / "bin").mkdir()
+        python = self.directory / "bin" / "python3"
+        python.write_text(f"#!/bin/sh\nexec '{sys.executable}' \"$@\"\n", encoding="utf-8")
+        python.chmod(0o755)
+        for command, files in (("plot", ["bar.png", "bar.svg"]), ("report", ["report.html"])):
+            printed = self.run_command(["env", f"PATH={self.directory / 'bin'}:{os.environ['PATH']}",
+                                        f"MPLCONFIGDIR={self.directory}", "PYTHONDONTWRITEBYTECODE=1",
+                                        f"{os.environ['PREFIX']}/bin/amontons-{command}", "out"]).stdout
+            self.assertEqual(printed.splitlines(), [f"out/{file}" for file in files])
+            self.assertLessEqual({*files}, {*self.contents("out")})
+
 
 class Page(unittest.TestCase):
     """doc/library.md: every piece of code in it stands in a tested file, line by line."""
@@ -106,7 +122,7 @@ class Page(unittest.TestCase):
         text = (ROOT / "doc" / "library.md").read_text(encoding="utf-8")
         blocks = re.findall(r"^```(fortran|c|python|cmake)\n(.*?)^```$", text, flags=re.MULTILINE | re.DOTALL)
         self.assertEqual({language for language, _ in blocks}, {"fortran", "c", "python", "cmake"})
-        files = [*SOURCES.iterdir(), ROOT / "python" / "amontons.py"]
+        files = [*SOURCES.iterdir(), *(ROOT / "python" / "amontons").iterdir()]
         sources = [[line.strip() for line in file.read_text(encoding="utf-8").splitlines() if line.strip()]
                    for file in files if file.is_file()]
         for language, block in blocks:

@@ -1,17 +1,17 @@
 !> Supports and loads in one line each, and the plain displacement method, for bodies without contact.
 module sample_bodies
    use amontons_assembly, only: assemble_stiffness, from_unknowns, internal_forces, to_unknowns
+   use amontons_cholesky, only: cholesky_t
    use amontons_coloring, only: coloring_t, new_coloring
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_dof_map, only: dof_map_t, new_dof_map
    use amontons_error, only: error_t
-   use amontons_factorization, only: factorization_t
    use amontons_foundation, only: new_foundation, spring_side_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_region, load_t, load_vector
    use amontons_material, only: material_t, materials_t, new_material, new_materials
    use amontons_mesh, only: mesh_t
-   use amontons_new_factorization, only: new_factorization
+   use amontons_new_cholesky, only: new_cholesky
    use amontons_sparse_matrix, only: sparse_matrix_t
    implicit none (type, external)
    private
@@ -148,7 +148,7 @@ contains
       type(constraints_t) :: constraints
       type(dof_map_t) :: dof_map
       type(sparse_matrix_t) :: stiffness
-      class(factorization_t), allocatable :: factorization
+      class(cholesky_t), allocatable :: cholesky
       type(spring_side_t), allocatable :: springs(:)
       real(dp), allocatable :: forces(:, :), held(:, :), prescribed(:, :), unknowns(:)
       integer :: no_nodes(0)
@@ -164,10 +164,10 @@ contains
       call load_vector(forces, mesh, materials, loads, error)
       if (allocated(error)) return
       call internal_forces(held, mesh, materials, springs, coloring, prescribed)
-      call new_factorization(factorization, 'band', stiffness, 0, error)
+      call new_cholesky(cholesky, 'band', stiffness, 0, error)
       if (allocated(error)) return
       allocate (unknowns(dof_map%n_dofs))
-      call factorization%solve(to_unknowns(forces - held, constraints, dof_map), unknowns)
+      call cholesky%solve(to_unknowns(forces - held, constraints, dof_map), unknowns)
       displacement = from_unknowns(unknowns, prescribed, constraints, dof_map)
    end subroutine solve_materials
 

@@ -33,7 +33,7 @@ contains
       end do
    end function chain_inverse
 
-   !> Springs of stiffness 1 between the neighbours of a grid, held all around: 4 on the diagonal.
+   !> Springs of stiffness 1 between the neighbors of a grid, held all around: 4 on the diagonal.
    subroutine grid_matrix(matrix, n_columns, n_rows)
       type(sparse_matrix_t), intent(out) :: matrix !! the matrix; unknown i + (j - 1) n_columns sits at (i, j)
       integer, intent(in) :: n_columns !! points in a row

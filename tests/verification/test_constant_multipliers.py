@@ -117,8 +117,7 @@ class ConstantMultipliers(Benchmark):
                 for method in METHODS:
                     found = self.solve_bar(replace(form, solver=method + "  max_iterations = 20000").deck(), "").forces
                     largest = max(map(abs, expected))
-                    self.assertLessEqual(max(abs(a - b) for a, b in zip(found, expected)), 1e-6*largest,
-                                         f"{element}, row {row}, {method}")
+                    self.assert_close(found, expected, 1e-6*largest, f"{element}, row {row}, {method}")
 
     def test_sweep_gives_the_same(self):
         deck = TABLE[1].deck().replace("&contact", "&contact multipliers = 'constant'")

@@ -3,6 +3,7 @@
 import math
 import unittest
 
+from disc import disc_mesh
 from harness import ProgramTest
 
 YOUNG, POISSON, RADIUS = 1000.0, 0.3, 50.0
@@ -15,6 +16,20 @@ HERTZ = f"""\
 &support set = 'top'  uy = 0.0 /
 &contact set = 'bottom'  obstacle = '%s'  radius = {RADIUS}  extra_gap = -0.1 /
 """
+
+# A ball of radius 1 under its weight 1 per volume, on the apex of a rigid anvil.
+BALL = """\
+&mesh kind = 'file'  file = 'ball.msh' /
+&material young = 1000.0  poisson = 0.3 /
+&support point = 0.0, 0.0  ux = 0.0 /
+&support point = 0.0, 1.0  ux = 0.0 /
+&load body_force = 0.0, -1.0 /
+&contact set = '%s'  friction = 0.3  point = 0.0, -1.0  %s /
+"""
+ANVILS = {
+    "plane": "obstacle = 'plane'", "circle": "obstacle = 'circle'  radius = 3.0",
+    "parabola": "obstacle = 'parabola'  radius = 3.0", "box": "obstacle = 'polyline'  line = 'box.csv'",
+    "open": "obstacle = 'polyline'  line = 'open.csv'", "seat": "obstacle = 'circle'  radius = -3.0"}
 
 # A square meshed as four cells, its sides named; written as MSH 2.2.
 SQUARE = """\
@@ -62,6 +77,42 @@ class Obstacles(ProgramTest):
             self.assertAlmostEqual(max(bar["normal_stress"]), peak, delta=0.01*peak, msg=obstacle)
             closed = [x for x, status in zip(bar["x"], bar["status"]) if status != "open"]
             self.assertAlmostEqual(max(closed), half_width, delta=0.2, msg=obstacle)
+
+    def test_whole_rim_of_a_ball_is_as_good_as_its_lower_half(self):
+        self.write("ball.msh", disc_mesh())
+        self.write("box.csv", "-2, 0\n2, 0\n2, -4\n-2, -4\n-2, 0\n")
+        self.write("open.csv", "-2, -4\n-2, 0\n2, 0\n2, -4\n")
+        weight = 24*math.sin(2*math.pi/48)
+        for name, anvil in ANVILS.items():
+            for cells in ("", "  multipliers = 'constant'"):
+                rim, lower = (self.solve(BALL % (part, anvil + cells), f"{name}_{part}") for part in ("rim", "lower"))
+                with self.subTest(anvil=name, cells=cells):
+                    for ball in (rim, lower):
+                        # A cell is bent by 7.5 degrees; the mean of its normals is 0.1 % shorter than they are.
+                        self.assertAlmostEqual(-sum(normal*y + tangential*x for normal, tangential, x, y in zip(
+                            ball["normal_force"], ball["tangential_force"], ball["normal_x"], ball["normal_y"])),
+                                               weight, delta=3e-3*weight if cells else 1e-9)
+                    # Conditions of the small matrices: the other half of the rim is condensed in one, not the other.
+                    self.assertAlmostEqual(sum(rim["normal_force"]), sum(lower["normal_force"]), delta=1e-9)
+                    self.assertEqual([status for status in rim["status"] if status != "open"],
+                                     [status for status in lower["status"] if status != "open"])
+
+    def test_sloping_floor_is_the_same_as_plane_and_polyline(self):
+        for slope in (0.0, 0.5, 2.0, 5.0, 9.0, 11.0, 1000.0):
+            floor = f"&contact set = 'bottom'  normal = {slope}, 1.0  obstacle = "
+            self.write("line.csv", "-100, 0\n100, 0\n")
+            deck = ("&mesh size = 4.0, 40.0  cells = 4, 10 /\n&material young = 1000.0  poisson = 0.3 /\n"
+                    "&support set = 'top'  ux = 0.0  uy = -0.01 /\n")
+            if slope > 9.9:
+                # More than 84.3 degrees: neither is in reach.
+                for obstacle in ("'plane'", "'polyline'  line = 'line.csv'"):
+                    self.run_program(self.write("far.nml", deck + floor + obstacle + " /\n"), status=1)
+                continue
+            plane = self.solve(deck + floor + "'plane' /\n", "plane")
+            line = self.solve(deck + floor + "'polyline'  line = 'line.csv' /\n", "line")
+            self.assertLess(abs(sum(plane["normal_force"]) - sum(line["normal_force"])), 1e-9)
+            self.assertGreater(sum(plane["normal_force"]), 0.0)
+            self.assert_close(plane["gap"], line["gap"], 1e-12)
 
     def test_given_bound_is_the_shear_of_a_block_that_slides(self):
         block = self.solve("""\

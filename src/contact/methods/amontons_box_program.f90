@@ -1,4 +1,5 @@
-!> Convex quadratic programs on a box: min 1/2 x^T A x - b^T x, lower <= x <= upper, for a part of the rows of a matrix.
+!> Convex quadratic programs on a box: min 1/2 x^T A x - b^T x, lower <= x <= upper, for a part of the rows of a matrix:
+!> the paper's (2.3), for all forces with a given slip bound or for the normal or tangential ones alone.
 !>
 !> `newton` is the projected Newton method, an active-set method (Bertsekas, SIAM J. Control Optim. 20, 1982): the
 !> components that their bound holds stay, the others take a Newton step, cut to the box and shortened until the

@@ -72,12 +72,12 @@ contains
 
    !> Factorises the system of a guess.
    subroutine compliance_system_factorize(self, problem, guess, share, info)
-      class(compliance_system_t), target, intent(inout) :: self !! the system
+      class(compliance_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(active_set_t), intent(in) :: guess !! state of each point
       real(dp), intent(in) :: share !! share of the diagonal of A [-]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
-      real(dp), contiguous, pointer :: factor(:, :)
+      real(dp), allocatable :: entries(:)
       integer :: n
 
       n = 2*problem%n_points
@@ -91,17 +91,30 @@ contains
          deallocate (self%entries)
          allocate (self%entries(int(n, int64)**2))
       end if
-      factor(1:n, 1:n) => self%entries
-      call gather(self, problem, factor)
-      call self%effort%factorize(n > 0)
       self%is_symmetric = .not. any(guess%is_closed .and. guess%sense /= 0 .and. problem%friction > 0.0_dp)
+      ! No argument may hold what another one writes.
+      call move_alloc(self%entries, entries)
+      call factorize_entries(self, problem, n, entries, info)
+      call move_alloc(entries, self%entries)
+      call self%effort%factorize(n > 0)
+      if (info /= 0) self%share = -1.0_dp
+   end subroutine compliance_system_factorize
+
+   !> Writes the factor of the guess, as a matrix, to the first of its entries.
+   subroutine factorize_entries(self, problem, n, factor, info)
+      class(compliance_system_t), intent(inout) :: self !! the system, without its entries; gains the row exchanges
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, intent(in) :: n !! order of the matrix
+      real(dp), intent(out) :: factor(n, n) !! the factor
+      integer, intent(out) :: info !! 0, or nonzero where the matrix is singular
+
+      call gather(self, problem, factor)
       if (self%is_symmetric) then
          call cholesky_factor(factor, info)
       else
          call lu_factor(factor, self%pivots, info)
       end if
-      if (info /= 0) self%share = -1.0_dp
-   end subroutine compliance_system_factorize
+   end subroutine factorize_entries
 
    !> Writes the transposed matrix of the guess to be factorised.
    pure subroutine gather(self, problem, matrix)
@@ -210,17 +223,25 @@ contains
 
    !> Solves the factorised system for its unknown forces.
    subroutine base_solve(self, right)
-      class(compliance_system_t), target, intent(in) :: self !! the system
+      class(compliance_system_t), intent(in) :: self !! the system
       real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand sides, the solutions on return
-      real(dp), contiguous, pointer :: factor(:, :)
 
-      factor(1:size(right, 1), 1:size(right, 1)) => self%entries
+      call solve_entries(self, size(right, 1), self%entries, right)
+   end subroutine base_solve
+
+   !> Solves with the first of the entries as a matrix.
+   subroutine solve_entries(self, n, factor, right)
+      class(compliance_system_t), intent(in) :: self !! the system
+      integer, intent(in) :: n !! order of the matrix
+      real(dp), intent(in) :: factor(n, n) !! the factor
+      real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand sides, the solutions on return
+
       if (self%is_symmetric) then
          call cholesky_solve(factor, right)
       else
          call lu_solve_transposed(factor, self%pivots, right)
       end if
-   end subroutine base_solve
+   end subroutine solve_entries
 
    !> The slope of lambda_T over lambda_N that a guess gives a point [-].
    pure real(dp) function slope(problem, guess, point)

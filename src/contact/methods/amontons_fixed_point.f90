@@ -1,7 +1,8 @@
 !> Fixed point on the slip bound: a Tresca problem with the bound b, solved exactly; then b := g + phi lambda_N; repeat.
 !>
-!> Coulomb's solution is a fixed point of the map from a slip bound phi lambda_N to the normal forces of its Tresca
-!> problem (theory, section 5).
+!> The Tresca problem is (P1) of the paper, in its dual form (2.3) with |lambda_T| <= b (not |lambda_1|: erratum 5).
+!> Coulomb's solution is a fixed point of the map from the bound phi lambda_N to the normal forces of that problem: the
+!> paper's remark 2 on section 1, with the friction that it leaves out (erratum 3; theory, section 5).
 module amontons_fixed_point
    use amontons_box_program, only: solve_box_program
    use amontons_contact_method, only: contact_method_t

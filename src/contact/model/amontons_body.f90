@@ -1,21 +1,21 @@
-!> A body made ready for loads: mesh, supports, contact zone, factorised and condensed stiffness.
+!> A body made ready for loads: mesh, supports, contact zone, factorized and condensed stiffness.
 module amontons_body
    use amontons_assembly, only: assemble_stiffness
    use amontons_coloring, only: coloring_t, new_coloring
    use amontons_condensation, only: condensation_options_t, condensation_t, find_band_order, new_condensation
+   use amontons_condenser, only: condenser_t
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t, new_band_problem, new_contact_problem
    use amontons_contact_zone, only: contact_t, contact_zone_t, new_contact_zone
    use amontons_dof_map, only: dof_map_t, new_dof_map
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
-   use amontons_factorization, only: factorization_t
    use amontons_foundation, only: new_foundation, spring_side_t
    use amontons_inf_sup, only: inf_sup_constant
    use amontons_kinds, only: dp, int64
    use amontons_material, only: material_t, materials_t, new_materials
    use amontons_mesh, only: mesh_t
-   use amontons_new_factorization, only: analyze_matrix
+   use amontons_new_cholesky, only: new_condenser
    use amontons_ordering, only: half_bandwidth
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
@@ -43,12 +43,12 @@ module amontons_body
       type(contact_zone_t) :: zone !! the contact points
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
       type(dof_map_t) :: dof_map !! numbers of the unknowns
-      type(condensation_t) :: condensation !! the factorised stiffness, after `condense_body`
+      type(condensation_t) :: condensation !! the factorized stiffness, after `condense_body`
    end type body_t
 
    !> What condensing a body would take.
    type :: estimate_t
-      character(:), allocatable :: factorization !! the kind of factorisation
+      character(:), allocatable :: factorization !! the kind of factorization
       integer(int64) :: n_entries = 0 !! entries of the factor
       integer :: n_rows = 0 !! rows of the matrix that the contact problem is solved on
       integer :: half_width = 0 !! number of its subdiagonals if it is a band matrix of the whole body, else 0
@@ -108,7 +108,7 @@ contains
       end do
    end subroutine measure_cells
 
-   !> Assembles and factorises the stiffness and condenses it to the contact points; the clock goes on condensing.
+   !> Assembles and factorizes the stiffness and condenses it to the contact points; the clock goes on condensing.
    subroutine condense_body(body, problem, options, timings, error)
       type(body_t), intent(inout) :: body !! the body, from `new_body`
       type(contact_problem_t), intent(out) :: problem !! its contact problem; a load case sets load, gap and friction
@@ -160,20 +160,20 @@ contains
       end do
    end subroutine check_held
 
-   !> Says of a stiffness that the factorisation refused where it is singular, how ill-conditioned it must be and why.
+   !> Says of a stiffness that the factorization refused where it is singular, how ill-conditioned it must be and why.
    subroutine explain_refusal(body, error)
-      type(body_t), intent(in) :: body !! the body, its factorisation refused
+      type(body_t), intent(in) :: body !! the body, its factorization refused
       type(error_t), intent(inout) :: error !! gains the words; unchanged if memory ran out
       integer :: place(2)
 
-      if (.not. allocated(body%condensation%factorization)) return
-      associate (factorization => body%condensation%factorization)
-         if (factorization%refused_unknown == 0) return
-         place = findloc(body%dof_map%dof, factorization%refused_unknown)
+      if (.not. allocated(body%condensation%condenser)) return
+      associate (condenser => body%condensation%condenser)
+         if (condenser%refused_unknown == 0) return
+         place = findloc(body%dof_map%dof, condenser%refused_unknown)
          associate (point => body%mesh%coordinates(:, place(2)))
             error%message = 'the stiffness is singular to rounding at the node '//to_text(point(1))//', '// &
                to_text(point(2))//': its condition number is above '// &
-               rounded(factorization%least_refused_condition())// &
+               rounded(condenser%least_refused_condition())// &
                conditioning_text(body%mesh, body%materials, body%springs)
          end associate
       end associate
@@ -187,7 +187,7 @@ contains
       type(estimate_t), intent(out) :: estimate !! the estimate
       type(error_t), allocatable, intent(out) :: error !! too large for the memory
       type(sparse_matrix_t) :: stiffness
-      class(factorization_t), allocatable :: analysis
+      class(condenser_t), allocatable :: condenser
       integer, allocatable :: order(:)
 
       call timings%begin(phase_assemble)
@@ -197,15 +197,15 @@ contains
       call timings%begin(phase_factorize)
       call find_band_order(stiffness, options%form, body%zone, order)
       if (allocated(order)) estimate%half_width = half_bandwidth(stiffness, order)
-      call analyze_matrix(analysis, trim(options%factorization), stiffness, &
+      call new_condenser(condenser, trim(options%factorization), stiffness, &
          merge(0, body%dof_map%n_trailing, allocated(order)), error)
       if (allocated(error)) return
       estimate%n_rows = merge(stiffness%n, 2*body%zone%n_points, allocated(order))
       stiffness = sparse_matrix_t()
       call return_memory()
-      estimate%factorization = analysis%name()
-      estimate%n_entries = analysis%n_factor_entries()
-      estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + analysis%memory_mb() &
+      estimate%factorization = condenser%name
+      estimate%n_entries = condenser%n_factor_entries
+      estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + condenser%memory_mb() &
          + contact_memory_mb(estimate))
       estimate%available_mb = resident_memory_mb() + available_memory_mb()
    end subroutine estimate_body

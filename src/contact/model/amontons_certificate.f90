@@ -66,7 +66,8 @@ contains
          certificate%force_scale = max(maxval(abs(loads)), maxval(abs(reaction)), maxval(abs(contact)), least_scale)
          call check_points(certificate, body%zone, load_case, displacement, force)
          springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
-         call check_resultants(certificate, body, max(least_scale, sum(abs(springs))), loads, reaction - springs, contact)
+         call check_resultants(certificate, body, max(least_scale, sum(abs(springs))), loads, reaction - springs, &
+            contact)
          certificate%equilibrium = relative_imbalance(certificate%equilibrium, body, displacement, force_size)
          certificate%strain_energy = 0.5_dp*sum(internal*displacement)
          ! Where a load acts on what a support moves, both do work that strains nothing.
@@ -161,7 +162,8 @@ contains
       slip = at_points(m + 1:)
       largest_displacement = maxval(abs(displacement))
       associate (normal => force(:m), tangential => force(m + 1:), &
-         bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), largest_force => certificate%force_scale)
+         bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &
+         largest_force => certificate%force_scale)
          certificate%penetration = relative(max(0.0_dp, maxval(-distance)), largest_displacement)
          certificate%tension = relative(max(0.0_dp, maxval(-normal)), largest_force)
          certificate%friction_excess = relative(max(0.0_dp, maxval(abs(tangential) - bound)), largest_force)

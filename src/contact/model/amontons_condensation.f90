@@ -1,8 +1,10 @@
-!> The condensation of a body: from its factorised stiffness to the contact problem, and back to all displacements.
+!> The condensation of a body: from its factorized stiffness to the contact problem, and back to all displacements.
 !>
-!> With the contact unknowns c last, the trailing block of the Cholesky factor of K + alpha E (E the identity on c) is
-!> the Cholesky factor of S + alpha I, S = K_cc - K_ci K_ii^-1 K_ic; alpha is 0 for a body that its supports hold.
-!> A forward substitution gives q = f_c - K_ci K_ii^-1 f_i, a backward one all displacements (theory, section 3).
+!> The contact unknowns c are the Schur variables of K + alpha E (E the identity on c), whose Schur complement is
+!> S + alpha I, S = K_cc - K_ci K_ii^-1 K_ic; alpha is 0 for a body that its supports hold. The condensed load is
+!> q = f_c - K_ci K_ii^-1 f_i (theory, section 3).
+!> This is the paper's static condensation, "computing u from (2.1) and substituting u into (2.2)", without K^-1 and
+!> for bodies whose K is singular, as that of its own example is (erratum 6).
 !> Where a point is a cell of constant multipliers, S and q are condensed once more, to the mean displacements.
 !>
 !> For a slender body with a long contact line S would take far more time and memory than the body: it is left a band
@@ -10,14 +12,14 @@
 module amontons_condensation
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_band_stiffness, only: band_stiffness_t, new_band_stiffness
+   use amontons_condenser, only: condenser_t
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dof_map, only: dof_map_t
    use amontons_error, only: error_t, new_error, numerical_failure
-   use amontons_factorization, only: factorization_t
    use amontons_kinds, only: dp
-   use amontons_new_factorization, only: analyze_matrix
+   use amontons_new_cholesky, only: new_condenser
    use amontons_ordering, only: half_bandwidth, reverse_cuthill_mckee
    use amontons_row_condensation, only: new_row_condensation, row_condensation_t
    use amontons_sparse_matrix, only: sparse_matrix_t
@@ -40,13 +42,13 @@ module amontons_condensation
    type :: condensed_load_t
       real(dp), allocatable :: load(:) !! q on (u_N; u_T) of the points (2m) [F]
       real(dp), allocatable, private :: partial(:)
-         !! the load after the forward substitution; with a band, the load itself (n)
+         !! what the condenser needs of it to expand; with a band, the load itself (n)
       real(dp), allocatable, private :: contact_load(:) !! q on the contact unknowns (n_unknowns) [F]
    end type condensed_load_t
 
-   !> The factorised body and the map between contact unknowns and normal and tangential displacements.
+   !> The factorized body and the map between contact unknowns and normal and tangential displacements.
    type :: condensation_t
-      class(factorization_t), allocatable :: factorization !! of K + alpha E
+      class(condenser_t), allocatable :: condenser !! of K + alpha E
       real(dp) :: alpha = 0.0_dp !! shift on the contact unknowns [F/L]
       type(band_stiffness_t), allocatable :: band !! S, where it is no dense matrix
       integer, private :: n_unknowns = 0 !! number of contact unknowns
@@ -65,9 +67,9 @@ module amontons_condensation
 
 contains
 
-   !> Factorises the stiffness of a body.
+   !> Factorizes the stiffness of a body.
    subroutine new_condensation(condensation, stiffness, options, is_held, zone, constraints, dof_map, error)
-      type(condensation_t), intent(out) :: condensation !! the factorised body
+      type(condensation_t), intent(out) :: condensation !! the factorized body
       type(sparse_matrix_t), intent(inout) :: stiffness !! K; given up before the factor is made, to save memory [F/L]
       type(condensation_options_t), intent(in) :: options !! how to condense
       logical, intent(in) :: is_held !! whether supports alone hold the body
@@ -96,13 +98,14 @@ contains
          condensation%alpha = mean
          call stiffness%shift_diagonal(dof_map%n_dofs - dof_map%n_trailing + 1, dof_map%n_dofs, condensation%alpha)
       end if
-      call analyze_matrix(condensation%factorization, trim(options%factorization), stiffness, &
+      call new_condenser(condensation%condenser, trim(options%factorization), stiffness, &
          merge(0, dof_map%n_trailing, allocated(condensation%band)), error)
       if (allocated(error)) return
       stiffness = sparse_matrix_t()
-      call condensation%factorization%check_memory(error)
+      call condensation%condenser%check_memory(error)
       if (allocated(error)) return
-      call condensation%factorization%complete(error)
+      call condensation%condenser%complete(error)
+      if (allocated(error)) return
       if (allocated(band_error)) call move_alloc(band_error, error)
    end subroutine new_condensation
 
@@ -215,7 +218,7 @@ contains
    !> The condensed stiffness S on (u_N; u_T). The tangential row of a guided point, which has no unknown, becomes that
    !> of a spring of its own that nothing loads: its slip and shear are zero.
    subroutine condensation_condense_stiffness(self, stiffness, error)
-      class(condensation_t), intent(inout) :: self !! the factorised body
+      class(condensation_t), intent(inout) :: self !! the factorized body
       real(dp), allocatable, intent(out) :: stiffness(:, :) !! S (2m, 2m) [F/L]
       type(error_t), allocatable, intent(out) :: error !! the cells of constant multipliers are too small
       real(dp), allocatable :: schur(:, :)
@@ -228,7 +231,7 @@ contains
       end if
       m = size(self%unknown, 2)
       allocate (schur(self%n_unknowns, self%n_unknowns), stiffness(2*m, 2*m))
-      call self%factorization%schur_complement(schur)
+      call self%condenser%schur_complement(schur)
       do i = 1, size(schur, 1)
          schur(i, i) = schur(i, i) - self%alpha
       end do
@@ -254,7 +257,7 @@ contains
 
    !> Condenses a load to the contact points.
    subroutine condensation_condense_load(self, load, condensed)
-      class(condensation_t), intent(in) :: self !! the factorised body
+      class(condensation_t), intent(in) :: self !! the factorized body
       real(dp), intent(in) :: load(:) !! load on all unknowns (n) [F]
       type(condensed_load_t), intent(out) :: condensed !! the condensed load
       real(dp), allocatable :: q(:)
@@ -266,7 +269,7 @@ contains
          condensed%contact_load = load(size(load) - self%n_unknowns + 1:)
       else
          allocate (condensed%partial(size(load)), condensed%contact_load(self%n_unknowns))
-         call self%factorization%condense(load, condensed%partial, condensed%contact_load)
+         call self%condenser%condense(load, condensed%partial, condensed%contact_load)
       end if
       q = condensed%contact_load
       if (allocated(self%rows)) q = self%to_rows%condense(q)
@@ -281,7 +284,7 @@ contains
 
    !> All unknowns from the displacements of the contact points under a load.
    subroutine condensation_recover(self, condensed, displacement, unknowns)
-      class(condensation_t), intent(in) :: self !! the factorised body
+      class(condensation_t), intent(in) :: self !! the factorized body
       type(condensed_load_t), intent(in) :: condensed !! the condensed load
       real(dp), intent(in) :: displacement(:) !! (u_N; u_T) without prescribed parts (2m) [L]
       real(dp), allocatable, intent(out) :: unknowns(:) !! all unknowns (n) [L]
@@ -301,7 +304,7 @@ contains
          end associate
       else
          allocate (unknowns(size(condensed%partial)))
-         call self%factorization%expand(condensed%partial, v, unknowns)
+         call self%condenser%expand(condensed%partial, v, unknowns)
       end if
    end subroutine condensation_recover
 

@@ -197,8 +197,8 @@ contains
          cells%normal(2, cells%n_cells), source=0.0_dp)
       allocate (cells%rows%node(n_strip_nodes*size(strips)))
       allocate (cells%rows%part(2, size(cells%rows%node)), source=0.0_dp)
-      allocate (cells%samples%position(2, n), cells%samples%normal(2, n), cells%samples%station(n), &
-         cells%samples%share(n))
+      allocate (cells%samples%position(2, n), cells%samples%normal(2, n), cells%samples%outward(n), &
+         cells%samples%station(n), cells%samples%share(n))
       cells%rows%start = [1, (1 + n_strip_nodes*count(strips%cell <= cell), cell=1, cells%n_cells)]
       cells%samples%start = [1, (1 + n_strip_samples*count(strips%cell <= cell), cell=1, cells%n_cells)]
       do i = 1, size(strips)
@@ -226,7 +226,7 @@ contains
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
       type(side_geometry_t) :: geometry
-      real(dp) :: normal(2), area
+      real(dp) :: normal(2), outward(2), area
       integer :: k, point, first, sample
 
       call new_side_geometry(geometry, side(:3), mesh%coordinates, strip%range)
@@ -236,9 +236,11 @@ contains
       do point = 1, n_strip_samples
          associate (along => geometry%along(:, point), position => geometry%position(:, point), cell => strip%cell)
             area = norm2(along)*materials%list(materials%of_element(side(4)))%depth(position(1))
-            normal = [along(2), -along(1)]/norm2(along)
+            outward = [along(2), -along(1)]/norm2(along)
+            normal = outward
             if (any(abs(direction) > 0.0_dp)) normal = direction/norm2(direction)
             sample = n_strip_samples*(i - 1) + point
+            cells%samples%outward(sample) = dot_product(normal, outward)
             cells%samples%position(:, sample) = position
             cells%samples%normal(:, sample) = normal
             cells%samples%share(sample) = area

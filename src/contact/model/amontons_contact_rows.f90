@@ -1,4 +1,5 @@
-!> The rows of the contact matrix C: which nodal displacements make up the displacement of a contact point.
+!> The rows of the contact matrix C = (N; T), section 2 of the paper: which nodal displacements make up the displacement
+!> of a contact point.
 !>
 !> The normal displacement of a point is a sum of scalar products of nodal displacements with `part`, a normal times
 !> the share of the node; the tangential one the same sum with the parts turned by a right angle. A node that is a

@@ -13,6 +13,8 @@ module amontons_contact_samples
       integer, allocatable :: start(:) !! first sample of each point, and one beyond the last (m + 1)
       real(dp), allocatable :: position(:, :) !! coordinates (2, samples) [L]
       real(dp), allocatable :: normal(:, :) !! unit normal n towards the obstacle (2, samples) [-]
+      real(dp), allocatable :: outward(:)
+         !! cosine of the angle between n and the body's outward normal: 1 unless n is a given direction (samples) [-]
       real(dp), allocatable :: station(:) !! length along the line from its first node (samples) [L]
       real(dp), allocatable :: share(:) !! share of the point's area; they sum to 1 over a point (samples) [-]
    contains
@@ -32,6 +34,7 @@ contains
       n = size(self%share) + size(others%share)
       self%position = reshape([self%position, others%position], [2, n])
       self%normal = reshape([self%normal, others%normal], [2, n])
+      self%outward = [self%outward, others%outward]
       self%station = [self%station, others%station]
       self%share = [self%share, others%share]
    end subroutine contact_samples_add
@@ -47,6 +50,7 @@ contains
       picked%start = picked_start(self%start, points)
       picked%position = self%position(:, places)
       picked%normal = self%normal(:, places)
+      picked%outward = self%outward(places)
       picked%station = self%station(places)
       picked%share = self%share(places)
    end function contact_samples_picked

@@ -123,7 +123,7 @@ contains
          zone%is_cell(0), zone%is_guided(0), zone%position(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0))
       allocate (no_rows%start(1), no_samples%start(1), source=1)
       allocate (no_rows%node(0), no_rows%part(2, 0), no_samples%position(2, 0), no_samples%normal(2, 0), &
-         no_samples%station(0), no_samples%share(0))
+         no_samples%outward(0), no_samples%station(0), no_samples%share(0))
       zone%rows = no_rows
       zone%samples = no_samples
    end subroutine empty_zone
@@ -200,7 +200,7 @@ contains
          points%area = line%area(place)
          points%rows = contact_rows_t(start=[(k, k=1, n + 1)], node=node, part=points%normal)
          points%samples = contact_samples_t(start=points%rows%start, position=points%position, normal=points%normal, &
-            station=station(place), share=spread(1.0_dp, 1, n))
+            outward=sum(points%normal*line%normal(:, place), dim=1), station=station(place), share=spread(1.0_dp, 1, n))
          zone%node = [zone%node, node]
       end associate
       call add_points(zone, points)

@@ -6,6 +6,7 @@ module amontons_load_case
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_zone, only: contact_t, contact_zone_t
+   use amontons_counter_body, only: steepest_cosine
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_loads, only: load_t, load_vector
@@ -18,12 +19,15 @@ module amontons_load_case
 
    !> Loads, prescribed displacements, obstacles and friction.
    type :: load_case_t
+      type(contact_t), allocatable :: contacts(:) !! the contact sets, with their obstacles
       real(dp), allocatable :: force(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       real(dp), allocatable :: prescribed(:, :) !! displacements that the supports prescribe (2, n_nodes) [L]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
       real(dp), allocatable :: free_gap(:)
          !! what is left of the gap for the displacements that supports do not prescribe: d - n . u_p (m) [L]
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle, so that the point can close (m)
+      real(dp), allocatable :: cosine(:) !! of the angle between the normal and the way into the obstacle (m) [-]
+      real(dp), allocatable :: depth(:) !! how deep a point out of reach lies in the obstacle, 0 for the others (m) [L]
       real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
       real(dp), allocatable :: slip_bound(:) !! given bound g of the tangential force (m) [F]
       type(condensed_load_t) :: condensed !! the condensed load, after `condense_load_case`
@@ -47,7 +51,8 @@ contains
       call new_constraints(constraints, load_case%prescribed, body%mesh, supports, error)
       if (allocated(error)) return
       if (any(constraints%is_free .neqv. body%constraints%is_free)) then
-         call new_error(error, input_refused, 'the supports of a load case hold other components than those of its body')
+         call new_error(error, input_refused, &
+            'the supports of a load case hold other components than those of its body')
          return
       end if
       call set_obstacles(load_case, body%zone, body%mesh, contacts, error)
@@ -60,43 +65,43 @@ contains
    !> Sets gap, friction and slip bound of every point from its contact set.
    !>
    !> The gap is the distance to the obstacle along the point's normal; it is negative where the body overlaps the
-   !> obstacle (interference). A point whose normal never meets the obstacle gets a gap that nothing closes. A cell has
-   !> the means over its area.
+   !> obstacle (interference). A point whose normal does not meet the obstacle gets a gap that nothing closes. A
+   !> cell has the means over its area.
    pure subroutine set_obstacles(load_case, zone, mesh, contacts, error)
       type(load_case_t), intent(inout) :: load_case !! the load case
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, in the order of `new_contact_zone`
-      type(error_t), allocatable, intent(out) :: error !! a boundary that faces away, or a negative friction
+      type(error_t), allocatable, intent(out) :: error
+         !! a boundary that faces away, an overlap larger than the body, or a negative friction
       real(dp), parameter :: out_of_reach = 1.0e3_dp
-      real(dp) :: size_of_body, gap, share
-      logical :: is_met
+      ! A length that is longer than another one by this share is not longer.
+      real(dp), parameter :: rounding = 1.0e-9_dp
+      real(dp) :: corners(2, 2), size_of_body
       integer :: p, i
 
-      size_of_body = norm2(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
+      load_case%contacts = contacts
+      corners(:, 1) = minval(mesh%coordinates, dim=2)
+      corners(:, 2) = maxval(mesh%coordinates, dim=2)
+      size_of_body = norm2(corners(:, 2) - corners(:, 1))
       load_case%gap = spread(0.0_dp, 1, zone%n_points)
       load_case%friction = load_case%gap
       load_case%slip_bound = load_case%gap
+      load_case%depth = load_case%gap
+      load_case%cosine = spread(1.0_dp, 1, zone%n_points)
       load_case%is_in_reach = spread(.true., 1, zone%n_points)
       do p = 1, zone%n_points
-         associate (contact => contacts(zone%set(p)), samples => zone%samples, friction => load_case%friction(p), &
-            bound => load_case%slip_bound(p))
-            do i = samples%start(p), samples%start(p + 1) - 1
-               share = samples%share(i)
-               call contact%obstacle%measure(samples%position(:, i), samples%normal(:, i), gap, is_met)
-               load_case%is_in_reach(p) = load_case%is_in_reach(p) .and. is_met
-               load_case%gap(p) = load_case%gap(p) + share*gap
-               friction = friction + share*contact%friction%at(samples%position(:, i), samples%station(i))
-               bound = bound + share*contact%slip_bound%at(samples%position(:, i), samples%station(i))*zone%area(p)
-            end do
-            load_case%gap(p) = load_case%gap(p) + contact%extra_gap
-            if (.not. load_case%is_in_reach(p)) load_case%gap(p) = out_of_reach*size_of_body
-            if (min(friction, bound) < 0.0_dp) then
-               call new_error(error, input_refused, contact%origin//'friction or slip bound is negative at '// &
-                  to_text(zone%position(1, p))//', '//to_text(zone%position(2, p)))
-               return
-            end if
-         end associate
+         call measure_point(load_case, zone, p, contacts(zone%set(p)))
+         if (.not. load_case%is_in_reach(p)) load_case%gap(p) = out_of_reach*size_of_body
+         if (-load_case%gap(p) > (1.0_dp + rounding)*extent(corners, zone%position(:, p), zone%normal(:, p))) then
+            call new_error(error, input_refused, contacts(zone%set(p))%origin//'the body overlaps the obstacle by '// &
+               to_text(-load_case%gap(p))//' at '//position_text(zone%position(:, p))// &
+               ', more than its own depth there; check point, normal and extra_gap of the obstacle')
+         else if (min(load_case%friction(p), load_case%slip_bound(p)) < 0.0_dp) then
+            call new_error(error, input_refused, contacts(zone%set(p))%origin// &
+               'friction or slip bound is negative at '//position_text(zone%position(:, p)))
+         end if
+         if (allocated(error)) return
       end do
       do i = 1, size(contacts)
          if (any(load_case%is_in_reach .and. zone%set == i) .or. all(zone%set /= i)) cycle
@@ -105,6 +110,52 @@ contains
          return
       end do
    end subroutine set_obstacles
+
+   !> Sets gap, friction and slip bound of a point, and whether its normal meets the obstacle.
+   pure subroutine measure_point(load_case, zone, p, contact)
+      type(load_case_t), intent(inout) :: load_case !! the load case
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer, intent(in) :: p !! number of the point
+      type(contact_t), intent(in) :: contact !! its contact set
+      real(dp) :: gap, cosine
+      logical :: is_met
+      integer :: i
+
+      associate (samples => zone%samples)
+         do i = samples%start(p), samples%start(p + 1) - 1
+            associate (position => samples%position(:, i), share => samples%share(i))
+               call contact%obstacle%measure(position, samples%normal(:, i), gap, is_met, cosine)
+               ! A given direction must lead out of the body.
+               is_met = is_met .and. samples%outward(i) >= steepest_cosine
+               if (.not. is_met) load_case%depth(p) = max(load_case%depth(p), contact%obstacle%depth(position))
+               load_case%is_in_reach(p) = load_case%is_in_reach(p) .and. is_met
+               load_case%cosine(p) = min(load_case%cosine(p), cosine)
+               load_case%gap(p) = load_case%gap(p) + share*gap
+               load_case%friction(p) = load_case%friction(p) + share*contact%friction%at(position, samples%station(i))
+               load_case%slip_bound(p) = load_case%slip_bound(p) &
+                  + share*contact%slip_bound%at(position, samples%station(i))*zone%area(p)
+            end associate
+         end do
+      end associate
+      load_case%gap(p) = load_case%gap(p) + contact%extra_gap
+   end subroutine measure_point
+
+   !> How far a body reaches behind a point against a direction, at most: that of the box around it [L].
+   pure real(dp) function extent(corners, position, direction)
+      real(dp), intent(in) :: corners(2, 2) !! lower and upper corner of the box (2, 2) [L]
+      real(dp), intent(in) :: position(2) !! the point [L]
+      real(dp), intent(in) :: direction(2) !! the direction, a unit vector [-]
+
+      extent = sum(max((position - corners(:, 1))*direction, (position - corners(:, 2))*direction))
+   end function extent
+
+   !> Coordinates as text.
+   pure function position_text(position) result(text)
+      real(dp), intent(in) :: position(2) !! the coordinates [L]
+      character(:), allocatable :: text
+
+      text = to_text(position(1))//', '//to_text(position(2))
+   end function position_text
 
    !> Condenses the loads of a case, prescribed displacements included.
    subroutine condense_load_case(load_case, body)

@@ -1,8 +1,9 @@
 !> Rigid obstacles: plane, circle, parabola, polyline, each placed by a point and a normal.
 !>
-!> In the frame of an obstacle h counts along its normal, towards the body, and s along (n_y, -n_x); its surface is
-!> h = f(s) near the origin. A positive radius bulges towards the body (a punch), a negative one is hollow (a seat).
+!> In the frame of an obstacle h counts along its normal, towards the body, and s along (n_y, -n_x). A positive radius
+!> bulges towards the body (a punch), a negative one is hollow (a seat).
 module amontons_obstacle
+   use amontons_counter_body, only: counter_body_t, crossing_t
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
@@ -12,8 +13,11 @@ module amontons_obstacle
    !> Kinds of obstacles, as a deck writes them.
    character(8), parameter :: obstacle_names(*) = [character(8) :: 'plane', 'circle', 'parabola', 'polyline']
 
+   !> A line through the end of a segment crosses it, one along a plane or a segment does not, but for rounding [-].
+   real(dp), parameter :: rounding = 1.0e-12_dp
+
    !> A rigid obstacle.
-   type :: obstacle_t
+   type, extends(counter_body_t) :: obstacle_t
       character(:), allocatable :: kind !! one of `obstacle_names`
       real(dp) :: point(2) = 0.0_dp !! origin of its frame: a point of its surface, or where 0, 0 of a polyline is [L]
       real(dp) :: normal(2) = [0.0_dp, 1.0_dp] !! direction of its outward normal there; any length but zero [-]
@@ -21,20 +25,19 @@ module amontons_obstacle
       real(dp), allocatable :: line(:, :) !! points (s, h) of a polyline, the free side on the left (2, points) [L]
       character(:), allocatable :: file !! the file of the polyline; empty or not allocated without one
    contains
+      procedure :: crossings => obstacle_crossings
+      procedure :: depth => obstacle_depth
       procedure :: has_radius => obstacle_has_radius
-      procedure :: measure => obstacle_measure
    end type obstacle_t
 
 contains
 
-   !> Distance from a point to the obstacle along a direction: the way to the surface, entered from its free side;
-   !> negative where the point is inside already.
-   pure subroutine obstacle_measure(self, position, direction, distance, is_met)
+   !> All places where a line crosses the surface of the obstacle.
+   pure function obstacle_crossings(self, position, direction) result(crossings)
       class(obstacle_t), intent(in) :: self !! the obstacle
-      real(dp), intent(in) :: position(2) !! the point [L]
-      real(dp), intent(in) :: direction(2) !! the direction, a unit vector [-]
-      real(dp), intent(out) :: distance !! the distance [L]
-      logical, intent(out) :: is_met !! false if the line along the direction never enters the obstacle
+      real(dp), intent(in) :: position(2) !! a point of the line [L]
+      real(dp), intent(in) :: direction(2) !! its direction, a unit vector [-]
+      type(crossing_t), allocatable :: crossings(:)
       real(dp) :: axis(2), x(2), e(2)
 
       axis = self%normal/norm2(self%normal)
@@ -42,19 +45,26 @@ contains
       e = in_frame(axis, direction)
       select case (self%kind)
       case ('circle')
-         ! On the circle |x + d e - c| = R with the centre c = (0, -R); hollow circles are left rather than entered.
-         call enter_conic(1.0_dp, 2.0_dp*(dot_product(x, e) + self%radius*e(2)), &
-            dot_product(x, x) + 2.0_dp*self%radius*x(2), sign(1.0_dp, self%radius), distance, is_met)
+         crossings = conic_crossings(self%radius, 1.0_dp, x, e)
       case ('parabola')
-         ! On the parabola h + s^2 / (2 R) = 0.
-         call enter_conic(e(1)**2/(2.0_dp*self%radius), e(2) + x(1)*e(1)/self%radius, &
-            x(2) + x(1)**2/(2.0_dp*self%radius), 1.0_dp, distance, is_met)
+         crossings = conic_crossings(self%radius, 0.0_dp, x, e)
       case ('polyline')
-         call enter_polyline(self%line, x, e, distance, is_met)
+         crossings = polyline_crossings(self%line, x, e)
       case default
-         call enter_conic(0.0_dp, e(2), x(2), 1.0_dp, distance, is_met)
+         crossings = plane_crossings(x, e)
       end select
-   end subroutine obstacle_measure
+   end function obstacle_crossings
+
+   !> How deep a point lies in the obstacle, measured along the obstacle's normal; 0 in free space [L].
+   pure real(dp) function obstacle_depth(self, position) result(depth)
+      class(obstacle_t), intent(in) :: self !! the obstacle
+      real(dp), intent(in) :: position(2) !! the point [L]
+      real(dp) :: gap, cosine
+      logical :: is_met
+
+      call self%measure(position, -self%normal/norm2(self%normal), gap, is_met, cosine)
+      depth = merge(max(0.0_dp, -gap), 0.0_dp, is_met)
+   end function obstacle_depth
 
    !> Whether an obstacle of this kind has a radius.
    pure logical function obstacle_has_radius(self) result(has_radius)
@@ -72,61 +82,79 @@ contains
       local = [axis(2)*vector(1) - axis(1)*vector(2), dot_product(axis, vector)]
    end function in_frame
 
-   !> Where side * (a d^2 + b d + c) falls through zero: of two such places there is only one.
-   pure subroutine enter_conic(a, b, c, side, distance, is_met)
-      real(dp), intent(in) :: a !! quadratic coefficient
-      real(dp), intent(in) :: b !! linear coefficient
-      real(dp), intent(in) :: c !! constant
-      real(dp), intent(in) :: side !! 1, or -1 where the function is negative on the free side
-      real(dp), intent(out) :: distance !! d
-      logical, intent(out) :: is_met !! whether there is such a place
-      real(dp), parameter :: grazing = 1.0e-3_dp
-      real(dp) :: root
+   !> Where a line crosses a plane, h = 0.
+   pure function plane_crossings(x, e) result(crossings)
+      real(dp), intent(in) :: x(2) !! where the line starts, in the frame [L]
+      real(dp), intent(in) :: e(2) !! its direction, in the frame [-]
+      type(crossing_t), allocatable :: crossings(:)
 
-      distance = 0.0_dp
-      root = b**2 - 4.0_dp*a*c
-      is_met = root > 0.0_dp
-      if (.not. is_met) return
-      ! The slope 2 a d + b at the place sought is -root, so that d = -(b + root)/(2 a) = 2 c/(root - b): of the two
-      ! forms the one that loses no digits.
-      root = side*sqrt(root)
-      if (-b*root > 0.0_dp) then
-         is_met = abs(a) > 0.0_dp .or. abs(b) > grazing
-         distance = 2.0_dp*c/(root - b)
-      else if (abs(a) > 0.0_dp) then
-         distance = -(b + root)/(2.0_dp*a)
-      else
-         is_met = .false.
-      end if
-   end subroutine enter_conic
+      allocate (crossings(0))
+      if (abs(e(2)) > rounding) crossings = [crossing_t(-x(2)/e(2), -e(2))]
+   end function plane_crossings
 
-   !> The nearest place where a line enters a polyline from its left side.
-   pure subroutine enter_polyline(line, x, e, distance, is_met)
+   !> Where a line crosses F = h + (s^2 + c h^2)/(2 R) = 0: a parabola (c = 0) or a circle (c = 1); F is positive on the
+   !> free side.
+   pure function conic_crossings(radius, c, x, e) result(crossings)
+      real(dp), intent(in) :: radius !! the radius of curvature R; negative if hollow [L]
+      real(dp), intent(in) :: c !! 1 of a circle, 0 of a parabola [-]
+      real(dp), intent(in) :: x(2) !! where the line starts, in the frame [L]
+      real(dp), intent(in) :: e(2) !! its direction, in the frame [-]
+      type(crossing_t), allocatable :: crossings(:)
+      ! A root this many lengths away is none.
+      real(dp), parameter :: far = 1.0e100_dp
+      real(dp) :: length, start(2), height, square, linear, constant, root, q
+
+      allocate (crossings(0))
+      ! All lengths count in the largest one, so that no square leaves the range of numbers.
+      length = max(maxval(abs(x)), 2.0_dp*abs(radius))
+      start = x/length
+      height = 2.0_dp*radius/length
+      ! 2 R F along the line is square t^2 + linear t + constant.
+      square = e(1)**2 + c*e(2)**2
+      linear = height*e(2) + 2.0_dp*(start(1)*e(1) + c*start(2)*e(2))
+      constant = height*start(2) + start(1)**2 + c*start(2)**2
+      root = linear**2 - 4.0_dp*square*constant
+      if (.not. root > 0.0_dp) return
+      ! It has the slopes root and -root at its zeros: of two forms of each zero the one that loses no digits.
+      root = sign(sqrt(root), linear)
+      q = -0.5_dp*(linear + root)
+      if (abs(q) > 0.0_dp) crossings = [crossing_at(constant/q, root)]
+      if (abs(q) < far*square) crossings = [crossings, crossing_at(q/square, -root)]
+
+   contains
+
+      !> The crossing at a zero of 2 R F with a slope.
+      pure type(crossing_t) function crossing_at(way, slope) result(crossing)
+         real(dp), intent(in) :: way !! the way to it, in `length` [-]
+         real(dp), intent(in) :: slope !! slope there [-]
+         real(dp) :: place(2)
+
+         place = start + way*e
+         crossing = crossing_t(length*way, &
+            -slope*sign(1.0_dp, radius)/norm2([2.0_dp*place(1), height + 2.0_dp*c*place(2)]))
+      end function crossing_at
+
+   end function conic_crossings
+
+   !> Where a line crosses a polyline; it enters from the polyline's left side.
+   pure function polyline_crossings(line, x, e) result(crossings)
       real(dp), intent(in) :: line(:, :) !! points of the polyline (2, points) [L]
-      real(dp), intent(in) :: x(2) !! where the line starts [L]
-      real(dp), intent(in) :: e(2) !! its direction [-]
-      real(dp), intent(out) :: distance !! signed way along the line [L]
-      logical, intent(out) :: is_met !! whether there is such a place
-      real(dp), parameter :: rounding = 1.0e-12_dp
-      real(dp) :: along(2), to_start(2), cross, way, place
+      real(dp), intent(in) :: x(2) !! where the line starts, in the frame [L]
+      real(dp), intent(in) :: e(2) !! its direction, in the frame [-]
+      type(crossing_t), allocatable :: crossings(:)
+      real(dp) :: along(2), to_start(2), cross, place
       integer :: i
 
-      is_met = .false.
-      distance = huge(distance)
+      allocate (crossings(0))
       do i = 1, size(line, 2) - 1
          along = line(:, i + 1) - line(:, i)
          cross = e(1)*along(2) - e(2)*along(1)
-         ! Entered from the left: the direction points to the right of the segment.
-         if (.not. cross > rounding*norm2(along)) cycle
+         if (.not. abs(cross) > rounding*norm2(along)) cycle
          to_start = line(:, i) - x
-         way = (to_start(1)*along(2) - to_start(2)*along(1))/cross
          place = (to_start(1)*e(2) - to_start(2)*e(1))/cross
          if (place < -rounding .or. place > 1.0_dp + rounding) cycle
-         if (is_met .and. abs(way) >= abs(distance)) cycle
-         is_met = .true.
-         distance = way
+         crossings = [crossings, crossing_t((to_start(1)*along(2) - to_start(2)*along(1))/cross, cross/norm2(along))]
       end do
-      if (.not. is_met) distance = 0.0_dp
-   end subroutine enter_polyline
+   end function polyline_crossings
 
 end module amontons_obstacle

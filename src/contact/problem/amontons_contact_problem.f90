@@ -1,10 +1,10 @@
 !> The contact problem: the small problem on the contact points that everything turns on.
 !>
 !> The displacements v = (u_N; u_T) of m contact points and the forces lambda = (lambda_N; lambda_T) obey
-!> `S v = q - lambda` and the contact law. S is symmetric and positive semidefinite; its kernel are the rigid motions
-!> that only contact holds. A reduced problem comes without S, in the dual form `v = v_free - A lambda` with a
-!> compliance A that may be semidefinite. All vectors list the m normal components first, the m tangential ones after
-!> them.
+!> `S v = q - lambda`, which is (2.1) of the paper condensed to the points, and the contact law, its (2.2). S is
+!> symmetric and positive semidefinite; its kernel are the rigid motions that only contact holds. A reduced problem
+!> comes without S, in the dual form `v = v_free - A lambda` with a compliance A that may be semidefinite. All vectors
+!> list the m normal components first, the m tangential ones after them.
 module amontons_contact_problem
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_band_stiffness, only: band_stiffness_t
@@ -35,8 +35,8 @@ module amontons_contact_problem
       real(dp) :: shift = 0.0_dp
          !! alpha of the proximal iteration: 0 for a held body [F/L]
       type(symmetric_matrix_t), allocatable :: compliance
-         !! the paper's dual matrix A = (S + alpha I)^-1, made by `prepare_compliance`; always there in a reduced
-         !! problem (2m, 2m) [L/F]
+         !! the matrix A = (S + alpha I)^-1 of the paper's (2.3), made by `prepare_compliance`; always there in a
+         !! reduced problem (2m, 2m) [L/F]
    contains
       procedure :: augmentation => contact_problem_augmentation
       procedure :: bound => contact_problem_bound
@@ -157,7 +157,8 @@ contains
       self%stiffness = self%band%dense()
    end subroutine contact_problem_prepare_stiffness
 
-   !> Makes the dual matrix A = (S + alpha I)^-1 unless it is there already.
+   !> Makes the dual matrix A = (S + alpha I)^-1 unless it is there already: for a held body the paper's (2.3),
+   !> A = C K^-1 C^T with C = (N; T), without a column of K^-1.
    !>
    !> A body that only contact holds has no S^-1: alpha is then a third of the mean diagonal of S shared among the
    !> points, and the methods iterate v_k (see `dual_load`) until the shift has no effect. So the rigid motion, which
@@ -190,8 +191,8 @@ contains
       call new_dense_matrix(self%compliance, factor)
    end subroutine contact_problem_prepare_compliance
 
-   !> The paper's dual load B = v_free - (d; 0), where v_free = A (q + alpha v_k) with the proximal centre v_k unless
-   !> the problem is a reduced one and gives it (2m) [L].
+   !> The dual load of the paper's (2.3), B = v_free - (d; 0), where v_free = A (q + alpha v_k) with the proximal center
+   !> v_k unless the problem is a reduced one and gives it (2m) [L].
    pure function contact_problem_dual_load(self, center) result(b)
       class(contact_problem_t), intent(in) :: self !! the problem, its compliance prepared
       real(dp), intent(in) :: center(:) !! v_k; without effect for a held body (2m) [L]

@@ -3,6 +3,8 @@
 !> With the distance w = u_N - d (negative while open), the slip u_T, the forces lambda_N (compression positive) and
 !> lambda_T (along the slip), and the slip bound b = g + phi lambda_N, of a given part (Tresca) and Coulomb's:
 !> `0 <= lambda_N _|_ -w >= 0`, `|lambda_T| <= b`, `u_T /= 0 => lambda_T = b sign(u_T)`.
+!> For a given bound this is the inequality (2.2) of the paper, and the maximum over the multipliers in its saddle point
+!> (P3); Coulomb's part makes b depend on the solution (its remark 1 on section 1).
 module amontons_friction_law
    use amontons_kinds, only: dp
    implicit none (type, external)

@@ -1,5 +1,6 @@
 !> A friction below which a contact problem has one solution, whatever its loads and gaps; section 5 of doc/theory.md
-!> has the proofs.
+!> has the proofs. The paper asks for small friction in (P2), where the slip bound is given and none is needed (errata 1
+!> and 2).
 !>
 !> Of few points the exact bound is found: the signs of the determinants that all combinations of states lead to. Of
 !> more points a sufficient one, `amontons_uniqueness_estimate`.
@@ -100,29 +101,27 @@ contains
       real(dp), intent(in) :: friction(:) !! phi, the largest of them about 1 (m) [-]
       logical, intent(in) :: has_slip_bound(:) !! whether a given slip bound lets open points stick (m)
       integer, parameter :: n_halvings = 50
-      real(dp) :: above, middle
-      integer :: i, j, m
+      real(dp) :: above, middle, by_point(size(a, 1), size(a, 2))
+      integer :: order(size(a, 1)), i, j, m
 
       m = size(friction)
-      associate (order => [((i + j*m, j=0, 1), i=1, m)])
-         associate (by_point => a(order, order))
-            bound = 0.0_dp
-            above = 1.0_dp
-            do while (are_positive(by_point, above*friction, has_slip_bound))
-               bound = above
-               if (bound > any_friction) return
-               above = 2.0_dp*above
-            end do
-            do i = 1, n_halvings
-               middle = 0.5_dp*(bound + above)
-               if (are_positive(by_point, middle*friction, has_slip_bound)) then
-                  bound = middle
-               else
-                  above = middle
-               end if
-            end do
-         end associate
-      end associate
+      order = [((i + j*m, j=0, 1), i=1, m)]
+      by_point = a(order, order)
+      bound = 0.0_dp
+      above = 1.0_dp
+      do while (are_positive(by_point, above*friction, has_slip_bound))
+         bound = above
+         if (bound > any_friction) return
+         above = 2.0_dp*above
+      end do
+      do i = 1, n_halvings
+         middle = 0.5_dp*(bound + above)
+         if (are_positive(by_point, middle*friction, has_slip_bound)) then
+            bound = middle
+         else
+            above = middle
+         end if
+      end do
    end function exact_bound
 
    !> Whether the determinants of all combinations of states are positive. The points settle their states from the last

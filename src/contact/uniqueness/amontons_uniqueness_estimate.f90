@@ -13,7 +13,7 @@ module amontons_uniqueness_estimate
    type :: coupling_t
       real(dp), allocatable :: normal(:, :) !! S_11 (m, m)
       real(dp), allocatable :: difference(:, :) !! S_21 S_11^+ S_12 (m, m)
-      real(dp), allocatable :: factor(:, :) !! Cholesky factor of G = S_22 - S_21 S_11^+ S_12 (m, m)
+      real(dp), allocatable :: factor(:, :) !! Cholesky factor of S_T = S_22 - S_21 S_11^+ S_12 (m, m)
    end type coupling_t
 
 contains
@@ -41,7 +41,7 @@ contains
    pure subroutine new_coupling(coupling, s, is_definite)
       type(coupling_t), intent(out) :: coupling !! the blocks
       real(dp), intent(in) :: s(:, :) !! S (2m, 2m) [-]
-      logical, intent(out) :: is_definite !! whether G is positive definite beyond rounding
+      logical, intent(out) :: is_definite !! whether S_T is positive definite beyond rounding
       ! Free rigid motions along the normals are in the kernel of S_11 and of S_21: any small number holds them.
       real(dp), parameter :: hold = 1.0e-11_dp, least_root = 1.0e-4_dp
       real(dp), allocatable :: factor(:, :), cross(:, :), mixed(:, :)

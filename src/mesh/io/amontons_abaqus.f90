@@ -144,6 +144,7 @@ contains
          ' are taken for names of the boundary, not for bars')
       if (kind > 0 .and. len(value) > 4) call draft%add_note('elements of type '//value// &
          ' are taken for '//value(:4)//': compatible and fully integrated')
+      draft%hypothesis = hypothesis_of(value, kind, draft%hypothesis)
       call get_set(draft, input, scope, line, 'elset', group)
       do
          call next_data_line(input, is_there)
@@ -157,6 +158,25 @@ contains
          call draft%groups(group)%side%append(0)
       end do
    end subroutine read_elements
+
+   !> The hypothesis that elements of a type are of, as a deck writes it; that of others before, if these are lines.
+   pure function hypothesis_of(type, kind, before) result(hypothesis)
+      character(*), intent(in) :: type !! name of the type
+      integer, intent(in) :: kind !! kind of the elements
+      character(12), intent(in) :: before !! the hypothesis of the elements before, empty for none
+      character(12) :: hypothesis
+
+      hypothesis = before
+      if (kind <= 0) return
+      select case (lower_case(type(:3)))
+      case ('cps')
+         hypothesis = 'plane stress'
+      case ('cax')
+         hypothesis = 'axisymmetric'
+      case default
+         hypothesis = 'plane strain'
+      end select
+   end function hypothesis_of
 
    !> Takes the nodes of an element; a comma at the end of a line continues it on the next one.
    pure subroutine take_nodes(draft, input, kind, tag, place)

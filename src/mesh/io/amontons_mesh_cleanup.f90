@@ -47,11 +47,12 @@ contains
       if (allocated(input%error)) return
       call check_neighbours(mesh, draft, input, cell_of, table)
       if (allocated(input%error)) return
-      call note_pieces(mesh, draft)
-      call note_slits(mesh, draft, table)
+      call warn_of_pieces(mesh)
+      call warn_of_slits(mesh, table)
       allocate (translation%element(draft%cell_tag%n), source=0)
       translation%element(cell_of) = [(element, element=1, mesh%n_elements)]
       call name_sets(mesh, draft, input, table, translation)
+      mesh%hypothesis = draft%hypothesis
    end subroutine new_clean_mesh
 
    !> Refuses numbers of nodes or of cells that are not positive or given twice.
@@ -300,28 +301,26 @@ contains
       end do
    end subroutine check_neighbours
 
-   !> Notes that a body is not one: pieces that touch without sharing a node do not hold together.
-   pure subroutine note_pieces(mesh, draft)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+   !> Warns that a body is not one: pieces that touch without sharing a node do not hold together.
+   pure subroutine warn_of_pieces(mesh)
+      type(mesh_t), intent(inout) :: mesh !! the mesh; gains the warning
       integer, allocatable :: piece(:)
       integer :: n_pieces
 
       call number_pieces(mesh, piece, n_pieces)
-      if (n_pieces > 1) call draft%add_note('the body falls into '//to_text(n_pieces)//' pieces that share no node')
-   end subroutine note_pieces
+      if (n_pieces > 1) call mesh%warnings%add('the body falls into '//to_text(n_pieces)//' pieces that share no node')
+   end subroutine warn_of_pieces
 
-   !> Notes where elements touch without sharing nodes.
-   pure subroutine note_slits(mesh, draft, table)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+   !> Warns where elements touch without sharing nodes.
+   pure subroutine warn_of_slits(mesh, table)
+      type(mesh_t), intent(inout) :: mesh !! the mesh; gains the warning
       type(side_table_t), intent(in) :: table !! the sides of the elements
       integer :: n_ends, node
 
       call find_slits(mesh, table, n_ends, node)
-      if (n_ends > 0) call draft%add_note(counted(n_ends, 'end')//' of slits, the first at '// &
+      if (n_ends > 0) call mesh%warnings%add(counted(n_ends, 'end')//' of slits, the first at '// &
          to_text(mesh%coordinates(1, node))//', '//to_text(mesh%coordinates(2, node))// &
          ': from there on, elements touch without sharing their nodes')
-   end subroutine note_slits
+   end subroutine warn_of_slits
 
 end module amontons_mesh_cleanup

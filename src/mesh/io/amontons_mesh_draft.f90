@@ -54,6 +54,7 @@ module amontons_mesh_draft
       integer, private :: n_members = 0 !! number of things in all of them that are not written out
       logical :: ignores_case = .false. !! whether capital letters do not tell names apart
       logical :: nodes_name_sides = .false. !! whether a set of nodes also names the boundary sides between them
+      character(12) :: hypothesis = '' !! the hypothesis that the elements are of; empty if the file says none
       integer, private :: n_notes = 0 !! number of notes
       character(:), allocatable :: notes !! what was put right or left out, a line of text for each
    contains

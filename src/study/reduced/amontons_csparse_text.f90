@@ -7,7 +7,7 @@ module amontons_csparse_text
    use amontons_numeral, only: ends_word, scan_integer, scan_real
    use amontons_reduced_system, only: entries_t, reduced_system_t
    use amontons_reduced_words, only: refuse_word, take_choice, take_word
-   use amontons_text, only: to_text, to_text_17
+   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
@@ -268,15 +268,16 @@ contains
       norm = maxval([(sum(abs(system%entry(system%first(j):system%first(j + 1) - 1))), j=1, size(system%q))])
       write (unit, '(i0/a/i0, 3(a, i0), a)', iostat=status) origin_columns, 'CSparse Version 3', size(system%q), &
          '-by-', size(system%q), ', nzmax: ', size(system%entry), ' nnz: ', size(system%entry), &
-         ', 1-norm: '//to_text_17(norm)
+         ', 1-norm: '//to_text(norm)
       if (status /= 0) return
       do j = 1, size(system%q)
          associate (first => system%first(j), last => system%first(j + 1) - 1)
             write (unit, '(3(a, i0))', iostat=status) '    col ', j - 1, ' : locations ', first - 1, ' to ', last - 1
             if (status /= 0) return
-            write (unit, '(6x, i0, a)', iostat=status) (system%row(k) - 1, ' : '//to_text_17(system%entry(k)), &
-               k=first, last)
-            if (status /= 0) return
+            do k = first, last
+               write (unit, '(6x, i0, a)', iostat=status) system%row(k) - 1, ' : '//to_text(system%entry(k))
+               if (status /= 0) return
+            end do
          end associate
       end do
    end subroutine write_csparse

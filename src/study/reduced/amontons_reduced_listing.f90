@@ -4,8 +4,8 @@ module amontons_reduced_listing
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
    use amontons_listing_parts, only: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
-      violations_text
-   use amontons_listing_text, only: heading, line, scientific, short
+      violations_text, warnings_text
+   use amontons_listing_text, only: columns, heading, line, right, scientific, short
    use amontons_reduced_check, only: reduced_check_t
    use amontons_reduced_system, only: reduced_system_t
    use amontons_result, only: certificate_limit
@@ -26,9 +26,9 @@ contains
       type(reduced_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
-      text = head_text(config)//problem_text(config, result%system)//solution_text(config, result) &
-         //check_text(config, result%check)//points_text(result) &
-         //times_text(result%timings, [phase_read, phase_solve, phase_recover])
+      text = head_text(config)//warnings_text(result%warnings)//problem_text(config, result%system)// &
+         solution_text(config, result)//check_text(config, result%check)//points_text(result)// &
+         times_text(result%timings, [phase_read, phase_solve, phase_recover])
    end function reduced_listing_text
 
    !> What the file holds.
@@ -95,7 +95,7 @@ contains
       write (rows(0), '(a7, 4a13, 2x, a)') 'point', 'gap', 'slip', 'normal force', 'tang. force', 'status'
       associate (u => result%system%u, r => result%system%r)
          do p = 1, result%system%n_contacts
-            write (rows(p), '(i7, 4es13.5, 2x, a)') p, u(2*p - 1), u(2*p), r(2*p - 1), r(2*p), &
+            rows(p) = right(to_text(p), 7)//columns([u(2*p - 1:2*p), r(2*p - 1:2*p)])//'  '// &
                status_names(result%solution%status(p))
          end do
       end associate

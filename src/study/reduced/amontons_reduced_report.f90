@@ -1,16 +1,15 @@
 !> The files of a solved reduced problem: all of them, each whole, or none.
 module amontons_reduced_report
-   use amontons_config, only: config_t
+   use amontons_config, only: config_t, effective_deck
    use amontons_directory, only: file_name_t
    use amontons_earlier_files, only: find_earlier_files
-   use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
+   use amontons_manifest, only: manifest_t, with_manifest
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_reduced_listing, only: reduced_listing_text
    use amontons_reduced_summary, only: reduced_summary_text
-   use amontons_seal, only: seal_t, sealed_text
    use amontons_solutions_report, only: solutions_table_text
    use amontons_solve_reduced, only: reduced_result_t
    use amontons_system, only: make_directory
@@ -38,19 +37,19 @@ contains
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(output_file_t) :: files(n_files + merge(1, 0, allocated(result%all_solutions)))
       type(file_name_t), allocatable :: earlier(:)
-      type(seal_t) :: seal
+      type(manifest_t) :: manifest
 
       call make_directory(directory, error)
       if (allocated(error)) return
-      call write_files(files, seal, directory//'/'//config%name, config, result, error)
-      if (.not. allocated(error)) call find_earlier_files(earlier, directory, config%name, seal)
+      call write_files(files, manifest, directory//'/'//config%name, config, result, error)
+      if (.not. allocated(error)) call find_earlier_files(earlier, directory, config%name, manifest)
       call commit_files(files, error, earlier)
    end subroutine write_reduced_report
 
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
-   subroutine write_files(files, seal, stem, config, result, error)
+   subroutine write_files(files, manifest, stem, config, result, error)
       type(output_file_t), intent(inout) :: files(:) !! the finished files, the summary last
-      type(seal_t), intent(out) :: seal !! their seal
+      type(manifest_t), intent(out) :: manifest !! their manifest
       character(*), intent(in) :: stem !! directory and name of the case
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(inout) :: result !! the result; gains the time of writing
@@ -67,16 +66,16 @@ contains
             spread(0.0_dp, 1, result%system%n_contacts)), error)
          if (allocated(error)) return
       end if
-      call seal%add_outputs(files, '', error)
-      if (result%has_reduced_files .and. .not. allocated(error)) call seal%add_reduced(stem, error)
+      call manifest%add_outputs(files, '', error)
+      if (result%has_reduced_files .and. .not. allocated(error)) call manifest%add_reduced(stem, error)
       if (allocated(error)) return
-      call seal%add_inputs(config)
+      call manifest%add_inputs(config)
       call result%timings%begin(phase_write)
-      call write_text_file(files(size(files)), stem//'.summary.json', sealed_text(reduced_summary_text(config, &
-         result), seal), error)
+      call write_text_file(files(size(files)), stem//'.summary.json', with_manifest(reduced_summary_text(config, &
+         result), manifest), error)
    end subroutine write_files
 
-   !> The table: one row per contact, 17 significant digits.
+   !> The table: one row per contact.
    pure function table_text(result) result(text)
       type(reduced_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text

@@ -21,7 +21,7 @@ contains
       character(:), allocatable :: text
 
       associate (solution => result%solution, system => result%system)
-         text = head_members(config, solution%is_converged)//effort_members(solution) &
+         text = head_members(config, solution%is_converged, result%warnings)//effort_members(solution) &
             //member('problem', '{"file": '//string(config%reduced%file)//', "form": '//string(system%form) &
             //', "entries": '//to_text(size(system%entry))//', "largest_compliance": '//number(system%largest) &
             //', "asymmetry": '//number(system%asymmetry)//'}') &

@@ -11,7 +11,7 @@ module amontons_siconos_text
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_reduced_system, only: entries_t, new_reduced_system, reduced_system_t
    use amontons_reduced_words, only: refuse_word, take_choice, take_number
-   use amontons_text, only: to_text, to_text_17
+   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
@@ -245,7 +245,7 @@ contains
       character(*), intent(in) :: path !! name of the file
       type(reduced_system_t), intent(in) :: system !! the reduced problem
       type(error_t), allocatable, intent(out) :: error !! the file cannot be written
-      integer :: status, i
+      integer :: status
 
       call new_output_file(file, path, .false., error)
       if (allocated(error)) return
@@ -253,10 +253,24 @@ contains
          system%is_dense()), size(system%q), size(system%q)
       if (status == 0 .and. system%is_dense()) call write_dense(file%unit, system, status)
       if (status == 0 .and. .not. system%is_dense()) call write_csparse(file%unit, system, status)
-      if (status == 0) write (file%unit, '(a)', iostat=status) (to_text_17(system%q(i)), i=1, size(system%q)), &
-         (to_text_17(system%friction(i)), i=1, size(system%friction))
+      if (status == 0) call write_column(file%unit, system%q, status)
+      if (status == 0) call write_column(file%unit, system%friction, status)
       call file%finish(status, error)
    end subroutine write_siconos_text
+
+   !> Writes numbers, one a line.
+   subroutine write_column(unit, values, status)
+      integer, intent(in) :: unit !! the unit to write to
+      real(dp), intent(in) :: values(:) !! the numbers
+      integer, intent(out) :: status !! 0 where all is well
+      integer :: i
+
+      status = 0
+      do i = 1, size(values)
+         write (unit, '(a)', iostat=status) to_text(values(i))
+         if (status /= 0) return
+      end do
+   end subroutine write_column
 
    !> Writes W in full, a column a line.
    subroutine write_dense(unit, system, status)
@@ -273,7 +287,11 @@ contains
          associate (first => system%first(j), last => system%first(j + 1) - 1)
             column(system%row(first:last)) = system%entry(first:last)
          end associate
-         write (unit, '(*(a, :, 1x))', iostat=status) (to_text_17(column(i)), i=1, size(column))
+         do i = 1, size(column)
+            write (unit, '(a)', advance='no', iostat=status) repeat(' ', min(i - 1, 1))//to_text(column(i))
+            if (status /= 0) return
+         end do
+         write (unit, '()', iostat=status)
          if (status /= 0) return
       end do
    end subroutine write_dense

@@ -9,12 +9,14 @@ module amontons_solve_reduced
    use amontons_effort, only: effort_t
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
+   use amontons_listing_text, only: short
    use amontons_methods, only: method_options_t, new_contact_method
    use amontons_reduced_check, only: new_reduced_check, reduced_check_t
    use amontons_reduced_file, only: read_reduced_file
    use amontons_reduced_system, only: reduced_system_t
    use amontons_timings, only: new_timings, phase_recover, phase_solve, phase_write, timings_t
    use amontons_uniqueness, only: new_uniqueness, uniqueness_t
+   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 
@@ -28,6 +30,7 @@ module amontons_solve_reduced
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
       type(all_solutions_t), allocatable :: all_solutions
          !! all solutions, where they were asked for; their forces are r, all normal ones first
+      type(warning_list_t) :: warnings !! what is doubtful about the problem
       logical :: has_reduced_files = .false. !! whether the problem was written again
       type(timings_t) :: timings !! where the time went
    end type reduced_result_t
@@ -39,6 +42,8 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(out) :: result !! gains the problem
       type(error_t), allocatable, intent(out) :: error !! the file is at fault
+      ! What the sums of another program may leave between an entry and its mirror image.
+      real(dp), parameter :: rounding = 1.0e-8_dp
 
       call new_timings(result%timings)
       call read_reduced_file(result%system, config%reduced%file, error)
@@ -47,6 +52,11 @@ contains
          return
       end if
       if (config%reduced%has_friction) result%system%friction = config%reduced%friction
+      associate (system => result%system)
+         if (system%asymmetry > rounding*system%largest) call result%warnings%add( &
+            'W is not symmetric: it differs from its transpose by up to '//short(system%asymmetry)// &
+            ', beside a diagonal of up to '//short(system%largest))
+      end associate
    end subroutine prepare_reduced
 
    !> Reads and solves the problem of a case.

@@ -5,17 +5,17 @@
 module amontons_solve_sweep
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t
-   use amontons_config, only: config_t
+   use amontons_config, only: config_t, effective_deck
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
-   use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_load_case, only: condense_load_case
+   use amontons_manifest, only: manifest_t
    use amontons_methods, only: new_contact_method
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
-   use amontons_seal, only: seal_t
+   use amontons_result_warnings, only: add_conditioning
    use amontons_solve_case, only: condense_case, prepare_case, workshop_t
    use amontons_solve_load_case, only: certify
    use amontons_sweep_checkpoint, only: open_sweep_checkpoint, sweep_checkpoint_t
@@ -43,7 +43,7 @@ module amontons_solve_sweep
       type(sweep_checkpoint_t) :: checkpoint !! the table, still under its temporary name
       type(output_file_t), allocatable :: collection
          !! the collection of the fields, if there is one, still under its temporary name
-      type(seal_t) :: grids !! the seal of the fields
+      type(manifest_t) :: grids !! the manifest of the fields
       integer :: n_resumed = 0 !! number of cases that an earlier run had done
       logical :: is_interrupted = .false. !! whether cases are left to do
    contains
@@ -118,7 +118,7 @@ contains
       character(*), intent(in) :: directory !! output directory
       character(*), intent(in) :: name !! name of the case
       class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
-      type(sweep_result_t), intent(inout) :: result !! gains the collection and the seal of the fields
+      type(sweep_result_t), intent(inout) :: result !! gains the collection and the manifest of the fields
       type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
 
       if (result%is_interrupted .or. task%sweep%n_fields() == 0) return
@@ -236,6 +236,7 @@ contains
          call task%model%load_case(task%sweep%values(number), certified%load_case)
          call condense_load_case(certified%load_case, body)
          call certify(certified, body, error)
+         if (.not. allocated(error)) call add_conditioning(certified, body)
       end associate
    end subroutine certify_worst
 

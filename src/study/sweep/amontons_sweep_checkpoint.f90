@@ -8,7 +8,7 @@
 !>
 !> The checkpoint is locked as long as its run is at work: no second one writes to the same table.
 module amontons_sweep_checkpoint
-   use amontons_checksum, only: checksum_length, checksum_t, file_checksum, text_checksum
+   use amontons_checksum, only: checksum_t, file_checksum, text_checksum
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_file_lock, only: file_lock_t, lock_file
    use amontons_kinds, only: int64
@@ -82,8 +82,7 @@ contains
       type(sweep_tally_t) :: noted
       character(:), allocatable :: text
       type(checksum_t) :: found
-      character(checksum_length) :: noted_checksum
-      integer(int64) :: n_bytes
+      integer(int64) :: n_bytes, noted_checksum
       integer :: last, first
       logical :: ok
 
@@ -99,7 +98,7 @@ contains
       call read_line(text(first:last - len(line_end)), n_bytes, noted, noted_checksum, ok)
       if (.not. ok) return
       call file_checksum(found, checkpoint%table_path, error, n_bytes)
-      is_found = .not. allocated(error) .and. found%n_bytes == n_bytes .and. found%digits() == noted_checksum
+      is_found = .not. allocated(error) .and. found%n_bytes == n_bytes .and. found%value() == noted_checksum
       if (.not. is_found) return
       checkpoint%is_anew = .false.
       checkpoint%table = found
@@ -112,30 +111,31 @@ contains
       character(*), intent(in) :: line !! the line without its end
       integer(int64), intent(out) :: n_bytes !! bytes of the table
       type(sweep_tally_t), intent(out) :: tally !! the tally of their cases
-      character(checksum_length), intent(out) :: table_checksum !! their checksum
+      integer(int64), intent(out) :: table_checksum !! their checksum
       logical, intent(out) :: ok !! whether the line is as it was written
-      integer :: first, last, status
+      integer :: first, last, own, status
 
       n_bytes = 0
-      table_checksum = ''
+      table_checksum = 0
       ! Behind bytes and tally: a blank, the checksum of the table, a blank, that of the line.
       first = index(line, ' ')
-      last = len(line) - 2*(checksum_length + 1)
+      own = index(line, ' ', back=.true.)
+      last = index(line(:max(0, own - 1)), ' ', back=.true.)
       ok = first > 0 .and. first < last
-      if (ok) ok = line == with_checksum(line(:last + checksum_length + 1))
-      if (.not. ok) return
-      table_checksum = line(last + 2:)
-      read (line(:first), *, iostat=status) n_bytes
-      ok = status == 0
-      if (ok) call tally%read(line(first:last), ok)
+      if (ok) ok = line == with_checksum(line(:own - 1))
+      if (ok) read (line(:first), *, iostat=status) n_bytes
+      if (ok) ok = status == 0
+      if (ok) read (line(last:own), *, iostat=status) table_checksum
+      if (ok) ok = status == 0
+      if (ok) call tally%read(line(first:last - 1), ok)
    end subroutine read_line
 
    !> A line of the notes with its checksum.
    pure function with_checksum(line) result(text)
       character(*), intent(in) :: line !! the line
-      character(len(line) + 1 + checksum_length) :: text
+      character(:), allocatable :: text
 
-      text = line//' '//text_checksum(line)
+      text = line//' '//to_text(text_checksum(line))
    end function with_checksum
 
    !> Appends the rows of a batch; they are safe on return.
@@ -157,7 +157,7 @@ contains
       end if
       if (allocated(error)) return
       call self%table%add(rows)
-      line = to_text(self%table%n_bytes)//' '//tally%text()//' '//self%table%digits()
+      line = to_text(self%table%n_bytes)//' '//tally%text()//' '//to_text(self%table%value())
       call append_to_file(self%path, .false., with_checksum(line)//line_end, error)
    end subroutine sweep_checkpoint_append
 

@@ -10,9 +10,9 @@ module amontons_sweep_fields
    use amontons_contact_vtu, only: write_contact_vtu
    use amontons_error, only: error_t
    use amontons_load_case, only: condense_load_case, recover_displacement
+   use amontons_manifest, only: manifest_t
    use amontons_output_file, only: commit_files, output_file_t
    use amontons_result, only: result_t
-   use amontons_seal, only: seal_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
    use amontons_sweep_monitor, only: sweep_monitor_t
    use amontons_sweep_tally, only: case_converged
@@ -28,9 +28,9 @@ contains
 
    !> Writes NAME.sweep/NUMBER.vtu and NAME.sweep/NUMBER.contact.vtu of the cases that converged, and NAME.sweep.pvd,
    !> which keeps its temporary name. There is none without such cases, after an error, or where the monitor stops it.
-   subroutine write_sweep_fields(file, seal, task, body, stem, monitor, is_stopped, error)
+   subroutine write_sweep_fields(file, manifest, task, body, stem, monitor, is_stopped, error)
       type(output_file_t), allocatable, intent(out) :: file !! the finished collection, if there is one
-      type(seal_t), intent(out) :: seal !! the seal of the grids
+      type(manifest_t), intent(out) :: manifest !! the manifest of the grids
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
       character(*), intent(in) :: stem !! directory and name of the case
@@ -64,13 +64,13 @@ contains
       else
          allocate (file)
          call collection%finish(file, error)
-         seal = collection%grids
+         manifest = collection%grids
       end if
    end subroutine write_sweep_fields
 
    !> Solves a chunk again and writes the fields of its cases.
    subroutine write_chunk(collection, task, body, problem, chunk, directory, folder, error)
-      type(collection_t), intent(inout) :: collection !! gains the cases and the seal of their grids
+      type(collection_t), intent(inout) :: collection !! gains the cases and the manifest of their grids
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! a copy of the model's
@@ -97,8 +97,8 @@ contains
    end subroutine write_chunk
 
    !> Writes the two grids of a case.
-   subroutine write_grids(seal, directory, folder, name, body, result, error)
-      type(seal_t), intent(inout) :: seal !! gains them
+   subroutine write_grids(manifest, directory, folder, name, body, result, error)
+      type(manifest_t), intent(inout) :: manifest !! gains them
       character(*), intent(in) :: directory !! output directory, a slash behind it
       character(*), intent(in) :: folder !! folder of the grids in it, a slash behind it
       character(*), intent(in) :: name !! name of the files without endings
@@ -110,7 +110,7 @@ contains
       call write_vtu(files(1), directory//folder//name//'.vtu', body, result, error)
       if (.not. allocated(error)) call write_contact_vtu(files(2), directory//folder//name//'.contact.vtu', body, &
          result, error)
-      if (.not. allocated(error)) call seal%add_outputs(files, folder, error)
+      if (.not. allocated(error)) call manifest%add_outputs(files, folder, error)
       call commit_files(files, error)
    end subroutine write_grids
 

@@ -3,9 +3,9 @@ module amontons_sweep_listing
    use amontons_body, only: body_t
    use amontons_config, only: config_t
    use amontons_kinds, only: dp
-   use amontons_listing, only: certificate_text, condition_text, factorization_text, listed_phases
+   use amontons_listing, only: certificate_text, factorization_text, listed_phases
    use amontons_listing_model, only: loads_text, model_text
-   use amontons_listing_parts, only: head_text, method_text, times_text
+   use amontons_listing_parts, only: head_text, method_text, times_text, warnings_text
    use amontons_listing_text, only: heading, line, right, scientific, short
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep, only: sweep_axis_t, swept_load
@@ -25,10 +25,11 @@ contains
       type(sweep_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
-      text = head_text(config)//model_text(config, body, result%certified%load_case)//loads_text(config)//sweep_text(config) &
-         //solution_text(config, body, result)
+      text = head_text(config)//warnings_text(result%certified%warnings)// &
+         model_text(config, body, result%certified%load_case)//loads_text(config)//sweep_text(config)// &
+         solution_text(config, body, result)
       if (result%tally%residual_case > 0) text = text//extremes_text(result%tally) &
-         //certificate_text(config, result%certified%certificate)//condition_text(body, result%certified) &
+         //certificate_text(config, result%certified%certificate) &
          //line('Case certified', to_text(result%tally%doubtful_case)//', the one that is most in doubt')
       text = text//times_text(result%certified%timings, listed_phases)
    end function sweep_listing_text

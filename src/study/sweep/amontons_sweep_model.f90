@@ -5,7 +5,7 @@
 module amontons_sweep_model
    use amontons_assembly, only: to_unknowns
    use amontons_body, only: body_t
-   use amontons_checksum, only: checksum_length, checksum_t
+   use amontons_checksum, only: checksum_t
    use amontons_condensation, only: condensed_load_t
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
@@ -14,6 +14,7 @@ module amontons_sweep_model
    use amontons_load_case, only: condense_load_case, load_case_t, pose_problem
    use amontons_loads, only: load_t, load_vector
    use amontons_sweep, only: sweep_axis_t, swept_friction, swept_load
+   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
@@ -178,9 +179,9 @@ contains
 
    !> A text that tells whether two models are the same to the last bit: files that a deck names may have changed
    !> although the deck has not.
-   pure function sweep_model_fingerprint(self) result(digits)
+   pure function sweep_model_fingerprint(self) result(text)
       class(sweep_model_t), intent(in) :: self !! the model
-      character(checksum_length) :: digits
+      character(:), allocatable :: text
       type(checksum_t) :: checksum
       integer :: j
 
@@ -193,7 +194,7 @@ contains
       do j = 1, size(self%load, 2)
          call checksum%add([self%load(:, j), self%friction(:, j)])
       end do
-      digits = checksum%digits()
+      text = to_text(checksum%value())
    end function sweep_model_fingerprint
 
 end module amontons_sweep_model

@@ -1,13 +1,12 @@
 !> The files of a sweep: all of them, each whole, or none.
 module amontons_sweep_report
    use amontons_body, only: body_t
-   use amontons_config, only: config_t
+   use amontons_config, only: config_t, effective_deck
    use amontons_directory, only: file_name_t
    use amontons_earlier_files, only: find_earlier_files
-   use amontons_effective_deck, only: effective_deck
    use amontons_error, only: error_t
+   use amontons_manifest, only: manifest_t, with_manifest
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
-   use amontons_seal, only: seal_t, sealed_text
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep_listing, only: sweep_listing_text
    use amontons_sweep_summary, only: sweep_summary_text
@@ -33,13 +32,13 @@ contains
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(output_file_t) :: files(n_files + merge(1, 0, allocated(result%collection)))
       type(file_name_t), allocatable :: earlier(:)
-      type(seal_t) :: seal
+      type(manifest_t) :: manifest
       character(:), allocatable :: stem
 
       if (allocated(result%collection)) files(n_files) = result%collection
       stem = directory//'/'//config%name
-      call write_files(files, seal, stem, config, body, result, error)
-      if (.not. allocated(error)) call find_earlier_files(earlier, directory, config%name, seal)
+      call write_files(files, manifest, stem, config, body, result, error)
+      if (.not. allocated(error)) call find_earlier_files(earlier, directory, config%name, manifest)
       call hold_signals()
       if (.not. allocated(error)) call result%checkpoint%commit(stem//'.sweep.csv', error)
       call commit_files(files, error, earlier)
@@ -49,9 +48,9 @@ contains
    end subroutine write_sweep_report
 
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
-   subroutine write_files(files, seal, stem, config, body, result, error)
+   subroutine write_files(files, manifest, stem, config, body, result, error)
       type(output_file_t), intent(inout) :: files(:) !! the finished files, the summary last
-      type(seal_t), intent(out) :: seal !! their seal
+      type(manifest_t), intent(out) :: manifest !! their manifest
       character(*), intent(in) :: stem !! directory and name of the case
       type(config_t), intent(in) :: config !! the deck
       type(body_t), intent(in) :: body !! the body
@@ -62,14 +61,14 @@ contains
       if (allocated(error)) return
       call write_text_file(files(2), stem//'.deck.nml', effective_deck(config), error)
       if (allocated(error)) return
-      seal = result%grids
-      call seal%add_outputs(files, '', error)
+      manifest = result%grids
+      call manifest%add_outputs(files, '', error)
       if (allocated(error)) return
-      call seal%outputs%append_known(config%name//'.sweep.csv', result%checkpoint%table)
-      call seal%add_inputs(config)
+      call manifest%outputs%append_known(config%name//'.sweep.csv', result%checkpoint%table)
+      call manifest%add_inputs(config)
       call result%certified%timings%begin(phase_write)
-      call write_text_file(files(size(files)), stem//'.summary.json', sealed_text(sweep_summary_text(config, body, &
-         result), seal), error)
+      call write_text_file(files(size(files)), stem//'.summary.json', with_manifest(sweep_summary_text(config, body, &
+         result), manifest), error)
    end subroutine write_files
 
 end module amontons_sweep_report

@@ -25,7 +25,7 @@ contains
       character(:), allocatable :: text
 
       associate (tally => result%tally)
-         text = head_members(config, tally%n_outcomes(case_converged) == tally%n_cases) &
+         text = head_members(config, tally%n_outcomes(case_converged) == tally%n_cases, result%certified%warnings) &
             //member('iterations', to_text(tally%n_iterations)) &
             //member('sweep', '{'//sweep_text(result)//'}') &
             //member('quantities', '['//quantities_text(config%sweep)//']')

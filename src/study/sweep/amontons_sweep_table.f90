@@ -1,11 +1,12 @@
-!> NAME.sweep.csv: one row per case of a sweep, 17 significant digits.
+!> NAME.sweep.csv: one row per case of a sweep, every number with the digits that it needs to be read back.
 !>
 !> Threads make rows side by side, without any function that returns a text: gfortran 12 keeps the length of such a text
 !> in a place that all threads share.
 module amontons_sweep_table
+   use amontons_decimal, only: longest_decimal
    use amontons_sweep, only: sweep_t
    use amontons_sweep_tally, only: case_result_t, outcome_names, quantity_labels
-   use amontons_text, only: newline, read_integer
+   use amontons_text, only: newline, put_decimals, read_integer
    implicit none (type, external)
    private
 
@@ -39,39 +40,23 @@ contains
       integer, intent(in) :: number !! number of the case
       type(case_result_t), intent(in) :: result !! its result
       character(*), intent(in) :: runs !! its `status_runs`
-      integer, parameter :: field_length = 25
-      character(*), parameter :: form = '(i0, *(:, ",", es24.16e3))'
-      character(field_length*(size(sweep%axes) + size(result%quantity) + 2)) :: numbers
-      character(field_length) :: iterations
+      character((longest_decimal + 1)*(size(sweep%axes) + size(result%quantity) + 2)) :: numbers
+      character(11) :: iterations
+      integer :: length
 
       write (iterations, '(i0)') result%n_iterations
+      write (numbers, '(i0)') number
+      length = len_trim(numbers)
+      call put_decimals(numbers, length, sweep%values(number))
       if (result%has_solution) then
-         write (numbers, form) number, sweep%values(number), result%quantity, result%residual
-         call append_squeezed(rows, numbers)
-         rows = rows//','//trim(iterations)//','//trim(outcome_names(result%outcome))//','//runs//newline
+         call put_decimals(numbers, length, [result%quantity, result%residual])
+         rows = rows//numbers(:length)//','//trim(iterations)//','//trim(outcome_names(result%outcome))//','//runs &
+            //newline
       else
-         write (numbers, form) number, sweep%values(number)
-         call append_squeezed(rows, numbers)
-         rows = rows//repeat(',', size(result%quantity) + 2)//trim(iterations)//','// &
+         rows = rows//numbers(:length)//repeat(',', size(result%quantity) + 2)//trim(iterations)//','// &
             trim(outcome_names(result%outcome))//','//newline
       end if
    end subroutine append_row
-
-   !> Appends a text without its blanks.
-   pure subroutine append_squeezed(rows, text)
-      character(:), allocatable, intent(inout) :: rows !! the rows so far
-      character(*), intent(in) :: text !! the text
-      character(len(text)) :: squeezed
-      integer :: i, length
-
-      length = 0
-      do i = 1, len(text)
-         if (text(i:i) == ' ') cycle
-         length = length + 1
-         squeezed(length:length) = text(i:i)
-      end do
-      rows = rows//squeezed(:length)
-   end subroutine append_squeezed
 
    !> The statuses along the contact lines as run lengths, `4o 12+ 17s`: o open, s stick, + and - slip; a bar stands
    !> between two contact sets.

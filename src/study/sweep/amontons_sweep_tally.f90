@@ -3,7 +3,7 @@ module amontons_sweep_tally
    use amontons_contact_solution, only: contact_solution_t
    use amontons_kinds, only: dp, int64
    use amontons_lengths, only: lengths_t
-   use amontons_text, only: to_text, to_text_17
+   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
@@ -110,11 +110,11 @@ contains
       do i = 1, size(outcome_names)
          text = text//' '//to_text(self%n_outcomes(i))
       end do
-      text = text//' '//to_text(self%residual_case)//' '//to_text_17(self%residual) &
-         //' '//to_text(self%doubtful_case)//' '//to_text_17(self%doubt)
+      text = text//' '//to_text(self%residual_case)//' '//to_text(self%residual) &
+         //' '//to_text(self%doubtful_case)//' '//to_text(self%doubt)
       do i = 1, n_quantities
-         text = text//' '//to_text(self%least_case(i))//' '//to_text_17(self%least(i)) &
-            //' '//to_text(self%greatest_case(i))//' '//to_text_17(self%greatest(i))
+         text = text//' '//to_text(self%least_case(i))//' '//to_text(self%least(i)) &
+            //' '//to_text(self%greatest_case(i))//' '//to_text(self%greatest(i))
       end do
    end function sweep_tally_text
 

@@ -1,0 +1,41 @@
+"""The commands of the package: amontons-plot and amontons-report, also `python -m amontons plot` and `... report`,
+`python -m amontons fclib`, and amontons, the program, where it is part of the package.
+"""
+import importlib
+import os
+import sys
+from pathlib import Path
+
+WORDS = ("plot", "report", "fclib")
+
+
+def run(word, arguments):
+    """Runs a module of the package as a command."""
+    try:
+        module = importlib.import_module(f"amontons.{word}")
+    except ModuleNotFoundError as error:
+        sys.exit(f"{word}: {sys.executable} has no package '{error.name}'; install it (Debian: python3-{error.name})")
+    sys.exit(module.main(arguments))
+
+
+def plot():
+    """The command amontons-plot."""
+    run("plot", sys.argv[1:])
+
+
+def report():
+    """The command amontons-report."""
+    run("report", sys.argv[1:])
+
+
+def program():
+    """The command amontons of a wheel: becomes the program in it."""
+    path = str(Path(__file__).parent / "bin" / "amontons")
+    os.execv(path, [path, *sys.argv[1:]])
+
+
+def main(arguments):
+    """The command `python -m amontons`."""
+    if not arguments or arguments[0] not in WORDS:
+        sys.exit(f"usage: python -m amontons {'|'.join(WORDS)} ...")
+    run(arguments[0], arguments[1:])

@@ -1,0 +1,45 @@
+"""Reads the grids that Amontons writes, NAME.vtu and NAME.contact.vtu; doc/output.md explains their arrays."""
+import base64
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+import numpy as np
+
+KINDS = {1: "vertex", 3: "line", 5: "triangle", 9: "quad", 22: "triangle6", 23: "quad8", 28: "quad9"}
+TYPES = {"Float64": "<f8", "Int32": "<i4"}
+LENGTH = 8  # bytes: an array stands behind its length
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A mesh and what is known on its points and cells."""
+    points: np.ndarray  # coordinates (n_points, 3)
+    cells: list         # pairs: the kind of some consecutive cells, and their points, from 0 (n_cells, n_corners)
+    point_data: dict    # arrays by name (n_points) or (n_points, n_components)
+    cell_data: dict     # arrays by name (n_cells) or (n_cells, n_components), all cells one after the other
+
+
+def read_grid(path):
+    """Reads a grid."""
+    piece = ElementTree.parse(path).getroot().find("UnstructuredGrid/Piece")
+    sections = {section.tag: {array.get("Name"): _values(array) for array in section} for section in piece}
+    return Grid(sections["Points"]["points"], _blocks(**sections["Cells"]), sections["PointData"],
+                sections.get("CellData", {}))
+
+
+def _values(array):
+    """The numbers of an array."""
+    values = np.frombuffer(base64.b64decode(array.text)[LENGTH:], TYPES[array.get("type")])
+    width = int(array.get("NumberOfComponents", "1"))
+    return values if width == 1 else values.reshape(-1, width)
+
+
+def _blocks(connectivity, offsets, types):
+    """The cells, those of one kind that follow each other together."""
+    blocks = []
+    for cells in np.split(np.arange(len(types)), np.flatnonzero(np.diff(types)) + 1):
+        if len(cells):
+            start = offsets[cells[0] - 1] if cells[0] else 0
+            nodes = connectivity[start:offsets[cells[-1]]].reshape(len(cells), -1)
+            blocks.append((KINDS[types[cells[0]]], nodes))
+    return blocks

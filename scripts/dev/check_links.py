@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""Checks that every relative link of the Markdown pages leads to a file, and its anchor to a heading.
+
+Usage: check_links.py [ROOT]
+"""
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(sys.argv[1]).resolve() if sys.argv[1:] else Path(__file__).resolve().parents[2]
+FENCE = re.compile(r"^ *(```|~~~)")
+HEADING = re.compile(r"^#{1,6} +(.*?) *#*$")
+CODE = re.compile(r"(`+).+?\1")
+# The target may go on behind a line break; its text may hold an image.
+LINK = re.compile(r"\]\(\s*<?([^)\s>]+)>?[^)]*\)|^ {0,3}\[[^\]]+\]:\s+<?([^\s>]+)", re.MULTILINE)
+FOREIGN = re.compile(r"[a-z][a-z+.-]*:", re.IGNORECASE)
+
+
+def prose_lines(text):
+    """The lines of a page, those of code blocks empty."""
+    in_code = False
+    for line in text.splitlines():
+        is_fence = bool(FENCE.match(line))
+        yield "" if in_code or is_fence else line
+        in_code ^= is_fence
+
+
+def anchors(text):
+    """The anchors that headings have, as GitHub and Pandoc name them."""
+    found = {}
+    for line in prose_lines(text):
+        if not (heading := HEADING.match(line)):
+            continue
+        words = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", heading[1])
+        slug = re.sub(r"[^\w\- ]", "", words.lower()).replace(" ", "-")
+        n_before = found[slug] = found.get(slug, -1) + 1
+        yield f"{slug}-{n_before}" if n_before else slug
+
+
+def links(text):
+    """Line number and target of every link outside of code."""
+    prose = "\n".join(CODE.sub("``", line) for line in prose_lines(text))
+    for match in LINK.finditer(prose):
+        yield prose.count("\n", 0, match.start()) + 1, match[1] or match[2]
+
+
+def faults_of_page(page):
+    """Line number and text of every fault of a page."""
+    text = page.read_text(encoding="utf-8")
+    for number, target in links(text):
+        if FOREIGN.match(target):
+            continue
+        name, _, anchor = target.partition("#")
+        file = (page.parent / name).resolve() if name else page
+        if not file.exists():
+            yield number, f"there is no {name}"
+        elif anchor and file.suffix == ".md" and anchor not in anchors(file.read_text(encoding="utf-8")):
+            yield number, f"{file.relative_to(ROOT)} has no heading #{anchor}"
+
+
+def pages():
+    """The Markdown pages of the repository, those that are not yet added included."""
+    names = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard", "*.md"], cwd=ROOT,
+                           check=True, capture_output=True, encoding="utf-8").stdout.splitlines()
+    return [ROOT / name for name in sorted(names)]
+
+
+def main():
+    """Prints the faults of all pages; returns the exit status."""
+    faults = [(page, *fault) for page in pages() for fault in faults_of_page(page)]
+    for page, number, text in faults:
+        print(f"{page.relative_to(ROOT)}:{number}: {text}")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,224 @@
+#!/usr/bin/env python3
+"""Checks the rules of the code that no common linter knows: lengths, comments, no output and no stop in the library.
+
+Usage: check_sources.py [ROOT]
+
+* A line has at most 120 columns, a file 400 lines, a Fortran procedure 60 lines.
+* `!>` stands above every module, program, type, generic interface, procedure and public constant of src/; `!!` stands
+  at every dummy argument and component, one per declaration. Interfaces of foreign procedures are exempt.
+* The library neither stops nor prints; nothing passes through a preprocessor.
+"""
+import re
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDERS = ["src", "tests", "scripts", "cmake", "python", "packaging", ".ci"]
+MAX_COLUMNS, MAX_FILE_LINES, MAX_PROCEDURE_LINES = 120, 400, 60
+FORTRAN = (".f90", ".f90.in", ".pf")
+TEXT = (*FORTRAN, ".c", ".h", ".py", ".sh", ".cmake", "CMakeLists.txt")
+
+UNIT = re.compile(r"(module|program|submodule)\b(?!\s*(procedure|subroutine|function)\b)")
+END_UNIT = re.compile(r"end\s*(module|program|submodule)\b")
+TYPE = re.compile(r"type\s*(,[^:]*)?(::|\s)\s*\w+$")
+INTERFACE = re.compile(r"(abstract\s+)?interface\b(?P<name>.*)")
+PROCEDURE = re.compile(
+    r"(?:(?:pure|impure|elemental|recursive|non_recursive|module|(?:type|class|real|integer|character|logical)"
+    r"\s*\([^()]*(?:\([^()]*\))*[^()]*\)|real|integer|logical|complex|double\s+precision)\s+)*"
+    r"(?P<kind>subroutine|function)\s+\w+\s*(?:\((?P<arguments>[^()]*)\))?")
+DECLARATION = re.compile(
+    r"(?:integer|real|double|complex|logical|character|type|class|procedure)\b(?P<attributes>[^=:]*)::(?P<names>.*)")
+END_PROCEDURE = re.compile(r"end\s*(subroutine|function|procedure)\b")
+# At the beginning of a statement, behind its label or behind the condition of an `if`.
+STOP_OR_PRINT = re.compile(
+    r"(?:^(?:\d+\s+)?|\)\s*)(?:(?:error\s*)?stop\b(?!\s*[=(%])|print\b\s*[*'\"(\w]|call\s+(?:exit|abort)\b)"
+    r"|\bwrite\s*\(\s*(?:[^()]*\bunit\s*=\s*)?(?:\*|[06]\s*[,)]|output_unit|error_unit)")
+C_STOP_OR_PRINT = re.compile(r"\b(?:printf|fprintf|puts|putchar|perror|exit|abort|assert)\s*\(")
+
+
+@dataclass
+class Statement:
+    """A Fortran statement: its lines, its lower-case code without strings and comments, and its `!>` and `!!`."""
+    first: int
+    last: int
+    code: str
+    has_heading: bool
+    has_note: bool
+
+
+def split_comment(line, quote=""):
+    """Returns the code of a line, strings emptied, its comment, and the quote of a string that goes on."""
+    code = ""
+    for column, character in enumerate(line):
+        if quote:
+            if character == quote:
+                quote = ""
+                code += character
+        elif character == "!":
+            return code, line[column:], ""
+        else:
+            if character in "'\"":
+                quote = character
+            code += character
+    # A string goes on in the next line where an ampersand ends this one.
+    is_open = bool(quote) and line.rstrip().endswith("&")
+    return code + "&"*is_open, "", quote if is_open else ""
+
+
+def split_comments(lines):
+    """Returns code and comment of each line."""
+    parts, quote = [], ""
+    for line in lines:
+        code, comment, quote = split_comment(line, quote)
+        parts.append((code, comment))
+    return parts
+
+
+def statements_of(lines):
+    """Yields the statements of free-form Fortran, those that share a line one by one."""
+    parts = split_comments(lines)
+    number = 0
+    while number < len(parts):
+        code, comment = parts[number]
+        if not code.strip():
+            number += 1
+            continue
+        first, has_note, text = number, comment.startswith("!!"), code.strip()
+        while text.endswith("&") and number + 1 < len(parts):
+            number += 1
+            code, comment = parts[number]
+            has_note = has_note or comment.startswith("!!")
+            text = text[:-1] + " " + code.strip().removeprefix("&") if code.strip() else text
+        number += 1
+        has_note = has_note or number < len(lines) and lines[number].strip().startswith("!!")
+        for part in text.lower().split(";"):
+            if part.strip():
+                yield Statement(first + 1, number, part.strip(), has_heading(lines, first), has_note)
+
+
+def has_heading(lines, first):
+    """Returns whether the comment right above a line holds a `!>`."""
+    above = first - 1
+    while above >= 0 and lines[above].strip().startswith("!"):
+        if lines[above].strip().startswith("!>"):
+            return True
+        above -= 1
+    return False
+
+
+def without_parentheses(code):
+    """Returns code without what stands in parentheses or brackets."""
+    while (shorter := re.sub(r"\([^()]*\)|\[[^][]*\]", "", code)) != code:
+        code = shorter
+    return code
+
+
+def declared_names(names):
+    """Returns the names in what stands behind the colons of a declaration."""
+    return [re.match(r"\s*(\w*)", name)[1] for name in without_parentheses(names).split(",")]
+
+
+def public_names(statements):
+    """Returns the names that the public statements list; None, which stands for all, for a module without `private`."""
+    names = [match[1] for s in statements if (match := re.match(r"public\b(?!\s*[=(%])\s*(?:::)?(.*)", s.code))]
+    if any(s.code.startswith("module ") for s in statements) and all(s.code != "private" for s in statements):
+        return None
+    return {name for text in names for name in declared_names(text)}
+
+
+def comment_faults(statements):
+    """Yields line number and text of every comment that is missing."""
+    public = public_names(statements)
+    arguments = None
+    in_type = has_components = in_foreign_interface = False
+    for s in statements:
+        if in_foreign_interface:
+            in_foreign_interface = not re.match(r"end\s*interface\b", s.code)
+        elif in_type:
+            in_type = not re.match(r"end\s*type\b", s.code)
+            has_components = has_components and s.code != "contains"
+            if has_components and DECLARATION.match(without_parentheses(s.code)) and not s.has_note:
+                yield s.first, "no !! at this component"
+        elif TYPE.match(s.code) or UNIT.match(s.code):
+            in_type = has_components = bool(TYPE.match(s.code))
+            if not s.has_heading:
+                yield s.first, f"no !> above this {s.code.split()[0].strip(',')}"
+        elif match := INTERFACE.match(s.code):
+            in_foreign_interface = not match[1] and not match["name"].strip()
+            if match["name"].strip() and not s.has_heading:
+                yield s.first, "no !> above this interface"
+        elif match := PROCEDURE.match(s.code):
+            arguments = {name.strip() for name in (match["arguments"] or "").split(",")}
+            if not s.has_heading:
+                yield s.first, f"no !> above this {match['kind']}"
+        elif END_PROCEDURE.match(s.code):
+            arguments = None
+        elif match := DECLARATION.match(without_parentheses(s.code)):
+            names = declared_names(match["names"])
+            is_public = public is None or public.intersection(names) or "public" in match["attributes"]
+            if arguments is None and is_public and not (s.has_heading or s.has_note):
+                yield s.first, "no !> above this public constant"
+            elif arguments and (named := arguments.intersection(names)):
+                if not s.has_note:
+                    yield s.first, f"no !! at this argument: {', '.join(sorted(named))}"
+                elif len(names) > 1:
+                    yield s.first, f"one declaration per argument: {', '.join(sorted(named))}"
+
+
+def length_faults(statements):
+    """Yields line number and text of every procedure that is too long."""
+    begun = []
+    for s in statements:
+        if PROCEDURE.match(s.code) or re.match(r"module\s+procedure\s+\w+$", s.code):
+            begun.append(s.first)
+        elif END_PROCEDURE.match(s.code) and begun:
+            length = s.last - begun[-1] + 1
+            if length > MAX_PROCEDURE_LINES:
+                yield begun[-1], f"a procedure of {length} lines, at most {MAX_PROCEDURE_LINES}"
+            begun.pop()
+
+
+def faults_of_file(path, root=ROOT):
+    """Yields line number and text of every fault of one file."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    relative = path.relative_to(root)
+    in_library = relative.parts[0] == "src" and relative.parts[1] != "app"
+    if len(lines) > MAX_FILE_LINES:
+        yield 1, f"a file of {len(lines)} lines, at most {MAX_FILE_LINES}"
+    for number, line in enumerate(lines, start=1):
+        if len(line) > MAX_COLUMNS:
+            yield number, f"a line of {len(line)} columns, at most {MAX_COLUMNS}"
+        if relative.parts[0] == "src" and line.startswith("#") and path.name.endswith(FORTRAN):
+            yield number, "a preprocessor line"
+        if in_library and path.suffix in (".c", ".h") and C_STOP_OR_PRINT.search(line):
+            yield number, "the library neither stops nor prints"
+    if not path.name.endswith(FORTRAN):
+        return
+    statements = list(statements_of(lines))
+    yield from length_faults(statements)
+    if relative.parts[0] == "src":
+        yield from comment_faults(statements)
+    if in_library:
+        for s in statements:
+            if STOP_OR_PRINT.search(s.code):
+                yield s.first, "the library neither stops nor prints"
+
+
+def main(root=ROOT):
+    """Prints the faults of all files; returns the exit status."""
+    root = Path(root).resolve()
+    status = 0
+    for path in sorted(path for folder in FOLDERS for path in (root / folder).rglob("*") if path.is_file()):
+        if path.suffix in (".F90", ".F", ".fpp", ".inc"):
+            faults = [(1, "a file for the preprocessor")]
+        else:
+            faults = faults_of_file(path, root) if path.name.endswith(TEXT) else []
+        for number, text in faults:
+            print(f"{path.relative_to(root)}:{number}: {text}")
+            status = 1
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:2]))

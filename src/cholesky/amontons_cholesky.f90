@@ -1,0 +1,193 @@
+!> Condensation by a Cholesky factor with the Schur variables eliminated last, whatever library makes the factor.
+!>
+!> P K P^T = L L^T, where P puts unknown `order(k)` in position k and keeps the Schur variables last. The last block of
+!> L is the Cholesky factor of the Schur complement S, and a forward substitution that stops before this block leaves
+!> the condensed load in place of the load on the Schur variables.
+module amontons_cholesky
+   use amontons_condenser, only: condenser_t
+   use amontons_dense, only: fill_upper
+   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_kinds, only: dp
+   use amontons_lapack, only: dlauum
+   use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: cholesky_t
+
+   !> A Cholesky factorization.
+   type, abstract, extends(condenser_t) :: cholesky_t
+      integer, allocatable :: order(:) !! Position k holds unknown order(k) (n).
+      integer, allocatable :: schur_order(:) !! Their k-th position holds Schur variable schur_order(k) (n_schur).
+      real(dp), allocatable :: diagonal(:) !! Diagonal of P K P^T, until its pivots are checked (n).
+      type(sparse_matrix_t) :: matrix !! P K P^T, until `complete` has put it where the factor will be.
+   contains
+      procedure(substitute), deferred :: substitute_forward
+      procedure(substitute), deferred :: substitute_backward
+      procedure(schur_factor), deferred :: schur_factor
+      procedure :: solve => cholesky_solve
+      procedure :: schur_complement => cholesky_schur_complement
+      procedure :: condense => cholesky_condense
+      procedure :: expand => cholesky_expand
+      procedure :: set_order => cholesky_set_order
+      procedure :: take_values => cholesky_take_values
+      procedure :: check_pivots => cholesky_check_pivots
+      procedure :: refuse => cholesky_refuse
+   end type cholesky_t
+
+   abstract interface
+      !> Does the steps of a substitution that belong to the first columns of L.
+      subroutine substitute(self, n_steps, y)
+         import :: cholesky_t, dp
+         implicit none (type, external)
+         class(cholesky_t), intent(in) :: self !! the factorization
+         integer, intent(in) :: n_steps !! how many columns, at least those of the interior
+         real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
+      end subroutine substitute
+
+      !> The last block of L, the Cholesky factor of the Schur complement.
+      subroutine schur_factor(self, l22)
+         import :: cholesky_t, dp
+         implicit none (type, external)
+         class(cholesky_t), intent(in) :: self !! the factorization
+         real(dp), contiguous, intent(out) :: l22(:, :)
+            !! lower triangular, zeros above, in the order `schur_order` (n_schur, n_schur)
+      end subroutine schur_factor
+   end interface
+
+contains
+
+   !> Sets the order of elimination and takes the matrix in this order; for `analyze`.
+   subroutine cholesky_set_order(self, matrix, n_schur, order, error)
+      class(cholesky_t), intent(inout) :: self !! the factorization
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
+      integer, intent(in) :: n_schur !! number of Schur variables
+      integer, intent(in) :: order(:) !! position k holds unknown order(k) (n)
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+
+      self%n = size(order)
+      self%n_schur = n_schur
+      self%order = order
+      self%schur_order = order(self%n - n_schur + 1:) - (self%n - n_schur)
+      self%n_work_entries = 0
+      call self%take_values(matrix, error)
+   end subroutine cholesky_set_order
+
+   !> Takes a matrix in the order of elimination. For a matrix with the pattern of the one analyzed, and other values,
+   !> this and `complete` renew the factor without another analysis.
+   subroutine cholesky_take_values(self, matrix, error)
+      class(cholesky_t), intent(inout) :: self !! the factorization, its order set
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+
+      self%refused_unknown = 0
+      self%matrix_norm = matrix%norm()
+      self%diagonal = matrix%value(matrix%column_start(self%order))
+      call matrix%permute(self%order, self%matrix, error)
+   end subroutine cholesky_take_values
+
+   !> Solves K x = b.
+   subroutine cholesky_solve(self, b, x)
+      class(cholesky_t), intent(in) :: self !! the factorization
+      real(dp), intent(in) :: b(:) !! right-hand side (n)
+      real(dp), intent(out) :: x(:) !! the solution (n)
+      real(dp), allocatable :: y(:)
+
+      y = b(self%order)
+      call self%substitute_forward(self%n, y)
+      call self%substitute_backward(self%n, y)
+      x(self%order) = y
+   end subroutine cholesky_solve
+
+   !> The Schur complement S = L22 L22^T of the matrix that was factorized.
+   subroutine cholesky_schur_complement(self, s)
+      class(cholesky_t), intent(in) :: self !! the factorization
+      real(dp), contiguous, intent(out) :: s(:, :)
+         !! S, both triangles, Schur variables in matrix order (n_schur, n_schur)
+      real(dp), allocatable :: diagonal(:)
+      integer :: i, j, m, info
+
+      m = self%n_schur
+      call self%schur_factor(s)
+      ! LAPACK has U U^T in place but not L L^T; with rows and columns reversed L22 is such a U. The lower triangle is
+      ! turned into the upper one, and the result, in matrix order, back into the lower one.
+      diagonal = [(s(i, i), i=1, m)]
+      do j = 1, m
+         do i = 1, j - 1
+            s(i, j) = s(m + 1 - i, m + 1 - j)
+         end do
+         s(j, j) = diagonal(m + 1 - j)
+      end do
+      call dlauum('U', m, s, max(1, m), info)
+      diagonal = [(s(i, i), i=1, m)]
+      associate (order => self%schur_order(m:1:-1))
+         do j = 1, m
+            do i = 1, j - 1
+               s(max(order(i), order(j)), min(order(i), order(j))) = s(i, j)
+            end do
+         end do
+         do j = 1, m
+            s(order(j), order(j)) = diagonal(j)
+         end do
+      end associate
+      call fill_upper(s)
+   end subroutine cholesky_schur_complement
+
+   !> Eliminates the interior from a load by the forward substitution of the interior.
+   subroutine cholesky_condense(self, b, partial, q)
+      class(cholesky_t), intent(in) :: self !! the factorization
+      real(dp), intent(in) :: b(:) !! the load (n)
+      real(dp), contiguous, intent(out) :: partial(:) !! the vector after the forward substitution (n)
+      real(dp), intent(out) :: q(:) !! the condensed load, Schur variables in matrix order (n_schur)
+      integer :: n_interior
+
+      n_interior = self%n - self%n_schur
+      partial = b(self%order)
+      call self%substitute_forward(n_interior, partial)
+      q(self%schur_order) = partial(n_interior + 1:)
+   end subroutine cholesky_condense
+
+   !> All unknowns from the Schur variables by the backward substitution of the interior.
+   subroutine cholesky_expand(self, partial, v, x)
+      class(cholesky_t), intent(in) :: self !! the factorization
+      real(dp), intent(in) :: partial(:) !! what `condense` made of the load (n)
+      real(dp), intent(in) :: v(:) !! the Schur variables in matrix order (n_schur)
+      real(dp), intent(out) :: x(:) !! all unknowns (n), the last ones equal to v
+      real(dp), allocatable :: work(:)
+      integer :: n_interior
+
+      n_interior = self%n - self%n_schur
+      allocate (work, source=partial)
+      work(n_interior + 1:) = v(self%schur_order)
+      call self%substitute_backward(n_interior, work)
+      x(self%order) = work
+   end subroutine cholesky_expand
+
+   !> Refuses a factor whose pivots have shrunk to rounding errors: its matrix is singular.
+   pure subroutine cholesky_check_pivots(self, pivots, error)
+      class(cholesky_t), intent(inout) :: self !! the factorization
+      real(dp), intent(in) :: pivots(:) !! the diagonal of L by position (n)
+      type(error_t), allocatable, intent(out) :: error !! a pivot is not larger than its rounding error
+      integer :: position
+
+      do position = 1, self%n
+         if (pivots(position)**2 > epsilon(1.0_dp)*self%n*self%diagonal(position)) cycle
+         call self%refuse(position, error)
+         return
+      end do
+      deallocate (self%diagonal)
+   end subroutine cholesky_check_pivots
+
+   !> Reports that the matrix is not positive definite.
+   pure subroutine cholesky_refuse(self, position, error)
+      class(cholesky_t), intent(inout) :: self !! the factorization
+      integer, intent(in) :: position !! position of the first pivot that is not positive
+      type(error_t), allocatable, intent(out) :: error !! what is wrong, naming the unknown
+
+      self%refused_unknown = self%order(position)
+      call new_error(error, numerical_failure, 'the matrix is not positive definite: the pivot of unknown '// &
+         to_text(self%refused_unknown)//' of '//to_text(self%n)//' is not positive')
+   end subroutine cholesky_refuse
+
+end module amontons_cholesky

@@ -1,0 +1,238 @@
+!> A deck: named groups of assignments, read with line numbers, every fault reported at once.
+!>
+!> The form is that of Fortran namelists, `&mesh kind = 'rectangle'  cells = 32, 10 /`, with comments from `!` on. It is
+!> narrower where a namelist guesses: a quoted text closes on its line, no value may be left empty, nothing stands
+!> between the groups, and a number is finite. `&end` closes a group as `/` does.
+!>
+!> Reading never fails once the file is open: faults of form, of type and of meaning gather in the deck, and `finish`
+!> turns them into one error.
+module amontons_deck
+   use amontons_deck_contents, only: deck_contents_t, find_key
+   use amontons_deck_parser, only: parse_deck
+   use amontons_deck_scanner, only: excerpt, suggestion
+   use amontons_error, only: error_t
+   use amontons_kinds, only: int64
+   use amontons_text, only: to_text
+   use amontons_text_file, only: read_standard_input, read_text_file
+   implicit none (type, external)
+   private
+
+   public :: deck_t, read_deck, read_deck_text
+
+   !> A deck and what is wrong with it.
+   type :: deck_t
+      character(:), allocatable :: file !! name the messages give to the deck
+      type(deck_contents_t) :: contents !! what stands in it
+   contains
+      procedure :: count_groups => deck_count_groups
+      procedure :: count_values => deck_count_values
+      procedure :: fault => deck_fault
+      procedure :: finish => deck_finish
+      procedure :: has => deck_has
+      procedure :: is_sound => deck_is_sound
+      procedure :: is_understood => deck_is_understood
+      procedure :: knows => deck_knows
+      procedure :: line_of => deck_line_of
+      procedure :: next_group => deck_next_group
+      procedure :: refuse_unknown_groups => deck_refuse_unknown_groups
+   end type deck_t
+
+contains
+
+   !> Reads a deck from a file, or from standard input, which messages call 'stdin'.
+   subroutine read_deck(deck, file, error)
+      type(deck_t), intent(out) :: deck !! the deck
+      character(*), intent(in) :: file !! name of the file, `-` for standard input
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be read, or holds no group
+      character(:), allocatable :: text, name
+
+      name = file
+      if (file == '-') name = 'stdin'
+      if (file == '-') call read_standard_input(name, text, error)
+      if (file /= '-') call read_text_file(file, text, error)
+      if (allocated(error)) return
+      call read_deck_text(deck, name, text)
+      if (deck%contents%n_groups == 0) call deck%finish(error)
+   end subroutine read_deck
+
+   !> Reads a deck from a text; one without any group has a fault that says so.
+   subroutine read_deck_text(deck, name, text)
+      type(deck_t), intent(out) :: deck !! the deck
+      character(*), intent(in) :: name !! name the messages give to the deck
+      character(*), intent(in) :: text !! the whole text, lines ended by LF or CRLF
+
+      deck%file = name
+      call parse_deck(text, deck%contents)
+   end subroutine read_deck_text
+
+   !> The next group of a name behind a group, 0 where there is none.
+   pure integer function deck_next_group(self, name, group) result(next)
+      class(deck_t), intent(in) :: self !! the deck
+      character(*), intent(in) :: name !! name of the group, in lower case, without `&`
+      integer, intent(in) :: group !! the group before, or 0
+
+      do next = group + 1, self%contents%n_groups
+         if (self%contents%groups(next)%name == name) return
+      end do
+      next = 0
+   end function deck_next_group
+
+   !> Number of groups of a name.
+   pure integer function deck_count_groups(self, name) result(n_groups)
+      class(deck_t), intent(in) :: self !! the deck
+      character(*), intent(in) :: name !! name of the groups, in lower case, without `&`
+      integer :: i
+
+      n_groups = count([(self%contents%groups(i)%name == name, i=1, self%contents%n_groups)])
+   end function deck_count_groups
+
+   !> Whether a group has a key.
+   pure logical function deck_has(self, group, key) result(has)
+      class(deck_t), intent(in) :: self !! the deck
+      integer, intent(in) :: group !! the group, or 0
+      character(*), intent(in) :: key !! name of the key, in lower case
+
+      has = find_key(self%contents, group, key) > 0
+   end function deck_has
+
+   !> Line of a key; of the group where the key is absent; 0 where there is no group.
+   integer function deck_line_of(self, group, key) result(line)
+      class(deck_t), intent(in) :: self !! the deck
+      integer, intent(in) :: group !! the group, or 0
+      character(*), intent(in) :: key !! name of the key, in lower case
+      integer :: assignment
+
+      line = 0
+      assignment = find_key(self%contents, group, key)
+      if (assignment > 0) then
+         line = self%contents%assignments(assignment)%line
+      else if (group > 0) then
+         line = self%contents%groups(group)%line
+      end if
+   end function deck_line_of
+
+   !> Records a fault of meaning at the line of a key, or of the group where the key is absent.
+   !>
+   !> A key whose value has another fault already has no meaning to judge, nor has what stands behind a fault of form:
+   !> the call is then without effect.
+   subroutine deck_fault(self, group, key, sentence)
+      class(deck_t), intent(inout) :: self !! the deck, gains the fault
+      integer, intent(in) :: group !! the group, or 0 for the deck as a whole
+      character(*), intent(in) :: key !! name of the key, in lower case
+      character(*), intent(in) :: sentence !! what is wrong and what was expected
+
+      if (group > 0) then
+         if (hides_meaning(self%contents, group, key)) return
+         self%contents%groups(group)%is_faulty = .true.
+      end if
+      call self%contents%faults%add(self%line_of(group, key), sentence)
+   end subroutine deck_fault
+
+   !> Whether a fault recorded already hides what a key means: its value is at fault, or it may stand behind a fault of
+   !> form.
+   pure logical function hides_meaning(contents, group, key)
+      type(deck_contents_t), intent(in) :: contents !! what stands in the deck
+      integer, intent(in) :: group !! the group
+      character(*), intent(in) :: key !! name of the key
+      integer :: assignment
+
+      assignment = find_key(contents, group, key)
+      if (assignment > 0) then
+         hides_meaning = contents%assignments(assignment)%is_faulty .or. &
+            assignment > contents%groups(group)%last_judged
+      else
+         hides_meaning = contents%groups(group)%is_malformed
+      end if
+   end function hides_meaning
+
+   !> Whether everything that a group says is understood, its form, its keys and their values, so that its keys can be
+   !> judged together. A group that is absent may be one that another fault hides: it counts as understood only if the
+   !> whole deck is in order.
+   pure logical function deck_is_understood(self, group) result(is_understood)
+      class(deck_t), intent(in) :: self !! the deck
+      integer, intent(in) :: group !! the group, or 0
+      integer :: i
+
+      is_understood = self%contents%faults%count() == 0
+      if (is_understood .or. group == 0) return
+      associate (found => self%contents%groups(group), assignments => self%contents%assignments)
+         is_understood = .not. (found%is_malformed .or. found%has_unknown_key .or. &
+            any([(assignments(i)%is_faulty, i=found%first_assignment, found%last_assignment)]))
+      end associate
+   end function deck_is_understood
+
+   !> Whether a group is understood and makes sense so far.
+   pure logical function deck_is_sound(self, group) result(is_sound)
+      class(deck_t), intent(in) :: self !! the deck
+      integer, intent(in) :: group !! the group, or 0
+
+      is_sound = self%is_understood(group)
+      if (group > 0) is_sound = is_sound .and. .not. self%contents%groups(group)%is_faulty
+   end function deck_is_sound
+
+   !> Whether it is known what a key says in all groups of a name, so that other groups can be judged by it: no fault
+   !> hides such a group, or the key in one.
+   pure logical function deck_knows(self, name, key) result(knows)
+      class(deck_t), intent(in) :: self !! the deck
+      character(*), intent(in) :: name !! name of the groups
+      character(*), intent(in) :: key !! name of the key
+      integer :: i
+
+      knows = .not. self%contents%hides_groups
+      do i = 1, self%contents%n_groups
+         if (self%contents%groups(i)%name == name) knows = knows .and. .not. &
+            (hides_meaning(self%contents, i, key) .or. self%contents%groups(i)%has_unknown_key)
+      end do
+   end function deck_knows
+
+   !> Number of values that stand behind a key, repeat counts included; 0 where the key is absent.
+   pure integer function deck_count_values(self, group, key, most) result(n_values)
+      class(deck_t), intent(in) :: self !! the deck
+      integer, intent(in) :: group !! the group, or 0
+      character(*), intent(in) :: key !! name of the key, in lower case
+      integer, intent(in) :: most !! more values than this count as so many
+      integer :: assignment
+
+      n_values = 0
+      assignment = find_key(self%contents, group, key)
+      if (assignment == 0) return
+      associate (given => self%contents%assignments(assignment))
+         n_values = int(min(sum(int(self%contents%values(given%first_value:given%last_value)%n_times, int64)), &
+            int(most, int64)))
+      end associate
+   end function deck_count_values
+
+   !> Records the groups that are unknown, and those that stand more often than they may.
+   subroutine deck_refuse_unknown_groups(self, known_names, repeatable_names)
+      class(deck_t), intent(inout) :: self !! the deck, gains the faults
+      character(*), intent(in) :: known_names(:) !! names of all groups a deck may have, in lower case, blank padded
+      character(*), intent(in) :: repeatable_names(:) !! those of them that may stand more than once
+      integer :: i, first_line(size(known_names)), known
+
+      first_line = 0
+      do i = 1, self%contents%n_groups
+         associate (group => self%contents%groups(i))
+            known = findloc(known_names == group%name, .true., dim=1)
+            if (known == 0) then
+               self%contents%hides_groups = .true.
+               call self%contents%faults%add(group%line, 'unknown group &'//excerpt(group%name)// &
+                  suggestion(group%name, known_names, '&', 'groups'))
+            else if (first_line(known) == 0) then
+               first_line(known) = group%line
+            else if (all(repeatable_names /= group%name)) then
+               call self%contents%faults%add(group%line, '&'//group%name//' is given in line '// &
+                  to_text(first_line(known))//' already')
+            end if
+         end associate
+      end do
+   end subroutine deck_refuse_unknown_groups
+
+   !> Turns the faults into one error that tells them all, a line of text for each.
+   subroutine deck_finish(self, error)
+      class(deck_t), intent(in) :: self !! the deck
+      type(error_t), allocatable, intent(out) :: error !! the faults, ordered by line, where there is any
+
+      call self%contents%faults%finish(self%file, error)
+   end subroutine deck_finish
+
+end module amontons_deck

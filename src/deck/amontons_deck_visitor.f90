@@ -1,0 +1,346 @@
+!> A visitor of the groups and keys that a deck may hold: who reads a deck, writes one, or documents what one may say.
+!>
+!> A group is described once, by a procedure that shows every key to a visitor, together with the variable that holds
+!> its value:
+!>
+!>    call visitor%open_group(mesh_group)
+!>    call visitor%real(key_t('grading', 'height of the top row over the bottom row', above=0.0_dp), grading)
+!>    call visitor%close_group()
+!>
+!> A reader sets the variable, a writer writes it, a documenter makes a row of a table of it. Rules about several keys
+!> follow behind the group; they are judged where a deck is read, and are without effect elsewhere.
+module amontons_deck_visitor
+   use amontons_deck, only: deck_t
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_number_table, only: read_number_table
+   use amontons_text, only: newline, to_text
+   implicit none (type, external)
+   private
+
+   public :: deck_visitor_t, group_t, is_filled, key_t, set_default
+
+   !> Most numbers of a list.
+   integer, parameter, public :: most_values = 1000000
+
+   !> A group of a deck.
+   type :: group_t
+      character(8) :: name = '' !! its name
+      logical :: is_repeatable = .false. !! whether it may stand more than once
+      logical :: is_shared = .false. !! whether decks that share a factorization agree in all its keys
+   end type group_t
+
+   !> A key of a group: what is true of it whatever its value.
+   type :: key_t
+      character(16) :: name = '' !! its name
+      character(190) :: meaning = '' !! what it says, in Markdown
+      character(6) :: unit = '' !! unit of its values
+      character(70) :: default = '' !! what holds where it is absent, in Markdown; empty for the value it has then
+      character(48) :: also = '' !! what other programs call it, blanks between the words
+      real(dp) :: above = -huge(1.0_dp) !! its numbers are larger than this
+      real(dp) :: at_least = -huge(1.0_dp) !! its numbers are not smaller than this
+      real(dp) :: below = huge(1.0_dp) !! its numbers are smaller than this
+      logical :: is_whole = .false. !! whether its numbers are whole
+      logical :: is_nonzero = .false. !! whether its numbers are not all 0
+      logical :: is_ascending = .false. !! whether its numbers ascend
+      logical :: is_filled = .false. !! whether its text is not empty
+      logical :: is_file = .false. !! whether its text is the name of a file, seen from the deck's directory
+      logical :: is_required = .false. !! whether the group must have it
+      logical :: is_shared = .false. !! whether decks that share a factorization agree in it
+      logical :: is_free = .false. !! whether these may differ in its value, though not in whether it is given
+   contains
+      procedure :: admits => key_admits
+      procedure :: noun => key_noun
+      procedure :: numbers => key_numbers
+      procedure :: range => key_range
+   end type key_t
+
+   !> Who visits the groups of a deck.
+   type, abstract :: deck_visitor_t
+      type(deck_t) :: deck !! the deck that is read; without groups where none is
+      type(group_t) :: group !! the group that is visited
+      integer :: place = 0 !! which group of the deck it is; 0 where the deck has none
+   contains
+      procedure(open_group), deferred :: open_group
+      procedure(close_group), deferred :: close_group
+      procedure(visit_reals), deferred :: reals
+      procedure(visit_text), deferred :: text
+      procedure :: real => visitor_real
+      procedure :: list => visitor_list
+      procedure :: whole => visitor_whole
+      procedure :: wholes => visitor_wholes
+      procedure :: word => visitor_word
+      procedure :: has => visitor_has
+      procedure :: is_judging => visitor_is_judging
+      procedure :: locate => visitor_locate
+      procedure :: only => visitor_only
+      procedure :: require => visitor_require
+      procedure :: table => visitor_table
+   end type deck_visitor_t
+
+   abstract interface
+      !> Comes to a group.
+      subroutine open_group(self, group)
+         import :: deck_visitor_t, group_t
+         implicit none (type, external)
+         class(deck_visitor_t), intent(inout) :: self !! the visitor
+         type(group_t), intent(in) :: group !! the group; the next one of its name where it is the same as before
+      end subroutine open_group
+
+      !> Leaves the keys of a group; rules about them may follow.
+      subroutine close_group(self)
+         import :: deck_visitor_t
+         implicit none (type, external)
+         class(deck_visitor_t), intent(inout) :: self !! the visitor
+      end subroutine close_group
+
+      !> Visits a fixed number of numbers, whole ones where the key says so.
+      subroutine visit_reals(self, key, values, is_given)
+         import :: deck_visitor_t, dp, key_t
+         implicit none (type, external)
+         class(deck_visitor_t), intent(inout) :: self !! the visitor
+         type(key_t), intent(in) :: key !! the key
+         real(dp), intent(inout) :: values(:)
+            !! the numbers; those that a deck does not give stay as they are; none for a list of any length
+         logical, intent(inout), optional :: is_given
+            !! whether the key is to be written; on return from a reader, whether it stands in the group
+      end subroutine visit_reals
+
+      !> Visits a text.
+      subroutine visit_text(self, key, value, is_given, choices)
+         import :: deck_visitor_t, key_t
+         implicit none (type, external)
+         class(deck_visitor_t), intent(inout) :: self !! the visitor
+         type(key_t), intent(in) :: key !! the key
+         character(:), allocatable, intent(inout) :: value
+            !! the text; where it is not allocated, the first of the choices, or an empty one
+         logical, intent(inout), optional :: is_given !! as for reals
+         character(*), intent(in), optional :: choices(:) !! the words it can be, in lower case, blank padded
+      end subroutine visit_text
+   end interface
+
+contains
+
+   !> Visits a real number.
+   subroutine visitor_real(self, key, value, is_given)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
+      type(key_t), intent(in) :: key !! the key
+      real(dp), intent(inout) :: value !! the number
+      logical, intent(inout), optional :: is_given !! as for reals
+      real(dp) :: values(1)
+
+      values = value
+      call self%reals(key, values, is_given)
+      value = values(1)
+   end subroutine visitor_real
+
+   !> Visits a whole number.
+   subroutine visitor_whole(self, key, value, is_given)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
+      type(key_t), intent(in) :: key !! the key
+      integer, intent(inout) :: value !! the number
+      logical, intent(inout), optional :: is_given !! as for reals
+      integer :: values(1)
+
+      values = value
+      call self%wholes(key, values, is_given)
+      value = values(1)
+   end subroutine visitor_whole
+
+   !> Visits a fixed number of whole numbers.
+   subroutine visitor_wholes(self, key, values, is_given)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
+      type(key_t), intent(in) :: key !! the key
+      integer, intent(inout) :: values(:) !! the numbers
+      logical, intent(inout), optional :: is_given !! as for reals
+      type(key_t) :: whole_key
+      real(dp) :: numbers(size(values))
+
+      whole_key = key
+      whole_key%is_whole = .true.
+      numbers = values
+      call self%reals(whole_key, numbers, is_given)
+      values = nint(numbers)
+   end subroutine visitor_wholes
+
+   !> Visits a list of real numbers of any length.
+   subroutine visitor_list(self, key, values, is_given)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
+      type(key_t), intent(in) :: key !! the key
+      real(dp), allocatable, intent(inout) :: values(:) !! the numbers; they stay as they are where none are given
+      logical, intent(inout) :: is_given !! as for reals
+      real(dp), allocatable :: numbers(:)
+
+      if (self%has(key%name)) then
+         allocate (numbers(self%deck%count_values(self%place, key%name, most_values)), source=0.0_dp)
+      else if (allocated(values)) then
+         numbers = values
+      else
+         allocate (numbers(0))
+      end if
+      call self%reals(key, numbers, is_given)
+      if (is_given) call move_alloc(numbers, values)
+   end subroutine visitor_list
+
+   !> Visits a word of a list.
+   subroutine visitor_word(self, key, value, choices, is_given)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
+      type(key_t), intent(in) :: key !! the key
+      character(:), allocatable, intent(inout) :: value !! the word; the first of the choices where it is not allocated
+      character(*), intent(in) :: choices(:) !! the words it can be, in lower case, blank padded
+      logical, intent(inout), optional :: is_given !! as for reals
+
+      call self%text(key, value, is_given, choices)
+   end subroutine visitor_word
+
+   !> Whether the group that is read has a key; false where none is read.
+   logical function visitor_has(self, key) result(has)
+      class(deck_visitor_t), intent(in) :: self !! the visitor
+      character(*), intent(in) :: key !! name of the key
+
+      has = self%deck%has(self%place, key)
+   end function visitor_has
+
+   !> Whether a group is read and everything in it is understood, so that its keys can be judged together.
+   logical function visitor_is_judging(self) result(is_judging)
+      class(deck_visitor_t), intent(in) :: self !! the visitor
+
+      is_judging = self%place > 0 .and. self%deck%is_understood(self%place)
+   end function visitor_is_judging
+
+   !> Notes where a key of the group that is read stands, or the group where it has none, as messages begin:
+   !> 'deck.nml:12: '.
+   subroutine visitor_locate(self, key, origin)
+      class(deck_visitor_t), intent(in) :: self !! the visitor
+      character(*), intent(in) :: key !! name of the key
+      character(:), allocatable, intent(inout) :: origin !! the place; stays as it is where none is read
+
+      if (self%place > 0) origin = self%deck%file//':'//to_text(self%deck%line_of(self%place, key))//': '
+   end subroutine visitor_locate
+
+   !> Refuses a key that is given where it means nothing.
+   subroutine visitor_only(self, key, is_allowed, condition)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
+      character(*), intent(in) :: key !! name of the key
+      logical, intent(in) :: is_allowed !! whether it may be given
+      character(*), intent(in) :: condition !! when it may, for the message: "kind = 'file'"
+
+      if (self%has(key)) call self%require(is_allowed, key, key//' is only for '//condition)
+   end subroutine visitor_only
+
+   !> Records a fault of the group that is read unless a condition holds.
+   subroutine visitor_require(self, holds, key, sentence)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
+      logical, intent(in) :: holds !! the condition
+      character(*), intent(in) :: key !! name of the key at whose line the fault is told
+      character(*), intent(in) :: sentence !! what is wrong
+
+      if (self%place > 0 .and. .not. holds) call self%deck%fault(self%place, key, sentence)
+   end subroutine visitor_require
+
+   !> Reads the table of two columns in a file that a key of the group names.
+   subroutine visitor_table(self, key, file, table)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
+      character(*), intent(in) :: key !! name of the key
+      character(:), allocatable, intent(in) :: file !! name of the file from the root on; empty without one
+      real(dp), allocatable, intent(inout) :: table(:, :) !! the table (2, rows)
+      type(error_t), allocatable :: error
+
+      if (.not. (self%has(key) .and. is_filled(file))) return
+      call read_number_table(table, file, error)
+      if (allocated(error)) call self%require(.false., key, key//': '//error%message)
+   end subroutine visitor_table
+
+   !> Whether a number lies in the range of a key.
+   elemental logical function key_admits(self, value) result(admits)
+      class(key_t), intent(in) :: self !! the key
+      real(dp), intent(in) :: value !! the number
+
+      admits = value >= self%at_least
+      if (self%above > -huge(1.0_dp)) admits = admits .and. value > self%above
+      if (self%below < huge(1.0_dp)) admits = admits .and. value < self%below
+   end function key_admits
+
+   !> The range of the numbers of a key, as messages tell it: 'above -1 and below 0.5'; empty without one.
+   pure function key_range(self) result(text)
+      class(key_t), intent(in) :: self !! the key
+      character(:), allocatable :: text
+
+      text = ''
+      if (self%at_least > -huge(1.0_dp)) text = 'at least '//bound_text(self%at_least)
+      if (self%above > -huge(1.0_dp)) text = 'above '//bound_text(self%above)
+      if (self%below < huge(1.0_dp)) text = text//' and below '//bound_text(self%below)
+   end function key_range
+
+   !> A bound as one would write it: `0` rather than `0.0`.
+   pure function bound_text(bound) result(text)
+      real(dp), intent(in) :: bound !! the bound
+      character(:), allocatable :: text
+
+      text = to_text(bound)
+      if (index(text, '.0') == len(text) - 1) text = text(:len(text) - 2)
+   end function bound_text
+
+   !> What one number of a key is called.
+   pure function key_noun(self) result(noun)
+      class(key_t), intent(in) :: self !! the key
+      character(:), allocatable :: noun
+
+      noun = 'number'
+      if (self%is_whole) noun = 'whole number'
+   end function key_noun
+
+   !> Numbers of a key separated by commas, about ten on a line. Halves are joined, since a text that grows value by
+   !> value would be copied as often as there are values.
+   pure function key_numbers(self, values) result(text)
+      class(key_t), intent(in) :: self !! the key
+      real(dp), intent(in) :: values(:) !! the numbers
+      character(:), allocatable :: text
+
+      text = ''
+      if (size(values) > 0) call append_list(text, values, self%is_whole)
+   end function key_numbers
+
+   !> Appends numbers separated by commas; a subroutine, since gfortran 12 forgets the length of a text that a function
+   !> returns when the function calls itself.
+   pure recursive subroutine append_list(text, values, are_whole)
+      character(:), allocatable, intent(inout) :: text !! the text
+      real(dp), intent(in) :: values(:) !! the numbers, one at the least
+      logical, intent(in) :: are_whole !! whether they are whole
+      integer, parameter :: values_per_line = 10
+      character(:), allocatable :: rest
+      integer :: half
+
+      half = size(values)/2
+      if (half == 0 .and. are_whole) then
+         text = text//to_text(nint(values(1)))
+      else if (half == 0) then
+         text = text//to_text(values(1))
+      else
+         rest = ', '
+         if (size(values) > values_per_line) rest = ','//newline//'   '
+         call append_list(rest, values(half + 1:), are_whole)
+         call append_list(text, values(:half), are_whole)
+         text = text//rest
+      end if
+   end subroutine append_list
+
+   !> Gives a text that is not there its default.
+   pure subroutine set_default(text, choices)
+      character(:), allocatable, intent(inout) :: text !! the text
+      character(*), intent(in), optional :: choices(:) !! the words it can be, the default first; empty without any
+
+      if (allocated(text)) return
+      text = ''
+      if (present(choices)) text = trim(choices(1))
+   end subroutine set_default
+
+   !> Whether there is a text.
+   pure logical function is_filled(text)
+      character(:), allocatable, intent(in) :: text !! the text
+
+      is_filled = allocated(text)
+      if (is_filled) is_filled = len_trim(text) > 0
+   end function is_filled
+
+end module amontons_deck_visitor

@@ -1,0 +1,316 @@
+!> The configuration of a case: what a deck says, checked, with every default in place. One description of all groups
+!> reads it, writes it as a deck again and documents what a deck may hold.
+module amontons_config
+   use amontons_condensation, only: condensation_names
+   use amontons_config_body, only: describe_load, describe_material, describe_mesh, describe_support, load_group, &
+      material_group, mesh_group, support_group
+   use amontons_config_contact, only: contact_group, describe_contact
+   use amontons_config_reduced, only: describe_problem, problem_group, reduced_source_t
+   use amontons_config_sweep, only: describe_sweep, sweep_group
+   use amontons_constraints, only: support_t
+   use amontons_contact_zone, only: contact_t
+   use amontons_deck, only: read_deck, read_deck_text
+   use amontons_deck_documenter, only: deck_documenter_t
+   use amontons_deck_reader, only: deck_reader_t
+   use amontons_deck_scanner, only: suggestion
+   use amontons_deck_setting, only: apply_settings, setting_t
+   use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t
+   use amontons_deck_writer, only: deck_writer_t
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_loads, only: load_t
+   use amontons_material, only: material_t
+   use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
+      space_names, variant_names
+   use amontons_new_cholesky, only: factorization_names
+   use amontons_rectangle, only: rectangle_t
+   use amontons_sweep, only: sweep_t
+   use amontons_system, only: absolute_path
+   use amontons_text, only: lower_case, quoted, to_text
+   implicit none (type, external)
+   private
+
+   public :: body_text, config_t, effective_deck, new_reduced_config, read_config, read_set_config, reference_text
+
+   !> The group of the case.
+   type(group_t), parameter :: case_group = group_t('case')
+   !> The group of the solver.
+   type(group_t), parameter :: solver_group = group_t('solver')
+   !> The group of what is written.
+   type(group_t), parameter :: output_group = group_t('output')
+   !> The groups that describe a body, what acts on it, and what varies.
+   type(group_t), parameter :: body_groups(*) = [mesh_group, material_group, support_group, load_group, contact_group, &
+      sweep_group]
+   !> All groups of a deck.
+   type(group_t), parameter :: groups(*) = [case_group, problem_group, body_groups, solver_group, output_group]
+
+   !> Everything that defines a case.
+   type :: config_t
+      character(:), allocatable :: file !! name of the deck
+      character(:), allocatable :: name !! name of the case, and of its files
+      character(:), allocatable :: title !! what the case is about, for the listing
+      type(reduced_source_t) :: reduced !! the reduced problem that there is in the place of a body, if one is given
+      character(:), allocatable :: mesh_file !! name of the mesh file from the root on; empty for a rectangle
+      character(:), allocatable :: mesh_origin !! where the mesh was specified, for messages: 'deck.nml:12: '
+      type(rectangle_t) :: rectangle !! the rectangle that is the body where there is no mesh file
+      type(material_t), allocatable :: materials(:) !! its materials
+      type(support_t), allocatable :: supports(:) !! its supports
+      type(load_t), allocatable :: loads(:) !! its loads
+      type(contact_t), allocatable :: contacts(:) !! its contact sets
+      type(sweep_t) :: sweep !! what varies from case to case; nothing for a single case
+      type(method_options_t) :: method !! the contact method
+      character(:), allocatable :: factorization !! one of `factorization_names`
+      character(:), allocatable :: condensation !! one of `condensation_names`
+   end type config_t
+
+contains
+
+   !> Reads a case from a deck. All faults of the deck are told in one error, one line each; what a group means is
+   !> judged only where its form is right, and what follows from another fault is not told.
+   subroutine read_config(config, file, error)
+      type(config_t), intent(out) :: config !! the case
+      character(*), intent(in) :: file !! name of the deck, `-` for standard input
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(setting_t) :: no_settings(0)
+
+      call read_set_config(config, file, .false., no_settings, error)
+   end subroutine read_config
+
+   !> Makes the case of a reduced problem's file alone: that of a deck which names the file and nothing else.
+   subroutine new_reduced_config(config, file, error)
+      type(config_t), intent(out) :: config !! the case
+      character(*), intent(in) :: file !! name of the reduced problem's file
+      type(error_t), allocatable, intent(out) :: error !! the name cannot stand in a deck
+      type(setting_t) :: no_settings(0)
+
+      call read_set_config(config, file, .true., no_settings, error)
+   end subroutine new_reduced_config
+
+   !> Reads a case in which settings take the place of what its deck says.
+   subroutine read_set_config(config, file, is_reduced, settings, error)
+      type(config_t), intent(out) :: config !! the case
+      character(*), intent(in) :: file !! name of the deck, `-` for standard input; or of a reduced problem's file
+      logical, intent(in) :: is_reduced !! whether it is that of a reduced problem
+      type(setting_t), intent(in) :: settings(:) !! the settings
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(deck_reader_t) :: reader
+
+      if (is_reduced) then
+         call read_deck_text(reader%deck, file, "&problem kind = 'reduced'  file = "//quoted(absolute_path(file))//' /')
+      else
+         call read_deck(reader%deck, file, error)
+         if (allocated(error)) return
+      end if
+      config%file = reader%deck%file
+      call apply_settings(reader%deck, settings)
+      call reader%deck%refuse_unknown_groups(groups%name, pack(groups%name, groups%is_repeatable))
+      call describe_config(reader, config)
+      call reader%deck%finish(error)
+      if (.not. is_reduced) return
+      config%reduced%file = file
+      config%reduced%origin = ''
+   end subroutine read_set_config
+
+   !> The effective deck: the case as a deck, every default in place. Reading it gives the same case.
+   function effective_deck(config) result(text)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: text
+
+      call write_deck(text, config, .false.)
+   end function effective_deck
+
+   !> The part of the deck that a factorization depends on: two cases whose texts agree can share it.
+   function body_text(config) result(text)
+      type(config_t), intent(in) :: config !! the case
+      character(:), allocatable :: text
+
+      call write_deck(text, config, .true.)
+   end function body_text
+
+   !> Writes the deck of a case, or what decks that share a factorization agree in.
+   subroutine write_deck(text, config, is_shared_only)
+      character(:), allocatable, intent(out) :: text !! the deck
+      type(config_t), intent(in) :: config !! the case
+      logical, intent(in) :: is_shared_only !! whether only what such decks agree in is written
+      type(deck_writer_t) :: writer
+      type(config_t) :: copy
+
+      copy = config
+      writer%is_shared_only = is_shared_only
+      call describe_config(writer, copy)
+      call move_alloc(writer%written, text)
+   end subroutine write_deck
+
+   !> The reference of a group as Markdown; of all groups where the name is empty.
+   subroutine reference_text(name, text, error)
+      character(*), intent(in) :: name !! name of the group, with or without `&`, in upper or lower case; or empty
+      character(:), allocatable, intent(out) :: text !! the reference, its last line not ended
+      type(error_t), allocatable, intent(out) :: error !! there is no such group
+      type(deck_documenter_t) :: documenter
+      type(config_t) :: config
+
+      documenter%wanted = lower_case(name)
+      if (index(documenter%wanted, '&') == 1) documenter%wanted = documenter%wanted(2:)
+      documenter%written = ''
+      config%file = ''
+      allocate (config%materials(1), config%supports(1), config%loads(1), config%contacts(1), config%sweep%axes(1))
+      call describe_config(documenter, config)
+      text = documenter%written
+      if (len(text) == 0) call new_error(error, input_refused, 'unknown group &'//documenter%wanted// &
+         suggestion(documenter%wanted, groups%name, '&', 'groups'))
+   end subroutine reference_text
+
+   !> Describes all groups of a deck: of a reduced problem, or of a body.
+   subroutine describe_config(visitor, config)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(config_t), intent(inout) :: config !! the case
+
+      call describe_case(visitor, config)
+      call describe_problem(visitor, config%reduced)
+      if (config%reduced%is_given) then
+         call refuse_body(visitor)
+      else
+         call describe_body(visitor, config)
+      end if
+      call describe_solver(visitor, config)
+      call describe_output(visitor, config%sweep)
+   end subroutine describe_config
+
+   !> Describes the groups of a body, of what acts on it and of what varies.
+   subroutine describe_body(visitor, config)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(config_t), intent(inout) :: config !! the case; who reads it comes without these
+      integer :: i
+
+      if (.not. allocated(config%materials)) then
+         ! Of a body without a material, the required keys are missed.
+         allocate (config%materials(max(1, visitor%deck%count_groups('material'))))
+         allocate (config%supports(visitor%deck%count_groups('support')))
+         allocate (config%loads(visitor%deck%count_groups('load')))
+         allocate (config%contacts(visitor%deck%count_groups('contact')))
+         allocate (config%sweep%axes(visitor%deck%count_groups('sweep')))
+      end if
+      call describe_mesh(visitor, config%mesh_file, config%rectangle, config%mesh_origin)
+      do i = 1, size(config%materials)
+         call describe_material(visitor, config%materials(i))
+      end do
+      do i = 1, size(config%supports)
+         call describe_support(visitor, config%supports(i))
+      end do
+      do i = 1, size(config%loads)
+         call describe_load(visitor, config%loads(i))
+      end do
+      do i = 1, size(config%contacts)
+         call describe_contact(visitor, config%contacts(i))
+      end do
+      call describe_sweep(visitor, config%sweep, config%loads, config%contacts)
+   end subroutine describe_body
+
+   !> Describes `&case`: name and title.
+   subroutine describe_case(visitor, config)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(config_t), intent(inout) :: config !! the case
+      ! File names end at 255 characters; temporary ones add up to 30 to the name.
+      integer, parameter :: longest_name = 200
+      integer :: last_point
+
+      if (.not. allocated(config%name)) then
+         config%name = config%file(index(config%file, '/', back=.true.) + 1:)
+         last_point = index(config%name, '.', back=.true.)
+         if (last_point > 1) config%name = config%name(:last_point - 1)
+      end if
+      call visitor%open_group(case_group)
+      call visitor%text(key_t('name', 'name of the case and of its files; 1 to 200 characters, without `/`', &
+         default="name of the deck's file without its folder and last extension", also='job id'), config%name)
+      call visitor%text(key_t('title', 'what the case is about, for the listing', also='heading description'), &
+         config%title)
+      call visitor%close_group()
+      if (len_trim(config%name) == 0 .or. len(config%name) > longest_name .or. has_unusable_character(config%name)) then
+         call visitor%deck%fault(visitor%place, 'name', 'name must be usable as a file name: 1 to '// &
+            to_text(longest_name)//" characters without '/' and control characters")
+      end if
+   end subroutine describe_case
+
+   !> Whether a name has a character that file names or decks cannot have.
+   pure logical function has_unusable_character(name)
+      character(*), intent(in) :: name !! the name
+      character, parameter :: blank = ' '
+      integer :: i
+
+      has_unusable_character = any([(name(i:i) < blank .or. name(i:i) == '/', i=1, len(name))])
+   end function has_unusable_character
+
+   !> Refuses the groups that describe a body.
+   subroutine refuse_body(visitor)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      integer :: i, group
+
+      do i = 1, size(body_groups)
+         group = 0
+         do
+            group = visitor%deck%next_group(trim(body_groups(i)%name), group)
+            if (group == 0) exit
+            call visitor%deck%fault(group, '', '&'//trim(body_groups(i)%name)// &
+               " does not go with &problem kind = 'reduced'")
+         end do
+      end do
+   end subroutine refuse_body
+
+   !> Describes `&solver`: method, its options, factorisation.
+   subroutine describe_solver(visitor, config)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(config_t), intent(inout) :: config !! the case
+
+      call visitor%open_group(solver_group)
+      associate (method => config%method)
+         call visitor%word(key_t('method', 'the contact method', also='solver algorithm type'), method%method, &
+            method_names)
+         call visitor%word(key_t('variant', 'of `splitting`: how half steps are done; only `exact` is right in'// &
+            ' general'), method%variant, variant_names)
+         call visitor%word(key_t('space', 'of `psor`: sweep in the forces or in the displacements'), method%space, &
+            space_names)
+         call visitor%real(key_t('omega', 'of `psor`: relaxation', above=0.0_dp, below=2.0_dp, &
+            also='relaxation'), method%omega)
+         call visitor%word(key_t('local', 'of `psor`: a point component by component, or both components at once,'// &
+            ' exactly'), method%local, local_names)
+         call visitor%word(key_t('acceleration', 'of `psor`: extrapolate the sweeps; what would raise the residual'// &
+            ' is dropped'), method%acceleration, acceleration_names)
+         call visitor%word(key_t('box', 'of `splitting` and `fixed_point`: solver of the quadratic programs:'// &
+            ' projected Newton (active sets), or MPRGP, which needs products only; `auto` is the first unless A is'// &
+            ' sparse'), method%box, box_names)
+         call visitor%real(key_t('tolerance', 'residual that counts as solved, free of units', above=0.0_dp, &
+            below=1.0_dp, also='tol eps'), method%tolerance)
+         call visitor%whole(key_t('max_iterations', 'most iterations, of all stages together with `auto`', &
+            at_least=1.0_dp, also='maxit max_iter itmax iterations'), method%max_iterations)
+         call visitor%word(key_t('factorization', "Cholesky factorization of the stiffness: band, multifrontal "// &
+            "(formerly `'substructured'`), that of SuiteSparse where it was built in, or the quicker one of the "// &
+            'first two', is_shared=.true.), config%factorization, factorization_names)
+         call visitor%word(key_t('condensation', 'form of the stiffness of the contact points: a dense matrix, or a'// &
+            ' band matrix of the whole body, which is quicker for long contact lines of slender bodies', &
+            is_shared=.true.), config%condensation, condensation_names)
+         call visitor%close_group()
+         call visitor%require(.not. (config%reduced%is_given .and. method%method == 'psor' .and. &
+            method%space == 'primal'), 'space', &
+            "space must be 'dual' for a reduced problem, which has no stiffness to sweep on")
+         if (.not. allocated(config%contacts)) return
+         call visitor%require(.not. (config%condensation == 'band' .and. any(config%contacts%partition%is_constant)), &
+            'condensation', "condensation must be 'dense' or 'auto' with constant multipliers")
+      end associate
+   end subroutine describe_solver
+
+   !> Describes `&output`: the fields that a sweep shall leave.
+   subroutine describe_output(visitor, sweep)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(sweep_t), intent(inout) :: sweep !! the sweep
+      logical :: is_given
+
+      is_given = sweep%fields_every > 0
+      call visitor%open_group(output_group)
+      call visitor%whole(key_t('fields_every', 'with `&sweep`: the fields of case 1 and of every so-many-th case'// &
+         ' behind it are written as `.vtu`', default='none', at_least=1.0_dp, also='out every frequency'), &
+         sweep%fields_every, is_given)
+      call visitor%close_group()
+      call visitor%only('fields_every', sweep%is_given(), 'a deck with &sweep')
+   end subroutine describe_output
+
+end module amontons_config

@@ -1,0 +1,215 @@
+!> What a deck says of the body: mesh, materials, supports, loads.
+module amontons_config_body
+   use amontons_constraints, only: support_t, supported_components
+   use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
+   use amontons_element, only: element_names
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_loads, only: load_on_nodes, load_on_region, load_on_sides, load_t
+   use amontons_material, only: formulation_names, hypothesis_names, material_t, new_material
+   use amontons_rectangle, only: diagonal_names, rectangle_t
+   implicit none (type, external)
+   private
+
+   public :: describe_load, describe_material, describe_mesh, describe_support
+
+   !> The group of the mesh.
+   type(group_t), parameter, public :: mesh_group = group_t('mesh', is_shared=.true.)
+   !> The group of a material.
+   type(group_t), parameter, public :: material_group = group_t('material', is_repeatable=.true., is_shared=.true.)
+   !> The group of a support.
+   type(group_t), parameter, public :: support_group = group_t('support', is_repeatable=.true., is_shared=.true.)
+   !> The group of a load.
+   type(group_t), parameter, public :: load_group = group_t('load', is_repeatable=.true.)
+
+   !> What `ux`, `uy`, `un` and `ut` mean.
+   character(67), parameter :: component_meanings(*) = [character(67) :: &
+      'prescribed displacement along x', &
+      'prescribed displacement along y', &
+      'prescribed displacement along the outward normal; with `set` only', &
+      'prescribed displacement along the tangent; with `set` only']
+   !> What other programs call these.
+   character(8), parameter :: component_words(*) = [character(8) :: 'u u1 dx', 'v u2 dy', 'u_n', 'u_t']
+
+contains
+
+   !> Describes `&mesh`: a rectangle and its cells, or a file.
+   subroutine describe_mesh(visitor, file, rectangle, origin)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      character(:), allocatable, intent(inout) :: file !! name of the mesh file from the root on; empty for a rectangle
+      type(rectangle_t), intent(inout) :: rectangle !! the rectangle that is the body where there is no file
+      character(:), allocatable, intent(inout) :: origin !! where the mesh is specified
+      character(4), parameter :: kind_of_file = 'file'
+      character(:), allocatable :: kind
+      logical :: has_file, is_rectangle, needs_size, has_size, has_cells, has_element, has_diagonal, has_grading
+
+      kind = 'rectangle'
+      has_file = is_filled(file)
+      if (has_file) kind = kind_of_file
+      if (.not. allocated(rectangle%element)) rectangle%element = 'quad4'
+      call visitor%open_group(mesh_group)
+      call visitor%word(key_t('kind', 'where the mesh comes from', also='type'), kind, &
+         [character(9) :: 'rectangle', kind_of_file])
+      is_rectangle = kind /= kind_of_file
+      needs_size = is_rectangle .and. .not. visitor%has('file')
+      has_size = is_rectangle
+      has_cells = is_rectangle
+      has_element = is_rectangle
+      has_diagonal = is_rectangle
+      has_grading = is_rectangle
+      call visitor%text(key_t('file', "with `kind = 'file'`, where it is required: name of the mesh file, seen from"// &
+         " the deck's folder", is_file=.true., is_filled=.true., also='filename path'), file, has_file)
+      call visitor%reals(key_t('size', 'of the rectangle: width and height', 'L', above=0.0_dp, &
+         is_required=needs_size, also='length lengths dimensions'), rectangle%size, has_size)
+      call visitor%wholes(key_t('cells', 'of the rectangle: number of cells along x and y', at_least=1.0_dp, &
+         is_required=needs_size, also='elements divisions n'), rectangle%cells, has_cells)
+      call visitor%word(key_t('element', 'a quadrilateral, or two triangles in each cell; linear or quadratic', &
+         also='type etype'), rectangle%element, element_names, has_element)
+      call visitor%word(key_t('diagonal', 'how triangles halve a cell: `/`, `\`, or by turns; no effect on'// &
+         ' quadrilaterals'), rectangle%diagonal, diagonal_names, has_diagonal)
+      call visitor%real(key_t('grading', 'height of the top row of cells over that of the bottom row; the rows'// &
+         ' between follow a geometric series', above=0.0_dp, also='bias ratio'), rectangle%grading, has_grading)
+      call visitor%close_group()
+      call visitor%locate(trim(merge('cells', 'file ', is_rectangle)), origin)
+      if (.not. visitor%is_judging()) return
+      call visitor%only('file', .not. is_rectangle, "kind = 'file'")
+      call visitor%only('size', is_rectangle, "kind = 'rectangle'")
+      call visitor%only('cells', is_rectangle, "kind = 'rectangle'")
+      call visitor%require(has_file .or. is_rectangle, 'kind', "kind = 'file' needs file = 'MESH'")
+   end subroutine describe_mesh
+
+   !> Describes one `&material`.
+   subroutine describe_material(visitor, material)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(material_t), intent(inout) :: material !! the material
+      type(material_t) :: derived
+      type(error_t), allocatable :: error
+      logical :: has_region
+
+      has_region = is_filled(material%region)
+      call visitor%open_group(material_group)
+      call visitor%real(key_t('young', "Young's modulus", 'F/L²', above=0.0_dp, is_required=.true., &
+         also='e modulus youngs_modulus'), material%young)
+      call visitor%real(key_t('poisson', "Poisson's ratio", above=-1.0_dp, below=0.5_dp, is_required=.true., &
+         also='nu poissons_ratio'), material%poisson)
+      call visitor%real(key_t('thickness', 'thickness of a plane body; it multiplies stiffness and loads, so that'// &
+         ' forces are in [F]', 'L', above=0.0_dp, also='t depth'), material%thickness)
+      call visitor%word(key_t('hypothesis', 'how the body is reduced to the plane; the same for all materials', &
+         also='plane model state'), material%hypothesis, hypothesis_names)
+      call visitor%word(key_t('formulation', "of `quad4` elements: `'b-bar'` does not lock where the material is"// &
+         " nearly incompressible; `'auto'` is `'b-bar'` for a Poisson's ratio of 0.49 or more"), material%formulation, &
+         formulation_names)
+      call visitor%text(key_t('region', 'the region of the mesh that the material fills', default='all the rest', &
+         also='set elset'), material%region, has_region)
+      call visitor%close_group()
+      material%origin = ''
+      call visitor%locate('region', material%origin)
+      call visitor%require(material%formulation /= 'b-bar' .or. material%hypothesis /= 'plane stress', 'formulation', &
+         "formulation must not be 'b-bar' in plane stress, where nothing locks")
+      ! Its rules are those above.
+      call new_material(derived, material%young, material%poisson, material%hypothesis, material%thickness, error)
+      material%lambda = derived%lambda
+      material%mu = derived%mu
+      material%is_plane_stress = derived%is_plane_stress
+      material%is_axisymmetric = derived%is_axisymmetric
+      call material%choose_formulation(material%formulation)
+   end subroutine describe_material
+
+   !> Describes one `&support`.
+   subroutine describe_support(visitor, support)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(support_t), intent(inout) :: support !! the support
+      logical :: has_set, has_point, has_spring(2)
+      integer :: k
+
+      has_set = is_filled(support%set)
+      has_point = allocated(support%set) .and. .not. has_set
+      has_spring = any(support%spring > 0.0_dp)
+      call visitor%open_group(support_group)
+      call visitor%text(key_t('set', 'the nodes of a boundary set; this or `point` is required', is_filled=.true., &
+         also='nset boundary'), support%set, has_set)
+      call visitor%reals(key_t('point', 'the node at these coordinates', 'L', also='node'), support%point, has_point)
+      do k = 1, size(supported_components)
+         call visitor%real(key_t(supported_components(k), component_meanings(k), 'L', default='free', &
+            also=component_words(k), is_free=.true.), support%displacement(k), support%is_held(k))
+      end do
+      call visitor%real(key_t('spring_n', 'elastic foundation: stress per displacement along the normal; with `set`'// &
+         ' only', 'F/L³', default='`0.0`', at_least=0.0_dp), support%spring(1), has_spring(1))
+      call visitor%real(key_t('spring_t', 'elastic foundation: stress per displacement along the tangent; with'// &
+         ' `set` only', 'F/L³', default='`0.0`', at_least=0.0_dp), support%spring(2), has_spring(2))
+      call visitor%close_group()
+      call visitor%locate('set', support%origin)
+      if (.not. visitor%is_judging()) return
+      call visitor%require(has_set .neqv. has_point, 'set', '&support needs either set or point')
+      call visitor%require(any(support%is_held) .or. any(has_spring), '', &
+         '&support needs one of ux, uy, un, ut, spring_n and spring_t')
+      call visitor%require(.not. (has_point .and. (any(has_spring) .or. any(support%is_held(3:)))), 'point', &
+         'un, ut, spring_n and spring_t need set: a point has no normal')
+   end subroutine describe_support
+
+   !> Describes one `&load`: on the sides of a set, on nodes, or on a region.
+   subroutine describe_load(visitor, load)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(load_t), intent(inout) :: load !! the load
+      real(dp) :: slopes(4)
+      logical :: has_name, has_set, has_point, has_region, on_sides(4), on_nodes, on_region
+
+      has_name = is_filled(load%name)
+      has_set = is_filled(load%set)
+      has_region = is_filled(load%region)
+      on_sides = load%target == load_on_sides
+      on_nodes = load%target == load_on_nodes
+      on_region = load%target == load_on_region
+      has_point = on_nodes .and. .not. has_set
+      slopes = reshape(load%traction_slope, [4])
+      call visitor%open_group(load_group)
+      call visitor%text(key_t('name', 'by which a `&sweep` knows it; several loads may share a name', default='none', &
+         is_filled=.true., also='label'), load%name, has_name)
+      call visitor%text(key_t('set', 'the boundary set of a traction or pressure; the node set or boundary set of'// &
+         ' point forces', is_filled=.true., also='nset surface'), load%set, has_set)
+      call visitor%reals(key_t('point', 'coordinates of the node of a `force`', 'L', also='node'), load%point, &
+         has_point)
+      call visitor%text(key_t('region', 'the region of a `body_force`', default='the whole body', also='elset'), &
+         load%region, has_region)
+      call visitor%reals(key_t('traction', 'force per area along x and y, at the origin of the coordinates', 'F/L²', &
+         also='t trac'), load%traction, on_sides(1))
+      call visitor%reals(key_t('traction_slope', 'its change: of the x component along x, of the y component along'// &
+         ' x, of the x component along y, of the y component along y', 'F/L³'), slopes, on_sides(2))
+      call visitor%real(key_t('pressure', 'force per area against the outward normal, at the origin: a positive one'// &
+         ' presses on the body', 'F/L²', also='p press'), load%pressure, on_sides(3))
+      call visitor%reals(key_t('pressure_slope', 'its change along x and y', 'F/L³'), load%pressure_slope, on_sides(4))
+      call visitor%reals(key_t('force', 'a force on the node at `point`, or on every node of `set`', 'F', &
+         also='f cload'), load%force, on_nodes)
+      call visitor%reals(key_t('body_force', 'force per volume, on `region` or on the whole body', 'F/L³', &
+         also='gravity weight g'), load%body_force, on_region)
+      call visitor%close_group()
+      load%traction_slope = reshape(slopes, [2, 2])
+      load%target = load_on_sides
+      if (on_nodes) load%target = load_on_nodes
+      if (on_region) load%target = load_on_region
+      call visitor%locate('set', load%origin)
+      call judge_load(visitor, any(on_sides), on_nodes, on_region)
+   end subroutine describe_load
+
+   !> Judges the keys of a `&load` together.
+   subroutine judge_load(visitor, on_sides, on_nodes, on_region)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      logical, intent(in) :: on_sides !! whether it acts on sides
+      logical, intent(in) :: on_nodes !! whether it acts on nodes
+      logical, intent(in) :: on_region !! whether it acts on a region
+      integer :: n_kinds
+
+      if (.not. visitor%is_judging()) return
+      n_kinds = count([on_sides, on_nodes, on_region])
+      call visitor%require(n_kinds > 0, '', '&load needs traction, pressure, force or body_force')
+      call visitor%require(n_kinds <= 1, '', 'traction and pressure, force, and body_force need a &load for each')
+      if (n_kinds /= 1) return
+      call visitor%only('set', .not. on_region, 'traction, pressure or force')
+      call visitor%only('point', on_nodes, 'force')
+      call visitor%only('region', on_region, 'body_force')
+      call visitor%require(visitor%has('set') .or. .not. on_sides, '', 'traction and pressure need set')
+      call visitor%require((visitor%has('set') .neqv. visitor%has('point')) .or. .not. on_nodes, 'force', &
+         'force needs either set or point')
+   end subroutine judge_load
+
+end module amontons_config_body

@@ -1,0 +1,296 @@
+!> The manifest of a summary: sizes and checksums of the files that were written with it and of those that were read,
+!> and, as its last member, the checksum of the summary itself. `--verify` finds by it what was changed by accident,
+!> even where no number follows from the others. `cksum FILE` prints the same numbers.
+module amontons_manifest
+   use amontons_checksum, only: checksum_t, file_checksum, text_checksum
+   use amontons_config, only: config_t
+   use amontons_error, only: error_t
+   use amontons_json, only: string
+   use amontons_kinds, only: int64
+   use amontons_output_file, only: output_file_t
+   use amontons_text, only: newline, to_text
+   use amontons_text_file, only: read_text_file
+   implicit none (type, external)
+   private
+
+   public :: read_manifest, read_summary, manifest_t, manifest_file_t, manifest_list_t, with_manifest
+
+   !> What stands before the checksum of the summary, and behind it.
+   character(*), parameter :: before_checksum = '  "checksum": ', behind_checksum = newline//'}'//newline
+
+   !> What is known of a file.
+   type :: manifest_file_t
+      character(:), allocatable :: name !! its name: seen from the output directory if written, as it was read otherwise
+      integer(int64) :: n_bytes = 0_int64 !! its size
+      integer(int64) :: checksum = 0_int64 !! its checksum
+   end type manifest_file_t
+
+   !> A list of files.
+   type :: manifest_list_t
+      type(manifest_file_t), allocatable :: files(:) !! the files, and room for more
+      integer :: n = 0 !! number of files
+   contains
+      procedure :: append => manifest_list_append
+      procedure :: append_known => manifest_list_append_known
+   end type manifest_list_t
+
+   !> The files of a case.
+   type :: manifest_t
+      type(manifest_list_t) :: outputs !! those written
+      type(manifest_list_t) :: inputs !! those read: mesh, tables, reduced problem
+   contains
+      procedure :: add_inputs => manifest_add_inputs
+      procedure :: add_outputs => manifest_add_outputs
+      procedure :: add_reduced => manifest_add_reduced
+      procedure :: add_written => manifest_add_written
+   end type manifest_t
+
+contains
+
+   !> Adds the files that are finished, under the names that they will have.
+   subroutine manifest_add_outputs(self, files, folder, error)
+      class(manifest_t), intent(inout) :: self !! the manifest
+      type(output_file_t), intent(in) :: files(:) !! the files; those not yet begun are passed over
+      character(*), intent(in) :: folder !! where in the output directory they are: '', or with a slash behind it
+      type(error_t), allocatable, intent(out) :: error !! one cannot be read
+      integer :: i
+
+      do i = 1, size(files)
+         if (.not. allocated(files(i)%temporary_path)) cycle
+         call self%add_written(files(i)%temporary_path, files(i)%path, folder, error)
+         if (allocated(error)) return
+      end do
+   end subroutine manifest_add_outputs
+
+   !> Adds a file that was written.
+   subroutine manifest_add_written(self, path, final_path, folder, error)
+      class(manifest_t), intent(inout) :: self !! the manifest
+      character(*), intent(in) :: path !! its present name
+      character(*), intent(in) :: final_path !! the name that it will have
+      character(*), intent(in) :: folder !! where in the output directory it is: '', or with a slash behind it
+      type(error_t), allocatable, intent(out) :: error !! it cannot be read
+
+      call self%outputs%append(path, folder//final_path(index(final_path, '/', back=.true.) + 1:), error)
+      if (.not. allocated(error)) return
+      ! Nobody knows the temporary name.
+      error%message = final_path//': cannot write this file'//error%message(index(error%message, ': ', back=.true.):)
+   end subroutine manifest_add_written
+
+   !> Adds the file of a reduced problem, which is written before the others.
+   subroutine manifest_add_reduced(self, stem, error)
+      class(manifest_t), intent(inout) :: self !! the manifest
+      character(*), intent(in) :: stem !! directory and name of the case
+      type(error_t), allocatable, intent(out) :: error !! it cannot be read
+
+      call self%add_written(stem//'.reduced.dat', stem//'.reduced.dat', '', error)
+   end subroutine manifest_add_reduced
+
+   !> Adds the files that a case was read from; the effective deck holds what its deck said. A file that cannot be read
+   !> again, a pipe or one that is gone, is left out: the results are worth keeping.
+   subroutine manifest_add_inputs(self, config)
+      class(manifest_t), intent(inout) :: self !! the manifest
+      type(config_t), intent(in) :: config !! the case
+      integer :: i
+
+      if (config%reduced%is_given) then
+         call add(config%reduced%path)
+         return
+      end if
+      call add(config%mesh_file)
+      do i = 1, size(config%contacts)
+         associate (contact => config%contacts(i))
+            if (allocated(contact%friction%file)) call add(contact%friction%file)
+            if (allocated(contact%slip_bound%file)) call add(contact%slip_bound%file)
+            if (allocated(contact%obstacle%file)) call add(contact%obstacle%file)
+         end associate
+      end do
+
+   contains
+
+      !> Adds one of them, if there is one.
+      subroutine add(path)
+         character(*), intent(in) :: path !! its name; empty for none
+         type(error_t), allocatable :: unreadable
+
+         if (len(path) > 0) call self%inputs%append(path, path, unreadable)
+      end subroutine add
+
+   end subroutine manifest_add_inputs
+
+   !> Appends a file as it is now.
+   subroutine manifest_list_append(self, path, name, error)
+      class(manifest_list_t), intent(inout) :: self !! the list
+      character(*), intent(in) :: path !! where the file is now
+      character(*), intent(in) :: name !! its name in the list
+      type(error_t), allocatable, intent(out) :: error !! it cannot be read
+      type(checksum_t) :: checksum
+
+      call file_checksum(checksum, path, error)
+      if (.not. allocated(error)) call self%append_known(name, checksum)
+   end subroutine manifest_list_append
+
+   !> Appends a file whose checksum is known.
+   pure subroutine manifest_list_append_known(self, name, checksum)
+      class(manifest_list_t), intent(inout) :: self !! the list
+      character(*), intent(in) :: name !! its name in the list
+      type(checksum_t), intent(in) :: checksum !! its checksum
+
+      call append(self, name, checksum%n_bytes, checksum%value())
+   end subroutine manifest_list_append_known
+
+   !> Appends to a list. The grids of a sweep are many thousands: a full list grows by doubling.
+   pure subroutine append(list, name, n_bytes, checksum)
+      type(manifest_list_t), intent(inout) :: list !! the list
+      character(*), intent(in) :: name !! name of the file in it
+      integer(int64), intent(in) :: n_bytes !! its size
+      integer(int64), intent(in) :: checksum !! its checksum
+      type(manifest_file_t), allocatable :: longer(:)
+      integer :: i
+
+      if (.not. allocated(list%files)) allocate (list%files(8))
+      if (list%n == size(list%files)) then
+         allocate (longer(2*list%n))
+         do i = 1, list%n
+            longer(i)%n_bytes = list%files(i)%n_bytes
+            longer(i)%checksum = list%files(i)%checksum
+            call move_alloc(list%files(i)%name, longer(i)%name)
+         end do
+         call move_alloc(longer, list%files)
+      end if
+      list%n = list%n + 1
+      list%files(list%n)%name = name
+      list%files(list%n)%n_bytes = n_bytes
+      list%files(list%n)%checksum = checksum
+   end subroutine append
+
+   !> A summary with its manifest, lines with their ends.
+   function with_manifest(text, manifest) result(complete)
+      character(*), intent(in) :: text !! the summary, an object with a member on its last line but one
+      type(manifest_t), intent(in) :: manifest !! the manifest
+      character(:), allocatable :: complete
+
+      complete = text(:index(text, newline//'}', back=.true.) - 1)//','//newline// &
+         '  "files": ['//list_text(manifest%outputs)//'],'//newline// &
+         '  "inputs": ['//list_text(manifest%inputs)//'],'//newline
+      complete = complete//before_checksum//to_text(text_checksum(complete))//behind_checksum
+   end function with_manifest
+
+   !> A list of files as elements of a JSON array.
+   pure function list_text(list) result(text)
+      type(manifest_list_t), intent(in) :: list !! the files
+      character(:), allocatable :: text
+      character(:), allocatable :: line, longer
+      integer :: i, n
+
+      allocate (character(0) :: text)
+      n = 0
+      do i = 1, list%n
+         line = newline//'    {"name": '//string(list%files(i)%name)//', "bytes": '// &
+            to_text(list%files(i)%n_bytes)//', "checksum": '//to_text(list%files(i)%checksum)//'},'
+         ! As the list, the text grows by doubling.
+         if (n + len(line) > len(text)) then
+            allocate (character(2*(n + len(line))) :: longer)
+            longer(:n) = text(:n)
+            call move_alloc(longer, text)
+         end if
+         text(n + 1:n + len(line)) = line
+         n = n + len(line)
+      end do
+      ! There is no comma behind the last one.
+      text = text(:max(0, n - 1))
+   end function list_text
+
+   !> Reads a summary and its manifest.
+   subroutine read_summary(manifest, text, path, fault)
+      type(manifest_t), intent(out) :: manifest !! the manifest; empty if there is a fault
+      character(:), allocatable, intent(out) :: text !! the summary; not allocated if it cannot be read
+      character(*), intent(in) :: path !! name of the file
+      character(:), allocatable, intent(out) :: fault !! why it is not what was written; empty if it is
+      type(checksum_t) :: checksum
+      type(error_t), allocatable :: error
+
+      ! A pipe, which somebody may have to write to, is none.
+      call file_checksum(checksum, path, error)
+      if (.not. allocated(error)) call read_text_file(path, text, error)
+      if (allocated(error)) then
+         if (allocated(text)) deallocate (text)
+         fault = error%message(len(path) + 3:)
+      else if (checksum%n_bytes /= len(text)) then
+         ! The reader of texts passes over a mark before UTF-8 text.
+         fault = 'it was changed: bytes stand before it'
+      else
+         call read_manifest(manifest, text, fault)
+      end if
+   end subroutine read_summary
+
+   !> Checks the manifest of a summary and reads it.
+   subroutine read_manifest(manifest, text, fault)
+      type(manifest_t), intent(out) :: manifest !! the manifest
+      character(*), intent(in) :: text !! the summary, all of its bytes
+      character(:), allocatable, intent(out) :: fault !! why it is not what was written; empty if it is
+      integer :: last
+
+      last = index(text, before_checksum, back=.true.) - 1
+      if (last < 0) then
+         fault = 'it carries no checksum of its own: it is cut short, or of an earlier version of the program'
+      else if (index(text(last + 1:), before_checksum//'"') == 1) then
+         fault = 'it is of an earlier version of the program, whose checksums are of another kind'
+      else if (text(max(1, len(text) - len(behind_checksum) + 1):) /= behind_checksum) then
+         fault = 'it does not end as it was written'
+      else if (text(last + 1:) /= before_checksum//to_text(text_checksum(text(:last)))//behind_checksum) then
+         fault = 'it was changed: its own checksum is '//to_text(text_checksum(text(:last)))
+      else
+         fault = ''
+         call read_list(manifest%outputs, text, '  "files": [')
+         call read_list(manifest%inputs, text, '  "inputs": [')
+      end if
+   end subroutine read_manifest
+
+   !> Reads a list of files, one on a line, from a summary that is as it was written.
+   pure subroutine read_list(list, text, head)
+      type(manifest_list_t), intent(inout) :: list !! the list
+      character(*), intent(in) :: text !! the summary
+      character(*), intent(in) :: head !! the line before the list
+      character(*), parameter :: before_name = '    {"name": "', before_bytes = '", "bytes": ', &
+         before_digits = ', "checksum": '
+      integer(int64) :: n_bytes, checksum
+      integer :: first, at_bytes, at_digits, status
+
+      first = index(text, newline//head//newline)
+      if (first == 0) return
+      first = first + len(newline//head//newline)
+      do
+         associate (line => text(first:first + index(text(first:), newline) - 2))
+            at_bytes = index(line, before_bytes, back=.true.)
+            at_digits = index(line, before_digits, back=.true.)
+            if (index(line, before_name) /= 1 .or. at_bytes == 0 .or. at_digits < at_bytes) return
+            read (line(at_bytes + len(before_bytes):at_digits - 1), *, iostat=status) n_bytes
+            if (status /= 0) return
+            read (line(at_digits + len(before_digits):index(line, '}', back=.true.) - 1), *, iostat=status) checksum
+            if (status /= 0) return
+            call append(list, unescaped(line(len(before_name) + 1:at_bytes - 1)), n_bytes, checksum)
+            first = first + len(line) + 1
+         end associate
+      end do
+   end subroutine read_list
+
+   !> What a JSON string stands for, of those that `string` makes.
+   pure function unescaped(literal) result(text)
+      character(*), intent(in) :: literal !! the string, without the quotes around it
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      i = 1
+      do while (i <= len(literal))
+         if (literal(i:i) == '\' .and. i < len(literal)) then
+            i = i + 1
+            text = text//merge(achar(9), literal(i:i), literal(i:i) == 't')
+         else
+            text = text//literal(i:i)
+         end if
+         i = i + 1
+      end do
+   end function unescaped
+
+end module amontons_manifest

@@ -1,0 +1,167 @@
+!> What is doubtful about a model before it is solved: a body, its contact sets, a sweep.
+module amontons_model_warnings
+   use amontons_body, only: body_t, poor_inf_sup
+   use amontons_contact_zone, only: contact_t
+   use amontons_element, only: element_names, quad4, tri3
+   use amontons_kinds, only: dp
+   use amontons_listing_text, only: short
+   use amontons_load_case, only: load_case_t
+   use amontons_sweep, only: quantity_names, sweep_axis_t, sweep_t, swept_friction, swept_friction_factor
+   use amontons_text, only: to_text
+   use amontons_warning_list, only: warning_list_t
+   implicit none (type, external)
+   private
+
+   public :: add_model_warnings, add_sweep_warnings, body_size, percent
+
+   !> Initial overlap from which on it is warned about, as a share of the body's size [-].
+   real(dp), parameter :: large_overlap = 0.01_dp
+   !> Friction from which on it is warned about [-].
+   real(dp), parameter :: large_friction = 2.0_dp
+
+contains
+
+   !> The larger side of the box around the mesh of a body [L].
+   pure real(dp) function body_size(body)
+      type(body_t), intent(in) :: body !! the body
+
+      body_size = maxval(maxval(body%mesh%coordinates, dim=2) - minval(body%mesh%coordinates, dim=2))
+   end function body_size
+
+   !> A share as a percentage of three digits.
+   pure function percent(share) result(text)
+      real(dp), intent(in) :: share !! the share [-]
+      character(:), allocatable :: text
+      ! What is larger could round to more than there is.
+      real(dp), parameter :: most = 1.0e300_dp
+      character(12) :: buffer
+      real(dp) :: rounded
+
+      write (buffer, '(es10.2e3)') min(100.0_dp*share, most)
+      read (buffer, '(es10.2e3)') rounded
+      text = to_text(rounded)//' %'
+   end function percent
+
+   !> Adds the warnings on a body and its contact sets.
+   pure subroutine add_model_warnings(warnings, body, load_case)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case
+      integer :: i
+
+      do i = 1, body%mesh%warnings%n()
+         call warnings%add(body%mesh%warnings%item(i))
+      end do
+      call add_locking(warnings, body)
+      if (any(body%materials%list%has_chosen_b_bar()) .and. all(body%mesh%element_kind /= quad4)) call warnings%add( &
+         "formulation = 'b-bar' has no effect: the mesh has no quad4 elements")
+      associate (stated => body%mesh%hypothesis, hypothesis => body%materials%list(1)%hypothesis)
+         if (stated /= '' .and. stated /= hypothesis) call warnings%add('the elements of the mesh file are of type '// &
+            trim(stated)//', the deck computes '//hypothesis)
+      end associate
+      do i = 1, size(load_case%contacts)
+         if (any(body%zone%set == i)) call add_contact_warnings(warnings, body, load_case, i)
+      end do
+   end subroutine add_model_warnings
+
+   !> Warns of linear elements that lock: of a standard formulation and nearly incompressible.
+   pure subroutine add_locking(warnings, body)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warning
+      type(body_t), intent(in) :: body !! the body
+      integer :: n_locking(2), element
+      character(:), allocatable :: remedy
+
+      n_locking = 0
+      do element = 1, body%mesh%n_elements
+         associate (material => body%materials%list(body%materials%of_element(element)), &
+            kind => body%mesh%element_kind(element))
+            if (.not. material%locks()) cycle
+            if (kind == tri3) n_locking(tri3) = n_locking(tri3) + 1
+            if (kind == quad4 .and. .not. material%has_mean_dilatation) n_locking(quad4) = n_locking(quad4) + 1
+         end associate
+      end do
+      if (sum(n_locking) == 0) return
+      remedy = "use formulation = 'b-bar', or quad8"
+      if (n_locking(tri3) > 0) remedy = "use tri6, quad8, or quad4 with formulation = 'b-bar'"
+      call warnings%add(to_text(sum(n_locking))//' linear elements ('// &
+         trim(element_names(merge(tri3, quad4, n_locking(tri3) > 0)))//') of a nearly incompressible material '// &
+         "(Poisson's ratio "//short(maxval(body%materials%list%poisson))//') lock: stresses and forces are too '// &
+         'large, by far near 0.5; '//remedy)
+   end subroutine add_locking
+
+   !> Warns of what is doubtful about a contact set.
+   pure subroutine add_contact_warnings(warnings, body, load_case, set)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case
+      integer, intent(in) :: set !! number of the contact set, which has points
+      ! What rounding may leave of a depth of 0, as a share of the body's size.
+      real(dp), parameter :: rounding = 1.0e-6_dp
+      character(:), allocatable :: name
+      logical :: is_of_set(body%zone%n_points)
+
+      name = "contact set '"//load_case%contacts(set)%set//"': "
+      is_of_set = body%zone%set == set
+      associate (zone => body%zone, size => body_size(body))
+         if (body%inf_sup(set) < poor_inf_sup) call warnings%add(name//'the inf-sup constant '// &
+            short(body%inf_sup(set))//' is below '//short(poor_inf_sup)//'; forces and statuses may oscillate from '// &
+            'cell to cell; make the cells larger')
+         associate (overlap => maxval(-load_case%gap, mask=is_of_set))
+            if (overlap > large_overlap*size) call warnings%add(name//'initial overlap of '//short(overlap)//', '// &
+               percent(overlap/size)//" of the body's size")
+         end associate
+         associate (friction => maxval(load_case%friction, mask=is_of_set))
+            if (friction > large_friction) call warnings%add(name//'friction of '//short(friction)// &
+               '; coefficients above '//short(large_friction)//' are rare')
+         end associate
+         if (all(zone%is_guided .or. .not. is_of_set) .and. &
+            any(is_of_set .and. max(load_case%friction, load_case%slip_bound) > 0.0_dp)) call warnings%add(name// &
+            'friction has no effect: supports hold all its points tangentially')
+         associate (n_buried => count(is_of_set .and. load_case%depth > rounding*size))
+            if (n_buried > 0) call warnings%add(name//to_text(n_buried)//' point(s) inside the obstacle are left '// &
+               'open: their normals do not meet its surface, or at more than 84 degrees; check set and obstacle')
+         end associate
+      end associate
+   end subroutine add_contact_warnings
+
+   !> Adds the warnings on a sweep.
+   pure subroutine add_sweep_warnings(warnings, sweep, contacts)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
+      type(sweep_t), intent(in) :: sweep !! the sweep, which is given
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      logical :: is_frictionless
+      integer :: i, k
+
+      do i = 1, size(sweep%axes)
+         associate (axis => sweep%axes(i), name => 'sweep of '//sweep%axes(i)%label()//': ')
+            call add_repetition(warnings, name, axis)
+            if (axis%target == swept_friction .and. maxval(axis%values) > large_friction) call warnings%add(name// &
+               'friction of '//short(maxval(axis%values))//'; coefficients above '//short(large_friction)//' are rare')
+            if (axis%target /= swept_friction_factor) cycle
+            is_frictionless = .true.
+            do k = 1, size(contacts)
+               if (axis%acts_on(contacts(k)%set)) is_frictionless = is_frictionless .and. &
+                  .not. (abs(contacts(k)%friction%value) > 0.0_dp .or. any(abs(contacts(k)%friction%slope) > 0.0_dp) &
+                  .or. allocated(contacts(k)%friction%table))
+            end do
+            if (is_frictionless) call warnings%add(name//'no effect: the friction is 0')
+         end associate
+      end do
+   end subroutine add_sweep_warnings
+
+   !> Warns of a value that a list gives twice.
+   pure subroutine add_repetition(warnings, name, axis)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warning
+      character(*), intent(in) :: name !! how the warning begins
+      type(sweep_axis_t), intent(in) :: axis !! the quantity
+      integer :: i
+
+      ! Equal steps repeat a value only if they are 0.
+      do i = 2, merge(2, size(axis%values), axis%is_range)
+         if (.not. any(abs(axis%values(:i - 1) - axis%values(i)) <= 0.0_dp)) cycle
+         call warnings%add(name//'the value '//short(axis%values(i))//' is given twice')
+         return
+      end do
+   end subroutine add_repetition
+
+end module amontons_model_warnings

@@ -1,0 +1,178 @@
+!> What is doubtful about a result: whether theory, mesh and arithmetic can carry it.
+module amontons_result_warnings
+   use amontons_body, only: body_t
+   use amontons_conditioning, only: conditioning_text, rounded
+   use amontons_contact_rows, only: turned
+   use amontons_contact_zone, only: contact_zone_t
+   use amontons_element, only: n_corners
+   use amontons_friction_law, only: open_point
+   use amontons_kinds, only: dp
+   use amontons_listing_text, only: pair, short
+   use amontons_load_case, only: load_case_t
+   use amontons_mesh, only: mesh_t
+   use amontons_model_warnings, only: body_size, percent
+   use amontons_result, only: result_t
+   use amontons_text, only: to_text
+   use amontons_warning_list, only: warning_list_t
+   implicit none (type, external)
+   private
+
+   public :: add_conditioning, add_result_warnings
+
+   !> Largest displacement, as a share of the body's size, and largest strain that pass for small [-].
+   real(dp), parameter :: large_displacement = 0.05_dp, large_strain = 0.02_dp
+
+contains
+
+   !> Adds the warnings on a result to those on its model.
+   subroutine add_result_warnings(result, body)
+      type(result_t), intent(inout) :: result !! the result; gains the warnings
+      type(body_t), intent(in) :: body !! the body
+
+      call add_conditioning(result, body)
+      if (.not. result%solution%is_converged) return
+      call add_size_warnings(result%warnings, body, result%displacement)
+      associate (is_closed => result%solution%status /= open_point, zone => body%zone)
+         if (zone%n_points > 0 .and. .not. any(is_closed)) then
+            call result%warnings%add('nothing touches the obstacle')
+         else if (zone%n_points > 2 .and. count(is_closed) < 3) then
+            call result%warnings%add('only '//to_text(count(is_closed))// &
+               ' contact point(s) closed: the mesh is too coarse for the pressure there')
+         else if (zone%n_points > 2) then
+            call add_pressure_jump(result%warnings, zone, result%solution%force(:zone%n_points)/zone%area)
+         end if
+         call add_aslant_points(result%warnings, zone, result%load_case%cosine, is_closed)
+      end associate
+      call add_passed_points(result%warnings, body, result%load_case, result%displacement)
+   end subroutine add_result_warnings
+
+   !> Warns of a stiffness so ill-conditioned that rounding shows in the certificate.
+   pure subroutine add_conditioning(result, body)
+      type(result_t), intent(inout) :: result !! the result; gains the warning
+      type(body_t), intent(in) :: body !! the body
+
+      if (.not. result%condition > 0.0_dp) return
+      call result%warnings%add('the stiffness is ill-conditioned, condition number about '// &
+         rounded(result%condition)//': rounding may cost '//to_text(min(16, nint(log10(result%condition))))// &
+         ' of 16 digits'//conditioning_text(body%mesh, body%materials, body%springs))
+   end subroutine add_conditioning
+
+   !> Warns of displacements and strains that are not small.
+   pure subroutine add_size_warnings(warnings, body, displacement)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp) :: strain, largest
+      integer :: node, at
+
+      largest = maxval(norm2(displacement, dim=1))
+      if (largest > large_displacement*body_size(body)) call warnings%add('displacement of '//short(largest)//', '// &
+         percent(largest/body_size(body))//" of the body's size; the theory is for small displacements (up to "// &
+         percent(large_displacement)//'); check units, loads and moduli')
+      call find_strain(body%mesh, displacement, strain, at)
+      if (body%is_axisymmetric) then
+         do node = 1, body%mesh%n_nodes
+            associate (radius => body%mesh%coordinates(1, node), widening => abs(displacement(1, node)))
+               if (.not. widening > strain*radius .or. .not. radius > 0.0_dp) cycle
+               strain = widening/radius
+               at = node
+            end associate
+         end do
+      end if
+      if (strain > large_strain) call warnings%add('strain of '//percent(strain)//' at '// &
+         pair(body%mesh%coordinates(:, at))//'; the theory is for small strains (up to '//percent(large_strain)//')')
+   end subroutine add_size_warnings
+
+   !> The largest elongation or shortening of the distance between two corners of an element.
+   pure subroutine find_strain(mesh, displacement, strain, at)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(out) :: strain !! its size, over the distance [-]
+      integer, intent(out) :: at !! one of the two nodes; 0 if there is no strain
+      ! Of strains that differ by rounding alone the first is taken, whatever the compiler.
+      real(dp), parameter :: clearly = 1.0_dp + 1.0e-6_dp
+      real(dp) :: distance(2), difference(2), elongation, length
+      integer :: element, i, k, first
+
+      strain = 0.0_dp
+      at = 0
+      do element = 1, mesh%n_elements
+         first = mesh%node_start(element)
+         do i = first, first + n_corners(mesh%element_kind(element)) - 1
+            do k = first, i - 1
+               distance = mesh%coordinates(:, mesh%node(i)) - mesh%coordinates(:, mesh%node(k))
+               difference = displacement(:, mesh%node(i)) - displacement(:, mesh%node(k))
+               length = hypot(distance(1), distance(2))
+               elongation = abs(difference(1)*(distance(1)/length) + difference(2)*(distance(2)/length))
+               if (.not. elongation > clearly*strain*length) cycle
+               strain = elongation/length
+               at = mesh%node(i)
+            end do
+         end do
+      end do
+   end subroutine find_strain
+
+   !> Warns of a largest pressure that is more than twice that of each of its neighbours.
+   pure subroutine add_pressure_jump(warnings, zone, pressure)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warning
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      real(dp), intent(in) :: pressure(:) !! their pressures (m) [F/L^2]
+      real(dp), parameter :: large_jump = 2.0_dp
+      real(dp) :: neighbor
+      integer :: peak
+
+      peak = maxloc(pressure, dim=1)
+      neighbor = maxval(pressure, mask=zone%next == peak)
+      if (zone%next(peak) > 0) neighbor = max(neighbor, pressure(zone%next(peak)))
+      if (pressure(peak) > large_jump*max(neighbor, 0.0_dp)) call warnings%add('the largest pressure '// &
+         short(pressure(peak))//' at '//pair(zone%position(:, peak))//' is more than twice that of the points '// &
+         'beside it: the mesh is too coarse for it, or it grows without bound at an edge')
+   end subroutine add_pressure_jump
+
+   !> Warns of closed points whose normals are far from that of the obstacle.
+   pure subroutine add_aslant_points(warnings, zone, cosine, is_closed)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warning
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      real(dp), intent(in) :: cosine(:) !! of the angle between each normal and the way into the obstacle (m) [-]
+      logical, intent(in) :: is_closed(:) !! whether each point is closed (m)
+      ! The cosine of 30 degrees.
+      real(dp), parameter :: smallest_cosine = 0.5_dp*sqrt(3.0_dp)
+      integer :: first
+
+      associate (is_aslant => is_closed .and. cosine < smallest_cosine)
+         first = findloc(is_aslant, .true., dim=1)
+         if (first > 0) call warnings%add(to_text(count(is_aslant))//' closed contact point(s), the first at '// &
+            pair(zone%position(:, first))//", press along normals more than 30 degrees off the obstacle's; end the "// &
+            'contact set at the corner, or give gap_direction')
+      end associate
+   end subroutine add_aslant_points
+
+   !> Warns of points out of reach that end up in the obstacle.
+   subroutine add_passed_points(warnings, body, load_case, displacement)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warning
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its load case
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), parameter :: negligible = 0.1_dp
+      real(dp), allocatable :: at_points(:)
+      real(dp) :: depth
+      integer :: n_passed, p
+
+      n_passed = 0
+      associate (zone => body%zone)
+         if (all(load_case%is_in_reach)) return
+         at_points = zone%rows%displacement(displacement)
+         do p = 1, zone%n_points
+            if (load_case%is_in_reach(p) .or. load_case%depth(p) > 0.0_dp) cycle
+            associate (contact => load_case%contacts(zone%set(p)), normal => zone%normal(:, p), &
+               slip => at_points(zone%n_points + p))
+               depth = contact%obstacle%depth(zone%position(:, p) + at_points(p)*normal + slip*turned(normal))
+               if (depth - contact%extra_gap > negligible*maxval(abs(displacement))) n_passed = n_passed + 1
+            end associate
+         end do
+      end associate
+      if (n_passed > 0) call warnings%add(to_text(n_passed)//' contact point(s) that do not face the obstacle move '// &
+         'into it unhindered')
+   end subroutine add_passed_points
+
+end module amontons_result_warnings

@@ -1,0 +1,204 @@
+#!/usr/bin/env python3
+"""Warnings: what a deck can describe and a result cannot carry is said on screen, in the listing and in the summary,
+and checked by --verify."""
+import json
+import unittest
+
+from disc import disc_mesh
+from harness import CONTACT, PRESSURE, SOUND, SUPPORT, ProgramTest, block
+from verification import ROOT, Verification
+
+LOCKED = "young = 100.0  poisson = 0.4999"
+
+# A box beside the block that the upper part of its side passes over, and one that its side is inside of.
+SQUARES = """\
+$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+3
+1 1 "left"
+1 2 "right"
+2 3 "body"
+$EndPhysicalNames
+$Nodes
+8
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+5 1 0 0
+6 2 0 0
+7 2 1 0
+8 1 1 0
+$EndNodes
+$Elements
+4
+1 1 2 1 1 4 1
+2 1 2 2 2 6 7
+3 3 2 3 3 1 2 3 4
+4 3 2 3 3 5 6 7 8
+$EndElements
+"""
+FILES = {"squares.msh": SQUARES, "box.csv": "4.05, 1.0\n6.0, 1.0\n6.0, -1.0\n4.05, -1.0\n4.05, 1.0\n",
+         "ball.msh": disc_mesh()}
+BALL = "mesh kind = 'file'  file = 'ball.msh'", "material young = 1000.0  poisson = 0.3"
+
+# Groups of a deck, what else is different about its block, and how each warning of it begins.
+CASES = {
+    "tri3": ((SUPPORT, PRESSURE, CONTACT),
+             {"mesh": "size = 4.0, 2.0  cells = 8, 4  element = 'tri3'", "material": LOCKED},
+             ["64 linear elements (tri3) of a nearly incompressible material (Poisson's ratio 0.4999) lock"]),
+    "quad4": ((SUPPORT, PRESSURE, CONTACT), {"material": LOCKED + "  formulation = 'standard'"},
+              ["32 linear elements (quad4) of a nearly incompressible material (Poisson's ratio 0.4999) lock"]),
+    "b_bar": ((SUPPORT, PRESSURE, CONTACT),
+              {"mesh": "size = 4.0, 2.0  cells = 8, 4  element = 'quad8'", "material":
+               "young = 100.0  poisson = 0.25  formulation = 'b-bar'"},
+              ["formulation = 'b-bar' has no effect: the mesh has no quad4 elements"]),
+    "overlap": ((SUPPORT, PRESSURE, CONTACT + "  point = 0.0, 0.05"), {},
+                ["contact set 'bottom': initial overlap of 0.05, 1.25 % of the body's size"]),
+    "friction": ((SUPPORT, PRESSURE, "contact set = 'bottom'  friction = 2.5"), {},
+                 ["contact set 'bottom': friction of 2.5; coefficients above 2.0 are rare"]),
+    "guided": ((PRESSURE, CONTACT, "support set = 'bottom'  ux = 0.0"), {},
+               ["contact set 'bottom': friction has no effect: supports hold all its points tangentially"]),
+    "cells": ((SUPPORT, PRESSURE, CONTACT + "  multipliers = 'constant'  cells = 8"), {},
+              ["contact set 'bottom': the inf-sup constant ", "the largest pressure "]),
+    "lifted": (("support set = 'top'  ux = 0.0  uy = 0.1", CONTACT), {}, ["nothing touches the obstacle"]),
+    "corner": (("support set = 'top'  ux = 0.0  uy = -0.01", "contact set = 'bottom'  normal = 0.1, 1.0"), {},
+               ["only 1 contact point(s) closed: the mesh is too coarse for the pressure there"]),
+    "aslant": (("support set = 'top'  ux = 0.0  uy = -0.02", "contact set = 'bottom'  normal = 1.0, 1.0"), {},
+               ["only 1 contact point(s) closed", "1 closed contact point(s), the first at (0.0, 0.0), press along "]),
+    "far": (("support set = 'top'  ux = 0.25  uy = 0.0", CONTACT), {},
+            ["displacement of 0.25, 6.25 % of the body's size; the theory is for small displacements (up to 5.0 %)"]),
+    "strained": ((SUPPORT, "load set = 'top'  pressure = 3.0", "contact set = 'bottom'"), {},
+                 ["strain of 2.81 % at (0.5, 0.5); the theory is for small strains (up to 2.0 %)"]),
+    "ring": (("support set = 'top'  uy = 0.0", "load set = 'right'  pressure = 4.0", "contact set = 'bottom'"),
+             {"mesh": "size = 1.0, 1.0  cells = 4, 4", "material": "young = 100.0  poisson = 0.25  "
+              "hypothesis = 'axisymmetric'"}, ["strain of 2.5 % at "]),
+    "passed": (("support set = 'top'  ux = 0.1  uy = -0.6", "contact set = 'right'  obstacle = 'polyline'  "
+                "line = 'box.csv'"), {},
+               ["displacement of ", "strain of ", "the largest pressure ",
+                "1 contact point(s) that do not face the obstacle move into it"]),
+}
+
+
+class Warnings(ProgramTest):
+    """Each warning, raised by a deck."""
+
+    def setUp(self):
+        super().setUp()
+        for name, text in FILES.items():
+            self.write(name, text)
+
+    def warnings_of(self, text, name="case", status=0):
+        """The warnings of a deck: those of its summary, which screen, listing and --verify must know as well."""
+        run = self.run_program("--output", "results", self.write(f"{name}.nml", text), status=status)
+        summary = json.loads((self.directory/"results"/f"{name}.summary.json").read_text(encoding="utf-8"))
+        listing = (self.directory/"results"/f"{name}.lst").read_text(encoding="utf-8")
+        self.assertEqual([f"{name}: warning: {warning}" for warning in summary["warnings"]],
+                         run.stdout.splitlines()[1:])
+        self.assertEqual([f"  Warning             {warning}" for warning in summary["warnings"]],
+                         [line for line in listing.splitlines() if line.startswith("  Warning ")])
+        self.run_program("--verify", "results", status=status)
+        return summary["warnings"]
+
+    def assert_warnings(self, text, *expected, name="case", status=0):
+        """Checks how each warning of a deck begins."""
+        found = self.warnings_of(text, name, status)
+        self.assertEqual(len(found), len(expected), found)
+        for sentence, beginning in zip(found, expected):
+            self.assertTrue(sentence.startswith(beginning), sentence)
+
+    def test_sound_deck_has_none(self):
+        self.assert_warnings(SOUND)
+        self.assertIn("  Warnings            none\n", (self.directory/"results"/"case.lst").read_text(encoding="utf-8"))
+
+    def test_every_warning_of_a_block(self):
+        for name, (groups, changes, expected) in CASES.items():
+            with self.subTest(name=name):
+                self.assert_warnings(block(*groups, **changes), *expected, name=name)
+
+    def test_points_inside_that_face_away(self):
+        # The floor is just above the middle of the ball: the nodes beside the middle are below it and face along it.
+        deck = "".join(f"&{group} /\n" for group in (
+            *BALL, "support point = 0.0, 0.0  ux = 0.0  uy = 0.0", "support point = 0.0, 1.0  ux = 0.0",
+            "contact set = 'rim'  point = 0.0, 0.02"))
+        found = self.warnings_of(deck)
+        self.assertIn("contact set 'rim': 2 point(s) inside the obstacle are left open: their normals do not meet its "
+                      "surface, or at more than 84 degrees; check set and obstacle", found)
+
+    def test_peak_of_the_pressure(self):
+        deck = block("support set = 'top'  ux = 0.0  uy = -0.017", "contact set = 'bottom'  obstacle = 'parabola'  "
+                     "radius = 5.0  point = 2.0, 0.0", mesh="size = 4.0, 2.0  cells = 16, 8")
+        self.assert_warnings(deck, "strain of ", "the largest pressure ")
+
+    def test_pieces_that_share_no_node(self):
+        self.assert_warnings("".join(f"&{group} /\n" for group in (
+            "mesh kind = 'file'  file = 'squares.msh'", "material young = 100.0  poisson = 0.3",
+            "support set = 'left'  ux = 0.0  uy = 0.0", "support set = 'right'  ux = 0.0  uy = 0.0",
+            "load body_force = 0.0, -1e-2")), "the body falls into 2 pieces that share no node")
+
+    def test_mesh_file_of_another_hypothesis(self):
+        mesh = (ROOT/"tests"/"meshes"/"quad8.inp").read_text(encoding="utf-8")
+        for stated, hypothesis in (("CPS8", "plane stress"), ("CAX8", "axisymmetric"), ("CPE8", "plane strain")):
+            self.write("part.inp", mesh.replace("CPS8", stated))
+            for chosen in ("plane stress", "plane strain", "axisymmetric"):
+                deck = "".join(f"&{group} /\n" for group in (
+                    "mesh kind = 'file'  file = 'part.inp'",
+                    f"material young = 100.0  poisson = 0.3  hypothesis = '{chosen}'",
+                    "support set = 'bottom'  ux = 0.0  uy = 0.0", "load body_force = 0.0, -1e-3"))
+                expected = [f"the elements of the mesh file are of type {hypothesis}, the deck computes {chosen}"]
+                self.assert_warnings(deck, *(expected if chosen != hypothesis else []))
+
+    def test_sweep(self):
+        load = PRESSURE + "  name = 'press'"
+        self.assert_warnings(block(
+            SUPPORT, load, "contact set = 'bottom'", "sweep load = 'press'  factor = 1.0, 2.0, 1.0",
+            "sweep friction_factor = 1.0, 3.0"),
+            "sweep of factor_press: the value 1.0 is given twice",
+            "sweep of friction_factor: no effect: the friction is 0")
+        self.assert_warnings(block(SUPPORT, load, CONTACT, "sweep friction = 0.5, 2.5"),
+                             "sweep of friction: friction of 2.5; coefficients above 2.0 are rare")
+        self.assert_warnings(block(SUPPORT, load, CONTACT, "sweep friction = 0.5, 0.5  count = 3"),
+                             "sweep of friction: the value 0.5 is given twice")
+
+    def test_check_warns_of_the_model(self):
+        groups, changes, expected = CASES["tri3"]
+        run = self.run_program("--check", self.write("case.nml", block(*groups, **changes)))
+        self.assertTrue(run.stdout.splitlines()[1].startswith(f"case: warning: {expected[0]}"))
+
+    def test_quiet_run_warns_in_the_files_only(self):
+        groups, changes, _ = CASES["tri3"]
+        self.assertEqual(len(self.solve(block(*groups, **changes)).summary["warnings"]), 1)
+
+    def test_case_that_did_not_converge_has_the_warnings_of_its_model(self):
+        groups, changes, expected = CASES["friction"]
+        self.assert_warnings(block(*groups, "solver method = 'psor'  max_iterations = 1", **changes), *expected,
+                             status=4)
+
+    def test_reduced_problem_that_is_not_symmetric(self):
+        problem = (ROOT/"tests"/"reduced"/"dense.dat").read_text(encoding="utf-8")
+        self.write("off.dat", problem.replace("0.5 3 0 0.25", "0.50001 3 0 0.25"))
+        self.assert_warnings("&problem kind = 'reduced'  file = 'off.dat' /\n",
+                             "W is not symmetric: it differs from its transpose by up to 1.0e-5, beside a diagonal of")
+
+
+class Forged(Verification):
+    """Warnings taken out of the files by somebody who made the seal fit."""
+
+    def test_warning_taken_out(self):
+        groups, changes, _ = CASES["friction"]
+        self.solve_into_results(block(*groups, **changes))
+        self.assert_forgery_is_found("case_0.lst", lambda content: content.replace(b"friction of 2.5;", b"friction;"),
+                                     "but 'Warning             contact set 'bottom': friction of 2.5;")
+
+        def without(content):
+            summary = content.decode()
+            first = summary.index('"warnings": [') + len('"warnings": [')
+            return (summary[:first] + summary[summary.index("]", first):]).encode()
+        self.solve_into_results(block(*groups, **changes))
+        self.assert_forgery_is_found("case_0.summary.json", without, "warnings is \\[\\], but ")
+
+
+if __name__ == "__main__":
+    unittest.main()
