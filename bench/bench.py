@@ -114,6 +114,44 @@ def print_long_bar(program, work, sizes, rates):
           ["n", "factorise", "whole command"], rows)
 
 
+def strip_deck(folder, length):
+    """A strip of two cells' height between a rough floor and a rough ceiling, that lies on the floor and is pulled at its
+    right end so that it slides over a third of its length."""
+    folder.mkdir(parents=True, exist_ok=True)
+    deck = folder / f"strip_{length}.nml"
+    deck.write_text(f"""&mesh size = {length}.0, 2.0  cells = {length}, 2 /
+&material young = 100000.0  poisson = 0.3  hypothesis = 'plane stress' /
+&support set = 'left'  ux = 0.0 /
+&load set = 'right'  traction = {0.05 * length}, 0.0 /
+&load body_force = 0.0, -0.5 /
+&contact set = 'bottom'  friction = 0.3 /
+&contact set = 'top'  friction = 0.3  point = 0.0, 2.0  normal = 0.0, -1.0 /
+""")
+    return deck
+
+
+def print_strips(program, work, lengths):
+    """Long contact lines, beside squares of as many unknowns."""
+    rows = []
+    first = None
+    for length in lengths:
+        deck = strip_deck(work / "strips", length)
+        command = [program, "--quiet", "--threads", "1", "--output", work / "strips"]
+        used = best_of(3, [*command, deck])
+        result = json.loads((work / "strips" / f"{deck.stem}.summary.json").read_text())
+        counts = result["counts"]
+        side = round(math.sqrt(counts["dofs"] / 2))
+        square = best_of(3, [*command, long_bar_decks(work / f"bar_{side}", (side, side))[0]])
+        per_point = used["cpu"] / counts["contact_points"]
+        first = first or per_point
+        rows.append([str(counts["contact_points"]), str(counts["dofs"]), str(result["iterations"]), seconds(used["cpu"]),
+                     f"{used['mb']:.0f}", f"{per_point / first:.2f}", seconds(square["cpu"]),
+                     f"{used['cpu'] / square['cpu']:.1f}"])
+    table("Long contact lines: strips with contact above and below, processor time of the whole command on one thread",
+          ["contact points", "unknowns", "iterations", "s", "memory MB", "s per point, over the first row's",
+           "square of as many unknowns s", "times"], rows)
+
+
 def print_peers(program, work, sizes):
     """One case, whole commands, each with one thread."""
     peers = {"GetFEM": ("python3-getfem", "getfem_bar.py"), "CalculiX": ("calculix-ccx", "calculix_bar.py")}
@@ -162,6 +200,7 @@ def main(build, work, is_full):
     program = build / "bin/amontons"
     rates = print_machine(build)
     print_long_bar(program, work, (32, 64, 128, 256, 512, 1024) if is_full else (32, 64, 128, 256), rates)
+    print_strips(program, work, (1000, 2000, 4000, 10000) if is_full else (1000, 2000))
     print_peers(program, work, (64, 128, 256) if is_full else (32, 64))
     print_reduced(program, work, (128, 256, 512, 1024) if is_full else (128, 256), rates)
 

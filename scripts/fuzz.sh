@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Feeds the program with spoilt decks, meshes, tables, reduced problems and command lines; whatever it does but solve or
-# refuse them with a sentence is an error. The spoilt files are the same in every run. Usage: fuzz.sh [COUNT [FIRST]]
-#   COUNT    spoilt files of each format (a tenth as many command lines), 10000 by default. One in ten meets the
-#            sanitizers, the others a memory limit and the run-time checks of the debug build
+# refuse them with a sentence is an error. Then solves random sound bodies by two routes, which must agree. Files and
+# bodies are the same in every run. Usage: fuzz.sh [COUNT [FIRST]]
+#   COUNT    spoilt files of each format (a tenth as many command lines), and bodies, 10000 by default. One file in ten
+#            meets the sanitizers, the others a memory limit and the run-time checks of the debug build
 #   FIRST    number of the first one, 0 by default
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
@@ -17,7 +18,7 @@ for number in "$count" "$first"; do
 done
 round=10000
 scripts/setup.sh build
-for preset in sanitize debug; do
+for preset in sanitize debug release; do
    scripts/build.sh "$preset"
 done
 status=0
@@ -31,4 +32,5 @@ for ((done = 0; done < count; done += round)); do
    done
    fuzz debug command $((n / 10)) "$start"
 done
+((count == 0)) || python3 -B scripts/dev/fuzz_bodies.py build/release/bin/amontons "$count" "$first" || status=1
 exit "$status"

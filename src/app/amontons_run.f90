@@ -4,6 +4,7 @@ module amontons_run
    use amontons_body, only: estimate_body, estimate_t
    use amontons_collection, only: collection_t, new_collection
    use amontons_command_line, only: argument_t, command_line_t
+   use amontons_condensation, only: condensation_options_t
    use amontons_conditioning, only: rounded
    use amontons_config, only: config_t, read_set_config
    use amontons_error, only: error_t, input_refused, new_error
@@ -202,7 +203,8 @@ contains
 
       call prepare_case(workshop, config, result, error)
       if (allocated(error)) return
-      call estimate_body(workshop%body, config%factorization, result%timings, estimate, error)
+      call estimate_body(workshop%body, condensation_options_t(config%factorization, config%condensation), &
+         result%timings, estimate, error)
       if (.not. allocated(error)) call tell_case(command_line, check_text(config, workshop, estimate), config%name, &
          result%warnings, error)
    end subroutine check_case
@@ -299,11 +301,25 @@ contains
       end associate
       if (config%sweep%is_given()) text = text//', '//to_text(config%sweep%n_cases())//' cases'
       if (config%sweep%n_fields() > 0) text = text//', fields of '//to_text(config%sweep%n_fields())
-      text = text//'; '//estimate%factorization//' factor of '//to_text(estimate%n_entries)//' entries, about '// &
+      text = text//'; '//contact_matrix_text(estimate)//', '//estimate%factorization//' factor of '// &
+         to_text(estimate%n_entries)//' entries, about '// &
          to_text(ceiling(estimate%memory_mb))//' MB of memory'
       if (estimate%memory_mb > estimate%available_mb) text = text//', but only '// &
          to_text(floor(estimate%available_mb))//' MB are available'
    end function check_text
+
+   !> The matrix that the contact problem will be solved on.
+   pure function contact_matrix_text(estimate) result(text)
+      type(estimate_t), intent(in) :: estimate !! what solving the case would take
+      character(:), allocatable :: text
+
+      if (estimate%half_width > 0) then
+         text = 'band contact matrix of '//to_text(estimate%n_rows)//' rows with half width '// &
+            to_text(estimate%half_width)
+      else
+         text = 'dense contact matrix of '//to_text(estimate%n_rows)//' rows'
+      end if
+   end function contact_matrix_text
 
    !> What is told of a solved deck.
    pure function solved_text(config, result) result(text)

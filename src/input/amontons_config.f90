@@ -1,6 +1,7 @@
 !> The configuration of a case: what a deck says, checked, with every default in place. One description of all groups
 !> reads it, writes it as a deck again and documents what a deck may hold.
 module amontons_config
+   use amontons_condensation, only: condensation_names
    use amontons_config_body, only: describe_load, describe_material, describe_mesh, describe_support, load_group, &
       material_group, mesh_group, support_group
    use amontons_config_contact, only: contact_group, describe_contact
@@ -59,6 +60,7 @@ module amontons_config
       type(sweep_t) :: sweep !! what varies from case to case; nothing for a single case
       type(method_options_t) :: method !! the contact method
       character(:), allocatable :: factorization !! one of `factorization_names`
+      character(:), allocatable :: condensation !! one of `condensation_names`
    end type config_t
 
 contains
@@ -283,10 +285,16 @@ contains
          call visitor%word(key_t('factorization', 'Cholesky factorization of the stiffness: band, multifrontal '// &
             "(formerly `'substructured'`), that of SuiteSparse where it was built in, or the quicker one of the "// &
             'first two', is_shared=.true.), config%factorization, factorization_names)
+         call visitor%word(key_t('condensation', 'form of the stiffness of the contact points: a dense matrix, or a'// &
+            ' band matrix of the whole body, which is quicker for long contact lines of slender bodies', &
+            is_shared=.true.), config%condensation, condensation_names)
          call visitor%close_group()
          call visitor%require(.not. (config%reduced%is_given .and. method%method == 'psor' .and. &
             method%space == 'primal'), 'space', &
             "space must be 'dual' for a reduced problem, which has no stiffness to sweep on")
+         if (.not. allocated(config%contacts)) return
+         call visitor%require(.not. (config%condensation == 'band' .and. any(config%contacts%partition%is_constant)), &
+            'condensation', "condensation must be 'dense' or 'auto' with constant multipliers")
       end associate
    end subroutine describe_solver
 

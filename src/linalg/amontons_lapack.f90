@@ -4,7 +4,7 @@ module amontons_lapack
    private
 
    public :: daxpy, dgbtrf, dgbtrs, dgemm, dgemv, dgesv, dgetrf, dgetrs, dlacn2, dlauum, dpbtrf, dpotrf, dpotri, &
-      dpotrs, dsyev, dsymv, dsyrk, dtbsv, dtrsm, dtrsv
+      dpotrs, dsbmv, dsyev, dsymv, dsyrk, dtbsv, dtrsm, dtrsv
 
    ! allow(assumed-size): these routines take the shape apart from the address
    interface
@@ -133,6 +133,15 @@ module amontons_lapack
          real(dp), intent(inout) :: b(ldb, *)
          integer, intent(out) :: info
       end subroutine dpotrs
+
+      pure subroutine dsbmv(uplo, n, k, alpha, a, lda, x, incx, beta, y, incy)
+         use amontons_kinds, only: dp
+         implicit none (type, external)
+         character, intent(in) :: uplo
+         integer, intent(in) :: n, k, lda, incx, incy
+         real(dp), intent(in) :: alpha, beta, a(lda, *), x(*)
+         real(dp), intent(inout) :: y(*)
+      end subroutine dsbmv
 
       pure subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
          use amontons_kinds, only: dp

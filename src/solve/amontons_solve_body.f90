@@ -1,6 +1,7 @@
 !> Bodies made in code: what a deck describes, in arguments.
 module amontons_solve_body
    use amontons_body, only: body_t, condense_body
+   use amontons_condensation, only: condensation_options_t
    use amontons_constraints, only: support_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
@@ -47,7 +48,9 @@ contains
       call add_model_warnings(result%warnings, body, result%load_case)
       call new_contact_method(method, options, error)
       if (allocated(error)) return
-      if (.not. allocated(problem%stiffness)) call condense_body(body, problem, 'auto', result%timings, error)
+      if (.not. allocated(problem%load)) then
+         call condense_body(body, problem, condensation_options_t(), result%timings, error)
+      end if
       if (allocated(error)) return
       if (previous%solution%is_converged) then
          result%solution = previous%solution

@@ -121,9 +121,19 @@ class Options(ProgramTest):
     def test_check_solves_and_writes_nothing(self):
         run = self.run_program("--check", "--output", "results", "case.nml")
         self.assertRegex(run.stdout, r"^case: in order; 45 nodes, 32 elements, 85 unknowns, 9 contact points; "
-                                     r"band factor of \d+ entries, about \d+ MB of memory\n$")
+                                     r"dense contact matrix of 18 rows, band factor of \d+ entries, "
+                                     r"about \d+ MB of memory\n$")
         self.assertEqual(self.files(), ["case.nml"])
         self.assertEqual(self.run_program("--check", "--quiet", "case.nml").stdout, "")
+
+    def test_check_tells_that_a_long_contact_line_takes_a_band_matrix(self):
+        self.write("strip.nml", "&mesh size = 600.0, 1.0  cells = 600, 1 /\n"
+                                "&material young = 100.0  poisson = 0.25 /\n"
+                                "&support set = 'left'  ux = 0.0 /\n"
+                                "&load set = 'top'  pressure = 1.0 /\n"
+                                "&contact set = 'bottom'  friction = 0.3 /\n")
+        self.assertIn("2402 unknowns, 601 contact points; band contact matrix of 2402 rows with half width 7, ",
+                      self.run_program("--check", "strip.nml").stdout)
 
     def test_check_finds_what_does_not_fit_the_mesh(self):
         self.write("tpo.nml", SOUND + "&load set = 'tpo'  pressure = 1.0 /")

@@ -137,7 +137,7 @@ class Pictures(ProgramTest):
         self.assertEqual(arrays["types"], (1, ))
         self.assertEqual(self.script("plot", "few").stderr, "")
         self.script("report", "few")
-        self.assertIn("2 cases: 1 green, 1 amber", (self.directory / "few" / "report.html").read_text(encoding="utf-8"))
+        self.assertIn("2 cases: 2 green", (self.directory / "few" / "report.html").read_text(encoding="utf-8"))
 
     def test_a_small_closed_part_is_drawn_by_itself(self):
         # A block on a small drum: a few points of its whole bottom side are closed.

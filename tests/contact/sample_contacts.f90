@@ -2,6 +2,7 @@
 module sample_contacts
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t, condense_body, new_body
+   use amontons_condensation, only: condensation_options_t
    use amontons_constraints, only: support_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
@@ -62,7 +63,7 @@ contains
       if (allocated(error)) return
       call new_load_case(load_case, body, supports, contacts, no_loads, error)
       if (allocated(error)) return
-      call condense_body(body, problem, 'auto', timings, error)
+      call condense_body(body, problem, condensation_options_t(), timings, error)
    end subroutine ready_body
 
    !> Solves a load case of a ready body.

@@ -15,6 +15,11 @@ module amontons_auto
 
    public :: auto_t
 
+   !> Where fronts advance along a contact line each step is a little better than the one before.
+   integer, parameter :: front_patience = 20
+   real(dp), parameter :: still_better = 0.999_dp
+   !> A longer contact line on a band matrix has no dense S: it would take minutes, and gigabytes.
+   integer, parameter :: most_dense_points = 1500
    !> Steps of the first stages, and the residual that ends the splitting.
    integer, parameter :: n_first_steps = 20, n_splitting_steps = 40
    !> Another case's solution is a start worth keeping only if Newton's steps from it soon lead on.
@@ -35,80 +40,136 @@ module amontons_auto
       procedure :: solve => auto_solve
    end type auto_t
 
+   !> What methods that follow each other have come to.
+   type :: stages_t
+      real(dp) :: tolerance = 0.0_dp !! residual that counts as solved [-]
+      integer :: max_iterations = 0 !! most iterations of all together
+      type(contact_solution_t) :: best !! the best pair so far
+      type(effort_t) :: effort !! what all took
+      real(dp), allocatable :: history(:) !! residual after each iteration [-]
+   contains
+      procedure :: is_done => stages_is_done
+      procedure :: run => stages_run
+   end type stages_t
+
 contains
 
-   !> A few steps of Newton from the start, and from rest if that is another one; the splitting to a coarse tolerance,
-   !> which gets close where friction is moderate. Then, until the iterations are used up, Newton at length and sweeps
-   !> from the best pair so far, each time four times as many as before. Lemke's pivoting, where it is quick, has its
-   !> turn once.
+   !> A few steps of Newton from the start, and from rest if that is another one; on a band matrix, whatever lets fronts
+   !> pass; the splitting to a coarse tolerance, which gets close where friction is moderate. Then rounds of Newton at
+   !> length and of other methods.
    subroutine auto_solve(self, problem, solution, error)
       class(auto_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
-      type(contact_solution_t) :: best
-      type(effort_t) :: effort
-      real(dp), allocatable :: history(:)
-      integer :: n_sweeps, round
+      type(stages_t) :: stages
 
-      best = solution
-      call best%begin()
-      allocate (history(0))
-      if (any(solution%force > 0.0_dp)) call run(newton_t(self%tolerance, n_first_steps, patience=patience))
+      stages%tolerance = self%tolerance
+      stages%max_iterations = self%max_iterations
+      stages%best = solution
+      call stages%best%begin()
+      allocate (stages%history(0))
+      if (any(solution%force > 0.0_dp)) then
+         call stages%run(newton_t(self%tolerance, n_first_steps, patience=patience), problem, solution, error)
+      end if
       call new_contact_solution(solution, problem%n_points)
-      call run(newton_t(self%tolerance, n_first_steps))
-      solution = best
-      if (.not. is_sparse(problem)) call run(splitting_t(max(coarse, self%tolerance), n_splitting_steps))
-      n_sweeps = n_first_sweeps
-      round = 0
-      do while (.not. is_done())
-         round = round + 1
-         call run(newton_t(self%tolerance, n_newton_steps, most_shares(1 + modulo(round - 1, 2))))
-         if (round == 2 .and. problem%n_points <= most_points) then
-            call run(lemke_t(self%tolerance))
-            cycle
-         end if
-         solution = best
-         call run(psor_t(self%tolerance, n_sweeps, space=merge('dual  ', 'primal', problem%is_reduced())))
-         n_sweeps = growth*min(n_sweeps, most_sweeps)
-      end do
-      solution = best
+      call stages%run(newton_t(self%tolerance, n_first_steps), problem, solution, error)
+      if (allocated(problem%band)) call follow_fronts(stages, problem, solution, error)
+      solution = stages%best
+      if (suits_splitting(problem)) then
+         call stages%run(splitting_t(max(coarse, self%tolerance), n_splitting_steps), problem, solution, error)
+      end if
+      call take_rounds(stages, problem, solution, error)
+      solution = stages%best
       solution%is_converged = solution%residual <= self%tolerance
-      solution%history = history
-      solution%effort = effort
-      solution%n_iterations = size(history)
-
-   contains
-
-      !> Whether the problem is solved or the iterations are used up.
-      pure logical function is_done()
-         is_done = best%residual <= self%tolerance .or. size(history) >= self%max_iterations
-      end function is_done
-
-      !> Runs one method from the present solution, as far as there is need and iterations are left, and appends its
-      !> record.
-      subroutine run(method)
-         class(contact_method_t), intent(in) :: method !! the method
-         class(contact_method_t), allocatable :: limited
-
-         if (is_done()) return
-         allocate (limited, source=method)
-         limited%max_iterations = min(method%max_iterations, self%max_iterations - size(history))
-         call limited%solve(problem, solution, error)
-         history = [history, solution%history(:solution%n_iterations)]
-         call effort%add(solution%effort)
-         if (solution%residual < best%residual) best = solution
-      end subroutine run
-
+      solution%history = stages%history
+      solution%effort = stages%effort
+      solution%n_iterations = size(stages%history)
    end subroutine auto_solve
 
-   !> Whether a problem is a reduced one with a sparse compliance: its quadratic programs are large and, as in a pile of
-   !> grains, mostly singular, so that each takes seconds.
-   pure logical function is_sparse(problem)
+   !> Newton from where springs lead; and if they mislead, from where it was, as long as it gets on.
+   subroutine follow_fronts(stages, problem, solution, error)
+      type(stages_t), intent(inout) :: stages !! the stages so far
+      type(contact_problem_t), intent(inout) :: problem !! the problem, with a band matrix
+      type(contact_solution_t), intent(inout) :: solution !! the last pair
+      type(error_t), allocatable, intent(out) :: error !! never allocated
+      type(contact_solution_t) :: front
+
+      front = stages%best
+      call stages%run(newton_t(stages%tolerance, n_newton_steps, patience=front_patience, begins_softly=.true.), &
+         problem, solution, error)
+      solution = front
+      call stages%run(newton_t(stages%tolerance, stages%max_iterations, patience=front_patience, &
+         better=still_better), problem, solution, error)
+   end subroutine follow_fronts
+
+   !> Until the iterations are used up, Newton at length and sweeps from the best pair so far, each time four times as
+   !> many as before. Lemke's pivoting, where it is quick, has its turn once. Where a line is too long for the sweeps,
+   !> one round with each share.
+   subroutine take_rounds(stages, problem, solution, error)
+      type(stages_t), intent(inout) :: stages !! the stages so far
+      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_solution_t), intent(inout) :: solution !! the last pair
+      type(error_t), allocatable, intent(out) :: error !! never allocated
+      integer :: n_sweeps, round
+
+      n_sweeps = n_first_sweeps
+      round = 0
+      do while (.not. (stages%is_done() .or. is_long(problem) .and. round == size(most_shares)))
+         round = round + 1
+         call stages%run(newton_t(stages%tolerance, n_newton_steps, most_shares(1 + modulo(round - 1, 2))), problem, &
+            solution, error)
+         if (round == 2 .and. problem%n_points <= most_points) then
+            call stages%run(lemke_t(stages%tolerance), problem, solution, error)
+            cycle
+         end if
+         solution = stages%best
+         if (is_long(problem)) cycle
+         call stages%run(psor_t(stages%tolerance, n_sweeps, space=merge('dual  ', 'primal', problem%is_reduced())), &
+            problem, solution, error)
+         n_sweeps = growth*min(n_sweeps, most_sweeps)
+      end do
+   end subroutine take_rounds
+
+   !> Whether the problem is solved or the iterations are used up.
+   pure logical function stages_is_done(self) result(is_done)
+      class(stages_t), intent(in) :: self !! the stages so far
+
+      is_done = self%best%residual <= self%tolerance .or. size(self%history) >= self%max_iterations
+   end function stages_is_done
+
+   !> Runs one method from a solution, as far as there is need and iterations are left, and appends its record.
+   subroutine stages_run(self, method, problem, solution, error)
+      class(stages_t), intent(inout) :: self !! the stages so far
+      class(contact_method_t), intent(in) :: method !! the method
+      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(error_t), allocatable, intent(out) :: error !! never allocated
+      class(contact_method_t), allocatable :: limited
+
+      if (self%is_done()) return
+      allocate (limited, source=method)
+      limited%max_iterations = min(method%max_iterations, self%max_iterations - size(self%history))
+      call limited%solve(problem, solution, error)
+      self%history = [self%history, solution%history(:solution%n_iterations)]
+      call self%effort%add(solution%effort)
+      if (solution%residual < self%best%residual) self%best = solution
+   end subroutine stages_run
+
+   !> Whether a problem is one of a line too long for the methods that need S as a dense matrix.
+   pure logical function is_long(problem)
       type(contact_problem_t), intent(in) :: problem !! the problem
 
-      is_sparse = problem%is_reduced()
-      if (is_sparse) is_sparse = problem%compliance%is_sparse()
-   end function is_sparse
+      is_long = allocated(problem%band) .and. problem%n_points > most_dense_points
+   end function is_long
+
+   !> Whether the splitting may lead on: not for a reduced problem with a sparse compliance, whose quadratic programs
+   !> are large and, as in a pile of grains, mostly singular, so that each takes seconds.
+   pure logical function suits_splitting(problem)
+      type(contact_problem_t), intent(in) :: problem !! the problem
+
+      suits_splitting = .not. is_long(problem)
+      if (problem%is_reduced()) suits_splitting = .not. problem%compliance%is_sparse()
+   end function suits_splitting
 
 end module amontons_auto

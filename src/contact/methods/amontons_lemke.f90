@@ -57,6 +57,7 @@ contains
       end if
       call solution%begin()
       best = solution
+      call problem%prepare_stiffness()
       call new_contact_relation(relation, problem)
       call solution%effort%multiply(1.0_dp)
       do trial = 1, min(n_covers, self%max_iterations)

@@ -7,6 +7,7 @@
 !> singular are passed, cycles of guesses break, and near the solution the steps are Newton's.
 module amontons_newton
    use amontons_active_set, only: active_set_t
+   use amontons_band_stiffness_system, only: band_stiffness_system_t
    use amontons_compliance_system, only: compliance_system_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
@@ -33,15 +34,18 @@ module amontons_newton
    !> The semismooth Newton method, in the displacements of a body and in the forces of a reduced problem.
    type, extends(contact_method_t) :: newton_t
       real(dp) :: most_share = 1.0_dp !! largest share of the diagonal that holds a step [-]
-      integer :: patience = huge(1) !! how many steps without a much better pair end the iteration
+      integer :: patience = huge(1) !! how many steps without a better pair end the iteration
+      real(dp) :: better = 0.9_dp !! part of itself that the least residual falls to at the most with a better pair [-]
+      logical :: begins_softly = .false. !! whether, on a band matrix, springs of the points lead to the first guess
    contains
       procedure :: solve => newton_solve
+      procedure, private :: begin => newton_begin
+      procedure, private :: is_stuck => newton_is_stuck
    end type newton_t
 
 contains
 
-   !> Takes steps, and keeps the best pair where none is the solution. From rest the first guess is that all points
-   !> stick, unless nothing acts.
+   !> Takes steps, and keeps the best pair where none is the solution.
    subroutine newton_solve(self, problem, solution, error)
       class(newton_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
@@ -51,7 +55,7 @@ contains
       type(active_set_t) :: guess, last
       real(dp), dimension(2*problem%n_points) :: displacement, force, rho
       real(dp) :: scale, share, least_share, residual, previous, violation, imbalance
-      integer :: iteration, info
+      integer :: n_soft, info
       logical :: may_continue
 
       call solution%begin()
@@ -60,14 +64,12 @@ contains
       scale = problem%force_scale()
       displacement = solution%displacement
       force = solution%force
-      call guess%guess(problem, rho, displacement, force, violation)
-      if (.not. (any(force(:problem%n_points) > 0.0_dp) .or. problem%is_unloaded())) then
-         call guess%guess_stick(problem, rho, scale)
-      end if
+      call self%begin(system, problem, rho, scale, guess, displacement, solution)
+      n_soft = solution%n_iterations
       share = system%first_share
       least_share = system%least_share
       previous = huge(previous)
-      do iteration = 1, self%max_iterations
+      do while (solution%n_iterations < self%max_iterations)
          call system%solve(problem, guess, share, displacement, force, imbalance, info)
          call solution%effort%add(system%effort)
          system%effort = effort_t()
@@ -89,22 +91,84 @@ contains
          end if
          call adapt(share, least_share, system%least_share, self%most_share, residual/previous, guess%equals(last))
          previous = residual
-         if (is_stuck(solution, self%patience)) exit
+         if (self%is_stuck(solution, n_soft)) exit
       end do
       call judge(solution, problem)
    end subroutine newton_solve
 
-   !> Whether the last steps brought no pair that is much better. Cycles of guesses may creep on all the same.
-   pure logical function is_stuck(solution, patience)
+   !> Makes the first guess. From rest it is that all points stick, unless nothing acts.
+   subroutine newton_begin(self, system, problem, rho, scale, guess, displacement, solution)
+      class(newton_t), intent(in) :: self !! the method
+      class(newton_system_t), intent(inout) :: system !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: rho(:) !! stiffness of the points (2m) [F/L]
+      real(dp), intent(in) :: scale !! the force that residuals are measured by [F]
+      type(active_set_t), intent(inout) :: guess !! state of each point
+      real(dp), intent(inout) :: displacement(:) !! v (2m) [L]
+      type(contact_solution_t), intent(inout) :: solution !! gains a record of the steps, if there are any
+      real(dp) :: violation
+
+      call guess%guess(problem, rho, displacement, solution%force, violation)
+      if (.not. (any(solution%force(:problem%n_points) > 0.0_dp) .or. problem%is_unloaded())) then
+         call guess%guess_stick(problem, rho, scale)
+      end if
+      select type (system)
+      type is (band_stiffness_system_t)
+         if (self%begins_softly) call harden(system, problem, rho, scale, self%max_iterations, guess, displacement, &
+            solution)
+      end select
+   end subroutine newton_begin
+
+   !> Guesses in a way that lets fronts of opening or sliding pass, which Newton's steps move by a few points each: by
+   !> springs between the points and the obstacle, so soft at first that the ends of the line feel each other, and so
+   !> hard at last that neighbors hardly do.
+   subroutine harden(system, problem, rho, scale, max_iterations, guess, displacement, solution)
+      type(band_stiffness_system_t), intent(inout) :: system !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: rho(:) !! stiffness of the points (2m) [F/L]
+      real(dp), intent(in) :: scale !! the force that residuals are measured by [F]
+      integer, intent(in) :: max_iterations !! most steps
+      type(active_set_t), intent(inout) :: guess !! state of each point
+      real(dp), intent(inout) :: displacement(:) !! v, and then that of the hardest springs (2m) [L]
+      type(contact_solution_t), intent(inout) :: solution !! gains a record of the steps
+      real(dp), parameter :: hardest = 10.0_dp, factor = 10.0_dp
+      integer, parameter :: most_steps = 4
+      real(dp), dimension(size(rho)) :: next, force, no_force
+      type(active_set_t) :: last
+      real(dp) :: hardness, violation
+      integer :: step, info
+
+      no_force = 0.0_dp
+      call guess%guess_stick(problem, rho, scale)
+      hardness = 1.0_dp/real(problem%n_points, dp)**2
+      do while (hardness <= hardest)
+         do step = 1, most_steps
+            call system%solve_softened(problem, guess, hardness*rho, next, force, info)
+            call solution%effort%add(system%effort)
+            system%effort = effort_t()
+            if (info /= 0 .or. solution%n_iterations >= max_iterations) exit
+            displacement = next
+            call solution%note(problem%violation(displacement, force)/scale)
+            last = guess
+            call guess%guess(problem, hardness*rho, displacement, no_force, violation)
+            if (guess%equals(last)) exit
+         end do
+         hardness = factor*hardness
+      end do
+   end subroutine harden
+
+   !> Whether the last steps brought no pair that is better. Cycles of guesses may creep on all the same.
+   pure logical function newton_is_stuck(self, solution, n_soft) result(is_stuck)
+      class(newton_t), intent(in) :: self !! the method
       type(contact_solution_t), intent(in) :: solution !! the solution
-      integer, intent(in) :: patience !! how many steps that may be
-      real(dp), parameter :: hardly_better = 0.9_dp
+      integer, intent(in) :: n_soft !! how many steps went before, with springs
       integer :: n
 
-      n = solution%n_iterations - patience
-      is_stuck = n > 0
-      if (is_stuck) is_stuck = minval(solution%history(n + 1:n + patience)) > hardly_better*minval(solution%history(:n))
-   end function is_stuck
+      n = solution%n_iterations - self%patience
+      is_stuck = n > n_soft
+      if (is_stuck) is_stuck = minval(solution%history(n + 1:n + self%patience)) &
+         > self%better*minval(solution%history(n_soft + 1:n))
+   end function newton_is_stuck
 
    !> Measures the best pair anew, by the problem alone.
    pure subroutine judge(solution, problem)
@@ -170,7 +234,11 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
 
       if (.not. problem%is_reduced()) then
-         allocate (stiffness_system_t :: system)
+         if (allocated(problem%band)) then
+            allocate (band_stiffness_system_t :: system)
+         else
+            allocate (stiffness_system_t :: system)
+         end if
          if (.not. problem%is_held) system%least_share = 1.0e-9_dp
          system%first_share = system%least_share
       else if (problem%compliance%is_sparse()) then

@@ -50,6 +50,8 @@ contains
          call solution%effort%factorize(.not. allocated(problem%compliance))
          call problem%prepare_compliance(error)
          if (allocated(error)) return
+      else
+         call problem%prepare_stiffness()
       end if
       call new_relaxation(sweep, problem, is_dual, self%local == 'block', self%omega, solution)
       call new_acceleration(acceleration, self%acceleration)

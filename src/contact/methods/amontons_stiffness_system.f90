@@ -3,7 +3,7 @@ module amontons_stiffness_system
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_active_set, only: active_set_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_dense, only: lu_solve, symmetric_multiply
+   use amontons_dense, only: lu_solve
    use amontons_effort, only: effort_t
    use amontons_kinds, only: dp
    use amontons_newton_system, only: newton_system_t
@@ -64,7 +64,9 @@ contains
       displacement(:m) = problem%gap
       displacement(m + 1:) = 0.0_dp
       displacement(unknown) = right
-      call recover_forces(problem, guess, displacement, force, imbalance)
+      call problem%multiply_stiffness(displacement, force)
+      force = problem%load - force
+      call guess%impose(problem, force, imbalance)
       call self%effort%multiply(1.0_dp)
    end subroutine stiffness_system_solve
 
@@ -82,30 +84,11 @@ contains
       known(:m) = merge(problem%gap, 0.0_dp, guess%is_closed)
       load = 0.0_dp
       if (any(abs(known) > 0.0_dp)) then
-         call symmetric_multiply(problem%stiffness, known, load)
+         call problem%multiply_stiffness(known, load)
          call effort%multiply(1.0_dp)
       end if
       load = problem%load - load
       load(m + 1:) = load(m + 1:) - guess%sense*problem%slip_bound
    end subroutine take_known_load
-
-   !> The forces q - S v, with what the guess says of them put in exactly.
-   pure subroutine recover_forces(problem, guess, displacement, force, imbalance)
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
-      real(dp), intent(out) :: force(:) !! lambda (2m) [F]
-      real(dp), intent(out) :: imbalance !! the largest change by that [F]
-      real(dp) :: balanced(size(force))
-      integer :: m
-
-      m = problem%n_points
-      call symmetric_multiply(problem%stiffness, displacement, balanced)
-      balanced = problem%load - balanced
-      force = balanced
-      where (.not. guess%is_closed) force(:m) = 0.0_dp
-      where (guess%sense /= 0) force(m + 1:) = guess%sense*(problem%slip_bound + problem%friction*force(:m))
-      imbalance = max(0.0_dp, maxval(abs(force - balanced)))
-   end subroutine recover_forces
 
 end module amontons_stiffness_system

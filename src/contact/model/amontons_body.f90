@@ -2,11 +2,11 @@
 module amontons_body
    use amontons_assembly, only: assemble_stiffness
    use amontons_coloring, only: coloring_t, new_coloring
-   use amontons_condensation, only: condensation_t, new_condensation
+   use amontons_condensation, only: condensation_options_t, condensation_t, find_band_order, new_condensation
    use amontons_condenser, only: condenser_t
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_constraints, only: constraints_t, new_constraints, support_t
-   use amontons_contact_problem, only: contact_problem_t, new_contact_problem
+   use amontons_contact_problem, only: contact_problem_t, new_band_problem, new_contact_problem
    use amontons_contact_zone, only: contact_t, contact_zone_t, new_contact_zone
    use amontons_dof_map, only: dof_map_t, new_dof_map
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
@@ -16,6 +16,7 @@ module amontons_body
    use amontons_material, only: material_t, materials_t, new_materials
    use amontons_mesh, only: mesh_t
    use amontons_new_cholesky, only: new_condenser
+   use amontons_ordering, only: half_bandwidth
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
@@ -49,6 +50,8 @@ module amontons_body
    type :: estimate_t
       character(:), allocatable :: factorization !! the kind of factorization
       integer(int64) :: n_entries = 0 !! entries of the factor
+      integer :: n_rows = 0 !! rows of the matrix that the contact problem is solved on
+      integer :: half_width = 0 !! number of its subdiagonals if it is a band matrix of the whole body, else 0
       real(dp) :: memory_mb = 0.0_dp !! the most memory the program would hold [MB]
       real(dp) :: available_mb = 0.0_dp !! the memory there is for it, what it holds already included [MB]
    end type estimate_t
@@ -106,10 +109,10 @@ contains
    end subroutine measure_cells
 
    !> Assembles and factorizes the stiffness and condenses it to the contact points; the clock goes on condensing.
-   subroutine condense_body(body, problem, factorization, timings, error)
+   subroutine condense_body(body, problem, options, timings, error)
       type(body_t), intent(inout) :: body !! the body, from `new_body`
       type(contact_problem_t), intent(out) :: problem !! its contact problem; a load case sets load, gap and friction
-      character(*), intent(in) :: factorization !! one of `factorization_names`
+      type(condensation_options_t), intent(in) :: options !! how to condense
       type(timings_t), intent(inout) :: timings !! gains the time of each step
       type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
       type(sparse_matrix_t) :: stiffness
@@ -124,14 +127,18 @@ contains
          body%dof_map, error)
       if (allocated(error)) return
       call timings%begin(phase_factorize)
-      call new_condensation(body%condensation, stiffness, factorization, is_held, body%zone, body%constraints, &
+      call new_condensation(body%condensation, stiffness, options, is_held, body%zone, body%constraints, &
          body%dof_map, error)
       if (allocated(error)) call explain_refusal(body, error)
       if (allocated(error)) return
       call timings%begin(phase_condense)
-      call body%condensation%condense_stiffness(condensed, error)
-      if (allocated(error)) return
-      call new_contact_problem(problem, condensed, is_held)
+      if (allocated(body%condensation%band)) then
+         call new_band_problem(problem, body%condensation%band, is_held)
+      else
+         call body%condensation%condense_stiffness(condensed, error)
+         if (allocated(error)) return
+         call new_contact_problem(problem, condensed, is_held)
+      end if
    end subroutine condense_body
 
    !> Refuses a body of which a piece is held by neither supports nor contact points.
@@ -173,28 +180,45 @@ contains
    end subroutine explain_refusal
 
    !> Estimates the work without doing it: assembles and orders the stiffness, but makes no factor.
-   subroutine estimate_body(body, factorization, timings, estimate, error)
+   subroutine estimate_body(body, options, timings, estimate, error)
       type(body_t), intent(in) :: body !! the body
-      character(*), intent(in) :: factorization !! one of `factorization_names`
+      type(condensation_options_t), intent(in) :: options !! how to condense
       type(timings_t), intent(inout) :: timings !! gains the time of assembly
       type(estimate_t), intent(out) :: estimate !! the estimate
       type(error_t), allocatable, intent(out) :: error !! too large for the memory
       type(sparse_matrix_t) :: stiffness
       class(condenser_t), allocatable :: condenser
+      integer, allocatable :: order(:)
 
       call timings%begin(phase_assemble)
       call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, body%constraints, &
          body%dof_map, error)
       if (allocated(error)) return
       call timings%begin(phase_factorize)
-      call new_condenser(condenser, factorization, stiffness, body%dof_map%n_trailing, error)
+      call find_band_order(stiffness, options%form, body%zone, order)
+      if (allocated(order)) estimate%half_width = half_bandwidth(stiffness, order)
+      call new_condenser(condenser, trim(options%factorization), stiffness, &
+         merge(0, body%dof_map%n_trailing, allocated(order)), error)
       if (allocated(error)) return
+      estimate%n_rows = merge(stiffness%n, 2*body%zone%n_points, allocated(order))
       stiffness = sparse_matrix_t()
       call return_memory()
       estimate%factorization = condenser%name
       estimate%n_entries = condenser%n_factor_entries
-      estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + condenser%memory_mb())
+      estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + condenser%memory_mb() &
+         + contact_memory_mb(estimate))
       estimate%available_mb = resident_memory_mb() + available_memory_mb()
    end subroutine estimate_body
+
+   !> The memory that the matrices of the contact problem take: of a dense one the Schur complement, two copies and the
+   !> matrix of a step; of a band the matrix and its factor, both twice, and the factors of a step [MB].
+   pure real(dp) function contact_memory_mb(estimate) result(memory_mb)
+      type(estimate_t), intent(in) :: estimate !! the estimate, rows and half width known
+      real(dp) :: n_columns
+
+      n_columns = 4.0_dp*estimate%n_rows
+      if (estimate%half_width > 0) n_columns = 7.0_dp*(estimate%half_width + 1)
+      memory_mb = 8.0e-6_dp*n_columns*estimate%n_rows
+   end function contact_memory_mb
 
 end module amontons_body

@@ -177,7 +177,7 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! the contact problem of the body
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case, condensed
-      real(dp), allocatable :: slip(:)
+      real(dp), allocatable :: slip(:), from_slip(:)
 
       problem%load = load_case%condensed%load
       problem%prescribed = maxval(abs(load_case%prescribed))
@@ -185,8 +185,11 @@ contains
       ! Slips are whole, since friction is against all of a slip: what is prescribed of them, as at one node of a cell,
       ! becomes a load.
       allocate (slip, source=prescribed_slip(body, load_case))
-      if (any(abs(slip) > 0.0_dp)) problem%load = problem%load &
-         + matmul(problem%stiffness(:, body%zone%n_points + 1:), slip)
+      if (any(abs(slip) > 0.0_dp)) then
+         allocate (from_slip(2*size(slip)))
+         call problem%multiply_stiffness([0.0_dp*slip, slip], from_slip)
+         problem%load = problem%load + from_slip
+      end if
       problem%friction = merge(0.0_dp, load_case%friction, body%zone%is_guided)
       problem%slip_bound = merge(0.0_dp, load_case%slip_bound, body%zone%is_guided)
    end subroutine pose_problem

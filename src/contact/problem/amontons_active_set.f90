@@ -19,6 +19,7 @@ module amontons_active_set
       procedure :: equals => active_set_equals
       procedure :: guess => active_set_guess
       procedure :: guess_stick => active_set_guess_stick
+      procedure :: impose => active_set_impose
    end type active_set_t
 
 contains
@@ -67,6 +68,22 @@ contains
          violation = max(violation, weight(p)*abs(force(p) - max(0.0_dp, normal)), weight(p)*abs(force(t) - cut))
       end do
    end subroutine active_set_guess
+
+   !> Puts what a guess says of the forces into those that are in equilibrium with displacements.
+   pure subroutine active_set_impose(self, problem, force, imbalance)
+      class(active_set_t), intent(in) :: self !! the active set
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(inout) :: force(:) !! q - S v, and then lambda (2m) [F]
+      real(dp), intent(out) :: imbalance !! the largest change by that [F]
+      real(dp) :: balanced(size(force))
+      integer :: m
+
+      m = problem%n_points
+      balanced = force
+      where (.not. self%is_closed) force(:m) = 0.0_dp
+      where (self%sense /= 0) force(m + 1:) = self%sense*(problem%slip_bound + problem%friction*force(:m))
+      imbalance = max(0.0_dp, maxval(abs(force - balanced)))
+   end subroutine active_set_impose
 
    !> Whether two guesses are the same.
    pure logical function active_set_equals(self, other) result(equals)

@@ -7,6 +7,7 @@
 !> list the m normal components first, the m tangential ones after them.
 module amontons_contact_problem
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_band_stiffness, only: band_stiffness_t
    use amontons_dense, only: cholesky_factor, cholesky_inverse, symmetric_multiply
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_friction_law, only: contact_status, law_violation
@@ -15,14 +16,16 @@ module amontons_contact_problem
    implicit none (type, external)
    private
 
-   public :: contact_problem_t, new_contact_problem, new_reduced_problem
+   public :: contact_problem_t, new_band_problem, new_contact_problem, new_reduced_problem
 
    !> Stiffness, load, gap and friction on the contact points. One stiffness serves many loads. A reduced problem has
    !> `compliance` and `free_displacement` in the place of `stiffness` and `load`.
    type :: contact_problem_t
       integer :: n_points = 0 !! number m of contact points
       logical :: is_held = .true. !! whether the supports alone hold the body, so that S is positive definite
-      real(dp), allocatable :: stiffness(:, :) !! condensed stiffness S (2m, 2m) [F/L]
+      real(dp), allocatable :: stiffness(:, :)
+         !! condensed stiffness S; where there is a band, not before `prepare_stiffness` (2m, 2m) [F/L]
+      type(band_stiffness_t), allocatable :: band !! S of a slender body with a long contact line
       real(dp), allocatable :: load(:) !! condensed load q (2m) [F]
       real(dp), allocatable :: free_displacement(:) !! displacements v_free without contact forces (2m) [L]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
@@ -42,7 +45,9 @@ module amontons_contact_problem
       procedure :: force_scale => contact_problem_force_scale
       procedure :: is_reduced => contact_problem_is_reduced
       procedure :: is_unloaded => contact_problem_is_unloaded
+      procedure :: multiply_stiffness => contact_problem_multiply_stiffness
       procedure :: prepare_compliance => contact_problem_prepare_compliance
+      procedure :: prepare_stiffness => contact_problem_prepare_stiffness
       procedure :: residual => contact_problem_residual
       procedure :: status => contact_problem_status
       procedure :: violation => contact_problem_violation
@@ -57,12 +62,31 @@ contains
       real(dp), intent(in) :: stiffness(:, :) !! S (2m, 2m) [F/L]
       logical, intent(in) :: is_held !! whether S is positive definite
 
-      problem%n_points = size(stiffness, 1)/2
-      problem%is_held = is_held
+      call begin_problem(problem, size(stiffness, 1)/2, is_held)
       allocate (problem%stiffness, source=stiffness)
-      allocate (problem%load(2*problem%n_points), problem%gap(problem%n_points), &
-         problem%friction(problem%n_points), problem%slip_bound(problem%n_points), source=0.0_dp)
    end subroutine new_contact_problem
+
+   !> Makes a contact problem whose stiffness stays the band matrix of a whole body.
+   pure subroutine new_band_problem(problem, band, is_held)
+      type(contact_problem_t), intent(out) :: problem !! the problem; set its load, gap and friction next
+      type(band_stiffness_t), intent(in) :: band !! S
+      logical, intent(in) :: is_held !! whether S is positive definite
+
+      call begin_problem(problem, band%n_points, is_held)
+      problem%band = band
+   end subroutine new_band_problem
+
+   !> Begins a contact problem without load, gap, friction or slip bound.
+   pure subroutine begin_problem(problem, n_points, is_held)
+      type(contact_problem_t), intent(inout) :: problem !! the problem
+      integer, intent(in) :: n_points !! number of contact points
+      logical, intent(in) :: is_held !! whether the supports alone hold the body
+
+      problem%n_points = n_points
+      problem%is_held = is_held
+      allocate (problem%load(2*n_points), problem%gap(n_points), problem%friction(n_points), &
+         problem%slip_bound(n_points), source=0.0_dp)
+   end subroutine begin_problem
 
    !> Makes a reduced problem: no gap beyond what the free displacements say, no given slip bound.
    pure subroutine new_reduced_problem(problem, compliance, free_displacement, friction)
@@ -83,7 +107,7 @@ contains
    pure logical function contact_problem_is_reduced(self)
       class(contact_problem_t), intent(in) :: self !! the problem
 
-      contact_problem_is_reduced = .not. allocated(self%stiffness)
+      contact_problem_is_reduced = .not. (allocated(self%stiffness) .or. allocated(self%band))
    end function contact_problem_is_reduced
 
    !> The stiffness rho that turns displacements into forces in the contact law: the diagonal of S or, in a reduced
@@ -96,6 +120,8 @@ contains
 
       if (self%is_reduced()) then
          allocate (rho, source=self%compliance%reciprocal_diagonal())
+      else if (allocated(self%band)) then
+         rho = self%band%diagonal
       else
          rho = [(self%stiffness(i, i), i=1, 2*self%n_points)]
       end if
@@ -109,6 +135,27 @@ contains
 
       bound = self%slip_bound + self%friction*max(0.0_dp, normal_force)
    end function contact_problem_bound
+
+   !> The product S v.
+   pure subroutine contact_problem_multiply_stiffness(self, v, product)
+      class(contact_problem_t), intent(in) :: self !! the problem, with a stiffness
+      real(dp), contiguous, intent(in) :: v(:) !! the vector (2m) [L]
+      real(dp), contiguous, intent(out) :: product(:) !! the product (2m) [F]
+
+      if (allocated(self%band)) then
+         call self%band%multiply(v, product)
+      else
+         call symmetric_multiply(self%stiffness, v, product)
+      end if
+   end subroutine contact_problem_multiply_stiffness
+
+   !> Makes the stiffness a dense matrix unless it is one, for whoever needs it whole.
+   pure subroutine contact_problem_prepare_stiffness(self)
+      class(contact_problem_t), intent(inout) :: self !! the problem
+
+      if (self%is_reduced() .or. allocated(self%stiffness)) return
+      self%stiffness = self%band%dense()
+   end subroutine contact_problem_prepare_stiffness
 
    !> Makes the dual matrix A = (S + alpha I)^-1 unless it is there already: for a held body the paper's (2.3),
    !> A = C K^-1 C^T with C = (N; T), without a column of K^-1.
@@ -125,6 +172,7 @@ contains
       integer :: i, info
 
       if (allocated(self%compliance)) return
+      call self%prepare_stiffness()
       allocate (factor, source=self%stiffness)
       if (.not. self%is_held) then
          self%shift = share*sum([(factor(i, i), i=1, size(factor, 1))])/(size(factor, 1)*self%n_points)
@@ -205,7 +253,7 @@ contains
          bound(:self%n_points) = min(0.0_dp, self%gap)
          force = self%load
          if (any(self%gap < 0.0_dp)) then
-            call symmetric_multiply(self%stiffness, bound, force)
+            call self%multiply_stiffness(bound, force)
             force = self%load - force
          end if
          uncancelled = self%augmentation()*(self%prescribed + maxval(abs(bound)))
@@ -239,7 +287,7 @@ contains
    !> and is zero at a solution only; numbers that are not finite make it huge [-].
    pure real(dp) function contact_problem_residual(self, displacement, force) result(residual)
       class(contact_problem_t), intent(in) :: self !! the problem
-      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
+      real(dp), contiguous, intent(in) :: displacement(:) !! v (2m) [L]
       real(dp), intent(in) :: force(:) !! lambda (2m) [F]
       real(dp) :: imbalance(2*self%n_points)
 
@@ -248,7 +296,7 @@ contains
          imbalance = [self%weight(), self%weight()]*self%augmentation()*(imbalance - self%free_displacement &
             + displacement)
       else
-         call symmetric_multiply(self%stiffness, displacement, imbalance)
+         call self%multiply_stiffness(displacement, imbalance)
          imbalance = imbalance - self%load + force
       end if
       ! maxval passes over what is not a number.

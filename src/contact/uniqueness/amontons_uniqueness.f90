@@ -34,7 +34,7 @@ contains
    !> Computes the bound of a contact problem.
    pure subroutine new_uniqueness(uniqueness, problem)
       type(uniqueness_t), intent(out) :: uniqueness !! the bound
-      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(contact_problem_t), intent(inout) :: problem !! the problem; gains a dense stiffness if it has few points
       ! Cholesky factors of so many rows take about a second together.
       integer, parameter :: most_points = 500
       type(contact_relation_t) :: relation
@@ -43,6 +43,7 @@ contains
       ! Without Coulomb friction the problem is a convex program, and S determines the forces.
       uniqueness%is_unique = .not. (problem%is_reduced() .or. any(problem%friction > 0.0_dp))
       if (problem%n_points < 1 .or. problem%n_points > most_points) return
+      call problem%prepare_stiffness()
       call new_contact_relation(relation, problem)
       friction = problem%friction
       if (.not. any(friction > 0.0_dp)) friction = 1.0_dp

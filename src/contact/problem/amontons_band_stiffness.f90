@@ -1,0 +1,289 @@
+!> The condensed stiffness S of a slender body that is never made: a product with S is one with the stiffness of the
+!> whole body, after its interior has found its place.
+!>
+!> The unknowns are in an order that makes the matrix a narrow band, those of a contact point in its normal and
+!> tangential direction. Everything takes time and memory in proportion to the length of the body.
+module amontons_band_stiffness
+   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_kinds, only: dp, int64
+   use amontons_sparse_matrix, only: positions, sparse_matrix_t
+   use amontons_symmetric_band, only: new_symmetric_band, symmetric_band_t
+   implicit none (type, external)
+   private
+
+   public :: band_stiffness_t, new_band_stiffness
+
+   !> The stiffness of a body, its contact points in (u_N; u_T).
+   type :: band_stiffness_t
+      integer :: n_points = 0 !! number m of contact points
+      type(symmetric_band_t) :: whole !! stiffness of the whole body by position [F/L]
+      integer, allocatable :: place(:) !! position of each component of v (2m)
+      integer :: reach = 0 !! largest distance between the positions of a point whose slip is no spring of its own
+      real(dp), allocatable :: diagonal(:) !! diagonal of S (2m) [F/L]
+      integer, allocatable, private :: interior(:) !! position of each unknown that is of no contact point
+      type(symmetric_band_t), private :: factor !! Cholesky factor of `whole`, its contact rows those of the unit matrix
+   contains
+      procedure :: condensed => band_stiffness_condensed
+      procedure :: dense => band_stiffness_dense
+      procedure :: interior_displacement => band_stiffness_interior_displacement
+      procedure :: multiply => band_stiffness_multiply
+      procedure, private :: solve_interior => band_stiffness_solve_interior
+   end type band_stiffness_t
+
+contains
+
+   !> Makes the stiffness from the matrix of a body.
+   subroutine new_band_stiffness(stiffness, matrix, order, unknown, map, error)
+      type(band_stiffness_t), intent(out) :: stiffness !! the stiffness
+      type(sparse_matrix_t), intent(in) :: matrix !! K, the unknowns of the contact points last [F/L]
+      integer, intent(in) :: order(:) !! position k holds unknown order(k) (n)
+      integer, intent(in) :: unknown(:, :)
+         !! the places of each point's displacements among the contact unknowns; 0 for none, as of a guided point (2, m)
+      real(dp), intent(in) :: map(:, :, :) !! unknowns of a point = map (u_N, u_T) (2, 2, m) [-]
+      type(error_t), allocatable, intent(out) :: error !! the body is not held even if all contact points are
+      integer :: at(2, matrix%n)
+      real(dp) :: weight(2, matrix%n)
+      integer :: p, m
+
+      m = size(unknown, 2)
+      stiffness%n_points = m
+      call place_unknowns(stiffness, positions(order), unknown, map, at, weight)
+      call new_symmetric_band(stiffness%whole, matrix%n + count(unknown == 0), largest_distance(matrix, at))
+      call add_matrix(stiffness%whole, matrix, at, weight)
+      do p = 1, m
+         if (unknown(2, p) == 0) call stiffness%whole%decouple(stiffness%place(p + m))
+      end do
+      call factorize_interior(stiffness, error)
+      if (allocated(error)) return
+      call find_diagonal(stiffness)
+      ! Nothing loads a guided point's slip; its spring is as stiff as the point.
+      do p = 1, m
+         if (unknown(2, p) > 0) cycle
+         stiffness%diagonal(p + m) = stiffness%diagonal(p)
+         stiffness%whole%entry(1, stiffness%place(p + m)) = stiffness%diagonal(p)
+      end do
+   end subroutine new_band_stiffness
+
+   !> Finds the positions of all displacements. An unknown of a contact point is a sum of two of them; the slip of a
+   !> guided point is behind all others.
+   pure subroutine place_unknowns(stiffness, position, unknown, map, at, weight)
+      type(band_stiffness_t), intent(inout) :: stiffness !! the stiffness, gains the positions
+      integer, intent(in) :: position(:) !! position of each unknown (n)
+      integer, intent(in) :: unknown(:, :) !! places of each point's displacements among the contact unknowns (2, m)
+      real(dp), intent(in) :: map(:, :, :) !! unknowns of a point = map (u_N, u_T) (2, 2, m) [-]
+      integer, intent(out) :: at(:, :) !! the positions whose displacements make up each unknown, 0 for none (2, n)
+      real(dp), intent(out) :: weight(:, :) !! their shares in it (2, n) [-]
+      integer :: p, k, m, n_interior, n_guided
+
+      m = size(unknown, 2)
+      n_interior = size(position) - count(unknown > 0)
+      stiffness%interior = position(:n_interior)
+      at = 0
+      at(1, :n_interior) = stiffness%interior
+      weight = 0.0_dp
+      weight(1, :n_interior) = 1.0_dp
+      allocate (stiffness%place(2*m))
+      n_guided = 0
+      do p = 1, m
+         associate (n_unknowns => count(unknown(:, p) > 0), place => stiffness%place)
+            place(p) = position(n_interior + unknown(1, p))
+            if (n_unknowns == 2) then
+               place(p + m) = position(n_interior + unknown(2, p))
+               stiffness%reach = max(stiffness%reach, abs(place(p + m) - place(p)))
+            else
+               n_guided = n_guided + 1
+               place(p + m) = size(position) + n_guided
+            end if
+            do k = 1, n_unknowns
+               at(:n_unknowns, n_interior + unknown(k, p)) = place(p:p + (n_unknowns - 1)*m:m)
+               weight(:n_unknowns, n_interior + unknown(k, p)) = map(k, :n_unknowns, p)
+            end do
+         end associate
+      end do
+   end subroutine place_unknowns
+
+   !> The largest distance between two positions that an entry of a matrix acts on.
+   pure integer function largest_distance(matrix, at) result(width)
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
+      integer, intent(in) :: at(:, :) !! the positions that each unknown stands for, 0 for none (2, n)
+      integer(int64) :: entry
+      integer :: j, k, l
+
+      width = 0
+      do j = 1, matrix%n
+         do entry = matrix%column_start(j), matrix%column_start(j + 1) - 1
+            do k = 1, count(at(:, j) > 0)
+               do l = 1, count(at(:, matrix%row(entry)) > 0)
+                  width = max(width, abs(at(k, j) - at(l, matrix%row(entry))))
+               end do
+            end do
+         end do
+      end do
+   end function largest_distance
+
+   !> Adds the entries of a matrix, each in the displacements that its unknowns stand for.
+   pure subroutine add_matrix(band, matrix, at, weight)
+      type(symmetric_band_t), intent(inout) :: band !! the matrix by position
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix by unknown
+      integer, intent(in) :: at(:, :) !! the positions that each unknown stands for, 0 for none (2, n)
+      real(dp), intent(in) :: weight(:, :) !! their shares in it (2, n) [-]
+      integer(int64) :: entry
+      integer :: i, j, k, l
+      real(dp) :: value
+
+      do j = 1, matrix%n
+         do entry = matrix%column_start(j), matrix%column_start(j + 1) - 1
+            i = matrix%row(entry)
+            do k = 1, count(at(:, j) > 0)
+               do l = 1, count(at(:, i) > 0)
+                  ! The entry across the diagonal adds as much, on the other side of the new diagonal or on it.
+                  if (i == j .and. at(l, i) < at(k, j)) cycle
+                  value = weight(k, j)*weight(l, i)*matrix%value(entry)
+                  if (i /= j .and. at(l, i) == at(k, j)) value = 2.0_dp*value
+                  call band%add(at(l, i), at(k, j), value)
+               end do
+            end do
+         end do
+      end do
+   end subroutine add_matrix
+
+   !> Factorises the stiffness with all contact points held.
+   subroutine factorize_interior(stiffness, error)
+      type(band_stiffness_t), intent(inout) :: stiffness !! the stiffness, gains the factor
+      type(error_t), allocatable, intent(out) :: error !! the interior can move by itself
+      integer :: i, info
+
+      stiffness%factor = stiffness%whole
+      do i = 1, size(stiffness%place)
+         call stiffness%factor%decouple(stiffness%place(i))
+      end do
+      call stiffness%factor%factorize(info)
+      if (info /= 0) call new_error(error, numerical_failure, 'the stiffness is singular even with all contact '// &
+         'points held: neither supports nor contact points hold some part of the body')
+   end subroutine factorize_interior
+
+   !> Finds the diagonal of S = K_cc - K_ci K_ii^-1 K_ic. The neighbours of a contact point are neighbours of each
+   !> other, so that a band of K_ii^-1 has all that is needed of it.
+   pure subroutine find_diagonal(stiffness)
+      type(band_stiffness_t), intent(inout) :: stiffness !! the stiffness, gains the diagonal of S
+      type(symmetric_band_t) :: inverse
+      logical :: is_contact(stiffness%whole%n)
+      integer, allocatable :: near(:)
+      integer :: i, j, k, width
+
+      is_contact = .false.
+      is_contact(stiffness%place) = .true.
+      width = stiffness%whole%width
+      do i = 1, size(stiffness%place)
+         near = neighbors(stiffness%whole, stiffness%place(i), is_contact)
+         if (size(near) > 0) width = max(width, near(size(near)) - near(1))
+      end do
+      call stiffness%factor%inverse_band(width, inverse)
+      allocate (stiffness%diagonal(size(stiffness%place)))
+      do i = 1, size(stiffness%place)
+         near = neighbors(stiffness%whole, stiffness%place(i), is_contact)
+         associate (coupling => [(stiffness%whole%element(near(j), stiffness%place(i)), j=1, size(near))])
+            stiffness%diagonal(i) = stiffness%whole%entry(1, stiffness%place(i))
+            do k = 1, size(near)
+               stiffness%diagonal(i) = stiffness%diagonal(i) - coupling(k)* &
+                  sum([(inverse%element(near(j), near(k))*coupling(j), j=1, size(near))])
+            end do
+         end associate
+      end do
+   end subroutine find_diagonal
+
+   !> The interior positions that a position is coupled to, ascending.
+   pure function neighbors(matrix, position, is_contact) result(near)
+      type(symmetric_band_t), intent(in) :: matrix !! the stiffness of the whole body
+      integer, intent(in) :: position !! the position
+      logical, intent(in) :: is_contact(:) !! whether a position is one of a contact point (n)
+      integer, allocatable :: near(:)
+      integer :: j
+
+      associate (all_near => [(j, j=max(1, position - matrix%width), min(matrix%n, position + matrix%width))])
+         near = pack(all_near, [(.not. is_contact(all_near(j)) &
+            .and. abs(matrix%element(all_near(j), position)) > 0.0_dp, j=1, size(all_near))])
+      end associate
+   end function neighbors
+
+   !> Solves K_ii x_i = b_i with given displacements of the contact points in the places of x, which stay.
+   pure subroutine band_stiffness_solve_interior(self, load, x)
+      class(band_stiffness_t), intent(in) :: self !! the stiffness
+      real(dp), intent(in) :: load(:) !! b on all positions; those of contact points have no effect (n) [F]
+      real(dp), contiguous, intent(inout) :: x(:)
+         !! displacements by position, 0 but for contact points; then all (n) [L]
+      real(dp) :: right(size(x)), contact(size(self%place))
+
+      contact = x(self%place)
+      call self%whole%multiply(x, right)
+      right = load - right
+      right(self%place) = 0.0_dp
+      call self%factor%solve(right)
+      x = right
+      x(self%place) = contact
+   end subroutine band_stiffness_solve_interior
+
+   !> The product S v.
+   pure subroutine band_stiffness_multiply(self, v, product)
+      class(band_stiffness_t), intent(in) :: self !! the stiffness
+      real(dp), intent(in) :: v(:) !! the vector (2m) [L]
+      real(dp), intent(out) :: product(:) !! the product (2m) [F]
+      real(dp) :: x(self%whole%n), y(self%whole%n)
+
+      x = 0.0_dp
+      x(self%place) = v
+      y = 0.0_dp
+      call self%solve_interior(y, x)
+      call self%whole%multiply(x, y)
+      product = y(self%place)
+   end subroutine band_stiffness_multiply
+
+   !> A load condensed to the contact points: q = f_c - K_ci K_ii^-1 f_i (2m) [F].
+   pure function band_stiffness_condensed(self, interior_load, contact_load) result(condensed)
+      class(band_stiffness_t), intent(in) :: self !! the stiffness
+      real(dp), intent(in) :: interior_load(:) !! f_i, by unknown [F]
+      real(dp), intent(in) :: contact_load(:) !! f_c on (u_N; u_T) (2m) [F]
+      real(dp), allocatable :: condensed(:)
+      real(dp) :: x(self%whole%n), y(self%whole%n)
+
+      x = 0.0_dp
+      y = 0.0_dp
+      y(self%interior) = interior_load
+      call self%solve_interior(y, x)
+      call self%whole%multiply(x, y)
+      condensed = contact_load - y(self%place)
+   end function band_stiffness_condensed
+
+   !> The displacements of the interior from those of the contact points, by unknown [L].
+   pure function band_stiffness_interior_displacement(self, interior_load, v) result(interior)
+      class(band_stiffness_t), intent(in) :: self !! the stiffness
+      real(dp), intent(in) :: interior_load(:) !! f_i, by unknown [F]
+      real(dp), intent(in) :: v(:) !! (u_N; u_T) (2m) [L]
+      real(dp), allocatable :: interior(:)
+      real(dp) :: x(self%whole%n), y(self%whole%n)
+
+      x = 0.0_dp
+      x(self%place) = v
+      y = 0.0_dp
+      y(self%interior) = interior_load
+      call self%solve_interior(y, x)
+      interior = x(self%interior)
+   end function band_stiffness_interior_displacement
+
+   !> S as a dense matrix, column by column, for those who need it whole.
+   pure function band_stiffness_dense(self) result(dense)
+      class(band_stiffness_t), intent(in) :: self !! the stiffness
+      real(dp), allocatable :: dense(:, :)
+      real(dp) :: unit(size(self%place))
+      integer :: j
+
+      allocate (dense(size(unit), size(unit)))
+      do j = 1, size(unit)
+         unit = 0.0_dp
+         unit(j) = 1.0_dp
+         call self%multiply(unit, dense(:, j))
+      end do
+      dense = 0.5_dp*(dense + transpose(dense))
+   end function band_stiffness_dense
+
+end module amontons_band_stiffness
