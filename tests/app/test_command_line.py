@@ -50,7 +50,7 @@ class Options(ProgramTest):
 
     def test_former_word_of_a_factorization_is_read(self):
         self.write("former.nml", block(SUPPORT, PRESSURE, CONTACT, "solver factorization = 'substructured'"))
-        self.assertIn("; multifrontal factor of ", self.run_program("--check", "former.nml").stdout)
+        self.assertIn(", multifrontal factor of ", self.run_program("--check", "former.nml").stdout)
 
     def test_help_and_version_solve_nothing(self):
         self.run_program("case.nml", "--help")

@@ -111,7 +111,7 @@ class Forged(Verification):
                          ("young = 100.0", "young = 100.01"), ("cells = 8, 4", "cells = 8, 5"),
                          ("ux = 0.0", "ux = 0.001"), ("element = 'quad4'", "element = 'quad8'"),
                          ("extra_gap = 0.0", "extra_gap = 0.001"), ("tolerance = 1.0e-10", "tolerance = 1.0e-5"),
-                         ("factorization = 'auto' /", "factorization = 'auto' /  ! nothing"),
+                         ("condensation = 'auto' /", "condensation = 'auto' /  ! nothing"),
                          ("name = 'case_0'", "name = 'case_1'")):
             with self.subTest(change=new):
                 self.assert_forgery_is_found(
