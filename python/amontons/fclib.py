@@ -75,10 +75,13 @@ class _Group:
         """All numbers of a data set, in a row."""
         try:
             data = self.file.get(f"{self.name}/{key}")
+            is_named = data is not None or self.file.get(f"{self.name}/{key}", getlink=True) is not None
         except (KeyError, OSError, RuntimeError):
             raise self.fault(key, ": this data set is damaged") from None
-        if data is None:
+        if not is_named:
             raise FileFault(f"{self.path}: expected the data set {self.name}/{key}, found none")
+        if data is None:
+            raise self.fault(key, ": this data set is damaged")
         if not isinstance(data, h5py.Dataset) or data.size is None:
             raise self.fault(key, ": expected a data set of numbers")
         # A value takes a byte at the least, so that a damaged file cannot ask for all memory.

@@ -189,13 +189,16 @@ class Refusals(FclibTest):
         self.refuse("/fclib_local/spacedim: expected a data set of numbers")
 
     def test_damaged_files_are_refused(self):
-        for name, sentence in {
-                "pointers": "/fclib_local/W/p: expected pointers up to the number of indices, 12, found 1073741824",
-                "values": "/fclib_local/W/x announces 2146435072 values, more than the file can hold",
-                "width": "/fclib_local/W/i: expected integers"}.items():
+        for name, data, sentence in (
+                ("pointers", "p", ": expected pointers up to the number of indices, 12, found 1073741824"),
+                ("values", "x", " announces 2146435072 values, more than the file can hold"),
+                ("width", "i", ": expected integers")):
             with self.subTest(name=name):
                 shutil.copy(SAMPLES / f"fclib/{name}.hdf5", self.directory / "bad.hdf5")
-                self.refuse(sentence)
+                # Newer HDF5 libraries look closer and do not open such a data set.
+                with h5py.File(self.directory / "bad.hdf5", "r") as file:
+                    is_open = file.get(f"fclib_local/W/{data}") is not None
+                self.refuse(f"/fclib_local/W/{data}{sentence if is_open else ': this data set is damaged'}")
 
     def test_file_cut_short_is_refused(self):
         content = (SAMPLES / "fclib/held.hdf5").read_bytes()
