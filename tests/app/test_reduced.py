@@ -247,7 +247,7 @@ class Refusals(ReducedTest):
         shutil.copy(SAMPLES / "fclib/held.hdf5", self.directory / "held.dat")
         run = self.run_program("--reduced", "held.dat", status=1)
         self.assertEqual(run.stderr, "held.dat: this is an HDF5 file; convert it from FCLIB to text first: "
-                                     "scripts/fclib.sh held.dat problem.dat\n")
+                                     "python -m amontons fclib held.dat problem.dat\n")
 
     def test_message_of_a_deck_names_deck_and_file(self):
         shutil.copy(SAMPLES / "bad/mu_negative.dat", self.directory)

@@ -27,7 +27,7 @@ contains
       if (allocated(error)) return
       if (index(input%text, hdf5_signature) == 1) then
          call new_error(error, input_refused, file//': this is an HDF5 file; convert it from FCLIB to text first: '// &
-            'scripts/fclib.sh '//file//' problem.dat')
+            'python -m amontons fclib '//file//' problem.dat')
       else
          call read_siconos_text(system, input)
          call move_alloc(input%error, error)
