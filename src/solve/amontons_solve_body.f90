@@ -5,7 +5,7 @@ module amontons_solve_body
    use amontons_constraints, only: support_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: new_contact_solution
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_t
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
@@ -33,13 +33,20 @@ contains
       type(load_t), intent(in) :: loads(:) !! the loads
       type(method_options_t), intent(in) :: options !! the contact method
       type(result_t), intent(inout) :: result
-         !! the result; one that converged for another load case is where the method starts
+         !! the result; one that converged for another load case of this body is where the method starts
       type(error_t), allocatable, intent(out) :: error !! supports, contacts, loads or the numbers are at fault
       class(contact_method_t), allocatable :: method
-      type(result_t) :: previous, empty
+      type(contact_solution_t) :: start
+      type(result_t) :: empty
 
-      previous = result
+      call new_contact_solution(start, body%zone%n_points)
+      if (result%solution%is_converged) then
+         if (size(result%solution%force) == size(start%force)) start = result%solution
+      end if
+      ! It is a start, and no result of this load case.
+      start%is_converged = .false.
       result = empty
+      result%solution = start
       call new_timings(result%timings)
       call new_load_case(result%load_case, body, supports, contacts, loads, error)
       if (allocated(error)) return
@@ -52,11 +59,6 @@ contains
          call condense_body(body, problem, condensation_options_t(), result%timings, error)
       end if
       if (allocated(error)) return
-      if (previous%solution%is_converged) then
-         result%solution = previous%solution
-      else
-         call new_contact_solution(result%solution, body%zone%n_points)
-      end if
       call solve_load_case(result, body, problem, method, error)
    end subroutine solve_body
 
