@@ -47,7 +47,7 @@ contains
       point%weight = body%zone%weight(p)
       point%gap = result%load_case%free_gap(p) - result%solution%displacement(p)
       point%slip = result%solution%displacement(m + p)
-      if (body%zone%is_guided(p)) then
+      if (body%zone%is_tangent_fixed(p)) then
          row = body%zone%rows%picked([p])
          displacement = row%displacement(result%displacement)
          point%slip = displacement(2)

@@ -53,7 +53,7 @@ contains
             ' of the largest contact force, against the exact solution')
          text = text//residual_text(solution, config%method%tolerance)// &
             uniqueness_text(result%uniqueness, &
-            merge(0.0_dp, result%load_case%friction, body%zone%is_guided))
+            merge(0.0_dp, result%load_case%friction, body%zone%is_tangent_fixed))
          if (allocated(result%all_solutions)) text = text// &
             solutions_text(result%all_solutions, solution%force)
       end associate

@@ -93,7 +93,7 @@ contains
          result%certificate%force_scale)
       associate (load_case => result%load_case)
          call check_statuses(summary%faults, stem//'.contact.csv', .true., table, load_case%friction, &
-            load_case%slip_bound, workshop%body%zone%is_guided, scales)
+            load_case%slip_bound, workshop%body%zone%is_tangent_fixed, scales)
       end associate
    end subroutine check_points
 

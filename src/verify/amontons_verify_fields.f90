@@ -167,7 +167,7 @@ contains
          table%slip = solution%displacement(m + 1:)
          table%status = solution%status
          call check_statuses(summary%faults, stem//'.contact.vtu', .false., table, result%load_case%friction, &
-            result%load_case%slip_bound, zone%is_guided, new_law_scales(limit, result%displacement, &
+            result%load_case%slip_bound, zone%is_tangent_fixed, new_law_scales(limit, result%displacement, &
             result%certificate%force_scale))
       end associate
    end subroutine check_law
