@@ -17,7 +17,7 @@ module amontons_contact_check
    integer, parameter :: n_numbers = 11
    integer, parameter :: at_gap = 6, at_slip = 7, at_normal_force = 8, at_tangential_force = 9
    character(17), parameter :: column_names(n_numbers) = [character(17) :: 'x', 'y', 'normal_x', 'normal_y', &
-      'weight', 'gap', 'slip', 'normal_force', 'tangential_force', 'normal_stress', 'tangential_stress']
+      'weight', 'gap', 'slip', 'normal_force', 'tangential_force', 'contact_pressure', 'contact_shear']
 
    !> What the table states.
    type :: contact_table_t
