@@ -56,7 +56,7 @@ contains
       associate (band => problem%band, place => problem%band%place)
          call new_equations(equations, problem, guess%sense)
          equations%is_known(place) = [guess%is_closed, guess%sense == 0]
-         equations%known(place(:m)) = merge(problem%gap, 0.0_dp, guess%is_closed)
+         equations%known(place) = merge(problem%reference(), 0.0_dp, [guess%is_closed, guess%sense == 0])
          equations%stiffening(place) = share*band%diagonal
          equations%load(place) = equations%load(place) + share*band%diagonal*displacement
          equations%slope = merge(problem%friction*guess%sense, 0.0_dp, guess%is_closed)
@@ -91,7 +91,7 @@ contains
       associate (place => problem%band%place)
          call new_equations(equations, problem, guess%sense)
          equations%stiffening(place) = merge(springs, 0.0_dp, [guess%is_closed, guess%sense == 0])
-         equations%load(place(:m)) = equations%load(place(:m)) + equations%stiffening(place(:m))*problem%gap
+         equations%load(place) = equations%load(place) + equations%stiffening(place)*problem%reference()
          equations%coupling = guess%sense*problem%friction*equations%stiffening(place(:m))
          equations%load(place(m + 1:)) = equations%load(place(m + 1:)) + equations%coupling*problem%gap
          call self%solve_equations(problem, equations, x, info)
