@@ -1,7 +1,7 @@
 !> The contact law at one point: unilateral contact and Coulomb friction.
 !>
-!> With the distance w = u_N - d (negative while open), the slip s = u_T - a, the forces lambda_N (compression positive) and
-!> lambda_T (along the slip), and the slip bound b = g + phi lambda_N, of a given part (Tresca) and Coulomb's:
+!> With the distance w = u_N - d (negative while open), the slip s = u_T - a, the forces lambda_N (compression positive)
+!> and lambda_T (along the slip), and the slip bound b = g + phi lambda_N, of a given part (Tresca) and Coulomb's:
 !> `0 <= lambda_N _|_ -w >= 0`, `|lambda_T| <= b`, `s /= 0 => lambda_T = b sign(s)`.
 !> For a given bound this is the inequality (2.2) of the paper, and the maximum over the multipliers in its saddle point
 !> (P3); Coulomb's part makes b depend on the solution (its remark 1 on section 1).
