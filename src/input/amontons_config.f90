@@ -51,6 +51,7 @@ module amontons_config
       character(:), allocatable :: title !! what the case is about, for the listing
       type(reduced_source_t) :: reduced !! the reduced problem that there is in the place of a body, if one is given
       character(:), allocatable :: mesh_file !! name of the mesh file from the root on; empty for a rectangle
+      integer :: n_refinements = 0 !! how often every element of the mesh is cut in four
       character(:), allocatable :: mesh_origin !! where the mesh was specified, for messages: 'deck.nml:12: '
       type(rectangle_t) :: rectangle !! the rectangle that is the body where there is no mesh file
       type(material_t), allocatable :: materials(:) !! its materials
@@ -190,7 +191,7 @@ contains
          allocate (config%contacts(visitor%deck%count_groups('contact')))
          allocate (config%sweep%axes(visitor%deck%count_groups('sweep')))
       end if
-      call describe_mesh(visitor, config%mesh_file, config%rectangle, config%mesh_origin)
+      call describe_mesh(visitor, config%mesh_file, config%rectangle, config%n_refinements, config%mesh_origin)
       do i = 1, size(config%materials)
          call describe_material(visitor, config%materials(i))
       end do
