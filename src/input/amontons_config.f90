@@ -2,6 +2,7 @@
 !> reads it, writes it as a deck again and documents what a deck may hold.
 module amontons_config
    use amontons_condensation, only: condensation_names
+   use amontons_config_accuracy, only: accuracy_group, accuracy_options_t, describe_accuracy
    use amontons_config_body, only: describe_load, describe_material, describe_mesh, describe_support, load_group, &
       material_group, mesh_group, support_group
    use amontons_config_contact, only: contact_group, describe_contact
@@ -38,9 +39,9 @@ module amontons_config
    type(group_t), parameter :: solver_group = group_t('solver')
    !> The group of what is written.
    type(group_t), parameter :: output_group = group_t('output')
-   !> The groups that describe a body, what acts on it, and what varies.
+   !> The groups that describe a body, what acts on it, what varies, and how accurate the results shall be.
    type(group_t), parameter :: body_groups(*) = [mesh_group, material_group, support_group, load_group, contact_group, &
-      sweep_group]
+      sweep_group, accuracy_group]
    !> All groups of a deck.
    type(group_t), parameter :: groups(*) = [case_group, problem_group, body_groups, solver_group, output_group]
 
@@ -60,6 +61,7 @@ module amontons_config
       type(contact_t), allocatable :: contacts(:) !! its contact sets
       type(sweep_t) :: sweep !! what varies from case to case; nothing for a single case
       type(method_options_t) :: method !! the contact method
+      type(accuracy_options_t) :: accuracy !! what is asked of the accuracy of the results
       character(:), allocatable :: factorization !! one of `factorization_names`
       character(:), allocatable :: condensation !! one of `condensation_names`
    end type config_t
@@ -205,6 +207,7 @@ contains
          call describe_contact(visitor, config%contacts(i))
       end do
       call describe_sweep(visitor, config%sweep, config%loads, config%contacts)
+      call describe_accuracy(visitor, config%accuracy, config%sweep%is_given())
    end subroutine describe_body
 
    !> Describes `&case`: name and title.

@@ -3,6 +3,7 @@ module amontons_result
    use amontons_all_solutions, only: all_solutions_t
    use amontons_certificate, only: certificate_t
    use amontons_contact_solution, only: contact_solution_t
+   use amontons_error_estimate, only: error_estimate_t
    use amontons_kinds, only: dp
    use amontons_lengths, only: lengths_t
    use amontons_load_case, only: load_case_t
@@ -30,6 +31,8 @@ module amontons_result
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
       type(all_solutions_t), allocatable :: all_solutions !! all solutions, where they were asked for
       logical :: has_reduced_files = .false. !! whether its reduced problem was written
+      logical :: wants_error_estimate = .true. !! whether the error of the stresses is to be estimated
+      type(error_estimate_t), allocatable :: error_estimate !! the estimate, where the loads are those of one case
       type(lengths_t) :: lengths !! lengths of the open, slip and stick zones
       real(dp) :: method_error = -1.0_dp
          !! largest difference of a contact force from the exact solution, over the largest force; -1 if not asked [-]

@@ -47,6 +47,7 @@ contains
       type(contact_t), allocatable :: contacts(:)
 
       call new_timings(result%timings)
+      result%wants_error_estimate = config%accuracy%wants_estimate()
       if (has_body(cache, config)) then
          call check_names(config, cache%body%mesh, error)
       else

@@ -9,6 +9,7 @@ module amontons_solve_load_case
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_estimate_error, only: estimate_error
    use amontons_kinds, only: dp
    use amontons_lengths, only: new_lengths
    use amontons_load_case, only: condense_load_case, pose_problem, recover_displacement
@@ -80,6 +81,10 @@ contains
          call new_error(error, numerical_failure, 'displacements, forces or energies leave the range of double '// &
             'precision (1.8e308): choose other units')
          return
+      end if
+      if (result%wants_error_estimate .and. allocated(result%load_case%loads)) then
+         allocate (result%error_estimate)
+         call estimate_error(result%error_estimate, body, result%load_case, result%displacement, result%solution%force)
       end if
       if (.not. shows_rounding(result)) return
       condition = max(body%condensation%condenser%condition(), cancellation(body, result))

@@ -20,6 +20,7 @@ module amontons_load_case
    !> Loads, prescribed displacements, obstacles and friction.
    type :: load_case_t
       type(contact_t), allocatable :: contacts(:) !! the contact sets, with their obstacles
+      type(load_t), allocatable :: loads(:) !! the loads; not allocated where a sweep varies them
       real(dp), allocatable :: force(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       real(dp), allocatable :: prescribed(:, :) !! displacements that the supports prescribe (2, n_nodes) [L]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
@@ -61,6 +62,7 @@ contains
       if (allocated(error)) return
       prescribed = body%zone%rows%displacement(load_case%prescribed)
       load_case%free_gap = load_case%gap - prescribed(:body%zone%n_points)
+      load_case%loads = loads
       call load_vector(load_case%force, body%mesh, body%materials, loads, error)
    end subroutine new_load_case
 

@@ -76,6 +76,7 @@ contains
       n = size(config%sweep%axes)
       allocate (model%friction(body%zone%n_points, n), model%forces(2, body%mesh%n_nodes, n), source=0.0_dp)
       model%fixed = prepared
+      if (allocated(model%fixed%loads)) deallocate (model%fixed%loads)
       call sum_loads(model%fixed%force, body, config, 0, error)
       if (allocated(error)) return
       model%is_tangent_fixed = body%zone%is_tangent_fixed
