@@ -1,6 +1,6 @@
 """Draws cases from their files: the deformed body with its stress and contact points, pressure and shear with what
 friction can bear, gap and slip, and the residuals of the iterations; where only a small part of the contact line is
-closed, that part, and the body there once more; of a sweep, the parts of the contact line over the swept quantities.
+closed, that part, and the body there once more; of a sweep, the zones of the contact line over the swept quantities.
 
 Usage: amontons-plot CASE... A CASE is any file of a case, the path of its files without their endings, or a folder of
 cases. Writes CASE.png and CASE.svg beside the files.
@@ -19,9 +19,9 @@ from matplotlib.collections import LineCollection, PolyCollection
 from amontons.grid import read_grid
 
 # Okabe and Ito's colours, told apart by colour-blind readers too; a marker says the same once more.
-STATUSES = (("open", "#D55E00", "o"), ("sticking", "#009E73", "s"), ("sliding along t", "#0072B2", ">"),
-            ("sliding against t", "#56B4E9", "<"))
-PARTS = {"separated": "#D55E00", "sliding": "#0072B2", "sticking": "#009E73"}
+STATUSES = (("open", "#D55E00", "o"), ("stick", "#009E73", "s"), ("slip along t", "#0072B2", ">"),
+            ("slip against t", "#56B4E9", "<"))
+ZONES = {"open_length": "#D55E00", "slip_length": "#0072B2", "stick_length": "#009E73"}
 PRESSURE, SHEAR, BOUND = "black", "#CC79A7", "#E69F00"
 SUMMARY = ".summary.json"
 
@@ -153,15 +153,15 @@ def draw_stresses(axes, line, sets):
     data = line.point_data
     for i, (points, length) in enumerate(sets):
         names = ("pressure", "shear", "bound of the shear") if i == 0 else (None,) * 3
-        axes.plot(length, data["pressure"][points], color=PRESSURE, label=names[0])
-        axes.plot(length, data["shear"][points], color=SHEAR, label=names[1])
+        axes.plot(length, data["contact_pressure"][points], color=PRESSURE, label=names[0])
+        axes.plot(length, data["contact_shear"][points], color=SHEAR, label=names[1])
         for sign in (1, -1):
             axes.plot(length, sign * data["shear_bound"][points], color=BOUND, linestyle=":",
                       label=names[2] if sign > 0 else None)
         for status, (_, color, marker) in enumerate(STATUSES, start=1):
             here = data["status"][points] == status
-            axes.plot(length[here], data["pressure"][points][here], linestyle="none", marker=marker, color=color,
-                      markersize=3.5, markevery=max(1, len(points) // 60))
+            axes.plot(length[here], data["contact_pressure"][points][here], linestyle="none", marker=marker,
+                      color=color, markersize=3.5, markevery=max(1, len(points) // 60))
     axes.set(ylabel="contact stress")
     axes.legend(loc="best", frameon=False, fontsize="small")
 
@@ -201,17 +201,17 @@ def draw_history(axes, summary):
     axes.xaxis.get_major_locator().set_params(integer=True)
 
 
-def length_in(row, part):
-    """The length of a part of the contact line in a case; not a number where the case was not solved."""
-    return float(row[part]) if row["outcome"] == "converged" else np.nan
+def length_in(row, zone):
+    """The length of a zone of the contact line in a case; not a number where the case was not solved."""
+    return float(row[zone]) if row["outcome"] == "converged" else np.nan
 
 
 def draw_parts(axes, values, rows):
-    """The parts of the contact line over one quantity; cases that were not solved leave a gap."""
+    """The zones of the contact line over one quantity; cases that were not solved leave a gap."""
     marker = "." if len(rows) < 100 else None
-    for (part, color), style in zip(PARTS.items(), ("-", "--", ":")):
-        axes.plot(values, [length_in(row, part) for row in rows], marker=marker, color=color,
-                  linestyle=style, label=part)
+    for (zone, color), style in zip(ZONES.items(), ("-", "--", ":")):
+        axes.plot(values, [length_in(row, zone) for row in rows], marker=marker, color=color,
+                  linestyle=style, label=zone.removesuffix("_length"))
     axes.legend(frameon=False)
     axes.set(ylabel="length")
 
@@ -222,18 +222,18 @@ def quantity(column):
 
 
 def draw_maps(figure, axes, columns, rows, marks):
-    """A map of each part over two quantities; what was not solved stays white."""
+    """A map of each zone over two quantities; what was not solved stays white."""
     places = [np.unique([float(row[column]) for row in rows]) for column in columns]
-    whole = max((sum(length_in(row, part) for part in PARTS) for row in rows if row["outcome"] == "converged"),
+    whole = max((sum(length_in(row, zone) for zone in ZONES) for row in rows if row["outcome"] == "converged"),
                 default=1.0)
-    for axis, part in zip(axes, PARTS):
+    for axis, zone in zip(axes, ZONES):
         values = np.full([len(place) for place in places], np.nan)
         for row in rows:
             at = tuple(np.searchsorted(place, float(row[column])) for place, column in zip(places, columns))
-            values[at] = length_in(row, part)
+            values[at] = length_in(row, zone)
         drawn = axis.pcolormesh(places[1], places[0], values, cmap="cividis", vmin=0.0, vmax=whole, shading="nearest",
                                 rasterized=True)
-        axis.set(title=f"{part} length", xlabel=quantity(columns[1]))
+        axis.set(title=zone.replace("_", " "), xlabel=quantity(columns[1]))
         for x, y, label in marks:
             axis.plot(x, y, marker="o", markersize=12, markerfacecolor="white", markeredgecolor="black")
             axis.annotate(label, (x, y), ha="center", va="center", fontsize="small")

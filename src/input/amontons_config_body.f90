@@ -244,8 +244,8 @@ contains
       has_table = is_filled(load%temperature_file)
       has_value = load%target == load_by_temperature .and. .not. has_table
       has_slope = any(abs(load%temperature_slope) > 0.0_dp)
-      call visitor%real(key_t('temperature', 'above that at which the body is free of thermal strain, at the origin;'// &
-         ' on `region` or on the whole body', 'K', also='temp dtemp'), load%temperature, has_value)
+      call visitor%real(key_t('temperature', 'above that at which nothing is strained, at the origin; on `region`'// &
+         ' or on the whole body', 'K', also='temp dtemp'), load%temperature, has_value)
       call visitor%reals(key_t('temperature_slope', 'its change along x and y', 'K/L'), load%temperature_slope, &
          has_slope)
       call visitor%text(key_t(table_key, 'file with the numbers of nodes, as in the mesh file, and their'// &

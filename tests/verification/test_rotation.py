@@ -63,8 +63,8 @@ class Rotation(Benchmark):
                    values={"hypothesis": "plane strain"})
 
     def test_revolution(self):
-        self.study("Hollow cylinder, axisymmetric", "rotating_cylinder", wall(INNER, OUTER), 1, lambda r, z: (strained(r), 0.0),
-                   depth=lambda r: r)
+        self.study("Hollow cylinder, axisymmetric", "rotating_cylinder", wall(INNER, OUTER), 1,
+                   lambda r, z: (strained(r), 0.0), depth=lambda r: r)
 
     def test_solid_disc(self):
         table = self.table("Solid disc, plane stress")

@@ -35,7 +35,8 @@ class Tube(Benchmark):
         self.study("Plane strain", "tube_plane", sector(INNER, OUTER, 0.5*pi), 2, plane)
 
     def test_revolution(self):
-        self.study("Axisymmetric", "tube_axisymmetric", wall(INNER, OUTER), 1, lambda r, z: (radial(r), 0.0), depth=lambda r: r)
+        self.study("Axisymmetric", "tube_axisymmetric", wall(INNER, OUTER), 1, lambda r, z: (radial(r), 0.0),
+                   depth=lambda r: r)
 
     def study(self, caption, name, mapping, ratio, exact, **depth):
         """Fills the table of one deck; `ratio` cells around or along for one through the wall."""

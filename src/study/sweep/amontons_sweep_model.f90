@@ -25,7 +25,7 @@ module amontons_sweep_model
       real(dp), allocatable :: load(:, :) !! condensed load of each quantity at 1 (2m, quantities) [F]
       real(dp), allocatable :: expansion(:) !! free thermal expansion by each quantity at 1 (quantities) [L]
       real(dp), allocatable :: friction(:, :) !! friction of each quantity at 1 (m, quantities) [-]
-      logical, allocatable :: is_guided(:) !! whether a support bears the shear of a point, whatever its friction (m)
+      logical, allocatable :: is_tangent_fixed(:) !! whether a support bears the shear of a point (m)
       type(load_case_t) :: fixed !! the load case of what does not vary
       type(load_case_t), allocatable :: parts(:)
          !! what each quantity adds to it at 1: forces and thermal strain, of loads only (quantities)
@@ -79,7 +79,7 @@ contains
       model%fixed = prepared
       call sum_loads(model%fixed, body, config, 0, error)
       if (allocated(error)) return
-      model%is_guided = body%zone%is_guided
+      model%is_tangent_fixed = body%zone%is_tangent_fixed
       do k = 1, n
          if (config%sweep%axes(k)%target == swept_load) then
             model%parts(k)%prescribed = 0.0_dp*prepared%prescribed
@@ -153,7 +153,7 @@ contains
 
       problem%load = self%problem%load + matmul(self%load, values)
       problem%prescribed = self%problem%prescribed + dot_product(self%expansion, abs(values))
-      problem%friction = merge(0.0_dp, self%fixed%friction + matmul(self%friction, values), self%is_guided)
+      problem%friction = merge(0.0_dp, self%fixed%friction + matmul(self%friction, values), self%is_tangent_fixed)
    end subroutine sweep_model_set_case
 
    !> The load case of a case of the sweep, not condensed.
