@@ -102,9 +102,9 @@ contains
       call visitor%word(key_t('formulation', "of `quad4` elements: `'b-bar'` does not lock where the material is"// &
          " nearly incompressible; `'auto'` is `'b-bar'` for a Poisson's ratio of 0.49 or more"), material%formulation, &
          formulation_names)
-      call visitor%real(key_t('density', 'mass per volume; needed by `gravity` and `angular_speed` of `&load`', 'M/L³', &
+      call visitor%real(key_t('density', 'mass per volume, for `gravity` and `angular_speed` of `&load`', 'M/L³', &
          at_least=0.0_dp, also='rho mass'), material%density)
-      call visitor%real(key_t('expansion', 'coefficient of thermal expansion; needed by `temperature` of `&load`', &
+      call visitor%real(key_t('expansion', 'coefficient of thermal expansion, for `temperature` of `&load`', &
          '1/K', also='alpha cte'), material%expansion)
       call visitor%text(key_t('region', 'the region of the mesh that the material fills', default='all the rest', &
          also='set elset'), material%region, has_region)

@@ -168,7 +168,7 @@ class Heating(Benchmark):
             pressure = YOUNG/((1 + POISSON)*(1 - 2*POISSON))*((1 + POISSON)*strain - 0.01/10.0)
             exact = (-pressure, -2*POISSON*pressure - YOUNG*strain, 0.0, -pressure)
             stress = max(abs(found - wanted) for tensor in self.stresses() for found, wanted in zip(tensor, exact))
-            table.add(element, errors=[max(abs(p - pressure) for p in result["pressure"])/pressure,
+            table.add(element, errors=[max(abs(p - pressure) for p in result["contact_pressure"])/pressure,
                                        stress/(YOUNG*strain)])
         self.assert_table(table)
 
