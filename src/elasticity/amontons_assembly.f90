@@ -26,7 +26,7 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
-      type(coloring_t), intent(in) :: coloring !! colours of the elements
+      type(coloring_t), intent(in) :: coloring !! colors of the elements
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       type(error_t), allocatable, intent(out) :: error !! too large for the memory
@@ -113,7 +113,7 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
-      type(coloring_t), intent(in) :: coloring !! colours of the elements
+      type(coloring_t), intent(in) :: coloring !! colors of the elements
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]

@@ -28,7 +28,7 @@ contains
       type(stress_field_t), intent(out) :: field !! the stresses
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
-      type(coloring_t), intent(in) :: coloring !! colours of the elements
+      type(coloring_t), intent(in) :: coloring !! colors of the elements
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
