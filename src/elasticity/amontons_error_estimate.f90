@@ -3,7 +3,7 @@
 !> Eng. 24, 1987).
 module amontons_error_estimate
    use amontons_coloring, only: worth_threads
-   use amontons_elasticity, only: element_geometry_t, element_stress, new_element_geometry
+   use amontons_elasticity, only: elastic_strain, element_geometry_t, new_element_geometry, set_thermal_strain
    use amontons_element, only: element_names, is_triangle, max_nodes, max_points, n_corners, n_fine_points, quad4, &
       quadrature_point, shape_functions, tri3
    use amontons_kinds, only: dp
@@ -29,32 +29,37 @@ module amontons_error_estimate
 contains
 
    !> Estimates the error of a displacement field.
-   subroutine new_error_estimate(estimate, mesh, materials, displacement, recovered)
+   subroutine new_error_estimate(estimate, mesh, materials, displacement, recovered, thermal_strain)
       type(error_estimate_t), intent(out) :: estimate !! the estimate
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       type(recovered_stress_t), intent(in) :: recovered !! the recovered stresses
+      real(dp), intent(in), optional :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
       type(element_geometry_t) :: geometry
-      real(dp) :: energy(mesh%n_elements), stress(4), missing(4)
+      real(dp) :: energy(mesh%n_elements), strain(4), stress(4), missing(4)
       real(dp) :: weights(max_corners, max_points, size(element_names))
       integer :: i, point
 
       weights = corner_weights()
       allocate (estimate%element(mesh%n_elements))
       !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
-      !$omp firstprivate(geometry) private(point, stress, missing) &
-      !$omp shared(estimate, mesh, materials, displacement, recovered, energy, weights)
+      !$omp firstprivate(geometry) private(point, strain, stress, missing) &
+      !$omp shared(estimate, mesh, materials, displacement, recovered, thermal_strain, energy, weights)
       do i = 1, mesh%n_elements
          associate (material => materials%list(materials%of_element(i)), kind => mesh%element_kind(i))
             call new_element_geometry(geometry, mesh, i, material, n_fine_points(kind))
+            if (present(thermal_strain)) call set_thermal_strain(geometry, &
+               thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
             energy(i) = 0.0_dp
             estimate%element(i) = 0.0_dp
             do point = 1, geometry%n_points
-               stress = element_stress(geometry, material, displacement, point)
+               strain = elastic_strain(geometry, material, displacement, point)
+               stress = material%stress(strain)
                missing = recovered%stress(mesh, i, geometry%position(:, point), &
                   weights(:n_corners(kind), point, kind)) - stress
-               energy(i) = energy(i) + geometry%volume(point)*material%squared_norm(stress)
+               energy(i) = energy(i) + geometry%volume(point)*dot_product(strain, stress)
                estimate%element(i) = estimate%element(i) + geometry%volume(point)*material%squared_norm(missing)
             end do
          end associate

@@ -8,7 +8,7 @@
 module amontons_stress_recovery
    use amontons_coloring, only: worth_threads
    use amontons_dense, only: cholesky_factor, cholesky_solve
-   use amontons_elasticity, only: element_geometry_t, element_stress, new_element_geometry
+   use amontons_elasticity, only: element_geometry_t, element_stress, new_element_geometry, set_thermal_strain
    use amontons_element, only: n_corners, n_sampling_points
    use amontons_incidence, only: incidence_t, new_incidence
    use amontons_integer_list, only: integer_list_t
@@ -56,12 +56,14 @@ module amontons_stress_recovery
 contains
 
    !> Recovers the stresses of a displacement field.
-   subroutine new_recovered_stress(recovered, mesh, materials, tractions, displacement)
+   subroutine new_recovered_stress(recovered, mesh, materials, tractions, displacement, thermal_strain)
       type(recovered_stress_t), intent(out) :: recovered !! the recovered stress field
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
       type(known_traction_t), intent(in) :: tractions(:) !! what is known of the tractions on the sides of the boundary
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in), optional :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
       type(incidence_t) :: incidence
       type(samples_t) :: samples
       type(integer_list_t) :: elements
@@ -69,7 +71,7 @@ contains
       integer :: i
 
       call new_incidence(incidence, mesh)
-      call new_samples(samples, mesh, materials, displacement)
+      call new_samples(samples, mesh, materials, displacement, thermal_strain)
       call number_patches(recovered%of_corner, node, element, mesh, materials, incidence)
       call sort_sides(side_start, side, mesh, tractions, recovered%of_corner)
       allocate (recovered%patch(size(node)))
@@ -84,11 +86,12 @@ contains
    end subroutine new_recovered_stress
 
    !> Evaluates the stresses where those of an element are most accurate.
-   subroutine new_samples(samples, mesh, materials, displacement)
+   subroutine new_samples(samples, mesh, materials, displacement, thermal_strain)
       type(samples_t), intent(out) :: samples !! the stresses
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in), optional :: thermal_strain(:) !! as in `new_recovered_stress` [-]
       type(element_geometry_t) :: geometry
       integer :: i, point
 
@@ -100,10 +103,12 @@ contains
       allocate (samples%position(2, samples%start(mesh%n_elements + 1) - 1))
       allocate (samples%stress(4, samples%start(mesh%n_elements + 1) - 1))
       !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
-      !$omp firstprivate(geometry) private(point) shared(samples, mesh, materials, displacement)
+      !$omp firstprivate(geometry) private(point) shared(samples, mesh, materials, displacement, thermal_strain)
       do i = 1, mesh%n_elements
          associate (material => materials%list(materials%of_element(i)), first => samples%start(i) - 1)
             call new_element_geometry(geometry, mesh, i, material, n_sampling_points(mesh%element_kind(i)))
+            if (present(thermal_strain)) call set_thermal_strain(geometry, &
+               thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
             do point = 1, geometry%n_points
                samples%position(:, first + point) = geometry%position(:, point)
                samples%stress(:, first + point) = element_stress(geometry, material, displacement, point)

@@ -28,8 +28,10 @@ contains
 
       call new_known_tractions(tractions, body%mesh, body%constraints, body%springs, load_case%loads)
       call set_contact_tractions(tractions, body, load_case, force)
-      call new_recovered_stress(recovered, body%mesh, body%materials, tractions%side, displacement)
-      call new_error_estimate(estimate, body%mesh, body%materials, displacement, recovered)
+      call new_recovered_stress(recovered, body%mesh, body%materials, tractions%side, displacement, &
+         load_case%thermal_strain)
+      call new_error_estimate(estimate, body%mesh, body%materials, displacement, recovered, &
+         load_case%thermal_strain)
    end subroutine estimate_error
 
    !> Sets the tractions on the sides of the contact sets: the force on each node over its area.
