@@ -59,7 +59,7 @@ contains
       real(dp), dimension(2*problem%n_points) :: displacement, force, rho
       real(dp) :: scale, regularization, min_regularization, residual, previous, violation, imbalance
       integer :: n_spring_steps, info
-      logical :: may_continue
+      logical :: is_repeated, may_continue
 
       call solution%reset()
       call new_system(system, problem)
@@ -85,7 +85,7 @@ contains
          end if
          last = active_set
          call active_set%update(problem, rho, displacement, force, violation)
-         residual = max(violation, imbalance)/scale
+         residual = max(violation, imbalance)/problem%force_scale(force)
          if (residual <= self%tolerance) then
             call solution%record(problem, displacement, force, self%tolerance, may_continue)
             if (.not. may_continue) return
@@ -93,7 +93,9 @@ contains
             call record_best(solution, displacement, force, residual)
          end if
          call visited%note_residual(residual)
-         call visited%avoid(active_set, last)
+         call visited%avoid(active_set, last, is_repeated)
+         ! Singular active sets have led the body far away.
+         if (is_repeated .and. .not. problem%is_reduced()) displacement = problem%reference()
          call adapt(regularization, min_regularization, system%min_regularization, self%max_regularization, &
             residual/previous, active_set%equals(last))
          previous = residual

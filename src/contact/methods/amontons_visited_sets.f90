@@ -34,17 +34,20 @@ contains
       self%key = [integer(int64) ::]
    end subroutine visited_sets_note_residual
 
-   !> Adds the active set that a step leads to; changes it if it is there already. If the change of no single point leads
-   !> to a new one, it stays: the regularization has to lead on then.
-   pure subroutine visited_sets_avoid(self, active_set, last)
+   !> Adds the active set that a step leads to; changes it if it is there already. If the change of no single point
+   !> leads to a new one, it stays: the regularization has to lead on then.
+   pure subroutine visited_sets_avoid(self, active_set, last, is_repeated)
       class(visited_sets_t), intent(inout) :: self !! the active sets
       type(active_set_t), intent(inout) :: active_set !! the active set that a step leads to
       type(active_set_t), intent(in) :: last !! the active set before it
+      logical, intent(out) :: is_repeated !! whether it is there already
       type(active_set_t) :: trial
       integer :: p
 
+      is_repeated = .false.
       if (active_set%equals(last)) return
-      if (any(self%key == key_of(active_set))) then
+      is_repeated = any(self%key == key_of(active_set))
+      if (is_repeated) then
          do p = size(last%is_closed), 1, -1
             trial = last
             trial%is_closed(p) = active_set%is_closed(p)
@@ -69,7 +72,9 @@ contains
 
       key = 0
       do p = 1, size(active_set%is_closed)
-         key = ieor(ishftc(key, 7), factor*(active_set%slip_direction(p) + merge(2, 5, active_set%is_closed(p))) + p)
+         associate (state => active_set%slip_direction(p) + merge(2, 5, active_set%is_closed(p)))
+            key = ieor(ishftc(key, 7), factor*state + p)
+         end associate
       end do
    end function key_of
 
