@@ -44,14 +44,15 @@ echo 'Testing'
 "$work/fresh/bin/pip" install --quiet --disable-pip-version-check "$wheels"/amontons-*.whl
 cp input/long_bar_1.nml "$work"
 cd "$work"
-expected='separated 3.75, sliding 20.0, sticking 16.25'
+expected='open 3.75, slip 20.0, stick 16.25'
 env -i "$work/fresh/bin/amontons" --output by_command long_bar_1.nml | grep --fixed-strings "$expected"
 env -i "$work/fresh/bin/python" - <<'PYTHON' | grep --fixed-strings "$expected"
 import amontons
 
 result = amontons.solve_deck("long_bar_1.nml", "by_import")
 lengths = result.summary["lengths"]
-print(f"amontons {amontons.__version__}:", ", ".join(f"{part} {lengths[part]}" for part in lengths))
+zones = ", ".join(f"{zone} {lengths[zone + '_length']}" for zone in ("open", "slip", "stick"))
+print(f"amontons {amontons.__version__}: {zones}")
 PYTHON
 env -i "$work/fresh/bin/amontons" --version
 ls "$wheels"/amontons-*.whl

@@ -39,8 +39,8 @@ program build_body
    loads(1)%traction = [15.0_dp, 0.0_dp]
    call solve_body(body, problem, supports, contacts, loads, method_options_t(), result, error)
    call check(error)
-   print '(a, 3f7.2)', 'pushed harder; separated, sliding, sticking:', result%lengths%separated, &
-      result%lengths%sliding, result%lengths%sticking
+   print '(a, 3f7.2)', 'pushed harder; open, slip, stick:', result%lengths%open, &
+      result%lengths%slip, result%lengths%stick
 
 contains
 

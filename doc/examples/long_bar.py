@@ -29,7 +29,7 @@ deck.write_text(DECK, encoding="utf-8")
 result = amontons.solve_deck(deck, directory)
 floor, lengths = result.contact, result.summary["lengths"]
 print(f"{result.name}: {result.summary['iterations']} iterations, residual {result.summary['residual']:.1e}")
-print(", ".join(f"{part} {lengths[part]:g} mm" for part in ("separated", "sliding", "sticking")))
+print(", ".join(f"{zone} {lengths[zone + '_length']:g} mm" for zone in ("open", "slip", "stick")))
 
 # %% The body, its displacements exaggerated.
 SCALE = 200
@@ -47,10 +47,10 @@ body.set_aspect("equal")
 figure.colorbar(cells, label="von Mises stress [daN/mm²]", ax=body)
 
 # %% The floor: the shear stays within the friction bound, and reaches it where the bar slides.
-bound = FRICTION*floor["normal_stress"]
+bound = FRICTION*floor["contact_pressure"]
 line.fill_between(floor["x"], -bound, bound, color="0.9", label="friction bound")
-line.plot(floor["x"], floor["normal_stress"], color="#0072b2", linewidth=4, label="pressure")
-line.plot(floor["x"], floor["tangential_stress"], color="#d55e00", label="shear")
+line.plot(floor["x"], floor["contact_pressure"], color="#0072b2", linewidth=4, label="pressure")
+line.plot(floor["x"], floor["contact_shear"], color="#d55e00", label="shear")
 for status, marker in (("open", "o"), ("slip+", ">"), ("slip-", "<"), ("stick", "s")):
     here = floor["status"] == status
     if here.any():

@@ -21,9 +21,9 @@ program solve_deck
    end if
 
    print '(2a)', config%name, merge(': solved       ', ': NOT CONVERGED', result%solution%is_converged)
-   print '(a, f6.2)', 'separated', result%lengths%separated
-   print '(a, f6.2)', 'sliding  ', result%lengths%sliding
-   print '(a, f6.2)', 'sticking ', result%lengths%sticking
+   print '(a, f6.2)', 'open ', result%lengths%open
+   print '(a, f6.2)', 'slip ', result%lengths%slip
+   print '(a, f6.2)', 'stick', result%lengths%stick
    print '(a, es8.1)', 'largest violation in the certificate', result%certificate%largest()
 
 end program solve_deck

@@ -2,7 +2,7 @@
 
     import amontons
     result = amontons.solve_deck("bar.nml", "results")
-    result.contact["normal_stress"], result.summary["lengths"]
+    result.contact["contact_pressure"], result.summary["lengths"]
 
     result = amontons.solve_reduced(W, q, mu)       # u = W r + q
     result.r, result.u, result.status

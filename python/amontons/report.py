@@ -123,16 +123,16 @@ def number(value):
 
 def overview(summaries):
     """The table of all cases."""
-    head = row(("case", "verdict", "open", "slip", "stick", "separated", "sliding", "sticking", "normal force",
-                "tangential force", "iterations", "residual", "seconds"), "th")
+    head = row(("case", "verdict", "open", "slip", "stick", "open length", "slip length", "stick length",
+                "normal force", "tangential force", "iterations", "residual", "seconds"), "th")
     body = ""
     for summary in summaries:
         name, color = html.escape(summary["case"]), verdict_of(summary)[0]
         counts, lengths, resultants = (summary.get(part, {}) for part in ("counts", "lengths", "resultants"))
         body += row([f'<a href="#{name}">{name}</a>', f'<span class="mark {color}">{color}</span>']
                     + [counts.get(status, "–") for status in ("open", "slip", "stick")]
-                    + [number(lengths.get(part)) for part in ("separated", "sliding", "sticking")]
-                    + [number(resultants.get(part)) for part in ("normal", "tangential")]
+                    + [number(lengths.get(part)) for part in ("open_length", "slip_length", "stick_length")]
+                    + [number(resultants.get(part)) for part in ("normal_force", "tangential_force")]
                     + [summary["iterations"],
                        f"{summary['residual']:.1e}" if summary.get("residual") is not None else "–",
                        number(summary["seconds"]["total"])])

@@ -22,7 +22,7 @@ def summary(directory, row):
 
 
 def lengths(result):
-    return tuple(result["lengths"][part] for part in ("separated", "sliding", "sticking"))
+    return tuple(result["lengths"][part] for part in ("open_length", "slip_length", "stick_length"))
 
 
 def triple(values):

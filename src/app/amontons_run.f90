@@ -329,8 +329,8 @@ contains
 
       text = config%name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
          to_text(result%solution%n_iterations)//' iterations, residual '//scientific(result%solution%residual)// &
-         '; separated '//short(result%lengths%separated)//', sliding '//short(result%lengths%sliding)// &
-         ', sticking '//short(result%lengths%sticking)
+         '; open '//short(result%lengths%open)//', slip '//short(result%lengths%slip)// &
+         ', stick '//short(result%lengths%stick)
    end function solved_text
 
    !> What is told of a sweep.

@@ -13,7 +13,7 @@ module amontons_contact_table
 
    !> The header of the table.
    character(*), parameter :: contact_header = 'point,x,y,normal_x,normal_y,weight,gap,slip,normal_force,'// &
-      'tangential_force,normal_stress,tangential_stress,status'
+      'tangential_force,contact_pressure,contact_shear,status'
 
    !> What is known of one contact point, a node or a cell of constant multipliers.
    type :: contact_point_t
@@ -24,8 +24,8 @@ module amontons_contact_table
       real(dp) :: slip = 0.0_dp !! tangential displacement u_T [L]
       real(dp) :: normal_force = 0.0_dp !! lambda_N, compression positive [F]
       real(dp) :: tangential_force = 0.0_dp !! lambda_T, along the slip [F]
-      real(dp) :: normal_stress = 0.0_dp !! normal force over tributary area, compression positive [F/L^2]
-      real(dp) :: tangential_stress = 0.0_dp !! tangential force over tributary area [F/L^2]
+      real(dp) :: pressure = 0.0_dp !! normal force over tributary area, compression positive [F/L^2]
+      real(dp) :: shear = 0.0_dp !! tangential force over tributary area [F/L^2]
       character(:), allocatable :: status !! 'open', 'stick', 'slip+' or 'slip-'
    end type contact_point_t
 
@@ -47,15 +47,15 @@ contains
       point%weight = body%zone%weight(p)
       point%gap = result%load_case%free_gap(p) - result%solution%displacement(p)
       point%slip = result%solution%displacement(m + p)
-      if (body%zone%is_guided(p)) then
+      if (body%zone%is_tangent_fixed(p)) then
          row = body%zone%rows%picked([p])
          displacement = row%displacement(result%displacement)
          point%slip = displacement(2)
       end if
       point%normal_force = result%solution%force(p)
       point%tangential_force = result%solution%force(m + p)
-      point%normal_stress = point%normal_force/body%zone%area(p)
-      point%tangential_stress = point%tangential_force/body%zone%area(p)
+      point%pressure = point%normal_force/body%zone%area(p)
+      point%shear = point%tangential_force/body%zone%area(p)
       point%status = trim(status_names(result%solution%status(p)))
    end subroutine new_contact_point
 
@@ -71,7 +71,7 @@ contains
       do p = 1, body%zone%n_points
          call new_contact_point(point, body, result, p)
          rows(p) = to_text(p)//','//comma_separated([point%position, point%normal, point%weight, point%gap, &
-            point%slip, point%normal_force, point%tangential_force, point%normal_stress, point%tangential_stress]) &
+            point%slip, point%normal_force, point%tangential_force, point%pressure, point%shear]) &
             //','//point%status
       end do
       text = contact_header//newline//as_lines(rows)

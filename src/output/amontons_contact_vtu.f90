@@ -92,8 +92,8 @@ contains
       call vtk%put_vectors('PointData', 'normal', line%normal)
       call vtk%put_reals('PointData', 'gap', 1, line%gap)
       call vtk%put_reals('PointData', 'slip', 1, line%slip)
-      call vtk%put_reals('PointData', 'pressure', 1, line%pressure)
-      call vtk%put_reals('PointData', 'shear', 1, line%shear)
+      call vtk%put_reals('PointData', 'contact_pressure', 1, line%pressure)
+      call vtk%put_reals('PointData', 'contact_shear', 1, line%shear)
       call vtk%put_reals('PointData', 'shear_bound', 1, line%bound)
       call vtk%put_integers('PointData', 'status', status)
       call vtk%put_integers('PointData', 'set', set)
@@ -118,8 +118,8 @@ contains
          line%normal(:, p) = point%normal
          line%gap(p) = point%gap
          line%slip(p) = point%slip
-         line%pressure(p) = point%normal_stress
-         line%shear(p) = point%tangential_stress
+         line%pressure(p) = point%pressure
+         line%shear(p) = point%shear
       end do
       line%displacement = point_displacements(body, result)
       line%bound = result%load_case%friction*max(0.0_dp, line%pressure)

@@ -53,7 +53,7 @@ contains
             ' of the largest contact force, against the exact solution')
          text = text//residual_text(solution, config%method%tolerance)// &
             uniqueness_text(result%uniqueness, &
-            merge(0.0_dp, result%load_case%friction, body%zone%is_guided))
+            merge(0.0_dp, result%load_case%friction, body%zone%is_tangent_fixed))
          if (allocated(result%all_solutions)) text = text// &
             solutions_text(result%all_solutions, solution%force)
       end associate
@@ -71,7 +71,7 @@ contains
       if (allocated(result%shared_with)) text = text//', shared with case '//result%shared_with
    end function factorization_text
 
-   !> Counts and lengths of the open, sliding and sticking parts.
+   !> Counts and lengths of the open, slip and stick zones.
    pure function zones_text(body, result) result(text)
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
@@ -80,9 +80,9 @@ contains
       associate (lengths => result%lengths)
          text = heading('Contact line')// &
             line('Points', to_text(body%zone%n_points)//': '//status_counts(result%solution%status))// &
-            line('Separated length', short(lengths%separated))// &
-            line('Sliding length', short(lengths%sliding))// &
-            line('Sticking length', short(lengths%sticking))
+            line('Open length', short(lengths%open))// &
+            line('Slip length', short(lengths%slip))// &
+            line('Stick length', short(lengths%stick))
       end associate
    end function zones_text
 
@@ -131,11 +131,11 @@ contains
       integer :: p
 
       write (rows(0), '(a7, 8a13, 2x, a)') 'point', 'x', 'y', 'gap', 'slip', 'normal force', 'tang. force', &
-         'norm. stress', 'tang. stress', 'status'
+         'pressure', 'shear', 'status'
       do p = 1, body%zone%n_points
          call new_contact_point(point, body, result, p)
          rows(p) = right(to_text(p), 7)//columns([point%position, point%gap, point%slip, point%normal_force, &
-            point%tangential_force, point%normal_stress, point%tangential_stress])//'  '//point%status
+            point%tangential_force, point%pressure, point%shear])//'  '//point%status
       end do
       text = heading('Contact points (forces and stresses: compression and shear along the slip positive)') &
          //as_lines(rows)

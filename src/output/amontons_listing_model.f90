@@ -156,8 +156,8 @@ contains
             text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%held_node(i)))// &
                ' is no contact point: supports hold it')
          end do
-         do i = 1, size(zone%bare_node)
-            text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%bare_node(i)))// &
+         do i = 1, size(zone%zero_area_node)
+            text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%zero_area_node(i)))// &
                ' is no contact point: on the axis it has no area that a pressure could act on')
          end do
          do i = 1, size(zone%shared_node)
@@ -165,8 +165,8 @@ contains
                ' is a corner of two contact sets; it belongs to the one named first')
          end do
          do i = 1, zone%n_points
-            if (zone%is_guided(i)) text = text//line('Note', 'the '//trim(merge('cell', 'node', zone%is_cell(i)))// &
-               ' at '//pair(zone%position(:, i))//guide_text(body, i))
+            if (zone%is_tangent_fixed(i)) text = text//line('Note', 'the '//trim(merge('cell', 'node', &
+               zone%is_cell(i)))//' at '//pair(zone%position(:, i))//guide_text(body, i))
          end do
          if (zone%n_held_cells > 0) text = text//line('Note', to_text(zone%n_held_cells)// &
             ' cell(s) of constant multipliers are no contact points: supports hold their nodes')

@@ -33,8 +33,8 @@ contains
             //member('counts', '{'//size_counts(body)//', '//status_counts(solution%status) &
             //', "factor_entries": '//to_text(condenser%n_factor_entries) &
             //', "factor_flops": '//to_text(nint(condenser%n_flops, int64))//'}') &
-            //member('lengths', '{'//number_members([character(9) :: 'separated', 'sliding', 'sticking'], &
-            [result%lengths%separated, result%lengths%sliding, result%lengths%sticking])//'}') &
+            //member('lengths', '{'//number_members([character(12) :: 'open_length', 'slip_length', 'stick_length'], &
+            [result%lengths%open, result%lengths%slip, result%lengths%stick])//'}') &
             //resultants_member(solution%force(:body%zone%n_points), solution%force(body%zone%n_points + 1:)) &
             //last_members(result%timings)
       end associate

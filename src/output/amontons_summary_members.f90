@@ -102,7 +102,7 @@ contains
       real(dp), intent(in) :: tangential(:) !! tangential forces [F]
       character(:), allocatable :: text
 
-      text = member('resultants', '{'//number_members([character(10) :: 'normal', 'tangential'], &
+      text = member('resultants', '{'//number_members([character(16) :: 'normal_force', 'tangential_force'], &
          [sum(normal), sum(tangential)])//'}')
    end function resultants_member
 

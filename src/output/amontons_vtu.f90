@@ -61,9 +61,9 @@ contains
       call vtk%put_vectors('PointData', 'displacement', result%displacement)
       call vtk%put_reals('PointData', 'gap', 1, contact(:, 1))
       call vtk%put_reals('PointData', 'slip', 1, contact(:, 2))
-      call vtk%put_reals('PointData', 'contact_normal_stress', 1, contact(:, 3))
-      call vtk%put_reals('PointData', 'contact_tangential_stress', 1, contact(:, 4))
-      call vtk%put_integers('PointData', 'contact_status', status)
+      call vtk%put_reals('PointData', 'contact_pressure', 1, contact(:, 3))
+      call vtk%put_reals('PointData', 'contact_shear', 1, contact(:, 4))
+      call vtk%put_integers('PointData', 'status', status)
       call vtk%put_stresses('PointData', 'nodal_stress', stress%node)
       call vtk%put_reals('PointData', 'nodal_von_mises', 1, all_von_mises(stress%node))
       call vtk%put_stresses('CellData', 'stress', stress%element)
@@ -108,7 +108,7 @@ contains
             if (.not. share > 0.0_dp) cycle
             total(node) = total(node) + share
             contact(node, :) = contact(node, :) + share/total(node) &
-               *([point%gap, point%slip, point%normal_stress, point%tangential_stress] - contact(node, :))
+               *([point%gap, point%slip, point%pressure, point%shear] - contact(node, :))
             if (share > largest(node)) status(node) = result%solution%status(p)
             largest(node) = max(largest(node), share)
          end do

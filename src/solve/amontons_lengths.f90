@@ -1,4 +1,4 @@
-!> Lengths of the open, sliding and sticking parts of the contact line.
+!> Lengths of the open, slip and stick zones of the contact line.
 module amontons_lengths
    use amontons_contact_zone, only: contact_zone_t
    use amontons_friction_law, only: open_point, stick_point
@@ -8,17 +8,18 @@ module amontons_lengths
 
    public :: lengths_t, new_lengths
 
-   !> Lengths of the three parts; together the length of the sides between contact points, and of the cells.
+   !> Lengths of the three zones; together the length of the sides between contact points, and of the cells.
    type :: lengths_t
-      real(dp) :: separated = 0.0_dp !! where one end of a side at least is open [L]
-      real(dp) :: sliding = 0.0_dp !! where both ends are closed and one at least slides [L]
-      real(dp) :: sticking = 0.0_dp !! where both ends stick [L]
+      real(dp) :: open = 0.0_dp !! where one end of a side at least is open [L]
+      real(dp) :: slip = 0.0_dp !! where both ends are closed and one at least slips [L]
+      real(dp) :: stick = 0.0_dp !! where both ends stick [L]
    end type lengths_t
 
 contains
 
-   !> Measures the parts side by side, as Table 1 of the paper reads them: the separated part ends at the first closed
-   !> node, the sliding part at the first sticking node. A cell of constant multipliers belongs to one part as a whole.
+   !> Measures the zones side by side, as Table 1 of the paper reads its separated, sliding and sticking parts: the open
+   !> zone ends at the first closed node, the slip zone at the first sticking node. A cell of constant multipliers
+   !> belongs to one zone as a whole.
    pure subroutine new_lengths(lengths, zone, status)
       type(lengths_t), intent(out) :: lengths !! the lengths
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -36,11 +37,11 @@ contains
             length = norm2(zone%position(:, ends(2)) - zone%position(:, p))
          end if
          if (any(status(ends) == open_point)) then
-            lengths%separated = lengths%separated + length
+            lengths%open = lengths%open + length
          else if (all(status(ends) == stick_point)) then
-            lengths%sticking = lengths%sticking + length
+            lengths%stick = lengths%stick + length
          else
-            lengths%sliding = lengths%sliding + length
+            lengths%slip = lengths%slip + length
          end if
       end do
    end subroutine new_lengths

@@ -30,7 +30,7 @@ module amontons_result
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
       type(all_solutions_t), allocatable :: all_solutions !! all solutions, where they were asked for
       logical :: has_reduced_files = .false. !! whether its reduced problem was written
-      type(lengths_t) :: lengths !! lengths of the open, sliding and sticking parts
+      type(lengths_t) :: lengths !! lengths of the open, slip and stick zones
       real(dp) :: method_error = -1.0_dp
          !! largest difference of a contact force from the exact solution, over the largest force; -1 if not asked [-]
       character(:), allocatable :: shared_with !! the case whose factorisation was used; not allocated for an own one

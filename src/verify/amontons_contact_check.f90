@@ -17,7 +17,7 @@ module amontons_contact_check
    integer, parameter :: n_numbers = 11
    integer, parameter :: at_gap = 6, at_slip = 7, at_normal_force = 8, at_tangential_force = 9
    character(17), parameter :: column_names(n_numbers) = [character(17) :: 'x', 'y', 'normal_x', 'normal_y', &
-      'weight', 'gap', 'slip', 'normal_force', 'tangential_force', 'normal_stress', 'tangential_stress']
+      'weight', 'gap', 'slip', 'normal_force', 'tangential_force', 'contact_pressure', 'contact_shear']
 
    !> What the table states.
    type :: contact_table_t
@@ -149,20 +149,20 @@ contains
    end subroutine check_contact_rows
 
    !> Holds the statuses of a converged case against the contact law, point by point.
-   subroutine check_statuses(faults, path, has_rows, table, friction, slip_bound, is_guided, scales)
+   subroutine check_statuses(faults, path, has_rows, table, friction, slip_bound, is_tangent_fixed, scales)
       type(fault_text_t), intent(inout) :: faults !! gains what does not agree
       character(*), intent(in) :: path !! name of the file
       logical, intent(in) :: has_rows !! whether it has a line for each point, behind one of names
       type(contact_table_t), intent(in) :: table !! what it states; the tangential forces along the slip
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients (m) [-]
       real(dp), intent(in) :: slip_bound(:) !! given bounds of the tangential force (m) [F]
-      logical, intent(in) :: is_guided(:) !! whether a support bears the shear (m)
+      logical, intent(in) :: is_tangent_fixed(:) !! whether a support bears the shear (m)
       type(law_scales_t), intent(in) :: scales !! what counts as none
       character(:), allocatable :: place, wrong
       integer :: p
 
       do p = 1, size(table%status)
-         wrong = status_fault(table, p, friction(p), slip_bound(p), is_guided(p), scales)
+         wrong = status_fault(table, p, friction(p), slip_bound(p), is_tangent_fixed(p), scales)
          if (len(wrong) == 0) cycle
          place = path
          if (has_rows) place = path//':'//to_text(p + 1)
@@ -171,20 +171,20 @@ contains
    end subroutine check_statuses
 
    !> What is wrong with the status of a point; empty if nothing is.
-   pure function status_fault(table, p, friction, slip_bound, is_guided, scales) result(fault)
+   pure function status_fault(table, p, friction, slip_bound, is_tangent_fixed, scales) result(fault)
       type(contact_table_t), intent(in) :: table !! what is stated of the points; the tangential forces along the slip
       integer, intent(in) :: p !! which point
       real(dp), intent(in) :: friction !! its Coulomb coefficient [-]
       real(dp), intent(in) :: slip_bound !! given bound of its tangential force [F]
-      logical, intent(in) :: is_guided !! whether a support bears its shear
+      logical, intent(in) :: is_tangent_fixed !! whether a support bears its shear
       type(law_scales_t), intent(in) :: scales !! what counts as none
       character(:), allocatable :: fault
       real(dp) :: bound
 
       fault = normal_fault(table%status(p), table%gap(p), table%force(p), scales)
       bound = 0.0_dp
-      if (.not. is_guided) bound = slip_bound + friction*max(0.0_dp, table%force(p))
-      if (len(fault) == 0) fault = tangential_fault(table%status(p), merge(0.0_dp, table%slip(p), is_guided), &
+      if (.not. is_tangent_fixed) bound = slip_bound + friction*max(0.0_dp, table%force(p))
+      if (len(fault) == 0) fault = tangential_fault(table%status(p), merge(0.0_dp, table%slip(p), is_tangent_fixed), &
          table%force(size(table%status) + p), bound, scales)
       if (len(fault) > 0) fault = 'point '//to_text(p)//" is '"//trim(status_names(table%status(p)))//"', but "//fault
    end function status_fault

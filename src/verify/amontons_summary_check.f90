@@ -127,8 +127,8 @@ contains
       call self%expect_text('counts', 'open', to_text(count(status == open_point)))
       call self%expect_text('counts', 'stick', to_text(count(status == stick_point)))
       call self%expect_text('counts', 'slip', to_text(count(status == slip_plus .or. status == slip_minus)))
-      call self%expect_number('resultants', 'normal', sum(normal), scale)
-      call self%expect_number('resultants', 'tangential', sum(tangential), scale)
+      call self%expect_number('resultants', 'normal_force', sum(normal), scale)
+      call self%expect_number('resultants', 'tangential_force', sum(tangential), scale)
    end subroutine summary_check_expect_contact
 
    !> A member with the one that it is in.

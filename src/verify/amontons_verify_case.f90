@@ -93,7 +93,7 @@ contains
          result%certificate%force_scale)
       associate (load_case => result%load_case)
          call check_statuses(summary%faults, stem//'.contact.csv', .true., table, load_case%friction, &
-            load_case%slip_bound, workshop%body%zone%is_guided, scales)
+            load_case%slip_bound, workshop%body%zone%is_tangent_fixed, scales)
       end associate
    end subroutine check_points
 
@@ -119,9 +119,9 @@ contains
          call summary%expect_text('counts', 'elements', to_text(body%mesh%n_elements))
          call summary%expect_text('counts', 'dofs', to_text(body%dof_map%n_dofs))
          call summary%expect_contact(result%solution%status, force(:m), force(m + 1:))
-         call summary%expect_number('lengths', 'separated', result%lengths%separated, 0.0_dp)
-         call summary%expect_number('lengths', 'sliding', result%lengths%sliding, 0.0_dp)
-         call summary%expect_number('lengths', 'sticking', result%lengths%sticking, 0.0_dp)
+         call summary%expect_number('lengths', 'open_length', result%lengths%open, 0.0_dp)
+         call summary%expect_number('lengths', 'slip_length', result%lengths%slip, 0.0_dp)
+         call summary%expect_number('lengths', 'stick_length', result%lengths%stick, 0.0_dp)
       end associate
    end subroutine check_summary
 

@@ -121,7 +121,7 @@ contains
       character(*), intent(in) :: path !! name of the grid of the contact line
       type(result_t), intent(inout) :: result !! the displacements; gains the solution
       character(:), allocatable, intent(out) :: fault !! what is wrong with them; empty if nothing is
-      character(8), parameter :: names(4) = [character(8) :: 'gap', 'slip', 'pressure', 'shear']
+      character(16), parameter :: names(4) = [character(16) :: 'gap', 'slip', 'contact_pressure', 'contact_shear']
       real(dp) :: stated(workshop%body%zone%n_points, size(names)), followed(2*workshop%body%zone%n_points)
       integer :: i, p
 
@@ -167,7 +167,7 @@ contains
          table%slip = solution%displacement(m + 1:)
          table%status = solution%status
          call check_statuses(summary%faults, stem//'.contact.vtu', .false., table, result%load_case%friction, &
-            result%load_case%slip_bound, zone%is_guided, new_law_scales(limit, result%displacement, &
+            result%load_case%slip_bound, zone%is_tangent_fixed, new_law_scales(limit, result%displacement, &
             result%certificate%force_scale))
       end associate
    end subroutine check_law

@@ -142,7 +142,7 @@ contains
    !> Compares the lengths of a row with its statuses.
    pure subroutine check_lengths(row, stated, zone, status, fault)
       integer, intent(in) :: row !! which row
-      real(dp), intent(in) :: stated(3) !! lengths separated, sliding, sticking [L]
+      real(dp), intent(in) :: stated(3) !! lengths open, slip, stick [L]
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: status(:) !! their statuses
       character(:), allocatable, intent(inout) :: fault !! gains what is wrong
@@ -151,10 +151,10 @@ contains
       integer :: i
 
       call new_lengths(lengths, zone, status)
-      computed = [lengths%separated, lengths%sliding, lengths%sticking]
+      computed = [lengths%open, lengths%slip, lengths%stick]
       do i = 1, 3
          if (agree(stated(i), computed(i), sum(computed)) .or. len(fault) > 0) cycle
-         fault = 'line '//to_text(row + 1)//': '//contradiction('the length '//trim(quantity_labels(i)), stated(i), &
+         fault = 'line '//to_text(row + 1)//': '//contradiction(trim(quantity_labels(i)), stated(i), &
             computed(i))
       end do
    end subroutine check_lengths

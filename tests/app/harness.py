@@ -27,7 +27,7 @@ CAN_MOUNT = shutil.which("unshare") and subprocess.run(
 HAS_SUITESPARSE = "SuiteSparse  none\n" not in subprocess.run(
     [PROGRAM, "--version"], capture_output=True, encoding="utf-8", check=True).stdout
 COLUMNS = ("point", "x", "y", "normal_x", "normal_y", "weight", "gap", "slip", "normal_force", "tangential_force",
-           "normal_stress", "tangential_stress", "status")
+           "contact_pressure", "contact_shear", "status")
 
 
 def finite(text):
@@ -58,8 +58,8 @@ class Result:
 
     @property
     def lengths(self):
-        """The separated, the sliding and the sticking length."""
-        return [self.summary["lengths"][part] for part in ("separated", "sliding", "sticking")]
+        """The open, the slip and the stick length."""
+        return [self.summary["lengths"][zone] for zone in ("open_length", "slip_length", "stick_length")]
 
 
 class ProgramTest(unittest.TestCase):

@@ -4,7 +4,7 @@ import unittest
 
 from harness import CONTACT, HAS_SUITESPARSE, PRESSURE, PROGRAM, SOUND, SUPPORT, ProgramTest, block, results_of
 
-SOLVED = r"^case: solved, \d+ iterations, residual \d\.\d+e-\d+; separated 0\.0, sliding 0\.5, sticking 3\.5\n$"
+SOLVED = r"^case: solved, \d+ iterations, residual \d\.\d+e-\d+; open 0\.0, slip 0\.5, stick 3\.5\n$"
 
 
 class Options(ProgramTest):

@@ -323,7 +323,7 @@ class SeveralDecks(ProgramTest):
             self.assertEqual(run.stderr, "twin.nml: an earlier deck of this run has the case name 'sound' too; "
                              "give each its own &case name\n")
             self.assertEqual(run.stdout.count("\n"), 2)
-        self.assertAlmostEqual(self.result("sound").summary["resultants"]["normal"], 4.0)
+        self.assertAlmostEqual(self.result("sound").summary["resultants"]["normal_force"], 4.0)
 
     def test_cases_that_would_share_a_grid_are_refused(self):
         self.write("sound.contact.nml", SOUND)
@@ -367,7 +367,7 @@ class OlderResults(ProgramTest):
     def test_results_are_replaced_by_those_of_the_next_run(self):
         for pressure in ("1.0", "2.5"):
             self.solve(SOUND.replace("pressure = 1.0", f"pressure = {pressure}"))
-            self.assertAlmostEqual(self.result("case").summary["resultants"]["normal"], 4*float(pressure))
+            self.assertAlmostEqual(self.result("case").summary["resultants"]["normal_force"], 4*float(pressure))
         self.assertEqual(self.files(), sorted(["case.nml", *results_of("case")]))
 
 

@@ -33,8 +33,8 @@ MEMBERS = {
     "uniqueness": {"guaranteed": bool, "friction_below": float, "exact": bool},
     "counts": dict.fromkeys(("nodes", "elements", "dofs", "contact_points", "open", "stick", "slip", "factor_entries",
                              "factor_flops"), int),
-    "lengths": dict.fromkeys(("separated", "sliding", "sticking"), float),
-    "resultants": dict.fromkeys(("normal", "tangential"), float),
+    "lengths": dict.fromkeys(("open_length", "slip_length", "stick_length"), float),
+    "resultants": dict.fromkeys(("normal_force", "tangential_force"), float),
     "seconds": dict.fromkeys(("read", "assemble", "factorize", "condense", "solve", "recover", "write", "total"),
                              float),
     "peak_memory_mb": float, "files": list, "inputs": list, "checksum": int,
@@ -78,8 +78,8 @@ class Summary(ProgramTest):
                          [status.count(name) for name in ("open", "stick", "slip")])
         self.assertEqual([summary["counts"][name] for name in ("nodes", "elements", "dofs", "contact_points")],
                          [45, 32, 85, 9])
-        self.assertAlmostEqual(summary["resultants"]["normal"], math.fsum(result["normal_force"]), delta=1e-12)
-        self.assertAlmostEqual(summary["resultants"]["tangential"], math.fsum(result["tangential_force"]), delta=1e-12)
+        for name in ("normal_force", "tangential_force"):
+            self.assertAlmostEqual(summary["resultants"][name], math.fsum(result[name]), delta=1e-12)
         self.assertAlmostEqual(math.fsum(result.lengths), 4.0, delta=1e-14)
         work = math.fsum(map(lambda force, slip: force*slip, result["tangential_force"], result["slip"]))
         self.assertAlmostEqual(summary["certificate"]["dissipation"], work, delta=1e-12)
@@ -112,9 +112,9 @@ class Table(ProgramTest):
         result = self.solve(block(SUPPORT, PRESSURE, CONTACT, PUSH,
                                   material="young = 1.0  poisson = 0.25  thickness = 3.0"))
         self.assert_close(result["weight"], [0.25, *[0.5]*7, 0.25], 1e-15)
-        for part in ("normal", "tangential"):
-            stress = [force/(3.0*weight) for force, weight in zip(result[f"{part}_force"], result["weight"])]
-            self.assert_close(result[f"{part}_stress"], stress, 1e-14)
+        for force_name, stress_name in (("normal_force", "contact_pressure"), ("tangential_force", "contact_shear")):
+            stress = [force/(3.0*weight) for force, weight in zip(result[force_name], result["weight"])]
+            self.assert_close(result[stress_name], stress, 1e-14)
         for status, gap, slip, normal, tangential in zip(*map(result.__getitem__, (
                 "status", "gap", "slip", "normal_force", "tangential_force"))):
             # Closed and stick are exact where Newton's method ends; the bound is a product of two rounded numbers.
@@ -207,12 +207,12 @@ class Picture(ProgramTest):
             self.assertEqual(arrays["points"][i], (result["x"][i], result["y"][i], 0.0))
             self.assertEqual(arrays["gap"][i], result["gap"][i])
             self.assertEqual(arrays["slip"][i], result["slip"][i])
-            self.assertEqual(arrays["contact_normal_stress"][i], result["normal_stress"][i])
-            self.assertEqual(arrays["contact_tangential_stress"][i], result["tangential_stress"][i])
-            self.assertEqual(arrays["contact_status"][i], codes[result["status"][i]])
+            self.assertEqual(arrays["contact_pressure"][i], result["contact_pressure"][i])
+            self.assertEqual(arrays["contact_shear"][i], result["contact_shear"][i])
+            self.assertEqual(arrays["status"][i], codes[result["status"][i]])
             # The floor is y = 0: the displacement is (slip, gap) but for rounding.
             self.assert_close(arrays["displacement"][i], (result["slip"][i], result["gap"][i], 0.0), 1e-15)
-        for name in ("gap", "slip", "contact_normal_stress", "contact_tangential_stress", "contact_status"):
+        for name in ("gap", "slip", "contact_pressure", "contact_shear", "status"):
             self.assertEqual(set(arrays[name][9:]), {0})
 
     def test_uniform_stress(self):
@@ -237,11 +237,10 @@ class Picture(ProgramTest):
         self.assertEqual(list(arrays["offsets"]), list(range(2, 17, 2)))
         self.assertEqual(list(arrays["types"]), [3]*8)
         self.assertEqual([point[0] for point in arrays["points"]], result["x"])
-        for name, column in (("gap", "gap"), ("slip", "slip"), ("pressure", "normal_stress"),
-                             ("shear", "tangential_stress")):
-            self.assertEqual(list(arrays[name]), result[column])
-        for bound, shear, pressure, status in zip(arrays["shear_bound"], arrays["shear"], arrays["pressure"],
-                                                  result["status"]):
+        for name in ("gap", "slip", "contact_pressure", "contact_shear"):
+            self.assertEqual(list(arrays[name]), result[name])
+        for bound, shear, pressure, status in zip(arrays["shear_bound"], arrays["contact_shear"],
+                                                  arrays["contact_pressure"], result["status"]):
             self.assertAlmostEqual(bound, 0.3*pressure, delta=1e-15)
             if status.startswith("slip"):
                 self.assertAlmostEqual(abs(shear), bound, delta=1e-13)
@@ -327,7 +326,7 @@ class Listing(ProgramTest):
         for i, row in enumerate(rows):
             # Six digits are printed.
             for text, column in zip(row[1:9], ("x", "y", "gap", "slip", "normal_force", "tangential_force",
-                                               "normal_stress", "tangential_stress")):
+                                               "contact_pressure", "contact_shear")):
                 self.assertAlmostEqual(float(text), result[column][i], delta=1e-5*max(abs(result[column][i]), 1e-99))
             self.assertEqual(row[9], result["status"][i])
 

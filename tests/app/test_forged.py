@@ -70,7 +70,7 @@ class Forged(Verification):
 
     def test_every_column_of_the_table(self):
         columns = ("x", "y", "normal_x", "normal_y", "weight", "gap", "slip", "normal_force", "tangential_force",
-                   "normal_stress", "tangential_stress")
+                   "contact_pressure", "contact_shear")
         for place, name in enumerate(columns, start=1):
             def change(content, place=place):
                 rows = [line.split(",") for line in content.decode().split("\n")]
@@ -119,7 +119,7 @@ class Forged(Verification):
                     "NOT VERIFIED")
 
     def test_listing(self):
-        for old, new in (("Poisson 0.25", "Poisson 0.26"), ("Sliding length      ", "Sliding length      1"),
+        for old, new in (("Poisson 0.25", "Poisson 0.26"), ("Slip length         ", "Slip length         1"),
                          ("Verdict             passed", "Verdict             FAILED"),
                          ("Nodes, elements     45", "Nodes, elements     46"), ("         0.5 ", "         0.6 ")):
             with self.subTest(change=new):
@@ -175,7 +175,7 @@ class Forged(Verification):
                 (changed_field(8, "x"), "line 4: no iterations or no outcome"),
                 (changed_field(7, "0.001"), "line 4: the residual of a converged case is above the"),
                 (changed_field(10, "8o"), "line 4: '8o' are not the statuses of 9 contact points"),
-                (changed_field(10, "9o"), "line 4: the length separated is .*, but 4.0 follows"),
+                (changed_field(10, "9o"), "line 4: open_length is .*, but 4.0 follows"),
                 (changed_field(1, "0.50"), "line 4: its values, or its form, are not those of case 3"),
                 (lambda content: content[:content.rindex(b"\n5,") + 1], "4 rows, but the deck has 5 cases")):
             with self.subTest(expected=expected):

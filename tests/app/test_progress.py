@@ -121,7 +121,7 @@ class Progress(ProgramTest):
         terminal.wait_for("case: write, 1 s")
         unlock()
         result, rest = terminal.end(0)
-        self.assertRegex(result, r"^case: solved, \d+ iterations, .* sticking [\d.E-]+$")
+        self.assertRegex(result, r"^case: solved, \d+ iterations, .* stick [\d.E-]+$")
         self.assertEqual(rest, "")
         # And does not come back behind it.
         self.assertTrue(terminal.shown.endswith(b"\r\n"), terminal.shown)

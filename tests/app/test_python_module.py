@@ -34,7 +34,7 @@ SWEEP = block("support set = 'left'  ux = 0.0", "load set = 'top'  pressure = 1.
               "sweep load = 'p'  factor = 1.0, 2.0  count = 3")
 # The columns of numbers of a contact table, those of one unit together.
 UNITS = (("point",), ("x", "y", "weight", "gap", "slip"), ("normal_x", "normal_y"),
-         ("normal_force", "tangential_force"), ("normal_stress", "tangential_stress"))
+         ("normal_force", "tangential_force"), ("contact_pressure", "contact_shear"))
 
 
 def chain(m, seed):

@@ -9,7 +9,7 @@ from pathlib import Path
 from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block
 
 INPUT = Path(__file__).resolve().parents[2] / "input"
-QUANTITIES = ["separated", "sliding", "sticking", "normal_force", "tangential_force"]
+QUANTITIES = ["open_length", "slip_length", "stick_length", "normal_force", "tangential_force"]
 BEHIND = QUANTITIES + ["residual", "iterations", "outcome", "statuses"]
 LETTERS = {"open": "o", "stick": "s", "slip+": "+", "slip-": "-"}
 # Both runs stop at a residual of 1e-10 of a force of about 100; the body divides it by its condition.
@@ -46,7 +46,7 @@ class SweepTest(ProgramTest):
     def assert_row(self, row, result, message=None):
         """Checks that a row is the result of a single deck."""
         self.assertEqual(row["statuses"].replace(" | ", " "), runs(result["status"]), message)
-        resultants = [result.summary["resultants"][name] for name in ("normal", "tangential")]
+        resultants = [result.summary["resultants"][name] for name in ("normal_force", "tangential_force")]
         self.assert_close([float(row[name]) for name in QUANTITIES], result.lengths + resultants, SOLVED, message)
         self.assertLessEqual(float(row["residual"]), 1e-10, message)
         self.assertEqual(row["outcome"], "converged", message)

@@ -18,7 +18,7 @@ SOURCES = ROOT / "doc" / "examples"
 EXAMPLES = Path(os.environ["EXAMPLES"])
 LIBRARIES = Path(os.environ["LIBRARY_DIRECTORY"])
 HAS_PYTHON = all(importlib.util.find_spec(module) for module in ("numpy", "matplotlib"))
-LENGTHS = {"separated": 3.75, "sliding": 20.0, "sticking": 16.25}  # row 1 of the paper's Table 1
+LENGTHS = {"open": 3.75, "slip": 20.0, "stick": 16.25}  # row 1 of the paper's Table 1
 
 C_PROJECT = """cmake_minimum_required(VERSION 3.25)
 project(only_c LANGUAGES C)

@@ -52,7 +52,7 @@ class ConstantMultipliers(Benchmark):
                     result = self.solve(deck.replace("&contact", f"&contact multipliers = 'constant' {key}"))
                     self.assert_sound(result)
                     table.add(element, mesh, cells,
-                              errors=[max(abs(p - PRESSURE) for p in result["normal_stress"])/PRESSURE])
+                              errors=[max(abs(p - PRESSURE) for p in result["contact_pressure"])/PRESSURE])
         self.assert_table(table)
 
     def test_hertz(self):
@@ -142,7 +142,7 @@ class ConstantMultipliers(Benchmark):
                                       cell_ends=tuple(ends)))
         self.assert_sound(result)
         error = best = 0.0
-        for begin, end, stress in zip([0.0, *ends], ends, result["normal_stress"]):
+        for begin, end, stress in zip([0.0, *ends], ends, result["contact_pressure"]):
             mean = (integral(end) - integral(begin))/(end - begin)
             scatter = integral_of_square(end) - integral_of_square(begin) - (end - begin)*mean**2
             best += scatter
@@ -165,7 +165,7 @@ def integral_of_square(x):
 def transitions(result):
     """Where contact begins and where sticking begins."""
     lengths = result.summary["lengths"]
-    return lengths["separated"], lengths["separated"] + lengths["sliding"]
+    return lengths["open_length"], lengths["open_length"] + lengths["slip_length"]
 
 
 def sign_changes(values):

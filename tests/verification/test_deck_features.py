@@ -94,7 +94,7 @@ class DeckFeatures(ProgramTest):
 &contact set = 'bottom'  %s_table = '%s.csv' /
 """
         def sliding(result):
-            rows = zip(result["x"], result["normal_stress"], result["tangential_stress"], result["status"])
+            rows = zip(result["x"], result["contact_pressure"], result["contact_shear"], result["status"])
             return [row[:3] for row in rows if row[3] == "slip-"]
 
         coulomb = sliding(self.solve(deck % ("friction", "friction")))
@@ -123,7 +123,7 @@ class DeckFeatures(ProgramTest):
 """)
         n = len(result["x"])
         self.assert_close(result["normal_x"] + result["normal_y"], [0.0]*n + [-1.0]*n, ROUNDING)
-        self.assert_close(result["normal_stress"], [pressure]*n, ROUNDING*100)
+        self.assert_close(result["contact_pressure"], [pressure]*n, ROUNDING*100)
         self.assert_close(result["gap"], [0.0]*n, ROUNDING)
         # Along the bottom u_y = -gap, so the block turns by -eps_y rise, and u_x = (eps_x + eps_y rise^2) x.
         stress = -pressure/cosine
@@ -144,7 +144,7 @@ class DeckFeatures(ProgramTest):
 &contact set = 'floor' /
 """)
             pressure = 0.1/(1/moduli[0] + 1/moduli[1])
-            self.assert_close(result["normal_stress"], [pressure]*2, ROUNDING*pressure)
+            self.assert_close(result["contact_pressure"], [pressure]*2, ROUNDING*pressure)
 
     def test_foundation_gives_way_along_normal_and_tangent(self):
         self.write("column.msh", COLUMN)
@@ -157,7 +157,7 @@ class DeckFeatures(ProgramTest):
 &contact set = 'floor'  extra_gap = -0.1 /
 """)
         pressure = 0.1/(1/40.0 + 2/confined_modulus(100.0, 0.25))
-        self.assert_close(result["normal_stress"], [pressure]*2, ROUNDING*pressure)
+        self.assert_close(result["contact_pressure"], [pressure]*2, ROUNDING*pressure)
         # Springs along the roof bear its shear: the column moves by shear over stiffness, without any strain.
         result = self.solve("""\
 &mesh kind = 'file'  file = 'column.msh' /
@@ -167,7 +167,7 @@ class DeckFeatures(ProgramTest):
 &contact set = 'floor' /
 """)
         self.assert_close(result["slip"], [3.0/40.0]*2, ROUNDING)
-        self.assert_close(result["normal_stress"], [5.0]*2, ROUNDING*100)
+        self.assert_close(result["contact_pressure"], [5.0]*2, ROUNDING*100)
 
 
 if __name__ == "__main__":

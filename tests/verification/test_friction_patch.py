@@ -33,8 +33,8 @@ class FrictionPatch(Benchmark):
                     result = self.solve(deck)
                     self.assert_sound(result)
                     self.assertEqual(set(result["status"]), {status}, f"{name}, {element}, {mesh}")
-                    pressures = [abs(found - PRESSURE)/PRESSURE for found in result["normal_stress"]]
-                    shears = [abs(found - shear)/PRESSURE for found in result["tangential_stress"]]
+                    pressures = [abs(found - PRESSURE)/PRESSURE for found in result["contact_pressure"]]
+                    shears = [abs(found - shear)/PRESSURE for found in result["contact_shear"]]
                     table.add(status, element, mesh, errors=[
                         max(pressures), max(shears), displacement_error(self.directory/"case.vtu", exact)])
         self.assert_table(table)

@@ -73,7 +73,7 @@ class Hertz(Benchmark):
                 self.assert_sound(result)
                 self.assertAlmostEqual(sum(result["normal_force"]), force, delta=1e-7*force)
                 moment = sum(f*r**2 for f, r in zip(result["normal_force"], result["x"]))
-                radius, largest = math.sqrt(2.5*moment/force), max(result["normal_stress"])
+                radius, largest = math.sqrt(2.5*moment/force), max(result["contact_pressure"])
                 errors.add(element, h, abs(radius - 1), abs(largest/peak - 1))
             values.add("radius", element, computed=radius, reference=1.0, allowed=self.meshes(0.03, 0.005))
             values.add("peak", element, computed=largest, reference=peak, allowed=self.meshes(0.05, 0.005))
@@ -85,7 +85,7 @@ class Hertz(Benchmark):
         """Half width, largest pressure, relative error of the pressure."""
         result = self.solve(self.deck("hertz", mesh=graded_block(element, h, SIZE, 1.5), obstacle=obstacle))
         self.assert_sound(result)
-        x, force, stress = result["x"], result["normal_force"], result["normal_stress"]
+        x, force, stress = result["x"], result["normal_force"], result["contact_pressure"]
         # The far pressure of the deck has eleven digits.
         self.assertAlmostEqual(2*sum(force), FORCE, delta=1e-9*FORCE)
         closed = [place for place, status in zip(x, result["status"]) if status != "open"]

@@ -66,7 +66,7 @@ class Incompressible(Benchmark):
         """The force on the floor."""
         result = self.solve(self.deck("pressed_block", **values))
         self.assert_sound(result)
-        return result.summary["resultants"]["normal"]
+        return result.summary["resultants"]["normal_force"]
 
 
 def radial(r, poisson):

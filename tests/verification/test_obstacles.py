@@ -74,7 +74,7 @@ class Obstacles(ProgramTest):
             half_width = math.sqrt(4*load*RADIUS/(math.pi*modulus))
             peak = 2*load/(math.pi*half_width)
             # The half width is 8 cells; block and half plane differ by about (half width / width)^2 = 0.15 %.
-            self.assertAlmostEqual(max(bar["normal_stress"]), peak, delta=0.01*peak, msg=obstacle)
+            self.assertAlmostEqual(max(bar["contact_pressure"]), peak, delta=0.01*peak, msg=obstacle)
             closed = [x for x, status in zip(bar["x"], bar["status"]) if status != "open"]
             self.assertAlmostEqual(max(closed), half_width, delta=0.2, msg=obstacle)
 
@@ -123,7 +123,7 @@ class Obstacles(ProgramTest):
 &load set = 'right'  pressure = 60.0 /
 &contact set = 'bottom'  slip_bound = 0.125 /
 """)
-        sliding = [s for s, status in zip(block["tangential_stress"], block["status"]) if status == "slip-"]
+        sliding = [s for s, status in zip(block["contact_shear"], block["status"]) if status == "slip-"]
         self.assertGreater(len(sliding), 4)
         # The bound is put in exactly; the division by the area rounds.
         self.assert_close(sliding, [-0.125]*len(sliding), 1e-15)

@@ -64,7 +64,7 @@ def other_sides(rows, mapping):
 def pressure_error(result):
     """The error of the contact pressure."""
     exact = [value(PRESSURE, x) for x in result["x"]]
-    error = sum(w*(found - p)**2 for w, found, p in zip(result["weight"], result["normal_stress"], exact))
+    error = sum(w*(found - p)**2 for w, found, p in zip(result["weight"], result["contact_pressure"], exact))
     return sqrt(error/sum(w*p**2 for w, p in zip(result["weight"], exact)))
 
 

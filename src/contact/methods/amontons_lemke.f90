@@ -55,7 +55,7 @@ contains
             ' contact points, this problem has '//to_text(problem%n_points))
          return
       end if
-      call solution%begin()
+      call solution%reset()
       best = solution
       call problem%prepare_stiffness()
       call new_contact_relation(relation, problem)
@@ -184,11 +184,11 @@ contains
       m = size(is_z_basic)/3
       associate (normal => is_z_basic(:m), first => is_z_basic(m + 1:2*m), second => is_z_basic(2*m + 1:))
          states%is_closed = normal .eqv. is_dual
-         ! Without any bound both may be zero; either sense then says the same.
+         ! Without any bound both may be zero; either direction then says the same.
          at_upper = first .neqv. is_dual
          at_lower = second
       end associate
-      states%sense = merge(1, merge(-1, 0, at_lower), at_upper)
+      states%slip_direction = merge(1, merge(-1, 0, at_lower), at_upper)
    end function states_of
 
 end module amontons_lemke

@@ -170,14 +170,14 @@ contains
          certificate%complementarity = max(0.0_dp, maxval(min(relative(normal, largest_force), &
             relative(distance, largest_displacement))))
          certificate%slip_below_bound = max(0.0_dp, maxval(min(relative(bound - abs(tangential), largest_force), &
-            relative(abs(slip), largest_displacement)), mask=.not. zone%is_guided))
+            relative(abs(slip), largest_displacement)), mask=.not. zone%is_tangent_fixed))
          certificate%wrong_dissipation = max(0.0_dp, maxval(min(relative(abs(tangential), largest_force), &
             relative(abs(slip), largest_displacement)), mask=sign(1.0_dp, tangential)*slip < 0.0_dp))
          certificate%dissipation = sum(tangential*slip)
          ! Of displacements and forces in equilibrium with each other the energies differ by what each point adds here.
-         certificate%has_duality_gap = all(zone%is_guided .or. .not. load_case%friction > 0.0_dp)
+         certificate%has_duality_gap = all(zone%is_tangent_fixed .or. .not. load_case%friction > 0.0_dp)
          if (certificate%has_duality_gap) certificate%duality_gap = abs(sum(normal*distance) &
-            + sum(bound*abs(slip) - tangential*slip, mask=.not. zone%is_guided))
+            + sum(bound*abs(slip) - tangential*slip, mask=.not. zone%is_tangent_fixed))
       end associate
    end subroutine check_points
 

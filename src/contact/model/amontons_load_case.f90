@@ -121,19 +121,20 @@ contains
       logical :: is_met
       integer :: i
 
-      associate (samples => zone%samples)
-         do i = samples%start(p), samples%start(p + 1) - 1
-            associate (position => samples%position(:, i), share => samples%share(i))
-               call contact%obstacle%measure(position, samples%normal(:, i), gap, is_met, cosine)
+      associate (quadrature => zone%quadrature)
+         do i = quadrature%start(p), quadrature%start(p + 1) - 1
+            associate (position => quadrature%position(:, i), share => quadrature%share(i))
+               call contact%obstacle%measure(position, quadrature%normal(:, i), gap, is_met, cosine)
                ! A given direction must lead out of the body.
-               is_met = is_met .and. samples%outward(i) >= steepest_cosine
+               is_met = is_met .and. quadrature%outward(i) >= steepest_cosine
                if (.not. is_met) load_case%depth(p) = max(load_case%depth(p), contact%obstacle%depth(position))
                load_case%is_in_reach(p) = load_case%is_in_reach(p) .and. is_met
                load_case%cosine(p) = min(load_case%cosine(p), cosine)
                load_case%gap(p) = load_case%gap(p) + share*gap
-               load_case%friction(p) = load_case%friction(p) + share*contact%friction%at(position, samples%station(i))
+               load_case%friction(p) = load_case%friction(p) &
+                  + share*contact%friction%at(position, quadrature%arc_length(i))
                load_case%slip_bound(p) = load_case%slip_bound(p) &
-                  + share*contact%slip_bound%at(position, samples%station(i))*zone%area(p)
+                  + share*contact%slip_bound%at(position, quadrature%arc_length(i))*zone%area(p)
             end associate
          end do
       end associate
@@ -190,11 +191,11 @@ contains
          call problem%multiply_stiffness([0.0_dp*slip, slip], from_slip)
          problem%load = problem%load + from_slip
       end if
-      problem%friction = merge(0.0_dp, load_case%friction, body%zone%is_guided)
-      problem%slip_bound = merge(0.0_dp, load_case%slip_bound, body%zone%is_guided)
+      problem%friction = merge(0.0_dp, load_case%friction, body%zone%is_tangent_fixed)
+      problem%slip_bound = merge(0.0_dp, load_case%slip_bound, body%zone%is_tangent_fixed)
    end subroutine pose_problem
 
-   !> The part of every slip that supports prescribe; 0 for a guided point, whose slip the contact problem does not know
+   !> The part of every slip that supports prescribe; 0 where a support prevents the slip
    !> (m) [L].
    pure function prescribed_slip(body, load_case) result(slip)
       type(body_t), intent(in) :: body !! the body
@@ -202,7 +203,7 @@ contains
       real(dp) :: slip(body%zone%n_points), prescribed(2*body%zone%n_points)
 
       prescribed = body%zone%rows%displacement(load_case%prescribed)
-      slip = merge(0.0_dp, prescribed(body%zone%n_points + 1:), body%zone%is_guided)
+      slip = merge(0.0_dp, prescribed(body%zone%n_points + 1:), body%zone%is_tangent_fixed)
    end function prescribed_slip
 
    !> Computes the displacements of all nodes from the solution of the contact problem.

@@ -32,7 +32,7 @@ module amontons_contact_problem
       real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
       real(dp), allocatable :: slip_bound(:) !! given slip bound g, added to phi lambda_N (m) [F]
       real(dp) :: prescribed = 0.0_dp !! largest displacement that supports prescribe; it acts through the load [L]
-      real(dp) :: shift = 0.0_dp
+      real(dp) :: proximal_parameter = 0.0_dp
          !! alpha of the proximal iteration: 0 for a held body [F/L]
       type(symmetric_matrix_t), allocatable :: compliance
          !! the matrix A = (S + alpha I)^-1 of the paper's (2.3), made by `prepare_compliance`; always there in a
@@ -161,7 +161,7 @@ contains
    !> A = C K^-1 C^T with C = (N; T), without a column of K^-1.
    !>
    !> A body that only contact holds has no S^-1: alpha is then a third of the mean diagonal of S shared among the
-   !> points, and the methods iterate v_k (see `dual_load`) until the shift has no effect. So the rigid motion, which
+   !> points, and the methods iterate v_k (see `dual_load`) until it has no effect. So the rigid motion, which
    !> all points resist together, is held about as firmly as one point on any mesh: measured on the long bar, less
    !> slows the sweeps and more slows the proximal iteration.
    subroutine contact_problem_prepare_compliance(self, error)
@@ -175,9 +175,9 @@ contains
       call self%prepare_stiffness()
       allocate (factor, source=self%stiffness)
       if (.not. self%is_held) then
-         self%shift = share*sum([(factor(i, i), i=1, size(factor, 1))])/(size(factor, 1)*self%n_points)
+         self%proximal_parameter = share*sum([(factor(i, i), i=1, size(factor, 1))])/(size(factor, 1)*self%n_points)
          do i = 1, size(factor, 1)
-            factor(i, i) = factor(i, i) + self%shift
+            factor(i, i) = factor(i, i) + self%proximal_parameter
          end do
       end if
       call cholesky_factor(factor, info)
@@ -202,7 +202,7 @@ contains
          b = self%free_displacement
       else
          allocate (b(2*self%n_points))
-         call self%compliance%multiply(self%load + self%shift*center, b)
+         call self%compliance%multiply(self%load + self%proximal_parameter*center, b)
       end if
       b(:self%n_points) = b(:self%n_points) - self%gap
    end function contact_problem_dual_load

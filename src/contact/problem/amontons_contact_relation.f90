@@ -13,11 +13,11 @@ module amontons_contact_relation
 
    public :: contact_relation_t, new_contact_relation, point_states_t
 
-   !> Which conditions are in force at every point. Closed: u_N = d; open: lambda_N = 0. Sense 0: u_T = 0; sense +1 or
-   !> -1: lambda_T = +-(g + phi lambda_N).
+   !> Which conditions are in force at every point. Closed: u_N = d; open: lambda_N = 0. Direction 0: u_T = 0;
+   !> direction +1 or -1: lambda_T = +-(g + phi lambda_N).
    type :: point_states_t
       logical, allocatable :: is_closed(:) !! whether each point is closed (m)
-      integer, allocatable :: sense(:) !! sign of its slip, 0 without (m)
+      integer, allocatable :: slip_direction(:) !! sign of its slip, 0 without (m)
    end type point_states_t
 
    !> The relation between forces and distances, with the friction of every point; all without units.
@@ -117,17 +117,17 @@ contains
       integer :: m, p, t
 
       m = self%n_points
-      has_force = [states%is_closed, states%sense == 0]
+      has_force = [states%is_closed, states%slip_direction == 0]
       do p = 1, 2*m
          call take_column(p, has_force(p), matrix(:, p))
       end do
       right = self%vector
       do p = 1, m
-         if (states%sense(p) == 0) cycle
+         if (states%slip_direction(p) == 0) cycle
          t = m + p
          call take_column(t, .true., unknown)
-         right = right - states%sense(p)*self%slip_bound(p)*unknown
-         if (states%is_closed(p)) matrix(:, p) = matrix(:, p) + states%sense(p)*self%friction(p)*unknown
+         right = right - states%slip_direction(p)*self%slip_bound(p)*unknown
+         if (states%is_closed(p)) matrix(:, p) = matrix(:, p) + states%slip_direction(p)*self%friction(p)*unknown
       end do
       unknown = right
       factors = matrix
@@ -141,7 +141,9 @@ contains
       unknown = unknown + right
       force = merge(unknown, 0.0_dp, has_force)
       distance = merge(0.0_dp, unknown, has_force)
-      where (states%sense /= 0) force(m + 1:) = states%sense*(self%slip_bound + self%friction*force(:m))
+      associate (direction => states%slip_direction)
+         where (direction /= 0) force(m + 1:) = direction*(self%slip_bound + self%friction*force(:m))
+      end associate
 
    contains
 
@@ -162,7 +164,7 @@ contains
    end subroutine contact_relation_solve_states
 
    !> How far forces and distances are from the inequalities of their states: the largest tension, penetration, excess
-   !> of friction or slip against the sense, over the largest force or distance, 1 at least [-].
+   !> of friction or slip against the direction, over the largest force or distance, 1 at least [-].
    pure real(dp) function contact_relation_violation(self, states, force, distance) result(violation)
       class(contact_relation_t), intent(in) :: self !! the relation
       type(point_states_t), intent(in) :: states !! state of every point (m)
@@ -176,10 +178,10 @@ contains
       do p = 1, m
          t = m + p
          excess = merge(-force(p), distance(p), states%is_closed(p))
-         if (states%sense(p) == 0) then
+         if (states%slip_direction(p) == 0) then
             excess = max(excess, abs(force(t)) - self%slip_bound(p) - self%friction(p)*max(0.0_dp, force(p)))
          else
-            excess = max(excess, -states%sense(p)*distance(t))
+            excess = max(excess, -states%slip_direction(p)*distance(t))
          end if
          violation = max(violation, excess)
       end do

@@ -25,7 +25,7 @@ module amontons_sweep_model
       type(contact_problem_t) :: problem !! with load and friction of what does not vary, its compliance prepared
       real(dp), allocatable :: load(:, :) !! condensed load of each quantity at 1 (2m, quantities) [F]
       real(dp), allocatable :: friction(:, :) !! friction of each quantity at 1 (m, quantities) [-]
-      logical, allocatable :: is_guided(:) !! whether a support bears the shear of a point, whatever its friction (m)
+      logical, allocatable :: is_tangent_fixed(:) !! whether a support bears the shear of a point (m)
       type(load_case_t) :: fixed !! the load case of what does not vary
       real(dp), allocatable :: forces(:, :, :) !! nodal forces of each quantity at 1 (2, n_nodes, quantities) [F]
    contains
@@ -78,7 +78,7 @@ contains
       model%fixed = prepared
       call sum_loads(model%fixed%force, body, config, 0, error)
       if (allocated(error)) return
-      model%is_guided = body%zone%is_guided
+      model%is_tangent_fixed = body%zone%is_tangent_fixed
       do k = 1, n
          if (config%sweep%axes(k)%target == swept_load) then
             call sum_loads(forces, body, config, k, error)
@@ -150,7 +150,7 @@ contains
       real(dp), intent(in) :: values(:) !! value of each quantity [-]
 
       problem%load = self%problem%load + matmul(self%load, values)
-      problem%friction = merge(0.0_dp, self%fixed%friction + matmul(self%friction, values), self%is_guided)
+      problem%friction = merge(0.0_dp, self%fixed%friction + matmul(self%friction, values), self%is_tangent_fixed)
    end subroutine sweep_model_set_case
 
    !> The load case of a case of the sweep, not condensed.

@@ -20,15 +20,15 @@ module amontons_sweep_tally
    !> Number of quantities whose extremes are kept.
    integer, parameter :: n_quantities = 5
    !> Names of these quantities, as the result files write them.
-   character(16), parameter :: quantity_labels(n_quantities) = [character(16) :: 'separated', 'sliding', 'sticking', &
-      'normal_force', 'tangential_force']
+   character(16), parameter :: quantity_labels(n_quantities) = [character(16) :: 'open_length', 'slip_length', &
+      'stick_length', 'normal_force', 'tangential_force']
 
    !> What is kept of one case.
    type :: case_result_t
       integer :: outcome = case_not_converged !! what became of it
       logical :: has_solution = .false. !! whether there are numbers to tell, and all are finite
       real(dp) :: quantity(n_quantities) = 0.0_dp
-         !! lengths separated, sliding, sticking [L]; sums of normal and of tangential forces [F]
+         !! lengths open, slip, stick [L]; sums of normal and of tangential forces [F]
       real(dp) :: residual = 0.0_dp !! residual of the contact problem [-]
       real(dp) :: doubt = 0.0_dp !! what residual and rounding errors are of its forces [-]
       integer :: n_iterations = 0 !! iterations, of all attempts
@@ -62,7 +62,7 @@ contains
       type(lengths_t), intent(in) :: lengths !! its lengths
 
       associate (m => size(solution%status), force => solution%force)
-         result%quantity = [lengths%separated, lengths%sliding, lengths%sticking, sum(force(:m)), sum(force(m + 1:))]
+         result%quantity = [lengths%open, lengths%slip, lengths%stick, sum(force(:m)), sum(force(m + 1:))]
       end associate
       result%residual = solution%residual
       result%n_iterations = solution%n_iterations
