@@ -10,7 +10,7 @@ from amontons.obstacles import hatching, surface
 # Okabe and Ito's colours, told apart by colour-blind readers too; a marker says the same once more.
 STATUSES = (("open", "#D55E00", "o"), ("stick", "#009E73", "s"), ("slip along t", "#0072B2", ">"),
             ("slip against t", "#56B4E9", "<"))
-UNDEFORMED, OBSTACLE = "#888888", "#555555"
+UNDEFORMED, OBSTACLE = "#888888", "#707070"
 COMPONENTS = {3: ("x", "y", "z"), 6: ("xx", "yy", "zz", "xy", "yz", "xz")}
 LENGTHS = ("displacement", "gap", "slip")
 STRESSES = ("stress", "von_mises", "nodal_stress", "nodal_von_mises", "contact_pressure", "contact_shear",
@@ -97,23 +97,24 @@ def round_factor(wanted):
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= wanted)
 
 
-def draw_field(axes, case, factor, name):
-    """The mesh, its displacements multiplied by a factor, coloured by a field."""
+def draw_field(axes, case, factor, name, has_lines):
+    """The mesh, its displacements multiplied by a factor, coloured by a field; with lines between its cells or not."""
     mesh = case.mesh
     values, label = field_of(case, name)
     moved = mesh.points[:, :2] + factor * mesh.point_data["displacement"][:, :2]
     outlines = [polygon for kind, nodes in mesh.cells for polygon in moved[nodes[:, OUTLINE[kind]]]]
-    is_fine = len(outlines) > FINE
+    has_lines = has_lines and len(outlines) <= FINE
     if len(values) == len(moved):
         triangles = np.concatenate([nodes[:, TRIANGLES[kind]].reshape(-1, 3) for kind, nodes in mesh.cells])
         drawn = axes.tripcolor(Triangulation(*moved.T, triangles), values, shading="gouraud", cmap="cividis",
                                rasterized=True)
-        if not is_fine:
+        if has_lines:
             axes.add_collection(PolyCollection(outlines, facecolors="none", edgecolors="white", linewidths=0.15,
                                                rasterized=True))
     else:
         drawn = axes.add_collection(PolyCollection(outlines, array=values, cmap="cividis", linewidths=0.15,
-                                                   edgecolors="face" if is_fine else "white", rasterized=is_fine))
+                                                   edgecolors="white" if has_lines else "face",
+                                                   antialiased=has_lines, rasterized=not has_lines))
     middle = (values.max() + values.min()) / 2
     is_uniform = np.ptp(values) <= UNIFORM * np.abs(values).max()
     if is_uniform:
@@ -127,6 +128,7 @@ def draw_bar(axes, drawn, label, uniform):
                                ticks=None if uniform is None else [uniform])
     bar.set_label(label if uniform is None else label + ", uniform")
     bar.outline.set_linewidth(0.4)
+    bar.solids.set_rasterized(True)  # as one image: viewers draw seams between the patches of a vector bar
     if uniform is not None:
         bar.ax.set_yticklabels([f"{uniform:.4g}"])
 
@@ -192,13 +194,13 @@ def true_or_times(factor):
     return "displacements to scale" if factor == 1.0 else f"displacements and gaps × {factor:g}"
 
 
-def draw_body(axes, case, name, factor=None):
+def draw_body(axes, case, name, factor=None, has_lines=True):
     """The body with a field, its shape before, its contact points and the obstacles."""
     mesh = case.mesh
     if factor is None:
         factor = magnification(case)
     window = window_of(case, factor)
-    draw_bar(axes, *draw_field(axes, case, factor, name))
+    draw_bar(axes, *draw_field(axes, case, factor, name, has_lines))
     axes.add_collection(LineCollection(mesh.points[boundary(mesh)][:, :, :2], colors=UNDEFORMED, linestyles="--",
                                        linewidths=0.5))
     draw_obstacles(axes, case, factor, window)
@@ -209,11 +211,11 @@ def draw_body(axes, case, name, factor=None):
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, ncols=2, frameon=False)
 
 
-def draw_detail(axes, case, name, shown, factor=None):
+def draw_detail(axes, case, name, shown, factor=None, has_lines=True):
     """The body once more, near the contact points that are shown."""
     if factor is None:
         factor = magnification_at(case, shown)
-    draw_field(axes, case, factor, name)
+    draw_field(axes, case, factor, name, has_lines)
     at = draw_points(axes, case, factor)[shown]
     half = max(np.ptp(at, axis=0).max(), np.ptp(case.line.points[shown, :2], axis=0).max()) / 2
     inwards = -case.line.point_data["normal"][shown, :2].mean(axis=0)

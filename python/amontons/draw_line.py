@@ -123,7 +123,7 @@ def abscissa_label(case, abscissa, sets, whole):
     if abscissa != "s":
         return case.label(abscissa, "length")
     text = case.label("length along the contact line", "length")
-    if sets is whole:
+    if sets is whole or not sets:
         return text
     return text + f", {sets[0].length[0]:.4g} to {sets[-1].length[-1]:.4g} of {whole[-1].length[-1]:.4g}"
 

@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from amontons.cases import Case, CaseFault, find_cases
+from amontons.commands import Parser
 from amontons.draw_body import draw_body, draw_detail
 from amontons.draw_line import (ABSCISSAS, abscissa_label, closed_part, draw_gap, draw_history, draw_slip, draw_stress,
                                 points_of, stretches)
@@ -19,6 +20,7 @@ FORMATS = ("png", "svg", "pdf")
 BODY_PANELS = {"body": draw_body, "detail": draw_detail}
 LINE_PANELS = {"stress": draw_stress, "slip": draw_slip, "gap": draw_gap}
 PANELS = (*BODY_PANELS, *LINE_PANELS, "history")
+HEIGHTS = {"body": 2.0, "stress": 1.4}  # of panels, over that of the others
 FIELD = "von_mises"
 INCH = 25.4  # mm
 DETAIL = 0.35  # what is smaller over the size of the body is drawn once more
@@ -33,40 +35,46 @@ def plain(text):
     return text.replace("$", r"\$")
 
 
-def extent(points):
-    """The larger of width and height of some points."""
-    return np.ptp(points[:, :2], axis=0).max()
+def has_detail(case, shown):
+    """Whether the contact points that are shown are a small part of the body."""
+    def extent(points):
+        return np.ptp(points[:, :2], axis=0).max()
+    return bool(shown) and extent(case.line.points[points_of(shown)]) < DETAIL * extent(case.mesh.points)
 
 
 def draw_panels(case, panels, size, field=FIELD, scale=None, abscissa="s"):
     """A figure of a body with the panels named, those of the body on the left."""
     sets = stretches(case.line, abscissa)
     shown = closed_part(case.line, sets) if sets else sets
-    is_small = bool(sets) and extent(case.line.points[points_of(shown)]) < DETAIL * extent(case.mesh.points)
-    left = [name for name in panels if name in BODY_PANELS and (name != "detail" or is_small)]
+    left = [name for name in panels if name in BODY_PANELS and (name != "detail" or has_detail(case, shown))]
     right = [name for name in panels if name not in BODY_PANELS and (sets or name == "history")]
-    heights = {"body": 2.0, "detail": 1.0, "stress": 1.4}
     figure = plt.figure(figsize=size, layout="constrained")
     columns = [column for column in (left, right) if column]
     parts = figure.subfigures(1, len(columns), squeeze=False, width_ratios=[1.15, 1.0][:len(columns)])[0]
     for part, column in zip(parts, columns):
-        axes = part.subplots(len(column), 1, squeeze=False, height_ratios=[heights.get(name, 1.0) for name in column])
-        for name, axis in zip(column, axes[:, 0]):
+        axes = part.subplots(len(column), 1, squeeze=False, height_ratios=[HEIGHTS.get(name, 1.0) for name in column])
+        axes = dict(zip(column, axes[:, 0]))
+        for name in column:
             if name == "body":
-                draw_body(axis, case, field, scale)
+                draw_body(axes[name], case, field, scale)
             elif name == "detail":
-                draw_detail(axis, case, field, points_of(shown), scale)
+                draw_detail(axes[name], case, field, points_of(shown), scale)
             elif name == "history":
-                draw_history(axis, case)
-            else:
-                LINE_PANELS[name](axis, case, shown)
-        lines = [axis for name, axis in zip(column, axes[:, 0]) if name in LINE_PANELS]
-        for axis in lines[:-1]:
-            axis.sharex(lines[-1])
-            axis.tick_params(labelbottom=False)
-        if lines:
-            lines[-1].set_xlabel(abscissa_label(case, abscissa, shown, sets))
+                draw_history(axes[name], case)
+        draw_line([(name, axes[name]) for name in column if name in LINE_PANELS], case, shown,
+                  abscissa_label(case, abscissa, shown, sets))
     return figure
+
+
+def draw_line(panels, case, shown, label):
+    """Panels of the contact line, pairs of name and axes, above each other with one abscissa."""
+    for name, axes in panels:
+        LINE_PANELS[name](axes, case, shown)
+    for _, axes in panels[:-1]:
+        axes.sharex(panels[-1][1])
+        axes.tick_params(labelbottom=False)
+    if panels:
+        panels[-1][1].set_xlabel(label)
 
 
 def draw_case(case, options):
@@ -127,7 +135,7 @@ def factor_of(text):
 
 def parser():
     """The options of the command."""
-    options = argparse.ArgumentParser(prog="amontons-plot", description=__doc__)
+    options = Parser(prog="amontons-plot", description=__doc__)
     options.add_argument("case", nargs="+", metavar="CASE",
                          help="a folder of cases, any file of a case, or the path of its files without their endings")
     options.add_argument("--field", metavar="NAME",
