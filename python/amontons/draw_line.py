@@ -89,7 +89,7 @@ def draw_stress(axes, case, sets):
     values = np.concatenate([pressure[shown], shear[shown], bound[shown], -bound[shown]])
     set_range(axes, values, np.abs(values).max(initial=0.0))
     axes.set(ylabel=case.label("contact stress", "stress"))
-    axes.legend(loc="best", frameon=False, ncols=3)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, frameon=False, ncols=3)
 
 
 def draw_slip(axes, case, sets):

@@ -1,5 +1,5 @@
-"""Draws sweeps: the zones of the contact line, or a column of the table, over one quantity, or as maps over two; and the
-forces of reduced problems."""
+"""Draws sweeps: the zones of the contact line, or a column of the table, over one quantity, or as maps over two; and
+the forces of reduced problems."""
 import matplotlib.pyplot as plt
 import numpy as np
 

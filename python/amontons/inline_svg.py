@@ -35,8 +35,8 @@ def inline_svg(figure, name, label):
 
 
 def thumbnail(svg, name):
-    """A small view of an inlined figure: of its first raster image if it has one, else of the whole. Returns the figure,
-    whose image then has an identifier, and the view."""
+    """A small view of an inlined figure: of its first raster image if it has one, else of the whole. Returns the
+    figure, whose image then has an identifier, and the view."""
     image = _IMAGE.search(svg)
     if image is None:
         box = re.search(r'viewBox="([^"]*)"', svg)[1]

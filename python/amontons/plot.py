@@ -35,18 +35,19 @@ def plain(text):
     return text.replace("$", r"\$")
 
 
-def has_detail(case, shown):
-    """Whether the contact points that are shown are a small part of the body."""
+def has_detail(case, sets, shown):
+    """Whether the contact points that are shown are a small part of their line or of the body."""
     def extent(points):
         return np.ptp(points[:, :2], axis=0).max()
-    return bool(shown) and extent(case.line.points[points_of(shown)]) < DETAIL * extent(case.mesh.points)
+    width = extent(case.line.points[points_of(shown)]) if shown else 0.0
+    return width > 0.0 and (shown is not sets or width < DETAIL * extent(case.mesh.points))
 
 
 def draw_panels(case, panels, size, field=FIELD, scale=None, abscissa="s"):
     """A figure of a body with the panels named, those of the body on the left."""
     sets = stretches(case.line, abscissa)
     shown = closed_part(case.line, sets) if sets else sets
-    left = [name for name in panels if name in BODY_PANELS and (name != "detail" or has_detail(case, shown))]
+    left = [name for name in panels if name in BODY_PANELS and (name != "detail" or has_detail(case, sets, shown))]
     right = [name for name in panels if name not in BODY_PANELS and (sets or name == "history")]
     figure = plt.figure(figsize=size, layout="constrained")
     columns = [column for column in (left, right) if column]
@@ -139,15 +140,15 @@ def parser():
     options.add_argument("case", nargs="+", metavar="CASE",
                          help="a folder of cases, any file of a case, or the path of its files without their endings")
     options.add_argument("--field", metavar="NAME",
-                         help=f"field that colours the body: an array of NAME.vtu, of vectors and tensors with its "
-                         f"component, as in nodal_stress_xy or displacement_x (default: {FIELD}); of a sweep the column "
+                         help=f"field that colors the body: an array of NAME.vtu, of vectors and tensors with its "
+                         f"component, as in nodal_stress_xy or displacement_x (default: {FIELD}); of a sweep a column "
                          "of NAME.sweep.csv (default: the zones)")
     options.add_argument("--scale", type=factor_of, metavar="FACTOR",
                          help="magnification of displacements and gaps (default: a round number that shows them)")
     options.add_argument("--format", type=words_of(FORMATS), default=["png", "svg"], metavar="WORD,...",
                          help=f"files to write: {', '.join(FORMATS)} (default: png,svg)")
-    options.add_argument("--size", type=size_of, metavar="WxH", help="width and height in mm, as in 160x110; "
-                         "text has 8 points in any size")
+    options.add_argument("--size", type=size_of, metavar="WxH",
+                         help="width and height in mm, as in 160x110; text has 8 points in any size")
     options.add_argument("--abscissa", choices=ABSCISSAS, help="of the contact line: its length s (default), x or y")
     options.add_argument("--panels", type=words_of(PANELS), metavar="WORD,...",
                          help=f"parts of the figure: {', '.join(PANELS)} (default: all)")

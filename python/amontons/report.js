@@ -42,3 +42,4 @@ for (const head of table.querySelectorAll("th[data-key] button")) {
     sort();
   });
 }
+sort();

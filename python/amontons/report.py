@@ -158,8 +158,8 @@ def page_of(folder, paths):
     versions = ", ".join(sorted({case.summary["version"] for case in cases}))
     name = html.escape(folder.resolve().name)
     pvd = ' ParaView steps through <a href="cases.pvd">cases.pvd</a>.' if (folder / "cases.pvd").exists() else ""
-    failed = "".join(f'<p class="verdict red"><b>failed: {html.escape(deck)}</b><span>{html.escape(message)}</span></p>\n'
-                     for deck, message in failures)
+    failed = "".join(f'<p class="verdict red"><b>failed: {html.escape(deck)}</b><span>{html.escape(message)}</span>'
+                     "</p>\n" for deck, message in failures)
     sections = "".join(section_of(case, large) for case, (large, _) in zip(cases, pictures))
     style, script = (Path(__file__).with_name(f"report.{ending}").read_text(encoding="utf-8")
                      for ending in ("css", "js"))

@@ -33,7 +33,7 @@ def _body(case):
         figure, axes = plt.subplots(3, 1, figsize=(WIDTH, 3.8), layout="constrained", height_ratios=[1.4, 1, 1])
         plot.draw_line(list(zip(plot.LINE_PANELS, axes)), case, shown, abscissa_label(case, "s", shown, sets))
         yield "l", "contact line", figure
-    if plot.has_detail(case, shown):
+    if plot.has_detail(case, sets, shown):
         figure, axes = _axes(2.4)
         draw_detail(axes, case, plot.FIELD, points_of(shown), has_lines=False)
         yield "d", "closed zone", _as_image(figure, axes)

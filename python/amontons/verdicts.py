@@ -42,7 +42,8 @@ def verdict_of(summary):
             f"(limit {summary['certificate']['limit']:.0e}){which}."
     if not summary["converged"]:
         residual_text = "not a number" if residual is None else f"{residual:.1e}"
-        found = f"The method stopped after {summary['iterations']} iterations with a residual of {residual_text}. {found}"
+        found = f"The method stopped after {summary['iterations']} iterations with a residual of {residual_text}. " \
+            + found
     if residual is not None and max(residual, largest) <= USABLE:
         return "amber", found + f"No error exceeds {USABLE:.0e} of its scale: good enough to look at, not to cite. " \
             "Raise max_iterations, or use method = 'auto'."
