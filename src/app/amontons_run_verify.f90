@@ -7,7 +7,7 @@ module amontons_run_verify
    use amontons_error, only: error_t
    use amontons_result, only: status_not_converged
    use amontons_screen, only: complain, tell
-   use amontons_solve_case, only: workshop_t
+   use amontons_solve_case, only: cache_t
    use amontons_text, only: newline
    use amontons_verify, only: find_cases, verdict_t, verify_files
    implicit none (type, external)
@@ -22,7 +22,7 @@ contains
       type(command_line_t), intent(in) :: command_line !! the directories, and the options
       integer, intent(out) :: status !! 0 if all are verified and certified
       type(file_name_t), allocatable :: names(:)
-      type(workshop_t) :: workshop
+      type(cache_t) :: cache
       type(error_t), allocatable :: error
       integer :: i, k
 
@@ -32,7 +32,7 @@ contains
             call find_cases(names, directory, error)
             if (.not. allocated(error)) then
                do k = 1, size(names)
-                  call verify_one(command_line, workshop, directory, names(k)%text, status, error)
+                  call verify_one(command_line, cache, directory, names(k)%text, status, error)
                   if (allocated(error)) exit
                end do
                call verify_collection(directory, status)
@@ -45,16 +45,16 @@ contains
    end subroutine verify_directories
 
    !> Verifies a case and tells what was found.
-   subroutine verify_one(command_line, workshop, directory, name, status, error)
+   subroutine verify_one(command_line, cache, directory, name, status, error)
       type(command_line_t), intent(in) :: command_line !! the options
-      type(workshop_t), intent(inout) :: workshop !! what cases share
+      type(cache_t), intent(inout) :: cache !! what cases share
       character(*), intent(in) :: directory !! the directory
       character(*), intent(in) :: name !! name of the case
       integer, intent(inout) :: status !! exit status so far
       type(error_t), allocatable, intent(out) :: error !! standard output takes no more
       type(verdict_t) :: verdict
 
-      call verify_files(verdict, workshop, directory, name)
+      call verify_files(verdict, cache, directory, name)
       if (verdict%is_verified .and. verdict%is_certified) then
          call tell(command_line, name//': verified', error)
          return

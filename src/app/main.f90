@@ -5,7 +5,7 @@ program main
    use amontons_error, only: error_t
    use amontons_help, only: help_text, version_text
    use amontons_reference, only: tell_reference
-   use amontons_run, only: run_decks
+   use amontons_run_decks, only: run_decks
    use amontons_run_verify, only: verify_directories
    use amontons_screen, only: complain
    use amontons_system, only: return_large_arrays

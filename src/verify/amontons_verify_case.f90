@@ -19,7 +19,7 @@ module amontons_verify_case
    use amontons_listing_parts, only: warnings_text
    use amontons_result, only: certificate_limit, result_t
    use amontons_result_warnings, only: add_result_warnings
-   use amontons_solve_case, only: prepare_case, workshop_t
+   use amontons_solve_case, only: cache_t, prepare_case
    use amontons_summary_check, only: summary_check_t
    use amontons_summary_members, only: warnings_array
    use amontons_text, only: to_text
@@ -34,9 +34,9 @@ module amontons_verify_case
 contains
 
    !> Checks the files of a case.
-   subroutine verify_case(summary, workshop, config, stem, is_certified)
+   subroutine verify_case(summary, cache, config, stem, is_certified)
       type(summary_check_t), intent(inout) :: summary !! the summary; gains the faults of all files
-      type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the case needs another
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case as its effective deck has it
       character(*), intent(in) :: stem !! directory and name of the case
       logical, intent(out) :: is_certified !! whether it converged and its certificate passes
@@ -46,12 +46,12 @@ contains
       character(:), allocatable :: fault
 
       is_certified = .false.
-      call prepare_case(workshop, config, result, error)
+      call prepare_case(cache, config, result, error)
       if (allocated(error)) then
          call summary%faults%add(stem//'.deck.nml', error%message)
          return
       end if
-      associate (body => workshop%body)
+      associate (body => cache%body)
          call read_displacement(stem//'.vtu', body%mesh%n_nodes, result%displacement, fault)
          if (len(fault) > 0) call summary%faults%add(stem//'.vtu', fault)
          if (len(fault) > 0) return
@@ -67,18 +67,18 @@ contains
          call summary%take_condition(result%condition)
          call add_result_warnings(result, body)
       end associate
-      call check_points(summary, workshop, config, result, table, stem)
-      call check_summary(summary, workshop, config, result)
-      call check_grids(summary, workshop, result, stem)
-      call check_listing(summary, workshop, config, result, stem//'.lst')
+      call check_points(summary, cache, config, result, table, stem)
+      call check_summary(summary, cache, config, result)
+      call check_grids(summary, cache, result, stem)
+      call check_listing(summary, cache, config, result, stem//'.lst')
       is_certified = result%solution%is_converged .and. &
          result%certificate%largest() <= certificate_limit(config%method%tolerance)
    end subroutine verify_case
 
    !> Checks the table of contact points.
-   subroutine check_points(summary, workshop, config, result, table, stem)
+   subroutine check_points(summary, cache, config, result, table, stem)
       type(summary_check_t), intent(inout) :: summary !! gains the faults
-      type(workshop_t), intent(in) :: workshop !! the body
+      type(cache_t), intent(in) :: cache !! the body
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(in) :: result !! what the files state
       type(contact_table_t), intent(in) :: table !! the table
@@ -86,26 +86,26 @@ contains
       type(law_scales_t) :: scales
 
       if (size(table%status) == 0) return
-      call check_contact_rows(summary%faults, stem//'.contact.csv', table, workshop%body, result%load_case%gap, &
+      call check_contact_rows(summary%faults, stem//'.contact.csv', table, cache%body, result%load_case%gap, &
          result%displacement)
       if (.not. result%solution%is_converged) return
       scales = new_law_scales(certificate_limit(config%method%tolerance), result%displacement, &
          result%certificate%force_scale)
       associate (load_case => result%load_case)
          call check_statuses(summary%faults, stem//'.contact.csv', .true., table, load_case%friction, &
-            load_case%slip_bound, workshop%body%zone%is_tangent_fixed, scales)
+            load_case%slip_bound, cache%body%zone%is_tangent_fixed, scales)
       end associate
    end subroutine check_points
 
    !> Checks the numbers of the summary.
-   subroutine check_summary(summary, workshop, config, result)
+   subroutine check_summary(summary, cache, config, result)
       type(summary_check_t), intent(inout) :: summary !! the summary; gains the faults
-      type(workshop_t), intent(in) :: workshop !! the body
+      type(cache_t), intent(in) :: cache !! the body
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(in) :: result !! what the files state
       integer :: m
 
-      associate (body => workshop%body, force => result%solution%force, limit => &
+      associate (body => cache%body, force => result%solution%force, limit => &
          certificate_limit(config%method%tolerance))
          m = body%zone%n_points
          call summary%expect_text('', 'warnings', warnings_array(result%warnings))
@@ -126,14 +126,14 @@ contains
    end subroutine check_summary
 
    !> Checks all that the two grids show: mesh, stresses, contact quantities.
-   subroutine check_grids(summary, workshop, result, stem)
+   subroutine check_grids(summary, cache, result, stem)
       type(summary_check_t), intent(inout) :: summary !! gains the faults
-      type(workshop_t), intent(in) :: workshop !! the body
+      type(cache_t), intent(in) :: cache !! the body
       type(result_t), intent(in) :: result !! what the files state
       character(*), intent(in) :: stem !! directory and name of the case
       type(vtk_check_t) :: check
 
-      associate (body => workshop%body)
+      associate (body => cache%body)
          call new_vtk_check(check, stem//'.vtu', body%mesh%n_nodes, body%mesh%n_elements)
          call show_body(check, body, result)
          call check%close()
@@ -146,9 +146,9 @@ contains
    end subroutine check_grids
 
    !> Checks the sections of the listing that follow from other files.
-   subroutine check_listing(summary, workshop, config, result, path)
+   subroutine check_listing(summary, cache, config, result, path)
       type(summary_check_t), intent(inout) :: summary !! gains the faults
-      type(workshop_t), intent(in) :: workshop !! the body
+      type(cache_t), intent(in) :: cache !! the body
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(in) :: result !! what the files state
       character(*), intent(in) :: path !! name of the listing
@@ -160,7 +160,7 @@ contains
          call summary%faults%add(path, 'cannot be read')
          return
       end if
-      associate (body => workshop%body, faults => summary%faults, force => sum(abs(result%load_case%force)))
+      associate (body => cache%body, faults => summary%faults, force => sum(abs(result%load_case%force)))
          call check_section(faults, path, listing, warnings_text(result%warnings), 0.0_dp)
          call check_section(faults, path, listing, model_text(config, body, result%load_case)//loads_text(config), &
             0.0_dp)

@@ -11,7 +11,7 @@ module amontons_verify_fields
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_result, only: certificate_limit, result_t
-   use amontons_solve_case, only: workshop_t
+   use amontons_solve_case, only: cache_t
    use amontons_summary_check, only: summary_check_t
    use amontons_sweep_model, only: new_sweep_loads, sweep_model_t
    use amontons_sweep_tally, only: case_result_t
@@ -33,9 +33,9 @@ module amontons_verify_fields
 contains
 
    !> Checks the fields of a sweep: every grid, the collection, and that no other grids are among them.
-   subroutine verify_fields(summary, workshop, prepared, config, stem, cases, certified_case)
+   subroutine verify_fields(summary, cache, prepared, config, stem, cases, certified_case)
       type(summary_check_t), intent(inout) :: summary !! the summary; gains the faults
-      type(workshop_t), intent(in) :: workshop !! the body
+      type(cache_t), intent(in) :: cache !! the body
       type(load_case_t), intent(in) :: prepared !! the load case of the deck as it stands
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: stem !! directory and name of the case
@@ -47,14 +47,14 @@ contains
 
       call check_surplus(summary, stem//'.sweep', cases%number)
       if (size(cases) == 0) return
-      call new_sweep_loads(model, workshop%body, prepared, config, error)
+      call new_sweep_loads(model, cache%body, prepared, config, error)
       if (allocated(error)) then
          ! not raised: the same loads were made when the case was prepared
          call summary%faults%add(stem//'.deck.nml', error%message)
          return
       end if
       do i = 1, size(cases)
-         call check_case(summary, workshop, model, config, stem//'.sweep/'//to_text(cases(i)%number), cases(i), &
+         call check_case(summary, cache, model, config, stem//'.sweep/'//to_text(cases(i)%number), cases(i), &
             cases(i)%number == certified_case)
       end do
       call compare_collection(summary%faults, stem//'.sweep.pvd', cases%number, &
@@ -90,9 +90,9 @@ contains
    end subroutine check_surplus
 
    !> Checks the two grids of a case.
-   subroutine check_case(summary, workshop, model, config, stem, case, is_certified)
+   subroutine check_case(summary, cache, model, config, stem, case, is_certified)
       type(summary_check_t), intent(inout) :: summary !! gains the faults
-      type(workshop_t), intent(in) :: workshop !! the body
+      type(cache_t), intent(in) :: cache !! the body
       type(sweep_model_t), intent(in) :: model !! loads and friction of all cases
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: stem !! name of the grids without endings
@@ -102,30 +102,30 @@ contains
       character(:), allocatable :: fault
 
       call model%load_case(config%sweep%values(case%number), result%load_case)
-      call read_displacement(stem//'.vtu', workshop%body%mesh%n_nodes, result%displacement, fault)
+      call read_displacement(stem//'.vtu', cache%body%mesh%n_nodes, result%displacement, fault)
       if (len(fault) > 0) call summary%faults%add(stem//'.vtu', fault)
       if (len(fault) > 0) return
-      call read_solution(workshop, stem//'.contact.vtu', result, fault)
+      call read_solution(cache, stem//'.contact.vtu', result, fault)
       if (len(fault) > 0) call summary%faults%add(stem//'.contact.vtu', fault)
       if (.not. allocated(result%solution%force)) return
       result%solution%status = case%status
-      call check_grids(summary, workshop, result, stem)
-      call check_law(summary, workshop, config, result, stem)
+      call check_grids(summary, cache, result, stem)
+      call check_law(summary, cache, config, result, stem)
       if (is_certified) call summary%expect_certificate(result%certificate)
       call check_resultants(summary, result, case, stem//'.contact.vtu')
    end subroutine check_case
 
    !> Reads the contact line: gap and slip, which must follow from the displacements, and the forces, from the stresses.
-   subroutine read_solution(workshop, path, result, fault)
-      type(workshop_t), intent(in) :: workshop !! the body
+   subroutine read_solution(cache, path, result, fault)
+      type(cache_t), intent(in) :: cache !! the body
       character(*), intent(in) :: path !! name of the grid of the contact line
       type(result_t), intent(inout) :: result !! the displacements; gains the solution
       character(:), allocatable, intent(out) :: fault !! what is wrong with them; empty if nothing is
       character(16), parameter :: names(4) = [character(16) :: 'gap', 'slip', 'contact_pressure', 'contact_shear']
-      real(dp) :: stated(workshop%body%zone%n_points, size(names)), followed(2*workshop%body%zone%n_points)
+      real(dp) :: stated(cache%body%zone%n_points, size(names)), followed(2*cache%body%zone%n_points)
       integer :: i, p
 
-      associate (zone => workshop%body%zone)
+      associate (zone => cache%body%zone)
          do i = 1, size(names)
             call read_array(path, trim(names(i)), 1, stated(:, i), fault)
             if (len(fault) > 0) return
@@ -144,9 +144,9 @@ contains
    end subroutine read_solution
 
    !> Computes the certificate, and holds it and the statuses against the contact law.
-   subroutine check_law(summary, workshop, config, result, stem)
+   subroutine check_law(summary, cache, config, result, stem)
       type(summary_check_t), intent(inout) :: summary !! gains the faults
-      type(workshop_t), intent(in) :: workshop !! the body
+      type(cache_t), intent(in) :: cache !! the body
       type(config_t), intent(in) :: config !! the deck
       type(result_t), intent(inout) :: result !! what the grids state; gains the certificate
       character(*), intent(in) :: stem !! name of the grids without endings
@@ -155,7 +155,7 @@ contains
       integer :: m
 
       limit = certificate_limit(config%method%tolerance)
-      associate (body => workshop%body, zone => workshop%body%zone, solution => result%solution)
+      associate (body => cache%body, zone => cache%body%zone, solution => result%solution)
          call new_certificate(result%certificate, body, result%load_case, result%displacement, solution%force)
          if (.not. result%certificate%largest() <= limit) call summary%faults%add(stem//'.vtu', &
             'equilibrium or contact law is violated by '//to_text(result%certificate%largest())// &

@@ -12,7 +12,7 @@ module amontons_verify_sweep
    use amontons_lengths, only: lengths_t, new_lengths
    use amontons_result, only: result_t
    use amontons_result_warnings, only: add_conditioning
-   use amontons_solve_case, only: prepare_case, workshop_t
+   use amontons_solve_case, only: cache_t, prepare_case
    use amontons_summary_check, only: summary_check_t
    use amontons_summary_members, only: warnings_array
    use amontons_sweep_summary, only: extremes_text
@@ -31,9 +31,9 @@ module amontons_verify_sweep
 contains
 
    !> Checks the files of a sweep.
-   subroutine verify_sweep(summary, workshop, config, stem, is_certified)
+   subroutine verify_sweep(summary, cache, config, stem, is_certified)
       type(summary_check_t), intent(inout) :: summary !! the summary; gains the faults of all files
-      type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the sweep needs another
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: stem !! directory and name of the case
       logical, intent(out) :: is_certified !! whether all cases converged and the certificate passes
@@ -47,13 +47,13 @@ contains
       integer :: certified, i, n
 
       is_certified = .false.
-      call prepare_case(workshop, config, result, error)
+      call prepare_case(cache, config, result, error)
       if (allocated(error)) then
          call summary%faults%add(stem//'.deck.nml', error%message)
          return
       end if
       call summary%take_condition(result%condition)
-      call add_conditioning(result, workshop%body)
+      call add_conditioning(result, cache%body)
       call summary%expect_text('', 'warnings', warnings_array(result%warnings))
       header = sweep_header(config%sweep)
       call read_csv_table(rows, stem//'.sweep.csv', header(:len(header) - 1), &
@@ -64,7 +64,7 @@ contains
       allocate (has_converged(rows%n_rows))
       n = 0
       do i = 1, merge(rows%n_rows, 0, len(fault) == 0)
-         call check_row(rows, i, config, workshop%body%zone, cases(n + 1), fault)
+         call check_row(rows, i, config, cache%body%zone, cases(n + 1), fault)
          if (len(fault) > 0) exit
          call tally%add(cases(n + 1)%result)
          has_converged(i) = cases(n + 1)%result%outcome == case_converged
@@ -74,9 +74,9 @@ contains
          call summary%faults%add(stem//'.sweep.csv', fault)
          return
       end if
-      call check_summary(summary, workshop, tally)
+      call check_summary(summary, cache, tally)
       call find_certified(summary, has_converged, certified)
-      call verify_fields(summary, workshop, result%load_case, config, stem, cases(:n), certified)
+      call verify_fields(summary, cache, result%load_case, config, stem, cases(:n), certified)
       is_certified = tally%n_outcomes(case_converged) == tally%n_cases .and. &
          summary%value('certificate', 'passed') == 'true'
    end subroutine verify_sweep
@@ -160,9 +160,9 @@ contains
    end subroutine check_lengths
 
    !> Checks what the summary tells of all rows together.
-   subroutine check_summary(summary, workshop, tally)
+   subroutine check_summary(summary, cache, tally)
       type(summary_check_t), intent(inout) :: summary !! the summary; gains the faults
-      type(workshop_t), intent(in) :: workshop !! the body
+      type(cache_t), intent(in) :: cache !! the body
       type(sweep_tally_t), intent(in) :: tally !! what the rows tell together
       integer :: i
 
@@ -172,10 +172,10 @@ contains
       do i = 1, size(outcome_names)
          call summary%expect_text('sweep', trim(outcome_names(i)), to_text(tally%n_outcomes(i)))
       end do
-      call summary%expect_text('counts', 'nodes', to_text(workshop%body%mesh%n_nodes))
-      call summary%expect_text('counts', 'elements', to_text(workshop%body%mesh%n_elements))
-      call summary%expect_text('counts', 'dofs', to_text(workshop%body%dof_map%n_dofs))
-      call summary%expect_text('counts', 'contact_points', to_text(workshop%body%zone%n_points))
+      call summary%expect_text('counts', 'nodes', to_text(cache%body%mesh%n_nodes))
+      call summary%expect_text('counts', 'elements', to_text(cache%body%mesh%n_elements))
+      call summary%expect_text('counts', 'dofs', to_text(cache%body%dof_map%n_dofs))
+      call summary%expect_text('counts', 'contact_points', to_text(cache%body%zone%n_points))
       if (tally%residual_case == 0) return
       call summary%expect_number('', 'residual', tally%residual, 0.0_dp)
       call summary%expect_text('', 'extremes', '{'//extremes_text(tally)//'}')

@@ -57,7 +57,7 @@ contains
       associate (band => problem%band, place => problem%band%place)
          call new_equations(equations, problem, active_set%slip_direction)
          equations%is_known(place) = [active_set%is_closed, active_set%slip_direction == 0]
-         equations%known(place(:m)) = merge(problem%gap, 0.0_dp, active_set%is_closed)
+         equations%known(place) = merge(problem%reference(), 0.0_dp, equations%is_known(place))
          equations%stiffening(place) = regularization*band%diagonal
          equations%load(place) = equations%load(place) + regularization*band%diagonal*displacement
          equations%slope = merge(problem%friction*active_set%slip_direction, 0.0_dp, active_set%is_closed)
@@ -92,7 +92,7 @@ contains
       associate (place => problem%band%place)
          call new_equations(equations, problem, active_set%slip_direction)
          equations%stiffening(place) = merge(springs, 0.0_dp, [active_set%is_closed, active_set%slip_direction == 0])
-         equations%load(place(:m)) = equations%load(place(:m)) + equations%stiffening(place(:m))*problem%gap
+         equations%load(place) = equations%load(place) + equations%stiffening(place)*problem%reference()
          equations%coupling = active_set%slip_direction*problem%friction*equations%stiffening(place(:m))
          equations%load(place(m + 1:)) = equations%load(place(m + 1:)) + equations%coupling*problem%gap
          call self%solve_equations(problem, equations, x, info)

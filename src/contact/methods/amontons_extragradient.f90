@@ -98,7 +98,7 @@ contains
       if (rate < slow) step = step/shorter
    end subroutine double_step
 
-   !> What drives the forces: w - (phi |w_T|; 0), w = v - (d; 0) (2m) [L].
+   !> What drives the forces: w - (phi |w_T|; 0), w = v - (d; a) (2m) [L].
    pure function driving_vector(problem, displacement) result(vector)
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
@@ -106,8 +106,8 @@ contains
       integer :: m
 
       m = problem%n_points
-      vector = displacement
-      vector(:m) = vector(:m) - problem%gap - problem%friction*abs(vector(m + 1:))
+      vector = displacement - problem%reference()
+      vector(:m) = vector(:m) - problem%friction*abs(vector(m + 1:))
    end function driving_vector
 
    !> The admissible forces next to given ones, in the scaled components (2m) [F].

@@ -87,7 +87,7 @@ contains
       if (self%is_dual) then
          self%residual = problem%displacement(problem%dual_load(self%center), self%unknown)
          call self%effort%multiply(merge(1.0_dp, 2.0_dp, problem%is_reduced()))
-         self%residual(:m) = self%residual(:m) - problem%gap
+         self%residual = self%residual - problem%reference()
       else
          self%residual = problem%load - matmul(problem%stiffness, self%unknown)
          call self%effort%multiply(1.0_dp)
@@ -152,8 +152,8 @@ contains
       end associate
    end subroutine relax_force
 
-   !> Relaxes the displacement of one point: the normal one is cut at the gap, the tangential one is shrunk by what
-   !> friction holds.
+   !> Relaxes the displacement of one point: the normal one is cut at the gap, the slip is shrunk by what friction
+   !> holds.
    pure subroutine relax_displacement(sweep, problem, n)
       type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -172,7 +172,8 @@ contains
          call set_unknown(sweep, problem, n, min(v(n) + omega*f(n)/s(n), problem%gap(n)))
          bound = problem%slip_bound(n)
          if (.not. v(n) < problem%gap(n)) bound = bound + problem%friction(n)*max(0.0_dp, f(n))
-         call set_unknown(sweep, problem, t, shrunk(v(t) + omega*f(t)/s(t), omega*bound/s(t)))
+         call set_unknown(sweep, problem, t, problem%anchor(n) &
+            + shrunk(v(t) - problem%anchor(n) + omega*f(t)/s(t), omega*bound/s(t)))
       end associate
    end subroutine relax_displacement
 
@@ -190,11 +191,12 @@ contains
          w_nn = s(t)/det
          w_nt = -sweep%coupling(n)/det
          w_tt = s(n)/det
-         free = [v(n) - problem%gap(n) + w_nn*f(n) + w_nt*f(t), v(t) + w_nt*f(n) + w_tt*f(t)]
+         free = [v(n) - problem%gap(n) + w_nn*f(n) + w_nt*f(t), &
+            v(t) - problem%anchor(n) + w_nt*f(n) + w_tt*f(t)]
          force = solve_point(w_nn, w_nt, w_tt, free, problem%friction(n), problem%slip_bound(n), [f(n), f(t)])
          distance = free(1) - w_nn*force(1) - w_nt*force(2)
          slip = free(2) - w_nt*force(1) - w_tt*force(2)
-         slip = v(t) + sweep%omega*(slip - v(t))
+         slip = v(t) + sweep%omega*(problem%anchor(n) + slip - v(t))
          if (force(1) > 0.0_dp) then
             call set_unknown(sweep, problem, n, problem%gap(n))
          else
@@ -224,8 +226,7 @@ contains
 
       m = problem%n_points
       if (self%is_dual) then
-         displacement = self%residual
-         displacement(:m) = displacement(:m) + problem%gap
+         displacement = self%residual + problem%reference()
          force = self%unknown
       else
          displacement = self%unknown

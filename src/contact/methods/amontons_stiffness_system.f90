@@ -61,8 +61,7 @@ contains
       call lu_solve(matrix, right, info)
       if (.not. all(ieee_is_finite(right))) info = 1
       if (info /= 0) return
-      displacement(:m) = problem%gap
-      displacement(m + 1:) = 0.0_dp
+      displacement = problem%reference()
       displacement(unknown) = right
       call problem%multiply_stiffness(displacement, force)
       force = problem%load - force
@@ -80,8 +79,7 @@ contains
       integer :: m
 
       m = problem%n_points
-      known = 0.0_dp
-      known(:m) = merge(problem%gap, 0.0_dp, active_set%is_closed)
+      known = merge(problem%reference(), 0.0_dp, [active_set%is_closed, active_set%slip_direction == 0])
       load = 0.0_dp
       if (any(abs(known) > 0.0_dp)) then
          call problem%multiply_stiffness(known, load)

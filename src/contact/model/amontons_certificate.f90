@@ -20,9 +20,9 @@ module amontons_certificate
       real(dp) :: friction_excess = 0.0_dp !! largest |lambda_T| - phi lambda_N - g / force_scale [-]
       real(dp) :: complementarity = 0.0_dp
          !! largest smaller one of lambda_N / force_scale and gap / largest displacement [-]
-      real(dp) :: slip_below_bound = 0.0_dp !! the same of |u_T| and what |lambda_T| lacks to its bound [-]
+      real(dp) :: slip_below_bound = 0.0_dp !! the same of the slip |u_T - a| and what |lambda_T| lacks to its bound [-]
       real(dp) :: wrong_dissipation = 0.0_dp
-         !! the same of |lambda_T| and |u_T| where they point in opposite directions [-]
+         !! the same of |lambda_T| and the slip where they point in opposite directions [-]
       real(dp) :: resultant = 0.0_dp !! |loads + reactions + contact forces| / sum of their magnitudes [-]
       real(dp) :: moment = 0.0_dp !! |moment of these| / (sum of their magnitudes times half the body's size) [-]
       real(dp) :: energy = 0.0_dp !! |u . K u - work of all forces| / sum of the magnitudes of the terms, or more [-]
@@ -31,7 +31,7 @@ module amontons_certificate
          !! |primal energy of u - dual energy of lambda| / the same, of a given slip bound or none [-]
       real(dp) :: force_scale = 0.0_dp !! what contact forces are measured by: the largest nodal force, or more [F]
       real(dp) :: strain_energy = 0.0_dp !! u . K u / 2 [F L]
-      real(dp) :: dissipation = 0.0_dp !! work of friction: sum of lambda_T u_T [F L]
+      real(dp) :: dissipation = 0.0_dp !! work of friction: sum of lambda_T (u_T - a) [F L]
       real(dp) :: load(2) = 0.0_dp !! resultant of the loads, x and y [F]
       real(dp) :: reaction(2) = 0.0_dp !! resultant of the support reactions, x and y [F]
       real(dp) :: contact(2) = 0.0_dp !! resultant of the obstacle's forces on the body, x and y [F]
@@ -159,7 +159,7 @@ contains
       m = zone%n_points
       at_points = zone%rows%displacement(displacement)
       distance = load_case%gap - at_points(:m)
-      slip = at_points(m + 1:)
+      slip = at_points(m + 1:) - load_case%anchor
       largest_displacement = maxval(abs(displacement))
       associate (normal => force(:m), tangential => force(m + 1:), &
          bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &

@@ -25,6 +25,8 @@ module amontons_load_case
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
       real(dp), allocatable :: free_gap(:)
          !! what is left of the gap for the displacements that supports do not prescribe: d - n . u_p (m) [L]
+      real(dp), allocatable :: anchor(:)
+         !! displacement along the tangent that slips are counted from; 0 but in a load history (m) [L]
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle, so that the point can close (m)
       real(dp), allocatable :: cosine(:) !! of the angle between the normal and the way into the obstacle (m) [-]
       real(dp), allocatable :: depth(:) !! how deep a point out of reach lies in the obstacle, 0 for the others (m) [L]
@@ -85,6 +87,7 @@ contains
       corners(:, 2) = maxval(mesh%coordinates, dim=2)
       size_of_body = norm2(corners(:, 2) - corners(:, 1))
       load_case%gap = spread(0.0_dp, 1, zone%n_points)
+      load_case%anchor = load_case%gap
       load_case%friction = load_case%gap
       load_case%slip_bound = load_case%gap
       load_case%depth = load_case%gap
@@ -173,7 +176,7 @@ contains
       call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), load_case%condensed)
    end subroutine condense_load_case
 
-   !> Sets load, gap, friction and slip bound of a body's contact problem to those of a load case.
+   !> Sets load, gap, anchor, friction and slip bound of a body's contact problem to those of a load case.
    subroutine pose_problem(problem, body, load_case)
       type(contact_problem_t), intent(inout) :: problem !! the contact problem of the body
       type(body_t), intent(in) :: body !! the body
@@ -183,7 +186,7 @@ contains
       problem%load = load_case%condensed%load
       problem%prescribed = maxval(abs(load_case%prescribed))
       problem%gap = load_case%free_gap
-      ! Slips are whole, since friction is against all of a slip: what is prescribed of them, as at one node of a cell,
+      ! Tangential displacements are whole, as the anchors are: what is prescribed of them, as at one node of a cell,
       ! becomes a load.
       allocate (slip, source=prescribed_slip(body, load_case))
       if (any(abs(slip) > 0.0_dp)) then

@@ -1,7 +1,7 @@
 !> The active set of a contact problem: an assumption of what every point does, which turns the contact law into
 !> linear equations.
 !>
-!> Closed: u_N = d. Open: lambda_N = 0. Stick: u_T = 0. Slip along s = +1 or -1: lambda_T = s (g + phi lambda_N).
+!> Closed: u_N = d. Open: lambda_N = 0. Stick: u_T = a. Slip along s = +1 or -1: lambda_T = s (g + phi lambda_N).
 module amontons_active_set
    use amontons_contact_problem, only: contact_problem_t
    use amontons_friction_law, only: bounded
@@ -57,7 +57,7 @@ contains
       do p = 1, problem%n_points
          t = p + problem%n_points
          normal = force(p) + rho(p)*(displacement(p) - problem%gap(p))
-         tangential = force(t) + rho(t)*displacement(t)
+         tangential = force(t) + rho(t)*(displacement(t) - problem%anchor(p))
          bound = problem%slip_bound(p) + problem%friction(p)*max(0.0_dp, normal)
          self%is_closed(p) = normal > 0.0_dp
          self%slip_direction(p) = 0

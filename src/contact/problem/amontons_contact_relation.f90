@@ -1,8 +1,8 @@
 !> A contact problem as one linear relation `y = h - H x` between forces and distances, in numbers about 1, for the
 !> methods that decide point by point which condition of the law is in force.
 !>
-!> w = (u_N - d; u_T) are the distances. In the dual form x is the force, y = w, H = A and h = B; in the primal form
-!> x = w, y is the force, H = S and h = q - S (d; 0). Either way H is positive semidefinite; it is scaled to the
+!> w = (u_N - d; u_T - a) are the distances. In the dual form x is the force, y = w, H = A and h = B; in the primal form
+!> x = w, y is the force, H = S and h = q - S (d; a). Either way H is positive semidefinite; it is scaled to the
 !> diagonal 1, which turns every force and every distance into one unit, and with it the friction.
 module amontons_contact_relation
    use amontons_contact_problem, only: contact_problem_t
@@ -13,7 +13,7 @@ module amontons_contact_relation
 
    public :: contact_relation_t, new_contact_relation, point_states_t
 
-   !> Which conditions are in force at every point. Closed: u_N = d; open: lambda_N = 0. Direction 0: u_T = 0;
+   !> Which conditions are in force at every point. Closed: u_N = d; open: lambda_N = 0. Direction 0: u_T = a;
    !> direction +1 or -1: lambda_T = +-(g + phi lambda_N).
    type :: point_states_t
       logical, allocatable :: is_closed(:) !! whether each point is closed (m)
@@ -41,7 +41,7 @@ contains
    pure subroutine new_contact_relation(relation, problem)
       type(contact_relation_t), intent(out) :: relation !! the relation
       type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp) :: bound(2*problem%n_points), force(2*problem%n_points)
+      real(dp) :: force(2*problem%n_points)
       integer :: all_rows(2*problem%n_points), i
 
       relation%is_dual = problem%is_reduced()
@@ -50,9 +50,7 @@ contains
          call scale_relation(relation, problem%compliance%block(all_rows, all_rows), &
             problem%dual_load(problem%free_displacement), problem%friction, problem%slip_bound)
       else
-         bound = 0.0_dp
-         bound(:problem%n_points) = problem%gap
-         call symmetric_multiply(problem%stiffness, bound, force)
+         call symmetric_multiply(problem%stiffness, problem%reference(), force)
          call scale_relation(relation, problem%stiffness, problem%load - force, problem%friction, problem%slip_bound)
       end if
    end subroutine new_contact_relation

@@ -125,8 +125,7 @@ contains
       allocate (solutions%status(m, solutions%n))
       do i = 1, solutions%n
          solutions%force(:, i) = solutions%force(:, i)*search%relation%force_unit
-         solutions%displacement(:, i) = solutions%displacement(:, i)*search%relation%distance_unit
-         solutions%displacement(:m, i) = solutions%displacement(:m, i) + problem%gap
+         solutions%displacement(:, i) = solutions%displacement(:, i)*search%relation%distance_unit + problem%reference()
          solutions%status(:, i) = problem%status(solutions%displacement(:, i), solutions%force(:, i))
       end do
    end subroutine find

@@ -16,13 +16,13 @@ module amontons_solve_sweep
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
    use amontons_result_warnings, only: add_conditioning
-   use amontons_solve_case, only: condense_case, prepare_case, workshop_t
+   use amontons_solve_case, only: cache_t, condense_case, prepare_case
    use amontons_solve_load_case, only: certify
    use amontons_sweep_checkpoint, only: open_sweep_checkpoint, sweep_checkpoint_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
    use amontons_sweep_fields, only: write_sweep_fields
    use amontons_sweep_model, only: new_sweep_model, sweep_model_t
-   use amontons_sweep_monitor, only: sweep_monitor_t
+   use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep_table, only: sweep_header
    use amontons_sweep_tally, only: sweep_tally_t
    use amontons_system, only: make_directory, wall_seconds
@@ -54,18 +54,18 @@ contains
 
    !> Solves all cases of a sweep that no earlier run has done. The table keeps its temporary name, and its lock until
    !> it is written, unless the sweep was interrupted.
-   subroutine solve_sweep(workshop, config, directory, monitor, result, error)
-      type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the sweep needs another
+   subroutine solve_sweep(cache, config, directory, monitor, result, error)
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: directory !! output directory, made if it is not there
-      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
+      class(study_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
       type(sweep_result_t), intent(out) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! the deck, the numbers or the disk are at fault
       type(sweep_task_t) :: task
 
-      call prepare_case(workshop, config, result%certified, error)
+      call prepare_case(cache, config, result%certified, error)
       if (allocated(error)) return
-      call condense_case(workshop, config, result%certified, error)
+      call condense_case(cache, config, result%certified, error)
       if (allocated(error)) return
       call new_contact_method(task%method, config%method, error)
       if (allocated(error)) return
@@ -74,7 +74,7 @@ contains
          task%is_auto = .true.
       end select
       task%sweep = config%sweep
-      call new_sweep_model(task%model, workshop%body, workshop%problem, result%certified%load_case, config, error)
+      call new_sweep_model(task%model, cache%body, cache%problem, result%certified%load_case, config, error)
       if (allocated(error)) return
 
       call result%certified%timings%begin(phase_solve)
@@ -84,8 +84,8 @@ contains
          sweep_header(config%sweep), result%tally, error)
       if (allocated(error)) return
       result%n_resumed = result%tally%n_cases
-      call solve_batches(task, workshop%body, monitor, result, error)
-      if (.not. allocated(error)) call finish_sweep(task, workshop%body, directory, config%name, monitor, result, error)
+      call solve_batches(task, cache%body, monitor, result, error)
+      if (.not. allocated(error)) call finish_sweep(task, cache%body, directory, config%name, monitor, result, error)
       if (allocated(error) .or. result%is_interrupted) call result%checkpoint%close()
    end subroutine solve_sweep
 
@@ -95,7 +95,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       character(*), intent(in) :: directory !! output directory
       character(*), intent(in) :: name !! name of the case
-      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
+      class(study_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
       type(sweep_result_t), intent(inout) :: result !! gains the case and its certificate
       type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
 
@@ -117,7 +117,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       character(*), intent(in) :: directory !! output directory
       character(*), intent(in) :: name !! name of the case
-      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
+      class(study_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
       type(sweep_result_t), intent(inout) :: result !! gains the collection and the manifest of the fields
       type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
 
@@ -140,7 +140,7 @@ contains
    subroutine solve_batches(task, body, monitor, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
-      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
+      class(study_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
       type(sweep_result_t), intent(inout) :: result !! gains the tally
       type(error_t), allocatable, intent(out) :: error !! the rows cannot be written
       real(dp), parameter :: batch_seconds = 1.0_dp
@@ -173,7 +173,7 @@ contains
    subroutine solve_chunks(task, body, monitor, chunks)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
-      class(sweep_monitor_t), intent(in) :: monitor !! may stop the sweep
+      class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
       type(chunk_t), intent(inout) :: chunks(:) !! the chunks
 
       !$omp parallel default(none) shared(task, body, monitor, chunks)
@@ -185,7 +185,7 @@ contains
    subroutine share_chunks(task, body, monitor, chunks)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
-      class(sweep_monitor_t), intent(in) :: monitor !! may stop the sweep
+      class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
       type(chunk_t), intent(inout) :: chunks(:) !! the chunks
       type(contact_problem_t) :: problem
       type(contact_solution_t) :: solutions(chunk_length)
