@@ -20,7 +20,10 @@ from amontons.verdicts import COLORS, verdict_of, violations
 MANY = 8  # cases: from here on all cores draw
 PARTS = ("lengths", "resultants", "counts")
 FILES = (".lst", ".contact.csv", ".sweep.csv", ".summary.json", ".vtu", ".contact.vtu", ".sweep.pvd", ".deck.nml")
-SHOWN = ("open_length", "slip_length", "stick_length", "normal_force", "tangential_force", "iterations", "residual")
+SHOWN = ("max_contact_pressure", "max_von_mises", "max_displacement", "max_slip", "contact_width", "slip_length",
+         "stick_length", "normal_force", "residual")
+DIMENSIONS = (("pressure", "stress"), ("shear", "stress"), ("mises", "stress"), ("force", "force"), ("moment", None),
+              ("", "length"))  # of the key results, by a part of their names
 
 
 def numbers_of(case):
@@ -47,7 +50,9 @@ def add_number(found, key, value):
 
 def cell_text(value):
     """A number in a table."""
-    return "–" if value is None else f"{value:.4g}"
+    if value is None:
+        return "–"
+    return f"{value:.5g}" if value == 0 or abs(value) >= 1e-3 else f"{value:.2e}"
 
 
 def table_of(cases, smalls):
@@ -77,6 +82,20 @@ def table_of(cases, smalls):
 {body}</tbody></table>
 <script type="application/json" id="results">{data}</script>
 """
+
+
+def key_results_of(case):
+    """The key results of a case, with the places of those that have one."""
+    results, text = case.summary.get("key_results", {}), ""
+    places = {f"{key}_{axis}" for key in results for axis in "xy" if f"{key}_x" in results}
+    for key, value in results.items():
+        if key not in places:
+            dimension = next(dimension for part, dimension in DIMENSIONS if part in key)
+            label = html.escape(case.label(key.replace("_", " "), dimension))
+            place = f" at ({cell_text(results[f'{key}_x'])}, {cell_text(results[f'{key}_y'])})" \
+                if f"{key}_x" in places else ""
+            text += f"<div><dt>{label}</dt><dd>{cell_text(value)}{place}</dd></div>"
+    return f"<dl>{text}</dl>\n" if text else ""
 
 
 def size_of(summary):
@@ -117,7 +136,7 @@ def section_of(case, pictures):
     return f"""<section><h2 id="{name}">{name}{": " + title if title else ""}</h2>
 <p class="verdict {color}"><b>{color}</b><span>{html.escape(sentence)}</span></p>
 {warnings}<p>{size_of(summary)}. Method {summary["method"]}, {summary["iterations"]} iterations.</p>
-<div class="figures{is_one}">{"".join(f"<div>{picture}</div>" for picture in pictures)}</div>
+{key_results_of(case)}<div class="figures{is_one}">{"".join(f"<div>{picture}</div>" for picture in pictures)}</div>
 <p>Files: {files}</p>
 <details><summary>Certificate: relative errors on the full model</summary>
 <table>{certificate}</table></details>
