@@ -9,7 +9,7 @@ module amontons_agreement
    implicit none (type, external)
    private
 
-   public :: agree, contradiction, fault_text_t, first_disagreement, shown
+   public :: agree, contradiction, fault_text_t, first_disagreement
 
    !> Largest difference of two numbers that agree, over the largest number of their kind [-].
    real(dp), parameter :: limit = 1.0e-8_dp

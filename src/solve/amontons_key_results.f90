@@ -125,7 +125,8 @@ contains
          peak('max_displacement', 'Max. displacement', norm2(displacement, dim=1), body%mesh%coordinates, 0.0_dp)]
    end function body_peaks
 
-   !> The largest of some values, the first of those that are equal but for rounding; 0 where none is positive.
+   !> The largest of some values, the first of those that are equal but for rounding; 0 where all are
+   !> rounding errors.
    pure function peak(key, label, values, places, scale) result(quantity)
       character(*), intent(in) :: key !! its name in files
       character(*), intent(in) :: label !! its name in listings
@@ -137,7 +138,7 @@ contains
       integer :: i
 
       quantity = at_place(key, label, 0.0_dp, [0.0_dp, 0.0_dp], scale)
-      if (.not. any(values > 0.0_dp)) return
+      if (.not. any(values > rounding*scale)) return
       i = findloc(values >= (1.0_dp - rounding)*maxval(values), .true., dim=1)
       quantity%value = values(i)
       quantity%place = places(:, i)

@@ -59,9 +59,9 @@ contains
          result%condition = summary%number('', 'condition')
          call judge(result, body)
          call add_result_warnings(result, body)
+         if (result%solution%is_converged) call check_law(summary%faults, body, result, stem//'.contact.csv', .true.)
          call check_texts(summary%faults, config, body, result, stem)
          call check_grids(summary%faults, body, result, stem)
-         if (result%solution%is_converged) call check_law(summary%faults, body, result, stem//'.contact.csv', .true.)
       end associate
       is_certified = result%solution%is_converged .and. &
          result%certificate%largest() <= certificate_limit(config%method%tolerance)
@@ -95,12 +95,12 @@ contains
       type(document_t) :: summary
       integer :: i
 
-      call case_documents(documents, config, body, result)
-      do i = 1, size(documents)
-         call compare_document(faults, stem, documents(i))
-      end do
       call new_summary(summary, config, body, result)
       call compare_document(faults, stem, summary)
+      call case_documents(documents, config, body, result)
+      do i = size(documents), 1, -1
+         call compare_document(faults, stem, documents(i))
+      end do
    end subroutine check_texts
 
    !> Checks all that the two grids show: mesh, stresses, contact quantities.

@@ -50,13 +50,13 @@ contains
          solution%is_converged = summary%value('', 'converged') == 'true'
          call system%set_solution(solution%force, 1.0_dp)
          call new_reduced_check(result%check, system)
-         call reduced_documents(documents, config, result)
-         do i = 1, size(documents)
-            call compare_document(summary%faults, stem, documents(i))
-         end do
+         if (solution%is_converged) call check_law(summary, config, result, stem//'.contact.csv')
          call new_reduced_summary(rewritten, config, result)
          call compare_document(summary%faults, stem, rewritten)
-         if (solution%is_converged) call check_law(summary, config, result, stem//'.contact.csv')
+         call reduced_documents(documents, config, result)
+         do i = size(documents), 1, -1
+            call compare_document(summary%faults, stem, documents(i))
+         end do
          is_certified = solution%is_converged .and. &
             result%check%largest() <= certificate_limit(config%method%tolerance)
       end associate
