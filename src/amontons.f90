@@ -1,11 +1,12 @@
 !> The public interface of the Amontons library, on one screen.
 !>
-!> From a deck: `read_config`, `solve_case`, `write_report`, or `solve_sweep`, `write_sweep_report`. In code:
-!> `new_rectangle_mesh` or `read_mesh_file`, `new_material`, `new_support`, `new_contact`, `new_body`, `new_load`,
-!> `solve_body`. A contact problem alone: `new_contact_problem` or `new_reduced_problem`, `new_contact_method`,
-!> `new_contact_solution`. A reduced problem from a file: `new_reduced_config`, `solve_reduced`, `write_reduced_report`;
-!> to one: `new_condensed_system`, `write_reduced_file`; from arrays: `new_dense_system`, `solve_reduced_system`. Files
-!> of an earlier run: `find_cases`, `verify_files`.
+!> From a deck of any kind to its files: `read_config`, `new_study`, `solve_study`. With the result at hand:
+!> `solve_case`, `write_report`, or `solve_sweep`, `write_sweep_report`. In code: `new_rectangle_mesh` or
+!> `read_mesh_file`, `new_material`, `new_support`, `new_contact`, `new_body`, `new_load`, `solve_body`. A contact
+!> problem alone: `new_contact_problem` or `new_reduced_problem`, `new_contact_method`, `new_contact_solution`. A
+!> reduced problem from a file: `new_reduced_config`, `solve_reduced`, `write_reduced_report`; to one:
+!> `new_condensed_system`, `write_reduced_file`; from arrays: `new_dense_system`, `solve_reduced_system`. Files of an
+!> earlier run: `find_cases`, `verify_files`.
 module amontons
    use amontons_all_solutions, only: all_solutions_t, find_all_solutions
    use amontons_body, only: body_t, condense_body, new_body
@@ -28,6 +29,8 @@ module amontons
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: read_mesh_file
    use amontons_methods, only: method_names, method_options_t, new_contact_method
+   use amontons_new_study, only: new_study
+   use amontons_outcome, only: outcome_t
    use amontons_rectangle, only: new_rectangle_mesh, rectangle_t
    use amontons_reduced_file, only: read_reduced_file, write_reduced_file
    use amontons_reduced_report, only: write_reduced_report
@@ -35,10 +38,11 @@ module amontons
    use amontons_report, only: write_report
    use amontons_result, only: result_t
    use amontons_solve_body, only: solve_body
-   use amontons_solve_case, only: prepare_case, solve_case, workshop_t
+   use amontons_solve_case, only: cache_t, prepare_case, solve_case
    use amontons_solve_reduced, only: find_reduced_solutions, reduced_result_t, solve_reduced, solve_reduced_system
    use amontons_solve_sweep, only: solve_sweep, sweep_result_t
-   use amontons_sweep_monitor, only: sweep_monitor_t
+   use amontons_study, only: check_study, solve_study, study_options_t, study_t
+   use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep_report, only: write_sweep_report
    use amontons_symmetric_matrix, only: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
    use amontons_threads, only: set_threads
@@ -51,11 +55,13 @@ module amontons
    ! Values
    public :: dp, error_t, input_refused, numerical_failure, system_failure, version
    ! Cases
-   public :: config_t, prepare_case, read_config, result_t, solve_case, workshop_t, write_report
+   public :: cache_t, config_t, prepare_case, read_config, result_t, solve_case, write_report
    ! Results in files
    public :: file_name_t, find_cases, verdict_t, verify_files
+   ! Studies of any kind
+   public :: check_study, new_study, outcome_t, solve_study, study_monitor_t, study_options_t, study_t
    ! Sweeps
-   public :: solve_sweep, sweep_monitor_t, sweep_result_t, write_sweep_report
+   public :: solve_sweep, sweep_result_t, write_sweep_report
    ! Reduced problems of others
    public :: find_reduced_solutions, new_condensed_system, new_dense_system, new_reduced_config, read_reduced_file, &
       reduced_result_t, reduced_system_t, solve_reduced, solve_reduced_system, write_reduced_file, write_reduced_report

@@ -1,11 +1,11 @@
 !> Solves a deck, writes its files and looks at the result. Usage: solve_deck DECK DIRECTORY
 program solve_deck
    use, intrinsic :: iso_fortran_env, only: error_unit
-   use amontons, only: config_t, error_t, read_config, result_t, solve_case, workshop_t, write_report
+   use amontons, only: cache_t, config_t, error_t, read_config, result_t, solve_case, write_report
    implicit none (type, external)
    character(1000) :: deck, directory
    type(config_t) :: config
-   type(workshop_t) :: workshop
+   type(cache_t) :: cache
    type(result_t) :: result
    type(error_t), allocatable :: error
 
@@ -13,8 +13,8 @@ program solve_deck
    call get_command_argument(2, directory)
 
    call read_config(config, trim(deck), error)
-   if (.not. allocated(error)) call solve_case(workshop, config, result, error)
-   if (.not. allocated(error)) call write_report(trim(directory), config, workshop%body, result, error)
+   if (.not. allocated(error)) call solve_case(cache, config, result, error)
+   if (.not. allocated(error)) call write_report(trim(directory), config, cache%body, result, error)
    if (allocated(error)) then
       write (error_unit, '(a)') error%message
       stop error%kind, quiet=.true.

@@ -26,13 +26,17 @@ MAY_USE = {
     "deck": ["system"],
     "input": ["deck", "contact/model", "contact/methods", "elasticity", "mesh", "cholesky", "linalg", "system"],
     "solve": ["input", *CONTACT, "elasticity", "mesh", "mesh/io", "linalg", "system"],
-    "output": ["solve", "input", *CONTACT, "elasticity", "mesh", "linalg", "system"],
-    "study/sweep": ["output", "solve", "input", *CONTACT, "elasticity", "linalg", "system"],
-    "study/reduced": ["output", "solve", "input", "contact/problem", "contact/methods", "contact/uniqueness", "linalg",
-                      "system"],
+    "output": ["solve", *CONTACT, "elasticity", "mesh", "linalg", "system"],
+    "study": ["solve", "input", "contact/model"],
+    "study/reduced": ["study", "output", "solve", "input", "contact/problem", "contact/methods", "contact/uniqueness",
+                      "linalg", "system"],
+    "study/single": ["study", "study/reduced", "output", "solve", "input", "contact/uniqueness", "elasticity",
+                     "system"],
+    "study/sweep": ["study", "output", "solve", "input", *CONTACT, "elasticity", "linalg", "system"],
+    "run": ["study", "study/reduced", "study/single", "study/sweep", "input"],
     "verify": ["study/sweep", "study/reduced", "output", "solve", "input", "contact/problem", "contact/model",
                "system"],
-    "binding": ["study/sweep", "study/reduced", "output", "solve", "input", "contact/methods", "linalg"],
+    "binding": ["run", "study", "study/reduced", "solve", "input", "contact/methods", "linalg"],
 }
 # The facade src/amontons.f90 and the program may use all; only the program may use the facade.
 FACADE, APP = "facade", "app"

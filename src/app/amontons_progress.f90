@@ -2,7 +2,7 @@
 module amontons_progress
    use amontons_kinds, only: dp
    use amontons_status_line, only: note_work
-   use amontons_sweep_monitor, only: sweep_monitor_t
+   use amontons_study_monitor, only: study_monitor_t
    use amontons_system, only: wall_seconds
    use amontons_terminal, only: hold_interrupts, is_interrupted, release_interrupts
    use amontons_text, only: to_text
@@ -12,7 +12,7 @@ module amontons_progress
    public :: progress_t
 
    !> Watches a sweep. From the first report until `finish`, SIGINT and SIGTERM stop it after the cases under way.
-   type, extends(sweep_monitor_t) :: progress_t
+   type, extends(study_monitor_t) :: progress_t
       private
       real(dp) :: start = 0.0_dp !! when the first report came [s]
       integer :: n_before = -1 !! cases done at the first report; -1 before it

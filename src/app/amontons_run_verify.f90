@@ -6,8 +6,8 @@ module amontons_run_verify
    use amontons_directory, only: file_name_t
    use amontons_error, only: error_t
    use amontons_result, only: status_not_converged
-   use amontons_screen, only: complain, tell
-   use amontons_solve_case, only: workshop_t
+   use amontons_messages, only: print_error, print_info
+   use amontons_solve_case, only: cache_t
    use amontons_text, only: newline
    use amontons_verify, only: find_cases, verdict_t, verify_files
    implicit none (type, external)
@@ -22,7 +22,7 @@ contains
       type(command_line_t), intent(in) :: command_line !! the directories, and the options
       integer, intent(out) :: status !! 0 if all are verified and certified
       type(file_name_t), allocatable :: names(:)
-      type(workshop_t) :: workshop
+      type(cache_t) :: cache
       type(error_t), allocatable :: error
       integer :: i, k
 
@@ -32,42 +32,42 @@ contains
             call find_cases(names, directory, error)
             if (.not. allocated(error)) then
                do k = 1, size(names)
-                  call verify_one(command_line, workshop, directory, names(k)%text, status, error)
+                  call verify_one(command_line, cache, directory, names(k)%text, status, error)
                   if (allocated(error)) exit
                end do
                call verify_collection(directory, status)
             end if
          end associate
          if (.not. allocated(error)) cycle
-         call complain(error%message)
+         call print_error(error%message)
          status = max(status, error%kind)
       end do
    end subroutine verify_directories
 
-   !> Verifies a case and tells what was found.
-   subroutine verify_one(command_line, workshop, directory, name, status, error)
+   !> Verifies a case and prints what was found.
+   subroutine verify_one(command_line, cache, directory, name, status, error)
       type(command_line_t), intent(in) :: command_line !! the options
-      type(workshop_t), intent(inout) :: workshop !! what cases share
+      type(cache_t), intent(inout) :: cache !! what cases share
       character(*), intent(in) :: directory !! the directory
       character(*), intent(in) :: name !! name of the case
       integer, intent(inout) :: status !! exit status so far
       type(error_t), allocatable, intent(out) :: error !! standard output takes no more
       type(verdict_t) :: verdict
 
-      call verify_files(verdict, workshop, directory, name)
+      call verify_files(verdict, cache, directory, name)
       if (verdict%is_verified .and. verdict%is_certified) then
-         call tell(command_line, name//': verified', error)
+         call print_info(command_line, name//': verified', error)
          return
       end if
       status = max(status, status_not_converged)
       if (verdict%is_verified) then
-         call complain(name//': as it was written, but not converged or not certified')
+         call print_error(name//': as it was written, but not converged or not certified')
       else
-         call complain(name//': NOT VERIFIED'//newline//verdict%faults)
+         call print_error(name//': NOT VERIFIED'//newline//verdict%faults)
       end if
    end subroutine verify_one
 
-   !> Verifies the collection of several cases, which belongs to none, and tells what is wrong with it.
+   !> Verifies the collection of several cases, which belongs to none, and prints what is wrong with it.
    subroutine verify_collection(directory, status)
       character(*), intent(in) :: directory !! the directory
       integer, intent(inout) :: status !! exit status so far
@@ -76,7 +76,7 @@ contains
       call check_collection(faults, directory)
       if (faults%n == 0) return
       status = max(status, status_not_converged)
-      call complain('cases.pvd: NOT VERIFIED'//newline//faults%text())
+      call print_error('cases.pvd: NOT VERIFIED'//newline//faults%text())
    end subroutine verify_collection
 
 end module amontons_run_verify

@@ -4,13 +4,18 @@
 !> place for all threads.
 module amontons_c_interface
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_loc, c_null_char, c_ptr
-   use amontons_c_deck, only: run_deck, verdict
    use amontons_c_text, only: put_c_text, text_of_c
+   use amontons_config, only: config_t, read_config
    use amontons_dense_system, only: new_dense_system
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_methods, only: method_options_t
+   use amontons_new_study, only: new_study
+   use amontons_outcome, only: judge, outcome_t
    use amontons_reduced_system, only: reduced_system_t
    use amontons_solve_reduced, only: reduced_result_t, solve_reduced_system
+   use amontons_solve_case, only: cache_t
+   use amontons_study, only: solve_study, study_options_t, study_t
+   use amontons_study_monitor, only: study_monitor_t
    use amontons_text, only: to_text
    use amontons_threads, only: set_threads
    use amontons_version, only: version
@@ -97,7 +102,7 @@ contains
       call new_dense_system(system, w, q, mu, error)
       if (.not. allocated(error)) call solve_reduced_system(system, options, result, error)
       if (allocated(error)) return
-      call verdict(result%solution%is_converged, result%solution%residual, result%check%largest(), options%tolerance, &
+      call judge(result%solution%is_converged, result%solution%residual, result%check%largest(), options%tolerance, &
          status, sentence)
       code = int(status, c_int)
    end subroutine solve_arrays
@@ -133,15 +138,37 @@ contains
       integer(c_int), value, intent(in) :: message_size !! room in message
       character(c_char), intent(inout) :: message(message_size) !! what went wrong
       integer(c_int) :: code
-      character(:), allocatable :: case_name, sentence
-      integer :: status
+      type(outcome_t) :: outcome
 
       !$omp critical (amontons_call)
-      call run_deck(text_of_c(deck), text_of_c(directory), case_name, status, sentence)
-      code = int(status, c_int)
-      call put_c_text(case_name, name_size, name)
-      call put_c_text(sentence, message_size, message)
+      call run_deck(text_of_c(deck), text_of_c(directory), outcome)
+      code = int(outcome%status, c_int)
+      call put_c_text(outcome%name, name_size, name)
+      call put_c_text(outcome%message, message_size, message)
       !$omp end critical (amontons_call)
    end function amontons_solve_deck
+
+   !> Solves a deck and writes its files, as the program does.
+   subroutine run_deck(deck, directory, outcome)
+      character(*), intent(in) :: deck !! name of the deck
+      character(*), intent(in) :: directory !! output directory, made if it is not there
+      type(outcome_t), intent(out) :: outcome !! what became of it
+      type(config_t) :: config
+      class(study_t), allocatable :: study
+      type(cache_t) :: cache
+      type(study_options_t) :: options
+      type(study_monitor_t) :: monitor
+      type(error_t), allocatable :: error
+
+      call read_config(config, deck, error)
+      if (allocated(error)) then
+         call outcome%begin(deck, '')
+         call outcome%fail(error)
+         return
+      end if
+      call new_study(study, config)
+      options%directory = directory
+      call solve_study(study, cache, options, monitor, outcome)
+   end subroutine run_deck
 
 end module amontons_c_interface

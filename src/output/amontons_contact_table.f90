@@ -40,7 +40,7 @@ contains
          m = zone%n_points
          slip = result%solution%displacement(m + 1:)
          at_points = zone%rows%displacement(result%displacement)
-         where (zone%is_guided) slip = at_points(m + 1:)
+         where (zone%is_tangent_fixed) slip = at_points(m + 1:)
          ! A gap is the difference of a gap and a displacement, a slip that of displacements.
          length = max(maxval(abs(result%displacement)), maxval(abs(load_case%gap)))
          call add('x', 'x', zone%position(1, :), maxval(abs(zone%position)))

@@ -67,20 +67,20 @@ contains
 
       associate (solution => result%solution)
          text = heading('Solution')//line('Method', method_text(result%method))// &
-            line('Factorisation', factorization_text(result))
+            line('Factorization', factorization_text(result))
          if (allocated(result%started_from)) text = text//line('Started from', 'case '//result%started_from)
          text = text//outcome_text(solution)
          if (result%method_error >= 0.0_dp) text = text//line('Error of method', scientific(result%method_error)// &
             ' of the largest contact force, against the exact solution')
          text = text//residual_text(solution, result%method%tolerance)// &
             uniqueness_text(result%uniqueness, &
-            merge(0.0_dp, result%load_case%friction, body%zone%is_guided))
+            merge(0.0_dp, result%load_case%friction, body%zone%is_tangent_fixed))
          if (allocated(result%all_solutions)) text = text// &
             solutions_text(result%all_solutions, solution%force)
       end associate
    end function solution_text
 
-   !> The factorisation in use, its size, and the case it was made for.
+   !> The factorization in use, its size, and the case it was made for.
    pure function factorization_text(result) result(text)
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text

@@ -7,6 +7,7 @@ module amontons_manifest
    use amontons_error, only: error_t
    use amontons_json, only: string
    use amontons_kinds, only: int64
+   use amontons_loads, only: load_t
    use amontons_mesh, only: mesh_t
    use amontons_output_file, only: output_file_t
    use amontons_text, only: newline, to_text
@@ -88,10 +89,11 @@ contains
    end subroutine manifest_add_reduced
 
    !> Adds the files that a body was made of; the effective deck holds what its deck said.
-   subroutine manifest_add_inputs(self, mesh, contacts)
+   subroutine manifest_add_inputs(self, mesh, contacts, loads)
       class(manifest_t), intent(inout) :: self !! the manifest
       type(mesh_t), intent(in) :: mesh !! the mesh of the body
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
+      type(load_t), intent(in) :: loads(:) !! the loads
       integer :: i
 
       if (mesh%is_file) call self%add_input(mesh%source)
@@ -99,6 +101,9 @@ contains
          if (allocated(contacts(i)%friction%file)) call self%add_input(contacts(i)%friction%file)
          if (allocated(contacts(i)%slip_bound%file)) call self%add_input(contacts(i)%slip_bound%file)
          if (allocated(contacts(i)%obstacle%file)) call self%add_input(contacts(i)%obstacle%file)
+      end do
+      do i = 1, size(loads)
+         if (allocated(loads(i)%temperature_file)) call self%add_input(loads(i)%temperature_file)
       end do
    end subroutine manifest_add_inputs
 

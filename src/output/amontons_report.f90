@@ -24,9 +24,8 @@ module amontons_report
 
 contains
 
-   !> Writes NAME.lst, NAME.contact.csv, NAME.vtu, NAME.contact.vtu and NAME.summary.json, NAME.deck.nml if the case comes
-   !> from a deck, and NAME.solutions.csv if all solutions are known. Names change hands only after every file is
-   !> complete.
+   !> Writes NAME.lst, NAME.contact.csv, NAME.vtu, NAME.contact.vtu and NAME.summary.json, NAME.deck.nml if there is a
+   !> deck, and NAME.solutions.csv if all solutions are known. The files are renamed when all are complete.
    subroutine write_report(directory, label, body, result, error)
       character(*), intent(in) :: directory !! output directory, made if it is not there
       class(case_label_t), intent(in) :: label !! what the case is called: a configuration, or `new_case_label`
@@ -96,7 +95,7 @@ contains
       call manifest%add_outputs(files, '', error)
       if (result%has_reduced_files .and. .not. allocated(error)) call manifest%add_reduced(stem, error)
       if (allocated(error)) return
-      call manifest%add_inputs(body%mesh, result%load_case%contacts)
+      call manifest%add_inputs(body%mesh, result%load_case%contacts, result%load_case%loads)
       call result%timings%begin(phase_write)
       call new_summary(summary, label, body, result)
       call write_text_file(files(n + 3), stem//summary%ending, with_manifest(summary%text(), manifest), error)

@@ -40,7 +40,8 @@ contains
          call summary%record(member('factor', '{"entries": '//to_text(result%factor%n_entries)//', "flops": '// &
             to_text(nint(result%factor%n_flops, int64))//'}'))
          call summary%add(quantities_member('lengths', result%lengths%quantities()))
-         call summary%add(quantities_member('resultants', resultants(solution%force)), scales(resultants(solution%force)))
+         call summary%add(quantities_member('resultants', resultants(solution%force)), &
+            scales(resultants(solution%force)))
          call summary%record(last_members(result%timings))
       end associate
    end subroutine new_summary

@@ -40,7 +40,8 @@ contains
       type(result_t), intent(in) :: result !! the result
       type(stress_field_t) :: stress
 
-      call new_stress_field(stress, body%mesh, body%materials, body%coloring, result%displacement)
+      call new_stress_field(stress, body%mesh, body%materials, body%coloring, result%displacement, &
+         result%load_case%thermal_strain)
       call vtk%put_vectors('PointData', 'displacement', result%displacement)
       call put_contact(vtk, body, result)
       call vtk%put_stresses('PointData', 'nodal_stress', stress%node)

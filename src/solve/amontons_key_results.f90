@@ -42,7 +42,7 @@ contains
          list(1) = peak('max_contact_pressure', 'Max. pressure', force(:m)/area, zone%position, 0.0_dp)
          list(2) = peak('max_contact_shear', 'Max. shear', abs(force(m + 1:))/area, zone%position, list(1)%value)
          list(3) = peak('max_slip', 'Max. slip', merge(abs(slip), 0.0_dp, &
-            status /= open_point .and. .not. zone%is_guided), zone%position, scale)
+            status /= open_point .and. .not. zone%is_tangent_fixed), zone%position, scale)
       end associate
    end function contact_peaks
 
@@ -109,15 +109,17 @@ contains
    end function results_of_set
 
    !> The largest displacement and von Mises stress of a node.
-   function body_peaks(body, displacement) result(list)
+   function body_peaks(body, displacement, thermal_strain) result(list)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
+      real(dp), intent(in), optional :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element [-]
       type(quantity_t) :: list(2)
       type(stress_field_t) :: stress
       real(dp) :: mises(body%mesh%n_nodes)
       integer :: i
 
-      call new_stress_field(stress, body%mesh, body%materials, body%coloring, displacement)
+      call new_stress_field(stress, body%mesh, body%materials, body%coloring, displacement, thermal_strain)
       do i = 1, body%mesh%n_nodes
          mises(i) = von_mises(stress%node(:, i))
       end do

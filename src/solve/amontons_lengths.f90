@@ -58,7 +58,8 @@ contains
       class(lengths_t), intent(in) :: self !! the lengths
       type(quantity_t) :: list(3)
 
-      list = [quantity_t('open_length', 'Open length', self%open), quantity_t('slip_length', 'Slip length', self%slip), &
+      list = [quantity_t('open_length', 'Open length', self%open), &
+         quantity_t('slip_length', 'Slip length', self%slip), &
          quantity_t('stick_length', 'Stick length', self%stick)]
    end function lengths_quantities
 

@@ -114,7 +114,7 @@ contains
             if (friction > large_friction) call warnings%add(name//'friction of '//short(friction)// &
                '; coefficients above '//short(large_friction)//' are rare')
          end associate
-         if (all(zone%is_guided .or. .not. is_of_set) .and. &
+         if (all(zone%is_tangent_fixed .or. .not. is_of_set) .and. &
             any(is_of_set .and. max(load_case%friction, load_case%slip_bound) > 0.0_dp)) call warnings%add(name// &
             'friction has no effect: supports hold all its points tangentially')
          associate (n_buried => count(is_of_set .and. load_case%depth > rounding*size))

@@ -1,11 +1,11 @@
-!> The way of a case from its configuration to its result. Cases that share a body share its factorisation.
+!> The way of a case from its configuration to its result. Cases that share a body share its factorization.
 module amontons_solve_case
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_condensation, only: condensation_options_t
    use amontons_config, only: body_text, config_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_contact_solution, only: new_contact_solution
    use amontons_contact_zone, only: contact_t
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
@@ -18,77 +18,77 @@ module amontons_solve_case
    use amontons_rectangle, only: new_rectangle_mesh
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_load_case
+   use amontons_state, only: new_state, state_t
    use amontons_timings, only: new_timings
    implicit none (type, external)
    private
 
-   public :: condense_case, prepare_case, solve_case, workshop_t
+   public :: cache_t, condense_case, prepare_case, solve_case
 
-   !> The body at hand and what was last done with it: what one case of a run hands on to the next.
-   type :: workshop_t
+   !> The body at hand, for the cases of a run that share it.
+   type :: cache_t
+      character(:), allocatable :: key !! the deck text that the body was made from
       type(body_t), allocatable :: body !! the body
-      type(contact_problem_t) :: problem !! its contact problem, once it is condensed
-      character(:), allocatable :: body_text !! the deck text that the body was made from
       character(:), allocatable :: first_case !! the case that the body was made for
-      character(:), allocatable :: last_case !! the case solved last on this body; not allocated before the first
-      logical :: is_condensed = .false. !! whether the body is factorised
-      type(contact_solution_t) :: last_solution !! its solution, the start of the next case
-   end type workshop_t
+      logical :: is_condensed = .false. !! whether the body is factorized
+      type(contact_problem_t) :: problem !! its contact problem, once it is condensed
+      type(state_t), allocatable :: state !! where the last case of this body ended; not allocated before the first
+   end type cache_t
 
 contains
 
    !> Makes the body, the obstacles and the loads of a case ready, everything that its deck can get wrong.
-   subroutine prepare_case(workshop, config, result, error)
-      type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the case needs another
+   subroutine prepare_case(cache, config, result, error)
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(out) :: result !! gains the load case, and the warnings on the model
       type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are at fault
       type(contact_t), allocatable :: contacts(:)
 
       call new_timings(result%timings)
-      if (has_body(workshop, config)) then
-         call check_names(config, workshop%body%mesh, error)
+      if (has_body(cache, config)) then
+         call check_names(config, cache%body%mesh, error)
       else
-         call make_body(workshop, config, error)
+         call make_body(cache, config, error)
       end if
       if (allocated(error)) return
       ! No case of a sweep may have a negative friction.
       contacts = config%contacts
       call config%sweep%lower_friction(contacts)
-      call new_load_case(result%load_case, workshop%body, config%supports, contacts, config%loads, error)
+      call new_load_case(result%load_case, cache%body, config%supports, contacts, config%loads, error)
       if (allocated(error)) return
       ! What is told is the deck's.
       result%load_case%contacts = config%contacts
       result%method = config%method
       ! Loads and friction that a sweep varies need not balance as they stand.
-      if (.not. config%sweep%is_given()) call check_balance(workshop%body, result%load_case, error)
+      if (.not. config%sweep%is_given()) call check_balance(cache%body, result%load_case, error)
       if (allocated(error)) return
-      call add_model_warnings(result%warnings, workshop%body, result%load_case)
+      call add_model_warnings(result%warnings, cache%body, result%load_case)
       if (config%sweep%is_given()) call add_sweep_warnings(result%warnings, config%sweep, config%contacts)
    end subroutine prepare_case
 
    !> Makes the body of a case.
-   subroutine make_body(workshop, config, error)
-      type(workshop_t), intent(inout) :: workshop !! gains the body
+   subroutine make_body(cache, config, error)
+      type(cache_t), intent(inout) :: cache !! gains the body
       type(config_t), intent(in) :: config !! the case
       type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports or contacts are at fault
       type(mesh_t) :: mesh
       character(:), allocatable :: notes
 
-      if (allocated(workshop%body)) deallocate (workshop%body)
+      if (allocated(cache%body)) deallocate (cache%body)
       ! A body that cannot be made must not pass for the one before it.
-      workshop%body_text = ''
-      workshop%is_condensed = .false.
-      allocate (workshop%body)
+      cache%key = ''
+      cache%is_condensed = .false.
+      allocate (cache%body)
       call new_mesh(mesh, notes, config, error)
       if (.not. allocated(error)) call check_names(config, mesh, error)
       if (allocated(error)) return
-      call new_body(workshop%body, mesh, config%materials, config%supports, config%contacts, error)
+      call new_body(cache%body, mesh, config%materials, config%supports, config%contacts, error)
       if (allocated(error)) return
-      workshop%body%mesh_notes = notes
-      workshop%body_text = body_text(config)
-      workshop%first_case = config%name
-      if (allocated(workshop%last_case)) deallocate (workshop%last_case)
+      cache%body%mesh_notes = notes
+      cache%key = body_text(config)
+      cache%first_case = config%name
+      if (allocated(cache%state)) deallocate (cache%state)
    end subroutine make_body
 
    !> Makes or reads the mesh of a case.
@@ -108,62 +108,62 @@ contains
    end subroutine new_mesh
 
    !> Whether the body at hand is that of a case.
-   logical function has_body(workshop, config)
-      type(workshop_t), intent(in) :: workshop !! the body at hand
+   logical function has_body(cache, config)
+      type(cache_t), intent(in) :: cache !! the body at hand
       type(config_t), intent(in) :: config !! the case
 
-      has_body = allocated(workshop%body) .and. allocated(workshop%body_text)
-      if (has_body) has_body = workshop%body_text == body_text(config)
+      has_body = allocated(cache%body) .and. allocated(cache%key)
+      if (has_body) has_body = cache%key == body_text(config)
    end function has_body
 
    !> Solves a case. The cases of a sweep are solved by `solve_sweep`.
-   subroutine solve_case(workshop, config, result, error)
-      type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the case needs another
+   subroutine solve_case(cache, config, result, error)
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(out) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! the deck or the numbers are at fault
       class(contact_method_t), allocatable :: method
 
-      call prepare_case(workshop, config, result, error)
+      call prepare_case(cache, config, result, error)
       if (allocated(error)) return
       call new_contact_method(method, config%method, error)
       if (allocated(error)) return
-      call condense_case(workshop, config, result, error)
+      call condense_case(cache, config, result, error)
       if (allocated(error)) return
-      call start_solution(workshop, result)
-      call solve_load_case(result, workshop%body, workshop%problem, method, error)
+      call start_solution(cache, result)
+      call solve_load_case(result, cache%body, cache%problem, method, error)
       if (allocated(error)) return
       if (.not. result%solution%is_converged) return
-      workshop%last_case = config%name
-      workshop%last_solution = result%solution
+      if (.not. allocated(cache%state)) allocate (cache%state)
+      call new_state(cache%state, config%name, result%solution)
    end subroutine solve_case
 
-   !> Factorises and condenses the body, unless an earlier case has done so.
-   subroutine condense_case(workshop, config, result, error)
-      type(workshop_t), intent(inout) :: workshop !! the body at hand
+   !> Factorizes and condenses the body, unless an earlier case has done so.
+   subroutine condense_case(cache, config, result, error)
+      type(cache_t), intent(inout) :: cache !! the body at hand
       type(config_t), intent(in) :: config !! the case
-      type(result_t), intent(inout) :: result !! gains the times, and the case whose factorisation it shares
+      type(result_t), intent(inout) :: result !! gains the times, and the case whose factorization it shares
       type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
 
-      if (workshop%is_condensed) then
-         result%shared_with = workshop%first_case
+      if (cache%is_condensed) then
+         result%shared_with = cache%first_case
       else
-         call condense_body(workshop%body, workshop%problem, condensation_options_t(config%factorization, &
+         call condense_body(cache%body, cache%problem, condensation_options_t(config%factorization, &
             config%condensation), result%timings, error)
-         workshop%is_condensed = .not. allocated(error)
+         cache%is_condensed = .not. allocated(error)
       end if
    end subroutine condense_case
 
-   !> Starts from the last solution of the same body, or from rest.
-   subroutine start_solution(workshop, result)
-      type(workshop_t), intent(in) :: workshop !! the body at hand and its last solution
+   !> Starts from where the last case of the same body ended, or from rest.
+   subroutine start_solution(cache, result)
+      type(cache_t), intent(in) :: cache !! the body at hand
       type(result_t), intent(inout) :: result !! the result, its solution set to the start
 
-      if (allocated(workshop%last_case)) then
-         result%solution = workshop%last_solution
-         result%started_from = workshop%last_case
+      if (allocated(cache%state)) then
+         call cache%state%start(result%solution)
+         result%started_from = cache%state%case_name
       else
-         call new_contact_solution(result%solution, workshop%body%zone%n_points)
+         call new_contact_solution(result%solution, cache%body%zone%n_points)
       end if
    end subroutine start_solution
 

@@ -110,7 +110,8 @@ contains
          call new_certificate(result%certificate, body, result%load_case, result%displacement, solution%force)
          call new_lengths(result%lengths, body%zone, solution%status)
          result%key_results = [contact_peaks(body, solution%displacement(m + 1:), solution%force, solution%status, &
-            maxval(abs(result%displacement))), body_peaks(body, result%displacement), &
+            maxval(abs(result%displacement))), body_peaks(body, result%displacement, &
+            result%load_case%thermal_strain), &
             set_results(body, solution%force, solution%status)]
       end associate
    end subroutine judge
@@ -123,8 +124,8 @@ contains
       real(dp) :: forces
 
       cancellation = 0.0_dp
-      ! Prescribed displacements are loads that no force tells.
-      if (any(abs(result%load_case%prescribed) > 0.0_dp)) return
+      ! Prescribed displacements and heat are loads that no force tells.
+      if (any(abs(result%load_case%prescribed) > 0.0_dp) .or. allocated(result%load_case%thermal_strain)) return
       forces = max(norm2(result%load_case%force), norm2(result%solution%force))
       if (forces > 0.0_dp) cancellation = uncancelled_forces(body%mesh, body%materials, result%displacement)/forces
    end function cancellation

@@ -80,14 +80,14 @@ contains
    end subroutine read_status
 
    !> Holds the statuses of a converged case against the contact law, point by point.
-   subroutine check_statuses(faults, path, has_rows, points, friction, slip_bound, is_guided, scales)
+   subroutine check_statuses(faults, path, has_rows, points, friction, slip_bound, is_tangent_fixed, scales)
       type(fault_text_t), intent(inout) :: faults !! gains what does not agree
       character(*), intent(in) :: path !! name of the file
       logical, intent(in) :: has_rows !! whether it has a line for each point, behind one of names
       type(contact_state_t), intent(in) :: points !! gaps, slips, forces and statuses
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients (m) [-]
       real(dp), intent(in) :: slip_bound(:) !! given bounds of the tangential force (m) [F]
-      logical, intent(in) :: is_guided(:) !! whether a support bears the shear (m)
+      logical, intent(in) :: is_tangent_fixed(:) !! whether a support bears the shear (m)
       type(law_scales_t), intent(in) :: scales !! what counts as none
       character(:), allocatable :: place, wrong
       real(dp) :: bound
@@ -96,9 +96,9 @@ contains
       do p = 1, size(points%status)
          associate (status => points%status(p), normal => points%force(p), &
             tangential => points%force(size(points%status) + p))
-            bound = merge(0.0_dp, slip_bound(p) + friction(p)*max(0.0_dp, normal), is_guided(p))
+            bound = merge(0.0_dp, slip_bound(p) + friction(p)*max(0.0_dp, normal), is_tangent_fixed(p))
             wrong = normal_fault(status, points%gap(p), normal, scales)
-            if (len(wrong) == 0) wrong = tangential_fault(status, merge(0.0_dp, points%slip(p), is_guided(p)), &
+            if (len(wrong) == 0) wrong = tangential_fault(status, merge(0.0_dp, points%slip(p), is_tangent_fixed(p)), &
                tangential, bound, scales)
             if (len(wrong) == 0) cycle
             place = path

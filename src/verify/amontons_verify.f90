@@ -11,7 +11,7 @@ module amontons_verify
    use amontons_directory, only: file_name_t, list_directory
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_manifest, only: read_summary, manifest_t, manifest_file_t
-   use amontons_solve_case, only: workshop_t
+   use amontons_solve_case, only: cache_t
    use amontons_summary_file, only: summary_file_t
    use amontons_text, only: to_text
    use amontons_verify_case, only: verify_case
@@ -83,9 +83,9 @@ contains
    end subroutine claim
 
    !> Verifies the files of a case.
-   subroutine verify_files(verdict, workshop, directory, name)
+   subroutine verify_files(verdict, cache, directory, name)
       type(verdict_t), intent(out) :: verdict !! what was found
-      type(workshop_t), intent(inout) :: workshop !! the body at hand: cases that agree in it share it
+      type(cache_t), intent(inout) :: cache !! the body at hand: cases that agree in it share it
       character(*), intent(in) :: directory !! the directory
       character(*), intent(in) :: name !! name of the case
       type(summary_file_t) :: summary
@@ -105,9 +105,9 @@ contains
          if (config%reduced%is_given) then
             call verify_reduced(summary, config, stem, verdict%is_certified)
          else if (config%sweep%is_given()) then
-            call verify_sweep(summary, workshop, config, stem, verdict%is_certified)
+            call verify_sweep(summary, cache, config, stem, verdict%is_certified)
          else
-            call verify_case(summary, workshop, config, stem, verdict%is_certified)
+            call verify_case(summary, cache, config, stem, verdict%is_certified)
          end if
       end if
       verdict%is_verified = summary%faults%n == 0

@@ -17,7 +17,7 @@ module amontons_verify_case
    use amontons_report, only: case_documents
    use amontons_result, only: certificate_limit, result_t
    use amontons_result_warnings, only: add_result_warnings
-   use amontons_solve_case, only: prepare_case, workshop_t
+   use amontons_solve_case, only: prepare_case, cache_t
    use amontons_solve_load_case, only: judge
    use amontons_summary, only: new_summary
    use amontons_summary_file, only: summary_file_t
@@ -31,9 +31,9 @@ module amontons_verify_case
 contains
 
    !> Checks the files of a case.
-   subroutine verify_case(summary, workshop, config, stem, is_certified)
+   subroutine verify_case(summary, cache, config, stem, is_certified)
       type(summary_file_t), intent(inout) :: summary !! the summary; gains the faults of all files
-      type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the case needs another
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case as its effective deck has it
       character(*), intent(in) :: stem !! directory and name of the case
       logical, intent(out) :: is_certified !! whether it converged and its certificate passes
@@ -42,14 +42,15 @@ contains
       character(:), allocatable :: fault
 
       is_certified = .false.
-      call prepare_case(workshop, config, result, error)
+      call prepare_case(cache, config, result, error)
       if (allocated(error)) then
          call summary%faults%add(stem//'.deck.nml', error%message)
          return
       end if
-      associate (body => workshop%body)
+      associate (body => cache%body)
          call new_contact_solution(result%solution, body%zone%n_points)
-         call read_points(stem//'.contact.csv', body%zone%n_points, result%solution%force, result%solution%status, fault)
+         call read_points(stem//'.contact.csv', body%zone%n_points, result%solution%force, &
+            result%solution%status, fault)
          if (len(fault) > 0) call summary%faults%add(stem//'.contact.csv', fault)
          if (len(fault) > 0) return
          call restore_displacement(result, body, stem//'.vtu', fault)
@@ -135,8 +136,8 @@ contains
       associate (load_case => result%load_case, solution => result%solution)
          call check_statuses(faults, path, has_rows, contact_state_t(load_case%free_gap - solution%displacement(:m), &
             solution%displacement(m + 1:), solution%force, solution%status), load_case%friction, load_case%slip_bound, &
-            body%zone%is_guided, new_law_scales(certificate_limit(result%method%tolerance), result%displacement, &
-            result%certificate%force_scale))
+            body%zone%is_tangent_fixed, new_law_scales(certificate_limit(result%method%tolerance), &
+            result%displacement, result%certificate%force_scale))
       end associate
    end subroutine check_law
 

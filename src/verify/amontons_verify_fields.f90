@@ -16,7 +16,7 @@ module amontons_verify_fields
    use amontons_summary_file, only: summary_file_t
    use amontons_sweep_model, only: new_sweep_loads, sweep_model_t
    use amontons_sweep_table, only: append_row, status_runs, sweep_header
-   use amontons_sweep_tally, only: case_keys, case_quantities, case_result_t
+   use amontons_sweep_statistics, only: case_keys, case_quantities, case_result_t
    use amontons_text, only: read_integer, to_text
    use amontons_verify_case, only: check_grids, check_law, restore_displacement
    use amontons_vtk_check, only: read_array
@@ -38,7 +38,7 @@ contains
    !> Checks the fields of a sweep: every grid, the collection, and that no other grids are among them.
    subroutine verify_fields(summary, sweep, body, config, stem, cases)
       type(summary_file_t), intent(inout) :: summary !! the summary; gains the faults
-      type(sweep_result_t), intent(inout) :: sweep !! the sweep; gains the certificate, if the fields of its case are kept
+      type(sweep_result_t), intent(inout) :: sweep !! the sweep; gains the certificate, if its case has fields
       type(body_t), intent(in) :: body !! the body
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: stem !! directory and name of the case
@@ -61,7 +61,7 @@ contains
          result%method = config%method
          call model%load_case(config%sweep%values(cases(i)%number), result%load_case)
          call check_case(summary, result, body, config, stem, cases(i))
-         if (cases(i)%number /= sweep%tally%doubtful_case .or. .not. allocated(result%displacement)) cycle
+         if (cases(i)%number /= sweep%statistics%worst_case .or. .not. allocated(result%displacement)) cycle
          sweep%certified%certificate = result%certificate
          sweep%has_certificate = .true.
       end do

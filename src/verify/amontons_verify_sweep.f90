@@ -1,6 +1,6 @@
 !> The files of a sweep checked against each other: rows, summary and listing are written again from the values of the
-!> deck and from what the rows state. A row holds no displacements: where the fields of its case are not kept, its forces
-!> and its residual cannot be computed again without solving the case, and are only checksummed.
+!> deck and from what the rows state. A row holds no displacements: where the fields of its case are not kept, its
+!> forces and its residual cannot be computed again without solving the case, and are only checksummed.
 module amontons_verify_sweep
    use amontons_body, only: body_t
    use amontons_config, only: config_t
@@ -12,13 +12,13 @@ module amontons_verify_sweep
    use amontons_lengths, only: lengths_t, new_lengths
    use amontons_quantity, only: quantity_t
    use amontons_result_warnings, only: add_conditioning
-   use amontons_solve_case, only: prepare_case, workshop_t
+   use amontons_solve_case, only: prepare_case, cache_t
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_summary_file, only: summary_file_t
    use amontons_sweep_report, only: n_documents, sweep_documents
    use amontons_sweep_summary, only: new_sweep_summary
    use amontons_sweep_table, only: append_row, read_status_runs, status_runs, sweep_header
-   use amontons_sweep_tally, only: case_converged, case_keys, case_result_t, outcome_names
+   use amontons_sweep_statistics, only: case_converged, case_keys, case_result_t, outcome_names
    use amontons_text, only: read_integer, to_text
    use amontons_timings, only: phase_solve
    use amontons_verify_fields, only: field_case_t, verify_fields
@@ -30,9 +30,9 @@ module amontons_verify_sweep
 contains
 
    !> Checks the files of a sweep.
-   subroutine verify_sweep(summary, workshop, config, stem, is_certified)
+   subroutine verify_sweep(summary, cache, config, stem, is_certified)
       type(summary_file_t), intent(inout) :: summary !! the summary; gains the faults of all files
-      type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the sweep needs another
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: stem !! directory and name of the case
       logical, intent(out) :: is_certified !! whether all cases converged and the certificate passes
@@ -43,29 +43,29 @@ contains
       character(:), allocatable :: fault
 
       is_certified = .false.
-      call prepare_case(workshop, config, result%certified, error)
+      call prepare_case(cache, config, result%certified, error)
       if (allocated(error)) then
          call summary%faults%add(stem//'.deck.nml', error%message)
          return
       end if
       result%certified%condition = summary%number('', 'condition')
-      call add_conditioning(result%certified, workshop%body)
-      call restore_rows(result, cases, has_converged, config, workshop%body, stem//'.sweep.csv', fault)
+      call add_conditioning(result%certified, cache%body)
+      call restore_rows(result, cases, has_converged, config, cache%body, stem//'.sweep.csv', fault)
       if (len(fault) > 0) then
          call summary%faults%add(stem//'.sweep.csv', fault)
          return
       end if
       result%n_resumed = nint(summary%number('sweep', 'done_earlier'))
       result%certified%timings%seconds(phase_solve) = summary%number('seconds', 'solve')
-      call find_certified(summary, has_converged, result%tally%doubtful_case)
-      call verify_fields(summary, result, workshop%body, config, stem, cases)
-      call check_texts(summary, config, workshop%body, result, stem)
+      call find_certified(summary, has_converged, result%statistics%worst_case)
+      call verify_fields(summary, result, cache%body, config, stem, cases)
+      call check_texts(summary, config, cache%body, result, stem)
       is_certified = all(has_converged) .and. summary%value('certificate', 'passed') == 'true'
    end subroutine verify_sweep
 
    !> Reads the rows, writes each again and compares.
    subroutine restore_rows(result, cases, has_converged, config, body, path, fault)
-      type(sweep_result_t), intent(inout) :: result !! gains the tally
+      type(sweep_result_t), intent(inout) :: result !! gains the statistics
       type(field_case_t), allocatable, intent(out) :: cases(:) !! the cases that converged and whose fields are kept
       logical, allocatable, intent(out) :: has_converged(:) !! whether each case has converged
       type(config_t), intent(in) :: config !! the deck
@@ -91,7 +91,7 @@ contains
             call read_row(rows, i, size(config%sweep%axes) + 2, n_quantities, case%result, case%status, fault)
             if (len(fault) == 0) call compare_row(rows%row(i), config, body, case, fault)
             if (len(fault) > 0) return
-            call result%tally%add(case%result)
+            call result%statistics%add(case%result)
             has_converged(i) = case%result%outcome == case_converged
             case%row = rows%row(i)
             if (config%sweep%has_fields(i, i) .and. has_converged(i)) n = n + 1
@@ -162,7 +162,7 @@ contains
       if (len(fault) > 0) fault = 'line '//to_text(case%number + 1)//': '//fault
    end subroutine compare_row
 
-   !> Finds the case that the summary says is certified. Which one is most in doubt no file tells, but it has converged.
+   !> Finds the case that the summary says is certified. No file has the error estimates, but it has converged.
    subroutine find_certified(summary, has_converged, certified)
       type(summary_file_t), intent(inout) :: summary !! the summary; gains the fault
       logical, intent(in) :: has_converged(:) !! whether each case has converged

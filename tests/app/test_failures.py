@@ -66,7 +66,8 @@ class WrongSolution(ProgramTest):
         deck = block("support set = 'left'  ux = 1e12  uy = 1e12", PRESSURE + "  name = 'press'", CONTACT)
         for more in ("", "&sweep load = 'press'  factor = 1.0, 2.0 /\n"):
             run = self.run_program(self.write("case.nml", deck + more), status=4)
-            self.assertEqual(run.stderr, "case.nml: the certificate FAILED on the full model; see the listing\n")
+            self.assertRegex(run.stderr, r"^case\.nml: the certificate FAILED: largest violation 0\.\d+, limit \S+; "
+                             "see the listing\n$")
             self.assertRegex((self.directory / "case.lst").read_text(encoding="utf-8"), r"\n  Verdict +FAILED: ")
             self.assertIn('"passed": false', (self.directory / "case.summary.json").read_text(encoding="utf-8"))
 
@@ -268,7 +269,7 @@ class NotConverged(ProgramTest):
 
     def test_files_are_written_and_marked(self):
         run = self.run_program(self.write("slow.nml", SLOW), status=4)
-        self.assertEqual(run.stderr, "")
+        self.assertRegex(run.stderr, r"^slow\.nml: not converged: residual [\d.]+, tolerance 1\.0e-10\n$")
         self.assertTrue(run.stdout.startswith("slow: NOT CONVERGED, 2 iterations, residual "), run.stdout)
         self.assertEqual(self.files(), sorted(["slow.nml", *results_of("slow")]))
         summary = self.result("slow").summary
@@ -295,7 +296,7 @@ class SeveralDecks(ProgramTest):
         decks = ["sound.nml", "refused.nml", "lifted.nml", "slow.nml"]
         for last, status in enumerate((0, 1, 2, 4)):
             run = self.run_program("--quiet", "--output", "results", *reversed(decks[:last + 1]), status=status)
-            self.assertEqual(run.stderr.count("\n"), last if last < 3 else 2, run.stderr)
+            self.assertEqual(run.stderr.count("\n"), last, run.stderr)
 
     def test_system_failure_is_worse_than_bad_input(self):
         self.run_program("--output", "sound.nml", "sound.nml", "refused.nml", status=3)
@@ -305,7 +306,7 @@ class SeveralDecks(ProgramTest):
         run = self.run_program("--output", "results", *decks, status=4)
         self.assertEqual([line.split(":")[0] for line in run.stdout.splitlines()], ["sound", "slow", "other"])
         self.assertEqual([line.split(":")[0] for line in run.stderr.splitlines()],
-                         ["refused.nml", "lifted.nml", "none.nml"])
+                         ["refused.nml", "lifted.nml", "slow.nml", "none.nml"])
         self.assertEqual(sorted(self.contents("results")),
                          sorted(["cases.pvd"] + results_of("sound") + results_of("slow") + results_of("other")))
 

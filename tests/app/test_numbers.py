@@ -10,8 +10,8 @@ from harness import CONTACT, HAS_SUITESPARSE, PRESSURE, PROGRAM, SUPPORT, Progra
 
 SINGULAR = re.compile(r"^case\.nml: the stiffness is singular to rounding at the node \S+, \S+: its condition number "
                       r"is above \de\d+(; .+)?\n$")
-UNCERTAIN = re.compile(r"^case\.nml: the certificate FAILED on the full model; see the listing; the condition number "
-                       r"of the stiffness is about \de\d+\n$")
+UNCERTAIN = re.compile(r"^case\.nml: the certificate FAILED: largest violation \S+, limit \S+; see the listing; the "
+                       r"condition number of the stiffness is about \de\d+\n$")
 NOT_FINITE = re.compile(r"\b(nan|inf|infinity|null)\b|\*\*", re.IGNORECASE)
 
 

@@ -270,7 +270,8 @@ class Refusals(ReducedTest):
         self.write("case.dat", "2\n1\n0\n2\n2\n2 2\n2 1\n1 3\n-1e-6 0.5\n0.5\n")
         deck = deck_of("case.dat").replace("'psor'", "'splitting'")
         run = self.run_program(self.write("case.nml", deck), status=4)
-        self.assertEqual(run.stderr, "case.nml: the check FAILED on the problem as read; see the listing\n")
+        self.assertRegex(run.stderr, r"^case\.nml: the certificate FAILED: largest violation \S+, limit \S+; see the "
+                         r"listing\n$")
         self.assertIs(self.summary("case")["converged"], True)
         self.assertIs(self.summary("case")["certificate"]["passed"], False)
         self.assertRegex((self.directory / "case.lst").read_text(encoding="utf-8"), r"\n  Verdict +FAILED: ")

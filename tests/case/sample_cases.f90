@@ -3,7 +3,7 @@ module sample_cases
    use amontons_config, only: config_t, read_config
    use amontons_error, only: error_t
    use amontons_result, only: result_t
-   use amontons_solve_case, only: solve_case, workshop_t
+   use amontons_solve_case, only: cache_t, solve_case
    implicit none (type, external)
    private
 
@@ -35,8 +35,8 @@ contains
    end subroutine read_case
 
    !> Solves the case of the text of a deck.
-   subroutine solve_text(workshop, text, result, error)
-      type(workshop_t), intent(inout) :: workshop !! the body at hand
+   subroutine solve_text(cache, text, result, error)
+      type(cache_t), intent(inout) :: cache !! the body at hand
       character(*), intent(in) :: text !! the text
       type(result_t), intent(out) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the text or the case
@@ -44,7 +44,7 @@ contains
 
       call read_case(config, text, error)
       if (allocated(error)) return
-      call solve_case(workshop, config, result, error)
+      call solve_case(cache, config, result, error)
    end subroutine solve_text
 
 end module sample_cases

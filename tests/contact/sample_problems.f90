@@ -93,6 +93,7 @@ contains
       displacement(:held%n_points) = displacement(:held%n_points) - held%gap
       call new_dense_matrix(compliance, values)
       call new_reduced_problem(problem, compliance, displacement, held%friction)
+      problem%anchor = held%anchor
       problem%slip_bound = held%slip_bound
    end subroutine reduced
 
@@ -108,6 +109,7 @@ contains
          reshape(dense%compliance%values, [n*n]))
       call new_reduced_problem(problem, compliance, dense%free_displacement, dense%friction)
       problem%gap = dense%gap
+      problem%anchor = dense%anchor
       problem%slip_bound = dense%slip_bound
    end subroutine sparse_form
 

@@ -16,14 +16,14 @@ module amontons_auto
    public :: auto_t
 
    !> Where fronts advance along a contact line each step is a little better than the one before.
-   integer, parameter :: front_patience = 20
-   real(dp), parameter :: still_better = 0.999_dp
+   integer, parameter :: front_stagnation_limit = 20
+   real(dp), parameter :: slow_decrease = 0.999_dp
    !> A longer contact line on a band matrix has no dense S: it would take minutes, and gigabytes.
    integer, parameter :: most_dense_points = 1500
    !> Steps of the first stages, and the residual that ends the splitting.
    integer, parameter :: n_first_steps = 20, n_splitting_steps = 40
    !> Another case's solution is a start worth keeping only if Newton's steps from it soon lead on.
-   integer, parameter :: patience = 3
+   integer, parameter :: stagnation_limit = 3
    real(dp), parameter :: coarse = 1.0e-6_dp
    !> Semidefinite problems with strong friction take most of these steps, and sometimes more than one round of them.
    integer, parameter :: n_newton_steps = 100, n_first_sweeps = 10, growth = 4
@@ -31,8 +31,8 @@ module amontons_auto
    integer, parameter :: most_sweeps = 100000000
    !> One path of Lemke's pivots then takes up to a second (0.2 s to 0.8 s measured at 200 to 300 points).
    integer, parameter :: most_points = 300
-   !> Shares of the diagonal: more ends cycles of Newton's guesses, but is slow where there are none.
-   real(dp), parameter :: most_shares(2) = [1.0_dp, 30.0_dp]
+   !> Bounds of Newton's regularization: more ends cycles of its active sets, but is slow where there are none.
+   real(dp), parameter :: max_regularizations(2) = [1.0_dp, 30.0_dp]
 
    !> The default method.
    type, extends(contact_method_t) :: auto_t
@@ -67,10 +67,11 @@ contains
       stages%tolerance = self%tolerance
       stages%max_iterations = self%max_iterations
       stages%best = solution
-      call stages%best%begin()
+      call stages%best%reset()
       allocate (stages%history(0))
       if (any(solution%force > 0.0_dp)) then
-         call stages%run(newton_t(self%tolerance, n_first_steps, patience=patience), problem, solution, error)
+         call stages%run(newton_t(self%tolerance, n_first_steps, stagnation_limit=stagnation_limit), problem, &
+            solution, error)
       end if
       call new_contact_solution(solution, problem%n_points)
       call stages%run(newton_t(self%tolerance, n_first_steps), problem, solution, error)
@@ -96,16 +97,16 @@ contains
       type(contact_solution_t) :: front
 
       front = stages%best
-      call stages%run(newton_t(stages%tolerance, n_newton_steps, patience=front_patience, begins_softly=.true.), &
-         problem, solution, error)
+      call stages%run(newton_t(stages%tolerance, n_newton_steps, stagnation_limit=front_stagnation_limit, &
+         starts_with_springs=.true.), problem, solution, error)
       solution = front
-      call stages%run(newton_t(stages%tolerance, stages%max_iterations, patience=front_patience, &
-         better=still_better), problem, solution, error)
+      call stages%run(newton_t(stages%tolerance, stages%max_iterations, stagnation_limit=front_stagnation_limit, &
+         decrease=slow_decrease), problem, solution, error)
    end subroutine follow_fronts
 
    !> Until the iterations are used up, Newton at length and sweeps from the best pair so far, each time four times as
    !> many as before. Lemke's pivoting, where it is quick, has its turn once. Where a line is too long for the sweeps,
-   !> one round with each share.
+   !> one round with each regularization.
    subroutine take_rounds(stages, problem, solution, error)
       type(stages_t), intent(inout) :: stages !! the stages so far
       type(contact_problem_t), intent(inout) :: problem !! the problem
@@ -115,10 +116,10 @@ contains
 
       n_sweeps = n_first_sweeps
       round = 0
-      do while (.not. (stages%is_done() .or. is_long(problem) .and. round == size(most_shares)))
+      do while (.not. (stages%is_done() .or. is_long(problem) .and. round == size(max_regularizations)))
          round = round + 1
-         call stages%run(newton_t(stages%tolerance, n_newton_steps, most_shares(1 + modulo(round - 1, 2))), problem, &
-            solution, error)
+         call stages%run(newton_t(stages%tolerance, n_newton_steps, max_regularizations(1 + modulo(round - 1, 2))), &
+            problem, solution, error)
          if (round == 2 .and. problem%n_points <= most_points) then
             call stages%run(lemke_t(stages%tolerance), problem, solution, error)
             cycle

@@ -15,7 +15,7 @@ module amontons_band_stiffness_system
 
    public :: band_stiffness_system_t
 
-   !> The equations of one guess, by position.
+   !> The equations of one active set, by position.
    type :: equations_t
       logical, allocatable :: is_known(:) !! whether the displacement is known (n)
       real(dp), allocatable :: known(:) !! the known displacements, 0 else (n) [L]
@@ -28,7 +28,7 @@ module amontons_band_stiffness_system
    !> The system, with room for its factors.
    type, extends(newton_system_t) :: band_stiffness_system_t
       private
-      type(band_lu_t) :: factors !! the factors of the last guess
+      type(band_lu_t) :: factors !! the factors of the last active set
    contains
       procedure, public :: solve => band_stiffness_system_solve
       procedure, public :: solve_softened => band_stiffness_system_solve_softened
@@ -38,11 +38,12 @@ module amontons_band_stiffness_system
 contains
 
    !> Solves for the displacements, then takes the forces from the equilibrium.
-   subroutine band_stiffness_system_solve(self, problem, guess, share, displacement, force, imbalance, info)
+   subroutine band_stiffness_system_solve(self, problem, active_set, regularization, displacement, force, imbalance, &
+      info)
       class(band_stiffness_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem, with a band stiffness
-      type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: share !! share of the diagonal of S [-]
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of S [-]
       real(dp), intent(inout) :: displacement(:) !! v before the step, and after it (2m) [L]
       real(dp), intent(inout) :: force(:) !! lambda before the step, and after it (2m) [F]
       real(dp), intent(out) :: imbalance !! largest violation of the equilibrium by the pair after the step [F]
@@ -54,12 +55,12 @@ contains
       m = problem%n_points
       imbalance = 0.0_dp
       associate (band => problem%band, place => problem%band%place)
-         call new_equations(equations, problem, guess%sense)
-         equations%is_known(place) = [guess%is_closed, guess%sense == 0]
-         equations%known(place(:m)) = merge(problem%gap, 0.0_dp, guess%is_closed)
-         equations%stiffening(place) = share*band%diagonal
-         equations%load(place) = equations%load(place) + share*band%diagonal*displacement
-         equations%slope = merge(problem%friction*guess%sense, 0.0_dp, guess%is_closed)
+         call new_equations(equations, problem, active_set%slip_direction)
+         equations%is_known(place) = [active_set%is_closed, active_set%slip_direction == 0]
+         equations%known(place) = merge(problem%reference(), 0.0_dp, equations%is_known(place))
+         equations%stiffening(place) = regularization*band%diagonal
+         equations%load(place) = equations%load(place) + regularization*band%diagonal*displacement
+         equations%slope = merge(problem%friction*active_set%slip_direction, 0.0_dp, active_set%is_closed)
          call self%solve_equations(problem, equations, x, info)
          if (info /= 0) return
          displacement = x(place)
@@ -68,17 +69,17 @@ contains
          balanced(place) = balanced(place) - problem%load
          force = -balanced(place)
          balanced(place) = 0.0_dp
-         call guess%impose(problem, force, imbalance)
+         call active_set%impose(problem, force, imbalance)
          imbalance = max(imbalance, maxval(abs(balanced)))
       end associate
       call self%effort%multiply(1.0_dp)
    end subroutine band_stiffness_system_solve
 
    !> Solves with springs between the points and the obstacle.
-   subroutine band_stiffness_system_solve_softened(self, problem, guess, springs, displacement, force, info)
+   subroutine band_stiffness_system_solve_softened(self, problem, active_set, springs, displacement, force, info)
       class(band_stiffness_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem, with a band stiffness
-      type(active_set_t), intent(in) :: guess !! state of each point
+      type(active_set_t), intent(in) :: active_set !! state of each point
       real(dp), intent(in) :: springs(:) !! stiffness of the springs (2m) [F/L]
       real(dp), intent(out) :: displacement(:) !! v (2m) [L]
       real(dp), intent(out) :: force(:) !! lambda (2m) [F]
@@ -89,10 +90,10 @@ contains
 
       m = problem%n_points
       associate (place => problem%band%place)
-         call new_equations(equations, problem, guess%sense)
-         equations%stiffening(place) = merge(springs, 0.0_dp, [guess%is_closed, guess%sense == 0])
-         equations%load(place(:m)) = equations%load(place(:m)) + equations%stiffening(place(:m))*problem%gap
-         equations%coupling = guess%sense*problem%friction*equations%stiffening(place(:m))
+         call new_equations(equations, problem, active_set%slip_direction)
+         equations%stiffening(place) = merge(springs, 0.0_dp, [active_set%is_closed, active_set%slip_direction == 0])
+         equations%load(place) = equations%load(place) + equations%stiffening(place)*problem%reference()
+         equations%coupling = active_set%slip_direction*problem%friction*equations%stiffening(place(:m))
          equations%load(place(m + 1:)) = equations%load(place(m + 1:)) + equations%coupling*problem%gap
          call self%solve_equations(problem, equations, x, info)
          displacement = x(place)
@@ -102,16 +103,16 @@ contains
    end subroutine band_stiffness_system_solve_softened
 
    !> The equations of a body that nothing touches, but for the given slip bounds.
-   pure subroutine new_equations(equations, problem, sense)
+   pure subroutine new_equations(equations, problem, direction)
       type(equations_t), intent(out) :: equations !! the equations
       type(contact_problem_t), intent(in) :: problem !! the problem
-      integer, intent(in) :: sense(:) !! sign of the slip of each point, 0 if it sticks (m)
+      integer, intent(in) :: direction(:) !! sign of the slip of each point, 0 if it sticks (m)
 
       associate (n => problem%band%whole%n, m => problem%n_points)
          allocate (equations%is_known(n), source=.false.)
          allocate (equations%known(n), equations%stiffening(n), equations%load(n), source=0.0_dp)
          allocate (equations%slope(m), equations%coupling(m), source=0.0_dp)
-         equations%load(problem%band%place) = problem%load - [spread(0.0_dp, 1, m), sense*problem%slip_bound]
+         equations%load(problem%band%place) = problem%load - [spread(0.0_dp, 1, m), direction*problem%slip_bound]
       end associate
    end subroutine new_equations
 

@@ -34,7 +34,7 @@ contains
       real(dp), intent(in) :: lower(:) !! lower bounds (n)
       real(dp), intent(in) :: upper(:) !! upper bounds, at least the lower ones (n)
       real(dp), intent(in) :: accuracy !! largest move of a component that a step down its own parabola may still make
-      real(dp), intent(inout) :: x(:) !! where to start, and the minimiser (n)
+      real(dp), intent(inout) :: x(:) !! where to start, and the minimizer (n)
       type(effort_t), intent(inout) :: effort !! gains that of the way
       real(dp) :: rho(size(b)), reachable
 
@@ -62,7 +62,7 @@ contains
       real(dp), intent(in) :: lower(:) !! lower bounds (n)
       real(dp), intent(in) :: upper(:) !! upper bounds (n)
       real(dp), intent(in) :: accuracy !! the `box_violation` that is small enough for a point not known to be exact
-      real(dp), intent(inout) :: x(:) !! the point, and the minimiser (n)
+      real(dp), intent(inout) :: x(:) !! the point, and the minimizer (n)
       type(effort_t), intent(inout) :: effort !! gains that of the way
       real(dp) :: gradient(size(b)), step(size(b)), full(size(b)), share
       logical :: is_free(size(b)), was_free(size(b)), is_newton, is_exact
@@ -84,7 +84,7 @@ contains
          call newton_step(a, rows, rho, gradient, is_free, step, is_newton)
          call effort%factorize(any(is_free))
          full = min(max(x + step, lower), upper)
-         ! A Newton step that met no bound is exact on its face: if the face stays, this is the minimiser.
+         ! A Newton step that met no bound is exact on its face: if the face stays, this is the minimizer.
          is_exact = is_newton .and. all(is_inside(full, lower, upper) .or. .not. is_free)
          was_free = is_free
          if (is_exact) then

@@ -1,7 +1,8 @@
 !> Newton's linear system in the forces, on a dense compliance A.
 !>
-!> Each force has one row: an unknown one that of `A lambda = B`, the others that of the law which gives them. A guess
-!> that differs from the factorised one in few rows is solved by that factorisation and a small system of these rows.
+!> Each force has one row: an unknown one that of `A lambda = B`, the others that of the law which gives them. An
+!> active set that differs from the factorized one in few rows is solved by that factorization and a small system of
+!> these rows.
 module amontons_compliance_system
    use amontons_active_set, only: active_set_t
    use amontons_contact_problem, only: contact_problem_t
@@ -14,7 +15,7 @@ module amontons_compliance_system
 
    public :: compliance_system_t
 
-   !> The system, its factorisation and what has changed since.
+   !> The system, its factorization and what has changed since.
    type, extends(force_system_t) :: compliance_system_t
       private
       logical :: is_symmetric = .false. !! Whether no point slides with friction, so that its matrix is symmetric.
@@ -23,7 +24,7 @@ module amontons_compliance_system
       integer, allocatable :: pivots(:) !! Their row exchanges.
       integer :: n_changed = 0 !! Number of rows that have changed since.
       integer, allocatable :: changed(:) !! These rows.
-      real(dp), allocatable :: response(:, :) !! Solutions of the factorised system for a unit in each of these rows.
+      real(dp), allocatable :: response(:, :) !! Solutions of the factorized system for a unit in each of these rows.
       real(dp), allocatable :: row(:, :) !! These rows of A.
    contains
       procedure, public :: prepare => compliance_system_prepare
@@ -33,32 +34,32 @@ module amontons_compliance_system
       procedure :: update => compliance_system_update
    end type compliance_system_t
 
-   !> Below this order a new factorisation costs no more than the bookkeeping of an update.
+   !> Below this order a new factorization costs no more than the bookkeeping of an update.
    integer, parameter :: least_order = 200
-   !> Changed rows, as a part of the order, that an update may have: more cost as much as a new factorisation.
+   !> Changed rows, as a part of the order, that an update may have: more cost as much as a new factorization.
    integer, parameter :: part = 6
 
 contains
 
-   !> Factorises the system of a guess, unless few rows have changed since another one was factorised.
-   subroutine compliance_system_prepare(self, problem, guess, share, info)
+   !> Factorizes the system of an active set, unless few rows have changed since another one was factorized.
+   subroutine compliance_system_prepare(self, problem, active_set, regularization, info)
       class(compliance_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem, with a dense compliance
-      type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: share !! share of the diagonal of A that is wanted [-]
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A that is wanted [-]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
       logical :: is_updated
 
       info = 0
-      call self%update(problem, guess, share, is_updated)
-      if (.not. is_updated) call self%factorize(problem, guess, share, info)
+      call self%update(problem, active_set, regularization, is_updated)
+      if (.not. is_updated) call self%factorize(problem, active_set, regularization, info)
    end subroutine compliance_system_prepare
 
-   !> Solves the factorised system, then corrects its forces for the rows that have changed since.
-   subroutine compliance_system_solve_forces(self, problem, guess, load, center, force, info)
+   !> Solves the factorized system, then corrects its forces for the rows that have changed since.
+   subroutine compliance_system_solve_forces(self, problem, active_set, load, center, force, info)
       class(compliance_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem, with a dense compliance
-      type(active_set_t), intent(in) :: guess !! state of each point
+      type(active_set_t), intent(in) :: active_set !! state of each point
       real(dp), intent(in) :: load(:) !! dual load B (2m) [L]
       real(dp), intent(in) :: center(:) !! lambda before the step (2m) [F]
       real(dp), intent(out) :: force(:) !! lambda after it (2m) [F]
@@ -66,16 +67,16 @@ contains
 
       info = 0
       call base_solution(self, problem, load, center, force)
-      if (any(abs(self%base%sense*problem%slip_bound) > 0.0_dp)) call self%effort%multiply(1.0_dp)
-      if (self%n_changed > 0) call correct(self, problem, guess, load, center, force, info)
+      if (any(abs(self%base%slip_direction*problem%slip_bound) > 0.0_dp)) call self%effort%multiply(1.0_dp)
+      if (self%n_changed > 0) call correct(self, problem, active_set, load, center, force, info)
    end subroutine compliance_system_solve_forces
 
-   !> Factorises the system of a guess.
-   subroutine compliance_system_factorize(self, problem, guess, share, info)
+   !> Factorizes the system of an active set.
+   subroutine compliance_system_factorize(self, problem, active_set, regularization, info)
       class(compliance_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: share !! share of the diagonal of A [-]
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A [-]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
       real(dp), allocatable :: entries(:)
       integer :: n
@@ -84,23 +85,24 @@ contains
       if (.not. allocated(self%changed)) then
          allocate (self%changed(n), self%response(n, 0), self%row(n, 0), self%entries(0))
       end if
-      call self%begin(problem, guess, share)
+      call self%begin(problem, active_set, regularization)
       self%n_changed = 0
       n = size(self%unknown)
       if (size(self%entries, kind=int64) < int(n, int64)**2) then
          deallocate (self%entries)
          allocate (self%entries(int(n, int64)**2))
       end if
-      self%is_symmetric = .not. any(guess%is_closed .and. guess%sense /= 0 .and. problem%friction > 0.0_dp)
+      self%is_symmetric = .not. any(active_set%is_closed .and. active_set%slip_direction /= 0 &
+         .and. problem%friction > 0.0_dp)
       ! No argument may hold what another one writes.
       call move_alloc(self%entries, entries)
       call factorize_entries(self, problem, n, entries, info)
       call move_alloc(entries, self%entries)
       call self%effort%factorize(n > 0)
-      if (info /= 0) self%share = -1.0_dp
+      if (info /= 0) self%regularization = -1.0_dp
    end subroutine compliance_system_factorize
 
-   !> Writes the factor of the guess, as a matrix, to the first of its entries.
+   !> Writes the factor of the active set, as a matrix, to the first of its entries.
    subroutine factorize_entries(self, problem, n, factor, info)
       class(compliance_system_t), intent(inout) :: self !! the system, without its entries; gains the row exchanges
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -116,7 +118,7 @@ contains
       end if
    end subroutine factorize_entries
 
-   !> Writes the transposed matrix of the guess to be factorised.
+   !> Writes the transposed matrix of the active set to be factorized.
    pure subroutine gather(self, problem, matrix)
       class(compliance_system_t), intent(in) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -126,7 +128,7 @@ contains
 
       m = problem%n_points
       n_normal = count(self%unknown <= m)
-      slopes = self%base%sense*problem%friction
+      slopes = self%base%slip_direction*problem%friction
       associate (a => problem%compliance%values, unknown => self%unknown)
          do i = 1, size(unknown)
             do j = 1, size(unknown)
@@ -135,27 +137,27 @@ contains
             do j = 1, n_normal
                matrix(j, i) = matrix(j, i) + slopes(unknown(j))*a(m + unknown(j), unknown(i))
             end do
-            matrix(i, i) = matrix(i, i) + self%share*self%diagonal(unknown(i))
+            matrix(i, i) = matrix(i, i) + self%regularization*self%diagonal(unknown(i))
          end do
       end associate
    end subroutine gather
 
-   !> Takes up the rows in which a guess differs from the factorised one, unless a new factorisation is better.
-   subroutine compliance_system_update(self, problem, guess, share, is_updated)
+   !> Takes up the rows in which an active set differs from the factorized one, unless a new factorization is better.
+   subroutine compliance_system_update(self, problem, active_set, regularization, is_updated)
       class(compliance_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: share !! share of the diagonal of A that is wanted [-]
-      logical, intent(out) :: is_updated !! whether the factorisation serves the guess
-      ! A factorisation with less than the share wanted is no use, one with much more is slow.
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A that is wanted [-]
+      logical, intent(out) :: is_updated !! whether the factorization serves the active set
+      ! A factorization with less than the regularization wanted is no use, one with much more is slow.
       real(dp), parameter :: spread = 100.0_dp
       integer, allocatable :: differing(:), new(:)
       integer :: i, n
 
-      is_updated = self%share >= share .and. self%share <= spread*share
+      is_updated = self%regularization >= regularization .and. self%regularization <= spread*regularization
       if (.not. is_updated) return
-      differing = pack([(i, i=1, 2*problem%n_points)], [self%base%is_closed .neqv. guess%is_closed, &
-         self%base%sense /= guess%sense])
+      differing = pack([(i, i=1, 2*problem%n_points)], [self%base%is_closed .neqv. active_set%is_closed, &
+         self%base%slip_direction /= active_set%slip_direction])
       n = self%n_changed
       new = pack(differing, [(.not. any(self%changed(:n) == differing(i)), i=1, size(differing))])
       if (size(new) == 0) return
@@ -188,7 +190,7 @@ contains
       call move_alloc(columns, self%row)
    end subroutine reserve
 
-   !> Solves the factorised system for a unit in each changed row from one on.
+   !> Solves the factorized system for a unit in each changed row from one on.
    subroutine unit_responses(self, problem, first)
       class(compliance_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -221,7 +223,7 @@ contains
       end do
    end subroutine unit_responses
 
-   !> Solves the factorised system for its unknown forces.
+   !> Solves the factorized system for its unknown forces.
    subroutine base_solve(self, right)
       class(compliance_system_t), intent(in) :: self !! the system
       real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand sides, the solutions on return
@@ -243,27 +245,27 @@ contains
       end if
    end subroutine solve_entries
 
-   !> The slope of lambda_T over lambda_N that a guess gives a point [-].
-   pure real(dp) function slope(problem, guess, point)
+   !> The slope of lambda_T over lambda_N that an active set gives a point [-].
+   pure real(dp) function slope(problem, active_set, point)
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(active_set_t), intent(in) :: guess !! state of each point
+      type(active_set_t), intent(in) :: active_set !! state of each point
       integer, intent(in) :: point !! the point
 
-      slope = guess%sense(point)*problem%friction(point)
+      slope = active_set%slip_direction(point)*problem%friction(point)
    end function slope
 
-   !> Adds to the tangential forces of sliding points what their normal forces cause in the factorised guess.
+   !> Adds to the tangential forces of sliding points what their normal forces cause in the factorized active set.
    pure subroutine compliance_system_apply(self, problem, force)
       class(compliance_system_t), intent(in) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
 
       associate (m => problem%n_points)
-         force(m + 1:) = force(m + 1:) + self%base%sense*problem%friction*force(:m)
+         force(m + 1:) = force(m + 1:) + self%base%slip_direction*problem%friction*force(:m)
       end associate
    end subroutine compliance_system_apply
 
-   !> The forces that the factorised guess leads to.
+   !> The forces that the factorized active set leads to.
    subroutine base_solution(self, problem, load, center, force)
       class(compliance_system_t), intent(in) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -274,25 +276,25 @@ contains
 
       associate (m => problem%n_points)
          force(:m) = 0.0_dp
-         force(m + 1:) = self%base%sense*problem%slip_bound
+         force(m + 1:) = self%base%slip_direction*problem%slip_bound
          known = 0.0_dp
          if (any(abs(force) > 0.0_dp)) call problem%compliance%multiply(force, known)
       end associate
       right(:, 1) = load(self%unknown) - known(self%unknown) &
-         + self%share*self%diagonal(self%unknown)*center(self%unknown)
+         + self%regularization*self%diagonal(self%unknown)*center(self%unknown)
       call base_solve(self, right)
       force(self%unknown) = right(:, 1)
       call self%apply(problem, force)
    end subroutine base_solution
 
-   !> Corrects the forces of the factorised guess so that the changed rows hold as well.
-   subroutine correct(self, problem, guess, load, center, force, info)
+   !> Corrects the forces of the factorized active set so that the changed rows hold as well.
+   subroutine correct(self, problem, active_set, load, center, force, info)
       class(compliance_system_t), intent(in) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(active_set_t), intent(in) :: guess !! state of each point
+      type(active_set_t), intent(in) :: active_set !! state of each point
       real(dp), intent(in) :: load(:) !! dual load B (2m) [L]
       real(dp), intent(in) :: center(:) !! lambda before the step (2m) [F]
-      real(dp), intent(inout) :: force(:) !! lambda of the factorised guess, corrected on return (2m) [F]
+      real(dp), intent(inout) :: force(:) !! lambda of the factorized active set, corrected on return (2m) [F]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
       real(dp) :: matrix(self%n_changed, self%n_changed), right(self%n_changed), product(self%n_changed)
       integer :: m, k, r
@@ -303,16 +305,16 @@ contains
          product = matmul(force, self%row(:, :n))
          do k = 1, n
             r = self%changed(k)
-            if (is_unknown(guess, m, r)) then
-               matrix(k, :) = matrix(k, :) + self%share*self%diagonal(r)*self%response(r, :n)
-               right(k) = load(r) - product(k) + self%share*self%diagonal(r)*(center(r) - force(r))
+            if (is_unknown(active_set, m, r)) then
+               matrix(k, :) = matrix(k, :) + self%regularization*self%diagonal(r)*self%response(r, :n)
+               right(k) = load(r) - product(k) + self%regularization*self%diagonal(r)*(center(r) - force(r))
             else if (r <= m) then
                matrix(k, :) = self%response(r, :n)
                right(k) = -force(r)
             else
-               matrix(k, :) = self%response(r, :n) - slope(problem, guess, r - m)*self%response(r - m, :n)
-               right(k) = guess%sense(r - m)*problem%slip_bound(r - m) - force(r) &
-                  + slope(problem, guess, r - m)*force(r - m)
+               matrix(k, :) = self%response(r, :n) - slope(problem, active_set, r - m)*self%response(r - m, :n)
+               right(k) = active_set%slip_direction(r - m)*problem%slip_bound(r - m) - force(r) &
+                  + slope(problem, active_set, r - m)*force(r - m)
             end if
          end do
          call lu_solve(matrix, right, info)
@@ -321,16 +323,16 @@ contains
       end associate
    end subroutine correct
 
-   !> Whether a force is unknown in a guess: a normal one of a closed point, a tangential one of a sticking point.
-   pure logical function is_unknown(guess, n_points, force)
-      type(active_set_t), intent(in) :: guess !! state of each point
+   !> Whether a force is unknown in an active set: a normal one of a closed point, a tangential one of a sticking point.
+   pure logical function is_unknown(active_set, n_points, force)
+      type(active_set_t), intent(in) :: active_set !! state of each point
       integer, intent(in) :: n_points !! number of points m
       integer, intent(in) :: force !! number of the force
 
       if (force <= n_points) then
-         is_unknown = guess%is_closed(force)
+         is_unknown = active_set%is_closed(force)
       else
-         is_unknown = guess%sense(force - n_points) == 0
+         is_unknown = active_set%slip_direction(force - n_points) == 0
       end if
    end function is_unknown
 

@@ -1,6 +1,6 @@
 !> Extragradient method (Korpelevich, Matecon 12, 1976) with Khobotov's adaptive step (USSR Comput. Math. Math. Phys.
 !> 27, 1987) on the dual problem in De Saxce's form (De Saxce and Feng, Math. Comput. Modelling 28, 1998): no
-!> factorisation, two products with A an iteration.
+!> factorization, two products with A an iteration.
 !>
 !> With distance and slip w = B - A lambda and the set C of forces with lambda_N >= 0, |lambda_T| <= g + phi lambda_N,
 !> the contact law says that w - (phi |w_T|; 0) is normal to C at lambda. An iteration goes from lambda along that
@@ -38,7 +38,7 @@ contains
       integer :: iteration
       logical :: may_continue
 
-      call solution%begin()
+      call solution%reset()
       call solution%effort%factorize(.not. allocated(problem%compliance))
       call problem%prepare_compliance(error)
       if (allocated(error)) return
@@ -54,16 +54,16 @@ contains
          call double_step(problem, b, rho, step, displacement, force, solution%effort)
          displacement = problem%displacement(b, force)
          call solution%effort%multiply(1.0_dp)
-         residual = max(0.0_dp, problem%shift*maxval(abs(displacement - center)), &
+         residual = max(0.0_dp, problem%proximal_parameter*maxval(abs(displacement - center)), &
             problem%violation(displacement, force))/scale
          if (residual > self%tolerance .and. residual < huge(residual) .and. iteration < self%max_iterations) then
-            call solution%note(residual)
+            call solution%record_residual(residual)
          else
             call solution%record(problem, displacement, force, self%tolerance, may_continue)
             if (.not. may_continue) return
          end if
          if (problem%is_held) cycle
-         ! A body that only contact holds: a proximal step moves the centre to the displacement just found.
+         ! A body that only contact holds: a proximal step moves the center to the displacement just found.
          center = displacement
          b = problem%dual_load(center)
          displacement = problem%displacement(b, force)
@@ -98,7 +98,7 @@ contains
       if (rate < slow) step = step/shorter
    end subroutine double_step
 
-   !> What drives the forces: w - (phi |w_T|; 0), w = v - (d; 0) (2m) [L].
+   !> What drives the forces: w - (phi |w_T|; 0), w = v - (d; a) (2m) [L].
    pure function driving_vector(problem, displacement) result(vector)
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
@@ -106,8 +106,8 @@ contains
       integer :: m
 
       m = problem%n_points
-      vector = displacement
-      vector(:m) = vector(:m) - problem%gap - problem%friction*abs(vector(m + 1:))
+      vector = displacement - problem%reference()
+      vector(:m) = vector(:m) - problem%friction*abs(vector(m + 1:))
    end function driving_vector
 
    !> The admissible forces next to given ones, in the scaled components (2m) [F].

@@ -37,7 +37,7 @@ contains
       integer :: m, iteration
       logical :: may_continue
 
-      call solution%begin()
+      call solution%reset()
       call solution%effort%factorize(.not. allocated(problem%compliance))
       call problem%prepare_compliance(error)
       if (allocated(error)) return

@@ -13,10 +13,10 @@ module amontons_force_system
 
    public :: force_system_t
 
-   !> The guess that is factorised, and its unknowns; an extension holds the factors.
+   !> The active set that is factorized, and its unknowns; an extension holds the factors.
    type, abstract, extends(newton_system_t) :: force_system_t
-      type(active_set_t) :: base !! The guess that is factorised.
-      real(dp) :: share = -1.0_dp !! Share of the diagonal in the factorisation; -1 if there is none [-].
+      type(active_set_t) :: base !! The active set that is factorized.
+      real(dp) :: regularization = -1.0_dp !! Regularization of the factorization; -1 if there is none [-].
       integer, allocatable :: unknown(:) !! The forces that are unknown in it.
       real(dp), allocatable :: diagonal(:) !! Diagonal of A, where it is zero the largest of all (2m) [L/F].
    contains
@@ -27,24 +27,24 @@ module amontons_force_system
    end type force_system_t
 
    abstract interface
-      !> Factorises the system of a guess, unless the factorisation that is there serves it.
-      subroutine prepare_interface(self, problem, guess, share, info)
+      !> Factorizes the system of an active set, unless the factorization that is there serves it.
+      subroutine prepare_interface(self, problem, active_set, regularization, info)
          import :: active_set_t, contact_problem_t, dp, force_system_t
          implicit none (type, external)
          class(force_system_t), intent(inout) :: self !! the system
          type(contact_problem_t), intent(in) :: problem !! the problem
-         type(active_set_t), intent(in) :: guess !! state of each point
-         real(dp), intent(in) :: share !! share of the diagonal of A that is wanted [-]
+         type(active_set_t), intent(in) :: active_set !! state of each point
+         real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A that is wanted [-]
          integer, intent(out) :: info !! 0, or nonzero where the system is singular
       end subroutine prepare_interface
 
-      !> Solves the prepared system of a guess.
-      subroutine solve_forces_interface(self, problem, guess, load, center, force, info)
+      !> Solves the prepared system of an active set.
+      subroutine solve_forces_interface(self, problem, active_set, load, center, force, info)
          import :: active_set_t, contact_problem_t, dp, force_system_t
          implicit none (type, external)
          class(force_system_t), intent(inout) :: self !! the system
          type(contact_problem_t), intent(in) :: problem !! the problem
-         type(active_set_t), intent(in) :: guess !! state of each point
+         type(active_set_t), intent(in) :: active_set !! state of each point
          real(dp), intent(in) :: load(:) !! dual load B (2m) [L]
          real(dp), intent(in) :: center(:) !! lambda before the step (2m) [F]
          real(dp), intent(out) :: force(:) !! lambda after it (2m) [F]
@@ -55,11 +55,11 @@ module amontons_force_system
 contains
 
    !> Solves for the forces, then takes the displacements from them.
-   subroutine force_system_solve(self, problem, guess, share, displacement, force, imbalance, info)
+   subroutine force_system_solve(self, problem, active_set, regularization, displacement, force, imbalance, info)
       class(force_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: share !! share of the diagonal of A [-]
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A [-]
       real(dp), intent(inout) :: displacement(:) !! v before the step, and after it (2m) [L]
       real(dp), intent(inout) :: force(:) !! lambda before the step, and after it (2m) [F]
       real(dp), intent(out) :: imbalance !! 0: the displacements are those of the forces [F]
@@ -67,10 +67,10 @@ contains
       real(dp) :: load(size(force)), solution(size(force))
 
       imbalance = 0.0_dp
-      call self%prepare(problem, guess, share, info)
+      call self%prepare(problem, active_set, regularization, info)
       if (info /= 0) return
       load = problem%dual_load(displacement)
-      call self%solve_forces(problem, guess, load, force, solution, info)
+      call self%solve_forces(problem, active_set, load, force, solution, info)
       if (.not. all(ieee_is_finite(solution))) info = 1
       if (info /= 0) return
       force = solution
@@ -78,18 +78,18 @@ contains
       call self%effort%multiply(1.0_dp)
    end subroutine force_system_solve
 
-   !> Takes up a guess that is to be factorised.
-   subroutine force_system_begin(self, problem, guess, share)
+   !> Takes up an active set that is to be factorized.
+   subroutine force_system_begin(self, problem, active_set, regularization)
       class(force_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: share !! share of the diagonal of A [-]
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A [-]
       integer :: i
 
       if (.not. allocated(self%diagonal)) self%diagonal = 1.0_dp/problem%augmentation()
-      self%base = guess
-      self%share = share
-      self%unknown = pack([(i, i=1, 2*problem%n_points)], [guess%is_closed, guess%sense == 0])
+      self%base = active_set
+      self%regularization = regularization
+      self%unknown = pack([(i, i=1, 2*problem%n_points)], [active_set%is_closed, active_set%slip_direction == 0])
    end subroutine force_system_begin
 
 end module amontons_force_system

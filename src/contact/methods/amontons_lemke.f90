@@ -2,7 +2,7 @@
 !> exact but for rounding, for problems of up to some hundreds of points.
 !>
 !> The tangential law is split at its two bounds: s_1 = g + phi lambda_N - lambda_T >= 0 and s_2 = g + phi lambda_N +
-!> lambda_T >= 0 face the two directions of slip, u_T = w_1 - w_2, w_1 >= 0 against s_1 and w_2 >= 0 against s_2. With
+!> lambda_T >= 0 face the two directions of slip, u_T - a = w_1 - w_2, w_1 >= 0 against s_1, w_2 >= 0 against s_2. With
 !> p = d - u_N against lambda_N these are 3m pairs. In the dual form (A) the variables are z = (lambda_N, s_1, w_2), in
 !> the primal form (S) z = (p, w_1, w_2); no proximal iteration is needed there. Section 6 of doc/theory.md proves that
 !> with the covering vectors below the pivots end in a solution for friction of any size, unless a rigid motion exists
@@ -46,7 +46,7 @@ contains
       type(contact_relation_t) :: relation
       type(contact_solution_t) :: best
       type(effort_t) :: effort
-      real(dp) :: force(2*problem%n_points), distance(2*problem%n_points)
+      real(dp), dimension(2*problem%n_points) :: force, distance, displacement
       integer :: trial
       logical :: is_solved, may_continue
 
@@ -55,7 +55,7 @@ contains
             ' contact points, this problem has '//to_text(problem%n_points))
          return
       end if
-      call solution%begin()
+      call solution%reset()
       best = solution
       call problem%prepare_stiffness()
       call new_contact_relation(relation, problem)
@@ -66,9 +66,8 @@ contains
          effort%n_products = size_of_pairs*effort%n_products
          call solution%effort%add(effort)
          force = force*relation%force_unit
-         distance = distance*relation%distance_unit
-         distance(:problem%n_points) = distance(:problem%n_points) + problem%gap
-         call solution%record(problem, distance, force, self%tolerance, may_continue)
+         displacement = distance*relation%distance_unit + problem%reference()
+         call solution%record(problem, displacement, force, self%tolerance, may_continue)
          if (solution%is_converged) return
          if (solution%residual < best%residual) best = solution
       end do
@@ -184,11 +183,11 @@ contains
       m = size(is_z_basic)/3
       associate (normal => is_z_basic(:m), first => is_z_basic(m + 1:2*m), second => is_z_basic(2*m + 1:))
          states%is_closed = normal .eqv. is_dual
-         ! Without any bound both may be zero; either sense then says the same.
+         ! Without any bound both may be zero; either direction then says the same.
          at_upper = first .neqv. is_dual
          at_lower = second
       end associate
-      states%sense = merge(1, merge(-1, 0, at_lower), at_upper)
+      states%slip_direction = merge(1, merge(-1, 0, at_lower), at_upper)
    end function states_of
 
 end module amontons_lemke

@@ -31,7 +31,7 @@ module amontons_mprgp
 
 contains
 
-   !> Minimises 1/2 x^T A x - b^T x on lower <= x <= upper from a starting point, for a part of the rows of A. If the
+   !> Minimizes 1/2 x^T A x - b^T x on lower <= x <= upper from a starting point, for a part of the rows of A. If the
    !> program has no minimum (A singular and the box open there), the way ends where that is found.
    pure subroutine mprgp(a, rows, b, lower, upper, accuracy, x, effort)
       type(symmetric_matrix_t), intent(in) :: a !! the matrix, positive semidefinite
@@ -40,7 +40,7 @@ contains
       real(dp), intent(in) :: lower(:) !! lower bounds (n)
       real(dp), intent(in) :: upper(:) !! upper bounds, at least the lower ones (n)
       real(dp), intent(in) :: accuracy !! the `box_violation` that is small enough
-      real(dp), intent(inout) :: x(:) !! where to start, and the minimiser (n)
+      real(dp), intent(inout) :: x(:) !! where to start, and the minimizer (n)
       type(effort_t), intent(inout) :: effort !! gains that of the way
       type(way_t) :: way
       real(dp) :: face(size(b)), chopped(size(b))
@@ -157,7 +157,7 @@ contains
       violation_of = box_violation(way%y, way%gradient, way%low, way%high, way%scale)
    end function violation_of
 
-   !> How far a point is from the minimiser: the largest move of a component that a step down its own parabola makes.
+   !> How far a point is from the minimizer: the largest move of a component that a step down its own parabola makes.
    pure real(dp) function box_violation(y, gradient, low, high, scale) result(violation)
       real(dp), intent(in) :: y(:) !! the point, scaled to a unit diagonal (n)
       real(dp), intent(in) :: gradient(:) !! the gradient there (n)

@@ -1,10 +1,10 @@
-!> Semismooth Newton in the form of an active-set method (Alart and Curnier, CMAME 92, 1991): guess the state of every
-!> point, solve the linear system that the guess gives, read the next guess off its solution, repeat. Once a guess
-!> repeats itself the solution is exact.
+!> Semismooth Newton in the form of an active-set method (Alart and Curnier, CMAME 92, 1991): assume the state of
+!> every point, solve the linear system that this active set gives, read the next active set off its solution, repeat.
+!> Once an active set repeats itself the solution is exact.
 !>
-!> Steps are proximal: a share of the diagonal holds the unknowns to where they were. As in the method of Levenberg and
-!> Marquardt the share grows when the residual does and shrinks when the residual does: guesses that leave the system
-!> singular are passed, cycles of guesses break, and near the solution the steps are Newton's.
+!> Steps are proximal: a regularization, a part of the diagonal, holds the unknowns to where they were. As in the method
+!> of Levenberg and Marquardt it grows when the residual does and shrinks when the residual does: active sets that leave
+!> the system singular are passed, cycles of active sets break, and near the solution the steps are Newton's.
 module amontons_newton
    use amontons_active_set, only: active_set_t
    use amontons_band_stiffness_system, only: band_stiffness_system_t
@@ -23,23 +23,23 @@ module amontons_newton
 
    public :: newton_t
 
-   !> What divides the share after a step that was better, and after one that left the guess as it was. More spoils
-   !> semidefinite problems, whose guesses then never settle.
-   real(dp), parameter :: little = 3.0_dp, much = 90.0_dp
+   !> What divides the regularization after a step that was better, and after one that left the active set as it was.
+   !> More spoils semidefinite problems, whose active sets then never settle.
+   real(dp), parameter :: reduction = 3.0_dp, fast_reduction = 90.0_dp
 
-   !> A residual that falls to a larger part of itself in a step that leaves the guess falls slowly; the share may then
-   !> go below the least one, as far as this.
-   real(dp), parameter :: slow = 0.5_dp, no_share = 1.0e-12_dp
+   !> A residual that falls to a larger part of itself in a step that leaves the active set falls slowly; the
+   !> regularization may then go below the least one, as far as this.
+   real(dp), parameter :: slow_convergence = 0.5_dp, lowest_regularization = 1.0e-12_dp
 
    !> The semismooth Newton method, in the displacements of a body and in the forces of a reduced problem.
    type, extends(contact_method_t) :: newton_t
-      real(dp) :: most_share = 1.0_dp !! largest share of the diagonal that holds a step [-]
-      integer :: patience = huge(1) !! how many steps without a better pair end the iteration
-      real(dp) :: better = 0.9_dp !! part of itself that the least residual falls to at the most with a better pair [-]
-      logical :: begins_softly = .false. !! whether, on a band matrix, springs of the points lead to the first guess
+      real(dp) :: max_regularization = 1.0_dp !! largest regularization, as part of the diagonal [-]
+      integer :: stagnation_limit = huge(1) !! how many steps without a better pair end the iteration
+      real(dp) :: decrease = 0.9_dp !! least residual after a better pair, at the most, over the one before [-]
+      logical :: starts_with_springs = .false. !! whether springs lead to the first active set, on a band matrix
    contains
       procedure :: solve => newton_solve
-      procedure, private :: begin => newton_begin
+      procedure, private :: find_start => newton_find_start
       procedure, private :: is_stuck => newton_is_stuck
    end type newton_t
 
@@ -52,83 +52,84 @@ contains
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
       class(newton_system_t), allocatable :: system
-      type(active_set_t) :: guess, last
+      type(active_set_t) :: active_set, last
       real(dp), dimension(2*problem%n_points) :: displacement, force, rho
-      real(dp) :: scale, share, least_share, residual, previous, violation, imbalance
-      integer :: n_soft, info
+      real(dp) :: scale, regularization, min_regularization, residual, previous, violation, imbalance
+      integer :: n_spring_steps, info
       logical :: may_continue
 
-      call solution%begin()
+      call solution%reset()
       call new_system(system, problem)
       rho = problem%augmentation()
       scale = problem%force_scale()
       displacement = solution%displacement
       force = solution%force
-      call self%begin(system, problem, rho, scale, guess, displacement, solution)
-      n_soft = solution%n_iterations
-      share = system%first_share
-      least_share = system%least_share
+      call self%find_start(system, problem, rho, scale, active_set, displacement, solution)
+      n_spring_steps = solution%n_iterations
+      regularization = system%first_regularization
+      min_regularization = system%min_regularization
       previous = huge(previous)
       do while (solution%n_iterations < self%max_iterations)
-         call system%solve(problem, guess, share, displacement, force, imbalance, info)
+         call system%solve(problem, active_set, regularization, displacement, force, imbalance, info)
          call solution%effort%add(system%effort)
          system%effort = effort_t()
          if (info /= 0) then
-            ! No step: the same guess again, held more firmly, unless it was held as firmly as can be.
-            if (.not. share < self%most_share) exit
-            call solution%note(previous)
-            call grow(share, self%most_share)
+            ! No step: the same active set again, held more firmly, unless it was held as firmly as can be.
+            if (.not. regularization < self%max_regularization) exit
+            call solution%record_residual(previous)
+            call grow(regularization, self%max_regularization)
             cycle
          end if
-         last = guess
-         call guess%guess(problem, rho, displacement, force, violation)
+         last = active_set
+         call active_set%update(problem, rho, displacement, force, violation)
          residual = max(violation, imbalance)/scale
          if (residual <= self%tolerance) then
             call solution%record(problem, displacement, force, self%tolerance, may_continue)
             if (.not. may_continue) return
          else
-            call note(solution, displacement, force, residual)
+            call record_best(solution, displacement, force, residual)
          end if
-         call adapt(share, least_share, system%least_share, self%most_share, residual/previous, guess%equals(last))
+         call adapt(regularization, min_regularization, system%min_regularization, self%max_regularization, &
+            residual/previous, active_set%equals(last))
          previous = residual
-         if (self%is_stuck(solution, n_soft)) exit
+         if (self%is_stuck(solution, n_spring_steps)) exit
       end do
       call judge(solution, problem)
    end subroutine newton_solve
 
-   !> Makes the first guess. From rest it is that all points stick, unless nothing acts.
-   subroutine newton_begin(self, system, problem, rho, scale, guess, displacement, solution)
+   !> Makes the first active set. From rest it is that all points stick, unless nothing acts.
+   subroutine newton_find_start(self, system, problem, rho, scale, active_set, displacement, solution)
       class(newton_t), intent(in) :: self !! the method
       class(newton_system_t), intent(inout) :: system !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: rho(:) !! stiffness of the points (2m) [F/L]
       real(dp), intent(in) :: scale !! the force that residuals are measured by [F]
-      type(active_set_t), intent(inout) :: guess !! state of each point
+      type(active_set_t), intent(inout) :: active_set !! state of each point
       real(dp), intent(inout) :: displacement(:) !! v (2m) [L]
       type(contact_solution_t), intent(inout) :: solution !! gains a record of the steps, if there are any
       real(dp) :: violation
 
-      call guess%guess(problem, rho, displacement, solution%force, violation)
+      call active_set%update(problem, rho, displacement, solution%force, violation)
       if (.not. (any(solution%force(:problem%n_points) > 0.0_dp) .or. problem%is_unloaded())) then
-         call guess%guess_stick(problem, rho, scale)
+         call active_set%assume_stick(problem, rho, scale)
       end if
       select type (system)
       type is (band_stiffness_system_t)
-         if (self%begins_softly) call harden(system, problem, rho, scale, self%max_iterations, guess, displacement, &
-            solution)
+         if (self%starts_with_springs) call harden(system, problem, rho, scale, self%max_iterations, active_set, &
+            displacement, solution)
       end select
-   end subroutine newton_begin
+   end subroutine newton_find_start
 
-   !> Guesses in a way that lets fronts of opening or sliding pass, which Newton's steps move by a few points each: by
-   !> springs between the points and the obstacle, so soft at first that the ends of the line feel each other, and so
-   !> hard at last that neighbors hardly do.
-   subroutine harden(system, problem, rho, scale, max_iterations, guess, displacement, solution)
+   !> Finds a first active set in a way that lets fronts of opening or sliding pass, which Newton's steps move by a few
+   !> points each: by springs between the points and the obstacle, so soft at first that the ends of the line feel each
+   !> other, and so hard at last that neighbors hardly do.
+   subroutine harden(system, problem, rho, scale, max_iterations, active_set, displacement, solution)
       type(band_stiffness_system_t), intent(inout) :: system !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: rho(:) !! stiffness of the points (2m) [F/L]
       real(dp), intent(in) :: scale !! the force that residuals are measured by [F]
       integer, intent(in) :: max_iterations !! most steps
-      type(active_set_t), intent(inout) :: guess !! state of each point
+      type(active_set_t), intent(inout) :: active_set !! state of each point
       real(dp), intent(inout) :: displacement(:) !! v, and then that of the hardest springs (2m) [L]
       type(contact_solution_t), intent(inout) :: solution !! gains a record of the steps
       real(dp), parameter :: hardest = 10.0_dp, factor = 10.0_dp
@@ -139,35 +140,35 @@ contains
       integer :: step, info
 
       no_force = 0.0_dp
-      call guess%guess_stick(problem, rho, scale)
+      call active_set%assume_stick(problem, rho, scale)
       hardness = 1.0_dp/real(problem%n_points, dp)**2
       do while (hardness <= hardest)
          do step = 1, most_steps
-            call system%solve_softened(problem, guess, hardness*rho, next, force, info)
+            call system%solve_softened(problem, active_set, hardness*rho, next, force, info)
             call solution%effort%add(system%effort)
             system%effort = effort_t()
             if (info /= 0 .or. solution%n_iterations >= max_iterations) exit
             displacement = next
-            call solution%note(problem%violation(displacement, force)/scale)
-            last = guess
-            call guess%guess(problem, hardness*rho, displacement, no_force, violation)
-            if (guess%equals(last)) exit
+            call solution%record_residual(problem%violation(displacement, force)/scale)
+            last = active_set
+            call active_set%update(problem, hardness*rho, displacement, no_force, violation)
+            if (active_set%equals(last)) exit
          end do
          hardness = factor*hardness
       end do
    end subroutine harden
 
-   !> Whether the last steps brought no pair that is better. Cycles of guesses may creep on all the same.
-   pure logical function newton_is_stuck(self, solution, n_soft) result(is_stuck)
+   !> Whether the last steps brought no pair that is better. Cycles of active sets may creep on all the same.
+   pure logical function newton_is_stuck(self, solution, n_spring_steps) result(is_stuck)
       class(newton_t), intent(in) :: self !! the method
       type(contact_solution_t), intent(in) :: solution !! the solution
-      integer, intent(in) :: n_soft !! how many steps went before, with springs
+      integer, intent(in) :: n_spring_steps !! how many steps went before, with springs
       integer :: n
 
-      n = solution%n_iterations - self%patience
-      is_stuck = n > n_soft
-      if (is_stuck) is_stuck = minval(solution%history(n + 1:n + self%patience)) &
-         > self%better*minval(solution%history(n_soft + 1:n))
+      n = solution%n_iterations - self%stagnation_limit
+      is_stuck = n > n_spring_steps
+      if (is_stuck) is_stuck = minval(solution%history(n + 1:n + self%stagnation_limit)) &
+         > self%decrease*minval(solution%history(n_spring_steps + 1:n))
    end function newton_is_stuck
 
    !> Measures the best pair anew, by the problem alone.
@@ -182,53 +183,53 @@ contains
       solution%status = problem%status(solution%displacement, solution%force)
    end subroutine judge
 
-   !> Makes the share of the next step.
-   pure subroutine adapt(share, least, first_least, most, ratio, stays)
-      real(dp), intent(inout) :: share !! the share [-]
+   !> Makes the regularization of the next step.
+   pure subroutine adapt(regularization, least, first_min, most, ratio, stays)
+      real(dp), intent(inout) :: regularization !! the regularization [-]
       real(dp), intent(inout) :: least !! the least that it may be [-]
-      real(dp), intent(in) :: first_least !! the least that it may be as long as guesses change [-]
+      real(dp), intent(in) :: first_min !! the least that it may be as long as active sets change [-]
       real(dp), intent(in) :: most !! the largest that it may be [-]
       real(dp), intent(in) :: ratio !! residual after the step over the one before [-]
-      logical, intent(in) :: stays !! whether the step left the guess as it was
+      logical, intent(in) :: stays !! whether the step left the active set as it was
 
       if (ratio > 1.0_dp) then
-         call grow(share, most)
+         call grow(regularization, most)
       else if (.not. stays) then
-         least = first_least
-         share = max(least, share/little)
+         least = first_min
+         regularization = max(least, regularization/reduction)
       else
-         ! The statuses are found, and only the share stands between them and their forces.
-         if (ratio > slow) least = min(least, max(no_share, least/much))
-         share = max(least, share/much)
+         ! The statuses are found, and only the regularization stands between them and their forces.
+         if (ratio > slow_convergence) least = min(least, max(lowest_regularization, least/fast_reduction))
+         regularization = max(least, regularization/fast_reduction)
       end if
    end subroutine adapt
 
-   !> Makes a share of the diagonal larger.
-   pure subroutine grow(share, most)
-      real(dp), intent(inout) :: share !! the share [-]
+   !> Makes a regularization larger.
+   pure subroutine grow(regularization, most)
+      real(dp), intent(inout) :: regularization !! the regularization [-]
       real(dp), intent(in) :: most !! the largest that it may be [-]
       real(dp), parameter :: factor = 10.0_dp, from_nothing = 1.0e-9_dp
 
-      share = min(most, max(from_nothing, factor*share))
+      regularization = min(most, max(from_nothing, factor*regularization))
    end subroutine grow
 
    !> Counts an iteration, and keeps its pair (v, lambda) in the solution if it is better than the one there.
-   pure subroutine note(solution, displacement, force, residual)
+   pure subroutine record_best(solution, displacement, force, residual)
       type(contact_solution_t), intent(inout) :: solution !! the solution
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
       real(dp), intent(in) :: force(:) !! lambda (2m) [F]
       real(dp), intent(in) :: residual !! residual of this pair [-]
 
-      call solution%note(residual)
+      call solution%record_residual(residual)
       if (.not. residual < solution%residual) return
       solution%displacement = displacement
       solution%force = force
       solution%residual = residual
-   end subroutine note
+   end subroutine record_best
 
-   !> The linear system that suits a problem. In the displacements a share slows the motions that move all points
-   !> together, so there is none as long as all goes well; in the forces it costs nothing, and makes the guesses of
-   !> semidefinite problems settle.
+   !> The linear system that suits a problem. In the displacements a regularization slows the motions that move all
+   !> points together, so there is none as long as all goes well; in the forces it costs nothing, and makes the active
+   !> sets of semidefinite problems settle.
    subroutine new_system(system, problem)
       class(newton_system_t), allocatable, intent(out) :: system !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -239,14 +240,14 @@ contains
          else
             allocate (stiffness_system_t :: system)
          end if
-         if (.not. problem%is_held) system%least_share = 1.0e-9_dp
-         system%first_share = system%least_share
+         if (.not. problem%is_held) system%min_regularization = 1.0e-9_dp
+         system%first_regularization = system%min_regularization
       else if (problem%compliance%is_sparse()) then
          allocate (sparse_compliance_system_t :: system)
-         system%least_share = 1.0e-5_dp
+         system%min_regularization = 1.0e-5_dp
       else
          allocate (compliance_system_t :: system)
-         system%least_share = 1.0e-5_dp
+         system%min_regularization = 1.0e-5_dp
       end if
    end subroutine new_system
 

@@ -44,7 +44,7 @@ contains
       integer :: i
       logical :: is_dual, may_continue
 
-      call solution%begin()
+      call solution%reset()
       is_dual = self%space == 'dual' .or. problem%is_reduced()
       if (is_dual) then
          call solution%effort%factorize(.not. allocated(problem%compliance))
@@ -78,11 +78,11 @@ contains
       real(dp) :: displacement(2*problem%n_points), force(2*problem%n_points), residual
       logical :: is_last
 
-      residual = sweep%residual(problem)
+      residual = sweep%scaled_residual(problem)
       is_last = solution%n_iterations + 1 >= self%max_iterations .or. residual >= huge(residual)
       may_continue = .true.
       if (residual > self%tolerance .and. .not. is_last) then
-         call solution%note(residual)
+         call solution%record_residual(residual)
          return
       end if
       call sweep%pair(problem, displacement, force)
@@ -103,16 +103,16 @@ contains
 
       if (acceleration%depth == 0) return
       n = size(sweep%unknown)
-      ! The shift turns the centre into a force. Where it is 0, or the sweep is one of displacements, the centre stays.
-      call acceleration%extrapolate([before%unknown, problem%shift*before%center], &
-         [sweep%unknown, problem%shift*sweep%center, sweep%rest], proposal, is_given)
+      ! The parameter turns the center into a force. Where it is 0, or displacements are swept, the center stays.
+      call acceleration%extrapolate([before%unknown, problem%proximal_parameter*before%center], &
+         [sweep%unknown, problem%proximal_parameter*sweep%center, sweep%residual], proposal, is_given)
       if (.not. is_given) return
       proposed = sweep
       proposed%unknown = proposal(:n)
-      if (problem%shift > 0.0_dp) proposed%center = proposal(n + 1:2*n)/problem%shift
-      proposed%rest = proposal(2*n + 1:)
+      if (problem%proximal_parameter > 0.0_dp) proposed%center = proposal(n + 1:2*n)/problem%proximal_parameter
+      proposed%residual = proposal(2*n + 1:)
       call proposed%admit(problem, sweep%unknown)
-      if (proposed%residual(problem) < sweep%residual(problem)) then
+      if (proposed%scaled_residual(problem) < sweep%scaled_residual(problem)) then
          sweep = proposed
       else
          sweep%effort = proposed%effort

@@ -29,9 +29,9 @@ module amontons_relaxation
       real(dp) :: omega = 1.0_dp !! relaxation [-]
       real(dp) :: scale = 1.0_dp !! force scale of the problem [F]
       real(dp), allocatable :: unknown(:) !! dual: lambda [F]; primal: v [L] (2m)
-      real(dp), allocatable :: rest(:) !! dual: B - A lambda [L]; primal: q - S v [F] (2m)
+      real(dp), allocatable :: residual(:) !! dual: B - A lambda [L]; primal: q - S v [F] (2m)
       type(effort_t) :: effort !! what the sweeps took
-      real(dp), allocatable :: center(:) !! proximal centre of a dual sweep (2m) [L]
+      real(dp), allocatable :: center(:) !! proximal center of a dual sweep (2m) [L]
       real(dp), allocatable, private :: diagonal(:) !! diagonal of A or S (2m)
       real(dp), allocatable, private :: coupling(:) !! its element between the components of each point (m)
       real(dp), allocatable, private :: rho(:) !! reciprocals of the diagonal (2m)
@@ -41,7 +41,7 @@ module amontons_relaxation
       procedure :: move_center => relaxation_move_center
       procedure :: pair => relaxation_pair
       procedure :: refresh => relaxation_refresh
-      procedure :: residual => relaxation_residual
+      procedure :: scaled_residual => relaxation_scaled_residual
    end type relaxation_t
 
 contains
@@ -77,7 +77,7 @@ contains
       call sweep%refresh(problem)
    end subroutine new_relaxation
 
-   !> Computes the rest anew, free of the rounding of many updates.
+   !> Computes the residual anew, free of the rounding of many updates.
    pure subroutine relaxation_refresh(self, problem)
       class(relaxation_t), intent(inout) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -85,11 +85,11 @@ contains
 
       m = problem%n_points
       if (self%is_dual) then
-         self%rest = problem%displacement(problem%dual_load(self%center), self%unknown)
+         self%residual = problem%displacement(problem%dual_load(self%center), self%unknown)
          call self%effort%multiply(merge(1.0_dp, 2.0_dp, problem%is_reduced()))
-         self%rest(:m) = self%rest(:m) - problem%gap
+         self%residual = self%residual - problem%reference()
       else
-         self%rest = problem%load - matmul(problem%stiffness, self%unknown)
+         self%residual = problem%load - matmul(problem%stiffness, self%unknown)
          call self%effort%multiply(1.0_dp)
       end if
    end subroutine relaxation_refresh
@@ -109,7 +109,7 @@ contains
       end do
    end subroutine relaxation_advance
 
-   !> Gives one component a value, and the rest what this changes.
+   !> Gives one component a value, and the residual what this changes.
    pure subroutine set_unknown(sweep, problem, i, value)
       type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -120,11 +120,11 @@ contains
       change = value - sweep%unknown(i)
       sweep%unknown(i) = value
       if (.not. abs(change) > 0.0_dp) return
-      call sweep%effort%multiply(1.0_dp/size(sweep%rest))
+      call sweep%effort%multiply(1.0_dp/size(sweep%residual))
       if (sweep%is_dual) then
-         call problem%compliance%add_column(i, -change, sweep%rest)
+         call problem%compliance%add_column(i, -change, sweep%residual)
       else
-         call daxpy(size(sweep%rest), -change, problem%stiffness(:, i), 1, sweep%rest, 1)
+         call daxpy(size(sweep%residual), -change, problem%stiffness(:, i), 1, sweep%residual, 1)
       end if
    end subroutine set_unknown
 
@@ -137,7 +137,7 @@ contains
       integer :: t
 
       t = n + problem%n_points
-      associate (x => sweep%unknown, w => sweep%rest, a => sweep%diagonal, a_nt => sweep%coupling(n))
+      associate (x => sweep%unknown, w => sweep%residual, a => sweep%diagonal, a_nt => sweep%coupling(n))
          if (sweep%is_block) then
             solved = solve_point(a(n), a_nt, a(t), [w(n) + a(n)*x(n) + a_nt*x(t), w(t) + a_nt*x(n) + a(t)*x(t)], &
                problem%friction(n), problem%slip_bound(n), [x(n), x(t)])
@@ -152,8 +152,8 @@ contains
       end associate
    end subroutine relax_force
 
-   !> Relaxes the displacement of one point: the normal one is cut at the gap, the tangential one is shrunk by what
-   !> friction holds.
+   !> Relaxes the displacement of one point: the normal one is cut at the gap, the slip is shrunk by what friction
+   !> holds.
    pure subroutine relax_displacement(sweep, problem, n)
       type(relaxation_t), intent(inout) :: sweep !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -163,7 +163,7 @@ contains
       integer :: t
 
       t = n + problem%n_points
-      associate (v => sweep%unknown, f => sweep%rest, s => sweep%diagonal, omega => sweep%omega)
+      associate (v => sweep%unknown, f => sweep%residual, s => sweep%diagonal, omega => sweep%omega)
          det = s(n)*s(t) - sweep%coupling(n)**2
          if (sweep%is_block .and. det > singular*s(n)*s(t)) then
             call solve_displacement(sweep, problem, n, det)
@@ -172,7 +172,8 @@ contains
          call set_unknown(sweep, problem, n, min(v(n) + omega*f(n)/s(n), problem%gap(n)))
          bound = problem%slip_bound(n)
          if (.not. v(n) < problem%gap(n)) bound = bound + problem%friction(n)*max(0.0_dp, f(n))
-         call set_unknown(sweep, problem, t, shrunk(v(t) + omega*f(t)/s(t), omega*bound/s(t)))
+         call set_unknown(sweep, problem, t, problem%anchor(n) &
+            + shrunk(v(t) - problem%anchor(n) + omega*f(t)/s(t), omega*bound/s(t)))
       end associate
    end subroutine relax_displacement
 
@@ -186,15 +187,16 @@ contains
       integer :: t
 
       t = n + problem%n_points
-      associate (v => sweep%unknown, f => sweep%rest, s => sweep%diagonal)
+      associate (v => sweep%unknown, f => sweep%residual, s => sweep%diagonal)
          w_nn = s(t)/det
          w_nt = -sweep%coupling(n)/det
          w_tt = s(n)/det
-         free = [v(n) - problem%gap(n) + w_nn*f(n) + w_nt*f(t), v(t) + w_nt*f(n) + w_tt*f(t)]
+         free = [v(n) - problem%gap(n) + w_nn*f(n) + w_nt*f(t), &
+            v(t) - problem%anchor(n) + w_nt*f(n) + w_tt*f(t)]
          force = solve_point(w_nn, w_nt, w_tt, free, problem%friction(n), problem%slip_bound(n), [f(n), f(t)])
          distance = free(1) - w_nn*force(1) - w_nt*force(2)
          slip = free(2) - w_nt*force(1) - w_tt*force(2)
-         slip = v(t) + sweep%omega*(slip - v(t))
+         slip = v(t) + sweep%omega*(problem%anchor(n) + slip - v(t))
          if (force(1) > 0.0_dp) then
             call set_unknown(sweep, problem, n, problem%gap(n))
          else
@@ -224,45 +226,44 @@ contains
 
       m = problem%n_points
       if (self%is_dual) then
-         displacement = self%rest
-         displacement(:m) = displacement(:m) + problem%gap
+         displacement = self%residual + problem%reference()
          force = self%unknown
       else
          displacement = self%unknown
-         force = self%rest
+         force = self%residual
          force(:m) = merge(0.0_dp, max(0.0_dp, force(:m)), displacement(:m) < problem%gap)
          force(m + 1:) = bounded(force(m + 1:), problem%bound(force(:m)))
       end if
    end subroutine relaxation_pair
 
-   !> The residual of the pair at hand, as far as the rest is free of rounding: what lacks for equilibrium is the move
-   !> of the proximal centre in the dual space, and what the contact law cut off in the primal one [-].
-   pure real(dp) function relaxation_residual(self, problem) result(residual)
+   !> The residual of the pair at hand as the contact problem measures it, rounding aside: what lacks for equilibrium is
+   !> the move of the proximal center in the dual space, and what the contact law cut off in the primal one [-].
+   pure real(dp) function relaxation_scaled_residual(self, problem) result(residual)
       class(relaxation_t), intent(in) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), dimension(size(self%unknown)) :: displacement, force, imbalance
 
       call self%pair(problem, displacement, force)
       if (self%is_dual) then
-         imbalance = problem%shift*(displacement - self%center)
+         imbalance = problem%proximal_parameter*(displacement - self%center)
       else
-         imbalance = self%rest - force
+         imbalance = self%residual - force
       end if
       residual = huge(residual)
-      if (.not. all(ieee_is_finite(self%rest))) return
+      if (.not. all(ieee_is_finite(self%residual))) return
       residual = max(0.0_dp, maxval(abs(imbalance)), problem%violation(displacement, force))/self%scale
-   end function relaxation_residual
+   end function relaxation_scaled_residual
 
-   !> Moves the proximal centre of a body that only contact holds to the displacement at hand.
+   !> Moves the proximal center of a body that only contact holds to the displacement at hand.
    pure subroutine relaxation_move_center(self, problem)
       class(relaxation_t), intent(inout) :: self !! the sweeps
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), dimension(size(self%unknown)) :: displacement, force, change
 
       call self%pair(problem, displacement, force)
-      call problem%compliance%multiply(problem%shift*(displacement - self%center), change)
+      call problem%compliance%multiply(problem%proximal_parameter*(displacement - self%center), change)
       call self%effort%multiply(1.0_dp)
-      self%rest = self%rest + change
+      self%residual = self%residual + change
       self%center = displacement
    end subroutine relaxation_move_center
 

@@ -23,23 +23,23 @@ module amontons_sparse_compliance_system
 
 contains
 
-   !> Factorises the system of a guess, unless it is the one that is factorised.
-   subroutine sparse_compliance_system_prepare(self, problem, guess, share, info)
+   !> Factorizes the system of an active set, unless it is the one that is factorized.
+   subroutine sparse_compliance_system_prepare(self, problem, active_set, regularization, info)
       class(sparse_compliance_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem, with a sparse compliance
-      type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: share !! share of the diagonal of A that is wanted [-]
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A that is wanted [-]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
 
       info = 0
-      if (.not. self%serves(guess, share)) call self%factorize(problem, guess, share, info)
+      if (.not. self%serves(active_set, regularization)) call self%factorize(problem, active_set, regularization, info)
    end subroutine sparse_compliance_system_prepare
 
-   !> Solves the factorised system.
-   subroutine sparse_compliance_system_solve_forces(self, problem, guess, load, center, force, info)
+   !> Solves the factorized system.
+   subroutine sparse_compliance_system_solve_forces(self, problem, active_set, load, center, force, info)
       class(sparse_compliance_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem, with a sparse compliance
-      type(active_set_t), intent(in) :: guess !! state of each point
+      type(active_set_t), intent(in) :: active_set !! state of each point
       real(dp), intent(in) :: load(:) !! dual load B (2m) [L]
       real(dp), intent(in) :: center(:) !! lambda before the step (2m) [F]
       real(dp), intent(out) :: force(:) !! lambda after it (2m) [F]
@@ -49,12 +49,12 @@ contains
       info = 0
       associate (m => problem%n_points, unknown => self%unknown)
          force(:m) = 0.0_dp
-         force(m + 1:) = guess%sense*problem%slip_bound
-         right = load(unknown) + self%share*self%diagonal(unknown)*center(unknown)
+         force(m + 1:) = active_set%slip_direction*problem%slip_bound
+         right = load(unknown) + self%regularization*self%diagonal(unknown)*center(unknown)
          if (any(abs(force) > 0.0_dp)) right = right - product_rows(problem, unknown, force)
          if (size(right) > 0) call self%factors%solve_transposed(right, info)
          force(unknown) = right
-         force(m + 1:) = force(m + 1:) + guess%sense*problem%friction*force(:m)
+         force(m + 1:) = force(m + 1:) + active_set%slip_direction*problem%friction*force(:m)
       end associate
    end subroutine sparse_compliance_system_solve_forces
 
@@ -69,31 +69,31 @@ contains
       product = [(problem%compliance%column_product(rows(i), x), i=1, size(rows))]
    end function product_rows
 
-   !> Whether the factorisation is that of a guess, with a share of the diagonal that is neither too small nor so large
+   !> Whether the factorization is that of an active set, with a regularization that is neither too small nor so large
    !> that steps are slow.
-   pure logical function sparse_compliance_system_serves(self, guess, share) result(serves)
+   pure logical function sparse_compliance_system_serves(self, active_set, regularization) result(serves)
       class(sparse_compliance_system_t), intent(in) :: self !! the system
-      type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: share !! share of the diagonal of A that is wanted [-]
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A that is wanted [-]
       real(dp), parameter :: spread = 10.0_dp
 
-      serves = self%share >= share .and. self%share <= spread*share
-      if (serves) serves = all(self%base%is_closed .eqv. guess%is_closed) .and. all(self%base%sense == guess%sense)
+      serves = self%regularization >= regularization .and. self%regularization <= spread*regularization
+      if (serves) serves = self%base%equals(active_set)
    end function sparse_compliance_system_serves
 
-   !> Factorises the system of a guess.
-   subroutine sparse_compliance_system_factorize(self, problem, guess, share, info)
+   !> Factorizes the system of an active set.
+   subroutine sparse_compliance_system_factorize(self, problem, active_set, regularization, info)
       class(sparse_compliance_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: share !! share of the diagonal of A [-]
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A [-]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
       integer, allocatable :: row(:), column(:)
       real(dp), allocatable :: value(:)
       integer :: place(2*problem%n_points), i, k, m, n, point
 
       m = problem%n_points
-      call self%begin(problem, guess, share)
+      call self%begin(problem, active_set, regularization)
       place = 0
       place(self%unknown) = [(i, i=1, size(self%unknown))]
       ! The entries of a sliding point's tangential row go where its normal force stands.
@@ -102,13 +102,14 @@ contains
             value(size(a%row) + size(self%unknown)))
          n = 0
          do i = 1, size(self%unknown)
-            call append(i, share*self%diagonal(self%unknown(i)))
+            call append(i, regularization*self%diagonal(self%unknown(i)))
             do k = a%first(self%unknown(i)), a%first(self%unknown(i) + 1) - 1
                if (place(a%row(k)) > 0) then
                   call append(place(a%row(k)), a%entry(k))
                else if (a%row(k) > m) then
                   point = a%row(k) - m
-                  if (place(point) > 0) call append(place(point), guess%sense(point)*problem%friction(point)*a%entry(k))
+                  if (place(point) > 0) call append(place(point), &
+                     active_set%slip_direction(point)*problem%friction(point)*a%entry(k))
                end if
             end do
          end do
@@ -116,7 +117,7 @@ contains
       info = 0
       call self%effort%factorize(size(self%unknown) > 0)
       if (size(self%unknown) > 0) call self%factors%factorize(size(self%unknown), row(:n), column(:n), value(:n), info)
-      if (info /= 0) self%share = -1.0_dp
+      if (info /= 0) self%regularization = -1.0_dp
 
    contains
 

@@ -66,7 +66,7 @@ contains
       integer :: m, iteration
       logical :: may_continue
 
-      call solution%begin()
+      call solution%reset()
       call solution%effort%factorize(.not. allocated(problem%compliance))
       call problem%prepare_compliance(error)
       if (allocated(error)) return
@@ -90,7 +90,7 @@ contains
          call solution%effort%multiply(1.0_dp)
          ! A proximal step counts as the force that it takes.
          change = maxval(abs([[normal, tangential] - solution%force, &
-            problem%shift*(displacement - solution%displacement)]))/force_scale
+            problem%proximal_parameter*(displacement - solution%displacement)]))/force_scale
          call solution%record(problem, displacement, [normal, tangential], self%tolerance, may_continue)
          if (.not. may_continue) return
          ! The paper's stop, which is no sign of a solution.

@@ -24,11 +24,11 @@ module amontons_stiffness_system
 contains
 
    !> Solves for the displacements, then takes the forces from the equilibrium.
-   subroutine stiffness_system_solve(self, problem, guess, share, displacement, force, imbalance, info)
+   subroutine stiffness_system_solve(self, problem, active_set, regularization, displacement, force, imbalance, info)
       class(stiffness_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem, with a stiffness
-      type(active_set_t), intent(in) :: guess !! state of each point
-      real(dp), intent(in) :: share !! share of the diagonal of S [-]
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of S [-]
       real(dp), intent(inout) :: displacement(:) !! v before the step, and after it (2m) [L]
       real(dp), intent(inout) :: force(:) !! lambda before the step, and after it (2m) [F]
       real(dp), intent(out) :: imbalance !! largest violation of S v = q - lambda by the pair after the step [F]
@@ -40,15 +40,15 @@ contains
 
       m = problem%n_points
       if (.not. allocated(self%diagonal)) self%diagonal = problem%augmentation()
-      unknown = pack([(i, i=1, 2*m)], [.not. guess%is_closed, guess%sense /= 0])
+      unknown = pack([(i, i=1, 2*m)], [.not. active_set%is_closed, active_set%slip_direction /= 0])
       n = size(unknown)
-      slope = merge(problem%friction*guess%sense, 0.0_dp, guess%is_closed)
-      call take_known_load(problem, guess, load, self%effort)
+      slope = merge(problem%friction*active_set%slip_direction, 0.0_dp, active_set%is_closed)
+      call take_known_load(problem, active_set, load, self%effort)
       allocate (matrix(n, n), right(n))
       do i = 1, n
          matrix(:, i) = problem%stiffness(unknown, unknown(i))
-         matrix(i, i) = matrix(i, i) + share*self%diagonal(unknown(i))
-         right(i) = load(unknown(i)) + share*self%diagonal(unknown(i))*displacement(unknown(i))
+         matrix(i, i) = matrix(i, i) + regularization*self%diagonal(unknown(i))
+         right(i) = load(unknown(i)) + regularization*self%diagonal(unknown(i))*displacement(unknown(i))
       end do
       do i = 1, n
          point = unknown(i) - m
@@ -61,34 +61,32 @@ contains
       call lu_solve(matrix, right, info)
       if (.not. all(ieee_is_finite(right))) info = 1
       if (info /= 0) return
-      displacement(:m) = problem%gap
-      displacement(m + 1:) = 0.0_dp
+      displacement = problem%reference()
       displacement(unknown) = right
       call problem%multiply_stiffness(displacement, force)
       force = problem%load - force
-      call guess%impose(problem, force, imbalance)
+      call active_set%impose(problem, force, imbalance)
       call self%effort%multiply(1.0_dp)
    end subroutine stiffness_system_solve
 
    !> The load less what the known displacements and the given slip bounds take of it.
-   pure subroutine take_known_load(problem, guess, load, effort)
+   pure subroutine take_known_load(problem, active_set, load, effort)
       type(contact_problem_t), intent(in) :: problem !! the problem
-      type(active_set_t), intent(in) :: guess !! state of each point
+      type(active_set_t), intent(in) :: active_set !! state of each point
       real(dp), intent(out) :: load(:) !! what is left (2m) [F]
       type(effort_t), intent(inout) :: effort !! gains that of the product, if there is one
       real(dp) :: known(2*problem%n_points)
       integer :: m
 
       m = problem%n_points
-      known = 0.0_dp
-      known(:m) = merge(problem%gap, 0.0_dp, guess%is_closed)
+      known = merge(problem%reference(), 0.0_dp, [active_set%is_closed, active_set%slip_direction == 0])
       load = 0.0_dp
       if (any(abs(known) > 0.0_dp)) then
          call problem%multiply_stiffness(known, load)
          call effort%multiply(1.0_dp)
       end if
       load = problem%load - load
-      load(m + 1:) = load(m + 1:) - guess%sense*problem%slip_bound
+      load(m + 1:) = load(m + 1:) - active_set%slip_direction*problem%slip_bound
    end subroutine take_known_load
 
 end module amontons_stiffness_system

@@ -37,7 +37,7 @@ module amontons_body
       type(materials_t) :: materials !! the materials of the elements
       type(spring_side_t), allocatable :: springs(:) !! springs along sides
       logical :: is_axisymmetric = .false. !! whether it is a body of revolution
-      type(coloring_t) :: coloring !! colours of the elements
+      type(coloring_t) :: coloring !! colors of the elements
       type(constraints_t) :: constraints !! the supports
       type(rigid_motions_t), allocatable :: motions(:) !! the rigid motions of each piece that the supports leave free
       type(contact_zone_t) :: zone !! the contact points

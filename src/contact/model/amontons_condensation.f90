@@ -49,7 +49,7 @@ module amontons_condensation
    !> The factorized body and the map between contact unknowns and normal and tangential displacements.
    type :: condensation_t
       class(condenser_t), allocatable :: condenser !! of K + alpha E
-      real(dp) :: alpha = 0.0_dp !! shift on the contact unknowns [F/L]
+      real(dp) :: regularization = 0.0_dp !! alpha: regularization of the factor [F/L]
       type(band_stiffness_t), allocatable :: band !! S, where it is no dense matrix
       integer, private :: n_unknowns = 0 !! number of contact unknowns
       integer, allocatable, private :: unknown(:, :)
@@ -95,8 +95,9 @@ contains
       end if
       call keep_band(condensation, stiffness, options%form, zone, band_error)
       if (.not. is_held) then
-         condensation%alpha = mean
-         call stiffness%shift_diagonal(dof_map%n_dofs - dof_map%n_trailing + 1, dof_map%n_dofs, condensation%alpha)
+         condensation%regularization = mean
+         call stiffness%shift_diagonal(dof_map%n_dofs - dof_map%n_trailing + 1, dof_map%n_dofs, &
+            condensation%regularization)
       end if
       call new_condenser(condensation%condenser, trim(options%factorization), stiffness, &
          merge(0, dof_map%n_trailing, allocated(condensation%band)), error)
@@ -149,7 +150,7 @@ contains
       end associate
    end subroutine find_band_order
 
-   !> Makes the rows of C on the contact unknowns. The tangential displacement of a guided point has no row.
+   !> Makes the rows of C on the contact unknowns. A slip that a support prevents has no row.
    pure subroutine map_rows(condensation, zone, constraints, dof_map)
       type(condensation_t), intent(inout) :: condensation !! the condensation
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -161,7 +162,7 @@ contains
       allocate (condensation%unknown(2, zone%n_points), source=0)
       n = 0
       do p = 1, zone%n_points
-         do k = 1, merge(1, 2, zone%is_guided(p))
+         do k = 1, merge(1, 2, zone%is_tangent_fixed(p))
             n = n + 1
             condensation%unknown(k, p) = n
          end do
@@ -203,7 +204,7 @@ contains
       do p = 1, zone%n_points
          frame = constraints%frame(zone%node(p))
          normal = zone%normal(:, p)
-         if (zone%is_guided(p)) then
+         if (zone%is_tangent_fixed(p)) then
             axis = findloc(dof_map%dof(:, zone%node(p)) > 0, .true., dim=1)
             condensation%unknown(1, p) = dof_map%dof(axis, zone%node(p)) - first
             condensation%map(1, 1, p) = 1.0_dp/dot_product(normal, frame(:, axis))
@@ -215,7 +216,7 @@ contains
       end do
    end subroutine map_points
 
-   !> The condensed stiffness S on (u_N; u_T). The tangential row of a guided point, which has no unknown, becomes that
+   !> The condensed stiffness S on (u_N; u_T). The tangential row of a point whose slip a support prevents becomes that
    !> of a spring of its own that nothing loads: its slip and shear are zero.
    subroutine condensation_condense_stiffness(self, stiffness, error)
       class(condensation_t), intent(inout) :: self !! the factorized body
@@ -233,7 +234,7 @@ contains
       allocate (schur(self%n_unknowns, self%n_unknowns), stiffness(2*m, 2*m))
       call self%condenser%schur_complement(schur)
       do i = 1, size(schur, 1)
-         schur(i, i) = schur(i, i) - self%alpha
+         schur(i, i) = schur(i, i) - self%regularization
       end do
       if (allocated(self%rows)) then
          call new_row_condensation(self%to_rows, schur, self%rows, self%is_held, error)

@@ -1,4 +1,4 @@
-!> The cells of a contact set with constant multipliers: their parts of sides, areas, normals, rows and samples.
+!> The cells of a contact set with constant multipliers: parts of sides, areas, normals, rows, quadrature points.
 !>
 !> A cell is cut out of the sides by lengths along the line, whatever the nodes. Its displacement is the mean of the
 !> body's displacement along the normal of the geometry at each point, integrated exactly on straight sides; its
@@ -7,7 +7,7 @@ module amontons_contact_cells
    use amontons_boundary, only: boundary_line_t
    use amontons_cell_partition, only: cell_partition_t
    use amontons_contact_rows, only: contact_rows_t
-   use amontons_contact_samples, only: contact_samples_t
+   use amontons_contact_quadrature, only: contact_quadrature_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
@@ -20,7 +20,7 @@ module amontons_contact_cells
    public :: contact_cells_t, new_contact_cells
 
    !> Nodes and quadrature points of a part of a side.
-   integer, parameter :: n_strip_nodes = 3, n_strip_samples = 3
+   integer, parameter :: n_segment_nodes = 3, n_segment_points = 3
 
    !> The cells in the order of the line.
    type :: contact_cells_t
@@ -31,16 +31,16 @@ module amontons_contact_cells
       real(dp), allocatable :: center(:, :) !! centroid (2, n_cells) [L]
       real(dp), allocatable :: normal(:, :) !! mean unit normal (2, n_cells) [-]
       type(contact_rows_t) :: rows !! the nodes' shares in the mean displacements
-      type(contact_samples_t) :: samples !! the quadrature points
+      type(contact_quadrature_t) :: quadrature !! the quadrature points
    end type contact_cells_t
 
    !> A part of a side that belongs to one cell.
-   type :: strip_t
+   type :: segment_t
       integer :: side = 0 !! the side
       integer :: cell = 0 !! the cell
       real(dp) :: range(2) = [-1.0_dp, 1.0_dp] !! where it begins and ends on the side, which goes from -1 to 1 [-]
-      real(dp) :: station = 0.0_dp !! length along the line where the side begins [L]
-   end type strip_t
+      real(dp) :: arc_length = 0.0_dp !! length along the line where the side begins [L]
+   end type segment_t
 
 contains
 
@@ -55,14 +55,14 @@ contains
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
       type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
       integer, allocatable :: sides(:, :)
-      type(strip_t), allocatable :: strips(:)
+      type(segment_t), allocatable :: segments(:)
 
       call mesh%set_sides(set, sides, error)
       if (allocated(error)) return
       sides = sides(:, side_order(sides, line, mesh%n_nodes))
-      call cut_line(cells, strips, sides, mesh%coordinates, partition, error)
+      call cut_line(cells, segments, sides, mesh%coordinates, partition, error)
       if (allocated(error)) return
-      call integrate(cells, strips, sides, mesh, materials, direction)
+      call integrate(cells, segments, sides, mesh, materials, direction)
       call check_normals(cells, error)
    end subroutine new_contact_cells
 
@@ -80,20 +80,20 @@ contains
    end function side_order
 
    !> Cuts each piece of the line into cells.
-   pure subroutine cut_line(cells, strips, sides, coordinates, partition, error)
+   pure subroutine cut_line(cells, segments, sides, coordinates, partition, error)
       type(contact_cells_t), intent(inout) :: cells !! gains the number of cells and how they follow each other
-      type(strip_t), allocatable, intent(out) :: strips(:) !! the parts of the sides, cell by cell
+      type(segment_t), allocatable, intent(out) :: segments(:) !! the parts of the sides, cell by cell
       integer, intent(in) :: sides(:, :) !! the sides in order (4, sides)
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
       type(cell_partition_t), intent(in) :: partition !! how to cut
       type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
       real(dp), allocatable :: ends(:)
-      real(dp) :: lengths(size(sides, 2)), station
+      real(dp) :: lengths(size(sides, 2)), arc_length
       integer :: first, last, i, n
 
       lengths = [(length_up_to(sides(:3, i), coordinates, 1.0_dp), i=1, size(sides, 2))]
-      allocate (strips(0), cells%next(0))
-      station = 0.0_dp
+      allocate (segments(0), cells%next(0))
+      arc_length = 0.0_dp
       first = 1
       do while (first <= size(sides, 2))
          last = first
@@ -105,50 +105,51 @@ contains
             call new_error(error, input_refused, 'cell_ends needs a contact line of one piece; this one has more')
             return
          end if
-         if (first > 1) station = station + norm2(coordinates(:, sides(1, first)) - coordinates(:, sides(2, first - 1)))
+         if (first > 1) arc_length = arc_length &
+            + norm2(coordinates(:, sides(1, first)) - coordinates(:, sides(2, first - 1)))
          call partition%cell_ends(lengths(first:last), ends, error)
          if (allocated(error)) return
-         call cut_piece(strips, sides, coordinates, first, lengths(first:last), ends, cells%n_cells, station)
+         call cut_piece(segments, sides, coordinates, first, lengths(first:last), ends, cells%n_cells, arc_length)
          n = size(ends) - 1
          cells%next = [cells%next, [(cells%n_cells + i, i=2, n)], 0]
          if (sides(2, last) == sides(1, first) .and. n > 1) cells%next(cells%n_cells + n) = cells%n_cells + 1
          cells%n_cells = cells%n_cells + n
-         station = station + sum(lengths(first:last))
+         arc_length = arc_length + sum(lengths(first:last))
          first = last + 1
       end do
    end subroutine cut_line
 
    !> Cuts one piece of the line.
-   pure subroutine cut_piece(strips, sides, coordinates, first, lengths, ends, n_cells, station)
-      type(strip_t), allocatable, intent(inout) :: strips(:) !! gains the parts of the sides
+   pure subroutine cut_piece(segments, sides, coordinates, first, lengths, ends, n_cells, arc_length)
+      type(segment_t), allocatable, intent(inout) :: segments(:) !! gains the parts of the sides
       integer, intent(in) :: sides(:, :) !! all sides in order (4, sides)
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
       integer, intent(in) :: first !! first side of the piece
       real(dp), intent(in) :: lengths(:) !! lengths of its sides [L]
       real(dp), intent(in) :: ends(:) !! ends of its cells, the beginning first (cells + 1) [L]
       integer, intent(in) :: n_cells !! how many cells come before
-      real(dp), intent(in) :: station !! length along the line where the piece begins [L]
+      real(dp), intent(in) :: arc_length !! length along the line where the piece begins [L]
       ! A cell that ends so near to a node ends there, as a share of the side.
       real(dp), parameter :: near = 1.0e-9_dp
-      type(strip_t) :: strip
+      type(segment_t) :: segment
       real(dp) :: begin
       integer :: cell, k
 
       cell = 1
       begin = 0.0_dp
       do k = 1, size(lengths)
-         strip%side = first + k - 1
-         strip%station = station + begin
-         strip%range = -1.0_dp
+         segment%side = first + k - 1
+         segment%arc_length = arc_length + begin
+         segment%range = -1.0_dp
          do
-            strip%cell = n_cells + cell
-            strip%range(1) = strip%range(2)
-            strip%range(2) = 1.0_dp
-            if (ends(cell + 1) < begin + (1.0_dp - near)*lengths(k)) strip%range(2) = &
-               place_at(sides(:3, strip%side), coordinates, ends(cell + 1) - begin)
-            strips = [strips, strip]
+            segment%cell = n_cells + cell
+            segment%range(1) = segment%range(2)
+            segment%range(2) = 1.0_dp
+            if (ends(cell + 1) < begin + (1.0_dp - near)*lengths(k)) segment%range(2) = &
+               place_at(sides(:3, segment%side), coordinates, ends(cell + 1) - begin)
+            segments = [segments, segment]
             if (ends(cell + 1) < begin + (1.0_dp + near)*lengths(k)) cell = min(cell + 1, size(ends) - 1)
-            if (.not. strip%range(2) < 1.0_dp) exit
+            if (.not. segment%range(2) < 1.0_dp) exit
          end do
          begin = begin + lengths(k)
       end do
@@ -182,27 +183,27 @@ contains
       end do
    end function place_at
 
-   !> Areas, centres, normals, rows and samples of the cells.
-   pure subroutine integrate(cells, strips, sides, mesh, materials, direction)
+   !> Areas, centers, normals, rows and quadrature points of the cells.
+   pure subroutine integrate(cells, segments, sides, mesh, materials, direction)
       type(contact_cells_t), intent(inout) :: cells !! the cells
-      type(strip_t), intent(in) :: strips(:) !! the parts of the sides, cell by cell
+      type(segment_t), intent(in) :: segments(:) !! the parts of the sides, cell by cell
       integer, intent(in) :: sides(:, :) !! the sides in order (4, sides)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
       integer :: i, n, cell
 
-      n = n_strip_samples*size(strips)
+      n = n_segment_points*size(segments)
       allocate (cells%length(cells%n_cells), cells%area(cells%n_cells), cells%center(2, cells%n_cells), &
          cells%normal(2, cells%n_cells), source=0.0_dp)
-      allocate (cells%rows%node(n_strip_nodes*size(strips)))
+      allocate (cells%rows%node(n_segment_nodes*size(segments)))
       allocate (cells%rows%part(2, size(cells%rows%node)), source=0.0_dp)
-      allocate (cells%samples%position(2, n), cells%samples%normal(2, n), cells%samples%outward(n), &
-         cells%samples%station(n), cells%samples%share(n))
-      cells%rows%start = [1, (1 + n_strip_nodes*count(strips%cell <= cell), cell=1, cells%n_cells)]
-      cells%samples%start = [1, (1 + n_strip_samples*count(strips%cell <= cell), cell=1, cells%n_cells)]
-      do i = 1, size(strips)
-         call add_strip(cells, i, strips(i), sides(:, strips(i)%side), mesh, materials, direction)
+      allocate (cells%quadrature%position(2, n), cells%quadrature%normal(2, n), cells%quadrature%outward(n), &
+         cells%quadrature%arc_length(n), cells%quadrature%share(n))
+      cells%rows%start = [1, (1 + n_segment_nodes*count(segments%cell <= cell), cell=1, cells%n_cells)]
+      cells%quadrature%start = [1, (1 + n_segment_points*count(segments%cell <= cell), cell=1, cells%n_cells)]
+      do i = 1, size(segments)
+         call add_segment(cells, i, segments(i), sides(:, segments(i)%side), mesh, materials, direction)
       end do
       do cell = 1, cells%n_cells
          cells%center(:, cell) = cells%center(:, cell)/cells%area(cell)
@@ -210,51 +211,51 @@ contains
          associate (first => cells%rows%start(cell), last => cells%rows%start(cell + 1) - 1)
             cells%rows%part(:, first:last) = cells%rows%part(:, first:last)/cells%area(cell)
          end associate
-         associate (first => cells%samples%start(cell), last => cells%samples%start(cell + 1) - 1)
-            cells%samples%share(first:last) = cells%samples%share(first:last)/cells%area(cell)
+         associate (first => cells%quadrature%start(cell), last => cells%quadrature%start(cell + 1) - 1)
+            cells%quadrature%share(first:last) = cells%quadrature%share(first:last)/cells%area(cell)
          end associate
       end do
    end subroutine integrate
 
    !> Adds the integrals over a part of a side to those of its cell.
-   pure subroutine add_strip(cells, i, strip, side, mesh, materials, direction)
+   pure subroutine add_segment(cells, i, segment, side, mesh, materials, direction)
       type(contact_cells_t), intent(inout) :: cells !! the cells
       integer, intent(in) :: i !! number of the part
-      type(strip_t), intent(in) :: strip !! the part
+      type(segment_t), intent(in) :: segment !! the part
       integer, intent(in) :: side(4) !! first corner, second corner, middle or 0, element of its side
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
       type(side_geometry_t) :: geometry
       real(dp) :: normal(2), outward(2), area
-      integer :: k, point, first, sample
+      integer :: k, point, first, place
 
-      call new_side_geometry(geometry, side(:3), mesh%coordinates, strip%range)
-      first = n_strip_nodes*(i - 1)
+      call new_side_geometry(geometry, side(:3), mesh%coordinates, segment%range)
+      first = n_segment_nodes*(i - 1)
       ! A straight side has no middle node; its part there is 0.
-      cells%rows%node(first + 1:first + n_strip_nodes) = merge(side(:3), side(1), side(:3) > 0)
-      do point = 1, n_strip_samples
-         associate (along => geometry%along(:, point), position => geometry%position(:, point), cell => strip%cell)
+      cells%rows%node(first + 1:first + n_segment_nodes) = merge(side(:3), side(1), side(:3) > 0)
+      do point = 1, n_segment_points
+         associate (along => geometry%along(:, point), position => geometry%position(:, point), cell => segment%cell)
             area = norm2(along)*materials%list(materials%of_element(side(4)))%depth(position(1))
             outward = [along(2), -along(1)]/norm2(along)
             normal = outward
             if (any(abs(direction) > 0.0_dp)) normal = direction/norm2(direction)
-            sample = n_strip_samples*(i - 1) + point
-            cells%samples%outward(sample) = dot_product(normal, outward)
-            cells%samples%position(:, sample) = position
-            cells%samples%normal(:, sample) = normal
-            cells%samples%share(sample) = area
-            cells%samples%station(sample) = strip%station + norm2(position - mesh%coordinates(:, side(1)))
+            place = n_segment_points*(i - 1) + point
+            cells%quadrature%outward(place) = dot_product(normal, outward)
+            cells%quadrature%position(:, place) = position
+            cells%quadrature%normal(:, place) = normal
+            cells%quadrature%share(place) = area
+            cells%quadrature%arc_length(place) = segment%arc_length + norm2(position - mesh%coordinates(:, side(1)))
             cells%length(cell) = cells%length(cell) + norm2(along)
             cells%area(cell) = cells%area(cell) + area
             cells%center(:, cell) = cells%center(:, cell) + area*position
             cells%normal(:, cell) = cells%normal(:, cell) + area*normal
-            do k = 1, n_strip_nodes
+            do k = 1, n_segment_nodes
                cells%rows%part(:, first + k) = cells%rows%part(:, first + k) + geometry%values(k, point)*area*normal
             end do
          end associate
       end do
-   end subroutine add_strip
+   end subroutine add_segment
 
    !> Makes the mean normals unit vectors, and refuses a cell whose sides face all ways.
    pure subroutine check_normals(cells, error)

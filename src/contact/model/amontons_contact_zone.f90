@@ -6,7 +6,7 @@ module amontons_contact_zone
    use amontons_constraints, only: constraints_t
    use amontons_contact_cells, only: contact_cells_t, new_contact_cells
    use amontons_contact_rows, only: contact_rows_t
-   use amontons_contact_samples, only: contact_samples_t
+   use amontons_contact_quadrature, only: contact_quadrature_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
@@ -37,17 +37,17 @@ module amontons_contact_zone
          !! the nodes whose displacements the points are made of; node by node those of the points if none is a cell
       logical, allocatable :: is_cell(:) !! whether the point is a cell of constant multipliers; a node otherwise (m)
       type(contact_rows_t) :: rows !! the nodes' shares in the displacements of the points
-      type(contact_samples_t) :: samples !! where gaps and friction are measured
-      real(dp), allocatable :: position(:, :) !! coordinates of the node or of the centre of the cell (2, m) [L]
+      type(contact_quadrature_t) :: quadrature !! where gaps and friction are measured
+      real(dp), allocatable :: position(:, :) !! coordinates of the node or of the center of the cell (2, m) [L]
       integer, allocatable :: set(:) !! which contact set the point belongs to (m)
       integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (m)
       real(dp), allocatable :: normal(:, :) !! unit normal n towards the obstacle; the tangent is t = (-n_y, n_x) (2, m)
       real(dp), allocatable :: weight(:) !! tributary length, or length of the cell (m) [L]
       real(dp), allocatable :: area(:) !! tributary area, or that of the cell: length times depth of the body (m) [L^2]
-      logical, allocatable :: is_guided(:) !! whether a support leaves it one direction and bears the shear (m)
+      logical, allocatable :: is_tangent_fixed(:) !! whether a support leaves it one direction and bears the shear (m)
       integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
       integer, allocatable :: shared_node(:) !! corners of two contact sets: they belong to the set named first
-      integer, allocatable :: bare_node(:) !! contact nodes that are no points since they have no area
+      integer, allocatable :: zero_area_node(:) !! contact nodes that are no points since they have no area
       integer :: n_held_cells = 0 !! number of cells that are no points since supports hold all their nodes
    end type contact_zone_t
 
@@ -104,7 +104,7 @@ contains
          is_taken(lines(i)%node) = .true.
       end do
       if (size(contacts) == 0 .or. zone%n_points > 0) return
-      if (size(zone%bare_node) > 0) then
+      if (size(zone%zero_area_node) > 0) then
          call new_error(error, input_refused, contacts(1)%origin//'the contact set lies on the axis of revolution, '// &
             'where no pressure can act')
       else
@@ -117,15 +117,16 @@ contains
    pure subroutine empty_zone(zone)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       type(contact_rows_t) :: no_rows
-      type(contact_samples_t) :: no_samples
+      type(contact_quadrature_t) :: no_quadrature
 
-      allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), zone%bare_node(0), &
-         zone%is_cell(0), zone%is_guided(0), zone%position(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0))
-      allocate (no_rows%start(1), no_samples%start(1), source=1)
-      allocate (no_rows%node(0), no_rows%part(2, 0), no_samples%position(2, 0), no_samples%normal(2, 0), &
-         no_samples%outward(0), no_samples%station(0), no_samples%share(0))
+      allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), &
+         zone%zero_area_node(0), zone%is_cell(0), zone%is_tangent_fixed(0), zone%position(2, 0), zone%normal(2, 0), &
+         zone%weight(0), zone%area(0))
+      allocate (no_rows%start(1), no_quadrature%start(1), source=1)
+      allocate (no_rows%node(0), no_rows%part(2, 0), no_quadrature%position(2, 0), no_quadrature%normal(2, 0), &
+         no_quadrature%outward(0), no_quadrature%arc_length(0), no_quadrature%share(0))
       zone%rows = no_rows
-      zone%samples = no_samples
+      zone%quadrature = no_quadrature
    end subroutine empty_zone
 
    !> Adds points behind those that are there.
@@ -140,13 +141,13 @@ contains
       zone%set = [zone%set, points%set]
       zone%next = [zone%next, merge(n + points%next, 0, points%next > 0)]
       zone%is_cell = [zone%is_cell, points%is_cell]
-      zone%is_guided = [zone%is_guided, points%is_guided]
+      zone%is_tangent_fixed = [zone%is_tangent_fixed, points%is_tangent_fixed]
       zone%position = reshape([zone%position, points%position], [2, zone%n_points])
       zone%normal = reshape([zone%normal, points%normal], [2, zone%n_points])
       zone%weight = [zone%weight, points%weight]
       zone%area = [zone%area, points%area]
       call zone%rows%add(points%rows)
-      call zone%samples%add(points%samples)
+      call zone%quadrature%add(points%quadrature)
    end subroutine add_points
 
    !> Adds the nodes of one line as points.
@@ -161,7 +162,7 @@ contains
       ! What rounding leaves of an area of 0, over the largest one.
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(contact_zone_t) :: points
-      real(dp) :: station(line%n_nodes), normal(2, line%n_nodes), along
+      real(dp) :: arc_length(line%n_nodes), normal(2, line%n_nodes), along
       integer :: point_of(0:line%n_nodes), kept(line%n_nodes), k, n
 
       point_of = 0
@@ -169,7 +170,7 @@ contains
       along = 0.0_dp
       do k = 1, line%n_nodes
          if (k > 1) along = along + norm2(mesh%coordinates(:, line%node(k)) - mesh%coordinates(:, line%node(k - 1)))
-         station(k) = along
+         arc_length(k) = along
          if (is_taken(line%node(k))) then
             zone%shared_node = [zone%shared_node, line%node(k)]
             cycle
@@ -181,7 +182,7 @@ contains
             cycle
          end if
          if (abs(line%area(k)) <= negligible*maxval(line%area)) then
-            zone%bare_node = [zone%bare_node, line%node(k)]
+            zone%zero_area_node = [zone%zero_area_node, line%node(k)]
             cycle
          end if
          n = n + 1
@@ -193,14 +194,15 @@ contains
          points%set = spread(set, 1, n)
          points%next = point_of(line%next(place))
          points%is_cell = spread(.false., 1, n)
-         points%is_guided = [(.not. all(constraints%is_free(:, node(k))), k=1, n)]
+         points%is_tangent_fixed = [(.not. all(constraints%is_free(:, node(k))), k=1, n)]
          points%position = mesh%coordinates(:, node)
          points%normal = normal(:, place)
          points%weight = line%weight(place)
          points%area = line%area(place)
          points%rows = contact_rows_t(start=[(k, k=1, n + 1)], node=node, part=points%normal)
-         points%samples = contact_samples_t(start=points%rows%start, position=points%position, normal=points%normal, &
-            outward=sum(points%normal*line%normal(:, place), dim=1), station=station(place), share=spread(1.0_dp, 1, n))
+         points%quadrature = contact_quadrature_t(start=points%rows%start, position=points%position, &
+            normal=points%normal, outward=sum(points%normal*line%normal(:, place), dim=1), &
+            arc_length=arc_length(place), share=spread(1.0_dp, 1, n))
          zone%node = [zone%node, node]
       end associate
       call add_points(zone, points)
@@ -245,11 +247,11 @@ contains
       points%weight = cells%length(kept)
       points%area = cells%area(kept)
       points%rows = cells%rows%picked(kept)
-      points%samples = cells%samples%picked(kept)
-      allocate (points%is_guided(size(kept)))
+      points%quadrature = cells%quadrature%picked(kept)
+      allocate (points%is_tangent_fixed(size(kept)))
       do k = 1, size(kept)
          associate (node => cells%rows%node(cells%rows%start(kept(k)):cells%rows%start(kept(k) + 1) - 1))
-            points%is_guided(k) = .not. any(all(constraints%is_free(:, node), dim=1))
+            points%is_tangent_fixed(k) = .not. any(all(constraints%is_free(:, node), dim=1))
          end associate
       end do
       call add_points(zone, points)

@@ -68,7 +68,7 @@ contains
                if (.not. is_inside(zone%rows%node(i))) cycle
                motion = motions%displacement(body%mesh%coordinates(:, zone%rows%node(i)))
                associate (normal => zone%rows%part(:, i))
-                  shear = merge(0.0_dp, load_case%friction(p), zone%is_guided(p))*turned(normal)
+                  shear = merge(0.0_dp, load_case%friction(p), zone%is_tangent_fixed(p))*turned(normal)
                   cone(:, 3*p - 2) = cone(:, 3*p - 2) + matmul(normal + shear, motion)
                   cone(:, 3*p - 1) = cone(:, 3*p - 1) + matmul(normal - shear, motion)
                   cone(:, 3*p) = cone(:, 3*p) + matmul(normal, motion)

@@ -106,7 +106,7 @@ contains
       end do
    end subroutine add_pair
 
-   !> The rows of C of a contact set, each for a multiplier of norm 1; those of guided tangents are left out.
+   !> The rows of C of a contact set, each for a multiplier of norm 1; those of constrained tangents are left out.
    pure function scaled_rows(zone, number, constraints, place, n) result(rows)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: number !! number of the contact set
@@ -119,7 +119,7 @@ contains
       integer :: p, i, a, k, row
 
       all_rows = 0.0_dp
-      is_active = [zone%set == number, zone%set == number .and. .not. zone%is_guided]
+      is_active = [zone%set == number, zone%set == number .and. .not. zone%is_tangent_fixed]
       do p = 1, zone%n_points
          if (zone%set(p) /= number) cycle
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1

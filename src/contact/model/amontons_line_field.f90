@@ -10,7 +10,7 @@ module amontons_line_field
    type :: line_field_t
       real(dp) :: value = 0.0_dp !! its value at the origin of the coordinates; everywhere if nothing else is set
       real(dp) :: slope(2) = 0.0_dp !! its change along x and y [per L]
-      real(dp), allocatable :: table(:, :) !! stations and values, the stations ascending (2, entries) [L, any]
+      real(dp), allocatable :: table(:, :) !! arc lengths and values, the arc lengths ascending (2, entries) [L, any]
       character(:), allocatable :: file !! the file of the table; empty or not allocated without one
    contains
       procedure :: at => line_field_at
@@ -19,23 +19,23 @@ module amontons_line_field
 contains
 
    !> The quantity at a point of the line; a table is interpolated, and constant beyond its ends.
-   pure real(dp) function line_field_at(self, position, station) result(value)
+   pure real(dp) function line_field_at(self, position, arc_length) result(value)
       class(line_field_t), intent(in) :: self !! the quantity
       real(dp), intent(in) :: position(2) !! coordinates of the point [L]
-      real(dp), intent(in) :: station !! length along the line from its first node [L]
+      real(dp), intent(in) :: arc_length !! length along the line from its first node [L]
       real(dp) :: share
       integer :: i
 
       value = self%value + dot_product(self%slope, position)
       if (.not. allocated(self%table)) return
-      associate (stations => self%table(1, :), values => self%table(2, :))
-         i = count(stations <= station)
+      associate (arc_lengths => self%table(1, :), values => self%table(2, :))
+         i = count(arc_lengths <= arc_length)
          if (i == 0) then
             value = values(1)
          else if (i == size(values)) then
             value = values(i)
          else
-            share = (station - stations(i))/(stations(i + 1) - stations(i))
+            share = (arc_length - arc_lengths(i))/(arc_lengths(i + 1) - arc_lengths(i))
             value = values(i) + share*(values(i + 1) - values(i))
          end if
       end associate

@@ -12,10 +12,12 @@ module amontons_load_case
    use amontons_loads, only: load_t, load_vector
    use amontons_mesh, only: mesh_t
    use amontons_text, only: to_text
+   use amontons_thermal_strain, only: sum_thermal_strain
    implicit none (type, external)
    private
 
-   public :: condense_load_case, load_case_t, new_load_case, pose_problem, recover_displacement, set_obstacles
+   public :: condense_load_case, free_expansion, load_case_t, new_load_case, pose_problem, recover_displacement, &
+      set_obstacles
 
    !> Loads, prescribed displacements, obstacles and friction.
    type :: load_case_t
@@ -24,9 +26,14 @@ module amontons_load_case
       type(contact_t), allocatable :: contacts(:) !! the contact sets, with their obstacles
       real(dp), allocatable :: force(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       real(dp), allocatable :: prescribed(:, :) !! displacements that the supports prescribe (2, n_nodes) [L]
+      real(dp), allocatable :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node`; not allocated
+         !! without temperatures [-]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
       real(dp), allocatable :: free_gap(:)
          !! what is left of the gap for the displacements that supports do not prescribe: d - n . u_p (m) [L]
+      real(dp), allocatable :: anchor(:)
+         !! displacement along the tangent that slips are counted from; 0 but in a load history (m) [L]
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle, so that the point can close (m)
       real(dp), allocatable :: cosine(:) !! of the angle between the normal and the way into the obstacle (m) [-]
       real(dp), allocatable :: depth(:) !! how deep a point out of reach lies in the obstacle, 0 for the others (m) [L]
@@ -64,6 +71,8 @@ contains
       prescribed = body%zone%rows%displacement(load_case%prescribed)
       load_case%free_gap = load_case%gap - prescribed(:body%zone%n_points)
       call load_vector(load_case%force, body%mesh, body%materials, loads, error)
+      if (.not. allocated(error)) call sum_thermal_strain(load_case%thermal_strain, body%mesh, body%materials, loads, &
+         error)
    end subroutine new_load_case
 
    !> Sets gap, friction and slip bound of every point from its contact set.
@@ -89,6 +98,7 @@ contains
       corners(:, 2) = maxval(mesh%coordinates, dim=2)
       size_of_body = norm2(corners(:, 2) - corners(:, 1))
       load_case%gap = spread(0.0_dp, 1, zone%n_points)
+      load_case%anchor = load_case%gap
       load_case%friction = load_case%gap
       load_case%slip_bound = load_case%gap
       load_case%depth = load_case%gap
@@ -125,19 +135,20 @@ contains
       logical :: is_met
       integer :: i
 
-      associate (samples => zone%samples)
-         do i = samples%start(p), samples%start(p + 1) - 1
-            associate (position => samples%position(:, i), share => samples%share(i))
-               call contact%obstacle%measure(position, samples%normal(:, i), gap, is_met, cosine)
+      associate (quadrature => zone%quadrature)
+         do i = quadrature%start(p), quadrature%start(p + 1) - 1
+            associate (position => quadrature%position(:, i), share => quadrature%share(i))
+               call contact%obstacle%measure(position, quadrature%normal(:, i), gap, is_met, cosine)
                ! A given direction must lead out of the body.
-               is_met = is_met .and. samples%outward(i) >= steepest_cosine
+               is_met = is_met .and. quadrature%outward(i) >= steepest_cosine
                if (.not. is_met) load_case%depth(p) = max(load_case%depth(p), contact%obstacle%depth(position))
                load_case%is_in_reach(p) = load_case%is_in_reach(p) .and. is_met
                load_case%cosine(p) = min(load_case%cosine(p), cosine)
                load_case%gap(p) = load_case%gap(p) + share*gap
-               load_case%friction(p) = load_case%friction(p) + share*contact%friction%at(position, samples%station(i))
+               load_case%friction(p) = load_case%friction(p) &
+                  + share*contact%friction%at(position, quadrature%arc_length(i))
                load_case%slip_bound(p) = load_case%slip_bound(p) &
-                  + share*contact%slip_bound%at(position, samples%station(i))*zone%area(p)
+                  + share*contact%slip_bound%at(position, quadrature%arc_length(i))*zone%area(p)
             end associate
          end do
       end associate
@@ -161,14 +172,15 @@ contains
       text = to_text(position(1))//', '//to_text(position(2))
    end function position_text
 
-   !> Condenses the loads of a case, prescribed displacements included.
+   !> Condenses the loads of a case, prescribed displacements and thermal strains included.
    subroutine condense_load_case(load_case, body)
       type(load_case_t), intent(inout) :: load_case !! the load case; gains its condensed load
       type(body_t), intent(in) :: body !! the body, condensed
       real(dp), allocatable :: forces(:, :)
 
-      if (any(abs(load_case%prescribed) > 0.0_dp)) then
-         call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, load_case%prescribed)
+      if (any(abs(load_case%prescribed) > 0.0_dp) .or. allocated(load_case%thermal_strain)) then
+         call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, load_case%prescribed, &
+            load_case%thermal_strain)
          forces = load_case%force - forces
       else
          forces = load_case%force
@@ -176,7 +188,7 @@ contains
       call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), load_case%condensed)
    end subroutine condense_load_case
 
-   !> Sets load, gap, friction and slip bound of a body's contact problem to those of a load case.
+   !> Sets load, gap, anchor, friction and slip bound of a body's contact problem to those of a load case.
    subroutine pose_problem(problem, body, load_case)
       type(contact_problem_t), intent(inout) :: problem !! the contact problem of the body
       type(body_t), intent(in) :: body !! the body
@@ -184,9 +196,9 @@ contains
       real(dp), allocatable :: slip(:), from_slip(:)
 
       problem%load = load_case%condensed%load
-      problem%prescribed = maxval(abs(load_case%prescribed))
+      problem%prescribed = max(maxval(abs(load_case%prescribed)), free_expansion(load_case, body%mesh))
       problem%gap = load_case%free_gap
-      ! Slips are whole, since friction is against all of a slip: what is prescribed of them, as at one node of a cell,
+      ! Tangential displacements are whole, as the anchors are: what is prescribed of them, as at one node of a cell,
       ! becomes a load.
       allocate (slip, source=prescribed_slip(body, load_case))
       if (any(abs(slip) > 0.0_dp)) then
@@ -194,11 +206,21 @@ contains
          call problem%multiply_stiffness([0.0_dp*slip, slip], from_slip)
          problem%load = problem%load + from_slip
       end if
-      problem%friction = merge(0.0_dp, load_case%friction, body%zone%is_guided)
-      problem%slip_bound = merge(0.0_dp, load_case%slip_bound, body%zone%is_guided)
+      problem%friction = merge(0.0_dp, load_case%friction, body%zone%is_tangent_fixed)
+      problem%slip_bound = merge(0.0_dp, load_case%slip_bound, body%zone%is_tangent_fixed)
    end subroutine pose_problem
 
-   !> The part of every slip that supports prescribe; 0 for a guided point, whose slip the contact problem does not know
+   !> How far the body would expand at most, if it were all as hot as at its hottest place [L].
+   pure real(dp) function free_expansion(load_case, mesh) result(expansion)
+      type(load_case_t), intent(in) :: load_case !! the load case
+      type(mesh_t), intent(in) :: mesh !! the mesh
+
+      expansion = 0.0_dp
+      if (allocated(load_case%thermal_strain)) expansion = maxval(abs(load_case%thermal_strain)) &
+         *maxval(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
+   end function free_expansion
+
+   !> The part of every slip that supports prescribe; 0 where a support prevents the slip
    !> (m) [L].
    pure function prescribed_slip(body, load_case) result(slip)
       type(body_t), intent(in) :: body !! the body
@@ -206,7 +228,7 @@ contains
       real(dp) :: slip(body%zone%n_points), prescribed(2*body%zone%n_points)
 
       prescribed = body%zone%rows%displacement(load_case%prescribed)
-      slip = merge(0.0_dp, prescribed(body%zone%n_points + 1:), body%zone%is_guided)
+      slip = merge(0.0_dp, prescribed(body%zone%n_points + 1:), body%zone%is_tangent_fixed)
    end function prescribed_slip
 
    !> Computes the displacements of all nodes from the solution of the contact problem.

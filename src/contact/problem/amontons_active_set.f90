@@ -1,7 +1,7 @@
-!> The active set of a contact problem: a guess of what every point does, which turns the contact law into linear
-!> equations.
+!> The active set of a contact problem: an assumption of what every point does, which turns the contact law into
+!> linear equations.
 !>
-!> Closed: u_N = d. Open: lambda_N = 0. Stick: u_T = 0. Slip along s = +1 or -1: lambda_T = s (g + phi lambda_N).
+!> Closed: u_N = d. Open: lambda_N = 0. Stick: u_T = a. Slip along s = +1 or -1: lambda_T = s (g + phi lambda_N).
 module amontons_active_set
    use amontons_contact_problem, only: contact_problem_t
    use amontons_friction_law, only: bounded
@@ -11,35 +11,36 @@ module amontons_active_set
 
    public :: active_set_t
 
-   !> What is guessed of every point.
+   !> What is assumed of every point.
    type :: active_set_t
       logical, allocatable :: is_closed(:) !! whether it touches (m)
-      integer, allocatable :: sense(:) !! sign of its slip, 0 if it sticks (m)
+      integer, allocatable :: slip_direction(:) !! sign of its slip, 0 if it sticks (m)
    contains
       procedure :: equals => active_set_equals
-      procedure :: guess => active_set_guess
-      procedure :: guess_stick => active_set_guess_stick
+      procedure :: update => active_set_update
+      procedure :: assume_stick => active_set_assume_stick
       procedure :: impose => active_set_impose
    end type active_set_t
 
 contains
 
-   !> Guesses that every point touches and sticks, but for those so far off that to pull them to the nearest point's gap
+   !> Assumes that every point touches and sticks, but for those so far off that to pull them to the nearest point's gap
    !> alone takes more force than there is; a point without any slip bound has nothing to stick by.
-   pure subroutine active_set_guess_stick(self, problem, rho, force_scale)
+   pure subroutine active_set_assume_stick(self, problem, rho, force_scale)
       class(active_set_t), intent(inout) :: self !! the active set
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: rho(:) !! stiffness that turns displacements into forces (2m) [F/L]
       real(dp), intent(in) :: force_scale !! the force that residuals are measured by [F]
 
-      if (.not. allocated(self%sense)) allocate (self%is_closed(problem%n_points), self%sense(problem%n_points))
+      if (.not. allocated(self%is_closed)) allocate (self%is_closed(problem%n_points), &
+         self%slip_direction(problem%n_points))
       self%is_closed = rho(:problem%n_points)*(problem%gap - minval(problem%gap)) <= problem%n_points*force_scale
-      self%sense = merge(0, 1, problem%friction + problem%slip_bound > 0.0_dp)
-   end subroutine active_set_guess_stick
+      self%slip_direction = merge(0, 1, problem%friction + problem%slip_bound > 0.0_dp)
+   end subroutine active_set_assume_stick
 
-   !> The guess that a pair (v, lambda) leads to, which side of the law its augmented forces lie on; and how much the
+   !> Makes it that of a pair (v, lambda), by the side of the law that its augmented forces lie on; finds how much the
    !> pair violates the law.
-   pure subroutine active_set_guess(self, problem, rho, displacement, force, violation)
+   pure subroutine active_set_update(self, problem, rho, displacement, force, violation)
       class(active_set_t), intent(inout) :: self !! the active set
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: rho(:) !! stiffness that turns displacements into forces (2m) [F/L]
@@ -49,27 +50,28 @@ contains
       real(dp) :: weight(problem%n_points), normal, tangential, bound, cut
       integer :: p, t
 
-      if (.not. allocated(self%sense)) allocate (self%is_closed(problem%n_points), self%sense(problem%n_points))
+      if (.not. allocated(self%is_closed)) allocate (self%is_closed(problem%n_points), &
+         self%slip_direction(problem%n_points))
       violation = 0.0_dp
       weight = problem%weight()
       do p = 1, problem%n_points
          t = p + problem%n_points
          normal = force(p) + rho(p)*(displacement(p) - problem%gap(p))
-         tangential = force(t) + rho(t)*displacement(t)
+         tangential = force(t) + rho(t)*(displacement(t) - problem%anchor(p))
          bound = problem%slip_bound(p) + problem%friction(p)*max(0.0_dp, normal)
          self%is_closed(p) = normal > 0.0_dp
-         self%sense(p) = 0
+         self%slip_direction(p) = 0
          if (.not. bound > 0.0_dp) then
-            self%sense(p) = 1
+            self%slip_direction(p) = 1
          else if (abs(tangential) > bound) then
-            self%sense(p) = nint(sign(1.0_dp, tangential))
+            self%slip_direction(p) = nint(sign(1.0_dp, tangential))
          end if
          cut = bounded(tangential, problem%slip_bound(p) + problem%friction(p)*max(0.0_dp, force(p)))
          violation = max(violation, weight(p)*abs(force(p) - max(0.0_dp, normal)), weight(p)*abs(force(t) - cut))
       end do
-   end subroutine active_set_guess
+   end subroutine active_set_update
 
-   !> Puts what a guess says of the forces into those that are in equilibrium with displacements.
+   !> Puts what an active set says of the forces into those that are in equilibrium with displacements.
    pure subroutine active_set_impose(self, problem, force, imbalance)
       class(active_set_t), intent(in) :: self !! the active set
       type(contact_problem_t), intent(in) :: problem !! the problem
@@ -81,16 +83,18 @@ contains
       m = problem%n_points
       balanced = force
       where (.not. self%is_closed) force(:m) = 0.0_dp
-      where (self%sense /= 0) force(m + 1:) = self%sense*(problem%slip_bound + problem%friction*force(:m))
+      associate (direction => self%slip_direction)
+         where (direction /= 0) force(m + 1:) = direction*(problem%slip_bound + problem%friction*force(:m))
+      end associate
       imbalance = max(0.0_dp, maxval(abs(force - balanced)))
    end subroutine active_set_impose
 
-   !> Whether two guesses are the same.
+   !> Whether two active sets are the same.
    pure logical function active_set_equals(self, other) result(equals)
       class(active_set_t), intent(in) :: self !! the active set
       type(active_set_t), intent(in) :: other !! the other
 
-      equals = all(self%is_closed .eqv. other%is_closed) .and. all(self%sense == other%sense)
+      equals = all(self%is_closed .eqv. other%is_closed) .and. all(self%slip_direction == other%slip_direction)
    end function active_set_equals
 
 end module amontons_active_set

@@ -38,7 +38,7 @@ contains
       type(sparse_matrix_t), intent(in) :: matrix !! K, the unknowns of the contact points last [F/L]
       integer, intent(in) :: order(:) !! position k holds unknown order(k) (n)
       integer, intent(in) :: unknown(:, :)
-         !! the places of each point's displacements among the contact unknowns; 0 for none, as of a guided point (2, m)
+         !! places of each point's displacements among the contact unknowns; 0 for a slip that a support prevents (2, m)
       real(dp), intent(in) :: map(:, :, :) !! unknowns of a point = map (u_N, u_T) (2, 2, m) [-]
       type(error_t), allocatable, intent(out) :: error !! the body is not held even if all contact points are
       integer :: at(2, matrix%n)
@@ -56,7 +56,7 @@ contains
       call factorize_interior(stiffness, error)
       if (allocated(error)) return
       call find_diagonal(stiffness)
-      ! Nothing loads a guided point's slip; its spring is as stiff as the point.
+      ! Nothing loads a slip that a support prevents; its spring is as stiff as the point.
       do p = 1, m
          if (unknown(2, p) > 0) cycle
          stiffness%diagonal(p + m) = stiffness%diagonal(p)
@@ -64,8 +64,8 @@ contains
       end do
    end subroutine new_band_stiffness
 
-   !> Finds the positions of all displacements. An unknown of a contact point is a sum of two of them; the slip of a
-   !> guided point is behind all others.
+   !> Finds the positions of all displacements. An unknown of a contact point is a sum of two of them; slips that
+   !> supports prevent are behind all others.
    pure subroutine place_unknowns(stiffness, position, unknown, map, at, weight)
       type(band_stiffness_t), intent(inout) :: stiffness !! the stiffness, gains the positions
       integer, intent(in) :: position(:) !! position of each unknown (n)
@@ -73,7 +73,7 @@ contains
       real(dp), intent(in) :: map(:, :, :) !! unknowns of a point = map (u_N, u_T) (2, 2, m) [-]
       integer, intent(out) :: at(:, :) !! the positions whose displacements make up each unknown, 0 for none (2, n)
       real(dp), intent(out) :: weight(:, :) !! their shares in it (2, n) [-]
-      integer :: p, k, m, n_interior, n_guided
+      integer :: p, k, m, n_interior, n_constrained
 
       m = size(unknown, 2)
       n_interior = size(position) - count(unknown > 0)
@@ -83,7 +83,7 @@ contains
       weight = 0.0_dp
       weight(1, :n_interior) = 1.0_dp
       allocate (stiffness%place(2*m))
-      n_guided = 0
+      n_constrained = 0
       do p = 1, m
          associate (n_unknowns => count(unknown(:, p) > 0), place => stiffness%place)
             place(p) = position(n_interior + unknown(1, p))
@@ -91,8 +91,8 @@ contains
                place(p + m) = position(n_interior + unknown(2, p))
                stiffness%reach = max(stiffness%reach, abs(place(p + m) - place(p)))
             else
-               n_guided = n_guided + 1
-               place(p + m) = size(position) + n_guided
+               n_constrained = n_constrained + 1
+               place(p + m) = size(position) + n_constrained
             end if
             do k = 1, n_unknowns
                at(:n_unknowns, n_interior + unknown(k, p)) = place(p:p + (n_unknowns - 1)*m:m)
@@ -147,7 +147,7 @@ contains
       end do
    end subroutine add_matrix
 
-   !> Factorises the stiffness with all contact points held.
+   !> Factorizes the stiffness with all contact points held.
    subroutine factorize_interior(stiffness, error)
       type(band_stiffness_t), intent(inout) :: stiffness !! the stiffness, gains the factor
       type(error_t), allocatable, intent(out) :: error !! the interior can move by itself
@@ -162,7 +162,7 @@ contains
          'points held: neither supports nor contact points hold some part of the body')
    end subroutine factorize_interior
 
-   !> Finds the diagonal of S = K_cc - K_ci K_ii^-1 K_ic. The neighbours of a contact point are neighbours of each
+   !> Finds the diagonal of S = K_cc - K_ci K_ii^-1 K_ic. The neighbors of a contact point are neighbors of each
    !> other, so that a band of K_ii^-1 has all that is needed of it.
    pure subroutine find_diagonal(stiffness)
       type(band_stiffness_t), intent(inout) :: stiffness !! the stiffness, gains the diagonal of S

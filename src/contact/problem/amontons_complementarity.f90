@@ -43,7 +43,7 @@ contains
       real(dp), intent(out) :: z(:) !! z at the end, with the rounding errors of all pivots (n)
       integer, intent(out) :: outcome !! `pivoting_solved`, `pivoting_ray` or `pivoting_stopped`
       type(effort_t), intent(inout), optional :: effort
-         !! gains a product with M for each pivot, and a factorisation for each tableau made anew
+         !! gains a product with M for each pivot, and a factorization for each tableau made anew
       integer, parameter :: pivots_per_row = 50
       type(tableau_t) :: tableau
       integer :: i, n_pivots, row, column, entering, leaving

@@ -1,7 +1,8 @@
 !> The contact problem: the small problem on the contact points that everything turns on.
 !>
 !> The displacements v = (u_N; u_T) of m contact points and the forces lambda = (lambda_N; lambda_T) obey
-!> `S v = q - lambda`, which is (2.1) of the paper condensed to the points, and the contact law, its (2.2). S is
+!> `S v = q - lambda`, which is (2.1) of the paper condensed to the points, and the contact law, its (2.2), with the
+!> distance u_N - d to the obstacle and the slip u_T - a from the anchor; only load histories have anchors. S is
 !> symmetric and positive semidefinite; its kernel are the rigid motions that only contact holds. A reduced problem
 !> comes without S, in the dual form `v = v_free - A lambda` with a compliance A that may be semidefinite. All vectors
 !> list the m normal components first, the m tangential ones after them.
@@ -18,8 +19,8 @@ module amontons_contact_problem
 
    public :: contact_problem_t, new_band_problem, new_contact_problem, new_reduced_problem
 
-   !> Stiffness, load, gap and friction on the contact points. One stiffness serves many loads. A reduced problem has
-   !> `compliance` and `free_displacement` in the place of `stiffness` and `load`.
+   !> Stiffness, load, gap, anchor and friction on the contact points. One stiffness serves many loads. A reduced
+   !> problem has `compliance` and `free_displacement` in the place of `stiffness` and `load`.
    type :: contact_problem_t
       integer :: n_points = 0 !! number m of contact points
       logical :: is_held = .true. !! whether the supports alone hold the body, so that S is positive definite
@@ -29,10 +30,11 @@ module amontons_contact_problem
       real(dp), allocatable :: load(:) !! condensed load q (2m) [F]
       real(dp), allocatable :: free_displacement(:) !! displacements v_free without contact forces (2m) [L]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
+      real(dp), allocatable :: anchor(:) !! tangential displacement a that slips are counted from (m) [L]
       real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
       real(dp), allocatable :: slip_bound(:) !! given slip bound g, added to phi lambda_N (m) [F]
       real(dp) :: prescribed = 0.0_dp !! largest displacement that supports prescribe; it acts through the load [L]
-      real(dp) :: shift = 0.0_dp
+      real(dp) :: proximal_parameter = 0.0_dp
          !! alpha of the proximal iteration: 0 for a held body [F/L]
       type(symmetric_matrix_t), allocatable :: compliance
          !! the matrix A = (S + alpha I)^-1 of the paper's (2.3), made by `prepare_compliance`; always there in a
@@ -48,6 +50,7 @@ module amontons_contact_problem
       procedure :: multiply_stiffness => contact_problem_multiply_stiffness
       procedure :: prepare_compliance => contact_problem_prepare_compliance
       procedure :: prepare_stiffness => contact_problem_prepare_stiffness
+      procedure :: reference => contact_problem_reference
       procedure :: residual => contact_problem_residual
       procedure :: status => contact_problem_status
       procedure :: violation => contact_problem_violation
@@ -56,7 +59,7 @@ module amontons_contact_problem
 
 contains
 
-   !> Makes a contact problem without load, gap, friction or slip bound.
+   !> Makes a contact problem without load, gap, anchor, friction or slip bound.
    pure subroutine new_contact_problem(problem, stiffness, is_held)
       type(contact_problem_t), intent(out) :: problem !! the problem; set its load, gap and friction next
       real(dp), intent(in) :: stiffness(:, :) !! S (2m, 2m) [F/L]
@@ -76,7 +79,7 @@ contains
       problem%band = band
    end subroutine new_band_problem
 
-   !> Begins a contact problem without load, gap, friction or slip bound.
+   !> Begins a contact problem without load, gap, anchor, friction or slip bound.
    pure subroutine begin_problem(problem, n_points, is_held)
       type(contact_problem_t), intent(inout) :: problem !! the problem
       integer, intent(in) :: n_points !! number of contact points
@@ -84,11 +87,11 @@ contains
 
       problem%n_points = n_points
       problem%is_held = is_held
-      allocate (problem%load(2*n_points), problem%gap(n_points), problem%friction(n_points), &
-         problem%slip_bound(n_points), source=0.0_dp)
+      allocate (problem%load(2*n_points), problem%gap(n_points), problem%anchor(n_points), &
+         problem%friction(n_points), problem%slip_bound(n_points), source=0.0_dp)
    end subroutine begin_problem
 
-   !> Makes a reduced problem: no gap beyond what the free displacements say, no given slip bound.
+   !> Makes a reduced problem: no gap beyond what the free displacements say, no anchor, no given slip bound.
    pure subroutine new_reduced_problem(problem, compliance, free_displacement, friction)
       type(contact_problem_t), intent(out) :: problem !! the problem
       type(symmetric_matrix_t), intent(in) :: compliance !! A, positive semidefinite (2m, 2m) [L/F]
@@ -100,7 +103,8 @@ contains
       problem%compliance = compliance
       problem%free_displacement = free_displacement
       problem%friction = friction
-      allocate (problem%gap(problem%n_points), problem%slip_bound(problem%n_points), source=0.0_dp)
+      allocate (problem%gap(problem%n_points), problem%anchor(problem%n_points), &
+         problem%slip_bound(problem%n_points), source=0.0_dp)
    end subroutine new_reduced_problem
 
    !> Whether this is a reduced problem: without a stiffness.
@@ -136,6 +140,14 @@ contains
       bound = self%slip_bound + self%friction*max(0.0_dp, normal_force)
    end function contact_problem_bound
 
+   !> The displacements (d; a) that the contact law counts distances and slips from (2m) [L].
+   pure function contact_problem_reference(self) result(reference)
+      class(contact_problem_t), intent(in) :: self !! the problem
+      real(dp), allocatable :: reference(:)
+
+      reference = [self%gap, self%anchor]
+   end function contact_problem_reference
+
    !> The product S v.
    pure subroutine contact_problem_multiply_stiffness(self, v, product)
       class(contact_problem_t), intent(in) :: self !! the problem, with a stiffness
@@ -161,7 +173,7 @@ contains
    !> A = C K^-1 C^T with C = (N; T), without a column of K^-1.
    !>
    !> A body that only contact holds has no S^-1: alpha is then a third of the mean diagonal of S shared among the
-   !> points, and the methods iterate v_k (see `dual_load`) until the shift has no effect. So the rigid motion, which
+   !> points, and the methods iterate v_k (see `dual_load`) until it has no effect. So the rigid motion, which
    !> all points resist together, is held about as firmly as one point on any mesh: measured on the long bar, less
    !> slows the sweeps and more slows the proximal iteration.
    subroutine contact_problem_prepare_compliance(self, error)
@@ -175,9 +187,9 @@ contains
       call self%prepare_stiffness()
       allocate (factor, source=self%stiffness)
       if (.not. self%is_held) then
-         self%shift = share*sum([(factor(i, i), i=1, size(factor, 1))])/(size(factor, 1)*self%n_points)
+         self%proximal_parameter = share*sum([(factor(i, i), i=1, size(factor, 1))])/(size(factor, 1)*self%n_points)
          do i = 1, size(factor, 1)
-            factor(i, i) = factor(i, i) + self%shift
+            factor(i, i) = factor(i, i) + self%proximal_parameter
          end do
       end if
       call cholesky_factor(factor, info)
@@ -191,7 +203,7 @@ contains
       call new_dense_matrix(self%compliance, factor)
    end subroutine contact_problem_prepare_compliance
 
-   !> The dual load of the paper's (2.3), B = v_free - (d; 0), where v_free = A (q + alpha v_k) with the proximal center
+   !> The dual load of the paper's (2.3), B = v_free - (d; a), where v_free = A (q + alpha v_k) with the proximal center
    !> v_k unless the problem is a reduced one and gives it (2m) [L].
    pure function contact_problem_dual_load(self, center) result(b)
       class(contact_problem_t), intent(in) :: self !! the problem, its compliance prepared
@@ -202,12 +214,12 @@ contains
          b = self%free_displacement
       else
          allocate (b(2*self%n_points))
-         call self%compliance%multiply(self%load + self%shift*center, b)
+         call self%compliance%multiply(self%load + self%proximal_parameter*center, b)
       end if
-      b(:self%n_points) = b(:self%n_points) - self%gap
+      b = b - self%reference()
    end function contact_problem_dual_load
 
-   !> The displacements v = B - A lambda + (d; 0) of given forces (2m) [L].
+   !> The displacements v = B - A lambda + (d; a) of given forces (2m) [L].
    pure function contact_problem_displacement(self, dual_load, force) result(displacement)
       class(contact_problem_t), intent(in) :: self !! the problem, its compliance prepared
       real(dp), intent(in) :: dual_load(:) !! B (2m) [L]
@@ -216,11 +228,11 @@ contains
 
       allocate (displacement(2*self%n_points))
       call self%compliance%multiply(force, displacement)
-      displacement = dual_load - displacement
-      displacement(:self%n_points) = displacement(:self%n_points) + self%gap
+      displacement = dual_load - displacement + self%reference()
    end function contact_problem_displacement
 
-   !> Whether no force and no displacement are a solution: nothing loads the body, and no point overlaps its obstacle.
+   !> Whether no force and no displacement are a solution: nothing loads the body, no point overlaps its obstacle, and
+   !> none with a given slip bound has slipped.
    pure logical function contact_problem_is_unloaded(self) result(is_unloaded)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp) :: acting(2*self%n_points)
@@ -229,13 +241,12 @@ contains
          acting = self%dual_load(self%free_displacement)
          acting(:self%n_points) = max(0.0_dp, acting(:self%n_points))
       else
-         acting = self%load
-         acting(:self%n_points) = abs(acting(:self%n_points)) + max(0.0_dp, -self%gap)
+         acting = abs(self%load) + [max(0.0_dp, -self%gap), self%slip_bound*abs(self%anchor)]
       end if
       is_unloaded = .not. any(abs(acting) > 0.0_dp)
    end function contact_problem_is_unloaded
 
-   !> The force that residuals are measured by: the largest force that would act on a point if none could move,
+   !> The force that residuals are measured by: the largest force that would act on a point if none could move or slip,
    !> interference included; in a reduced problem, if only this point could not. Where all are rounding errors of what
    !> interference and prescribed displacements would do to single points, a small share of this. Where nothing acts,
    !> what would close the smallest gap, or 1 if there is none [F].
@@ -243,20 +254,19 @@ contains
       class(contact_problem_t), intent(in) :: self !! the problem
       ! Some hundred times the relative rounding error of a sum of a few dozen terms, and what that is negligible in.
       real(dp), parameter :: rounding = 1.0e-13_dp, rounding_share = 1.0e-5_dp
-      real(dp) :: bound(2*self%n_points), force(2*self%n_points), uncancelled(2*self%n_points)
+      real(dp), dimension(2*self%n_points) :: held, force, uncancelled
 
       if (self%is_reduced()) then
          force = self%augmentation()*self%dual_load(self%free_displacement)
          uncancelled = 0.0_dp
       else
-         bound = 0.0_dp
-         bound(:self%n_points) = min(0.0_dp, self%gap)
+         held = [min(0.0_dp, self%gap), self%anchor]
          force = self%load
-         if (any(self%gap < 0.0_dp)) then
-            call self%multiply_stiffness(bound, force)
+         if (any(abs(held) > 0.0_dp)) then
+            call self%multiply_stiffness(held, force)
             force = self%load - force
          end if
-         uncancelled = self%augmentation()*(self%prescribed + maxval(abs(bound)))
+         uncancelled = self%augmentation()*(self%prescribed + maxval(abs(held)))
       end if
       scale = maxval(abs(force))
       if (all(abs(force) <= rounding*uncancelled)) scale = rounding_share*maxval(uncancelled)
@@ -316,7 +326,7 @@ contains
       m = self%n_points
       rho = self%augmentation()
       violation = max(0.0_dp, maxval(self%weight()*law_violation(force(:m), displacement(:m) - self%gap, &
-         force(m + 1:), displacement(m + 1:), self%friction, self%slip_bound, rho(:m), rho(m + 1:))))
+         force(m + 1:), displacement(m + 1:) - self%anchor, self%friction, self%slip_bound, rho(:m), rho(m + 1:))))
    end function contact_problem_violation
 
    !> Status of every point of a pair (v, lambda): which bound of the law is active (m).
@@ -329,9 +339,7 @@ contains
       integer :: m
 
       m = self%n_points
-      augmented = displacement
-      augmented(:m) = augmented(:m) - self%gap
-      augmented = force + self%augmentation()*augmented
+      augmented = force + self%augmentation()*(displacement - self%reference())
       status = contact_status(augmented(:m), augmented(m + 1:), self%friction, self%slip_bound)
    end function contact_problem_status
 

@@ -1,8 +1,8 @@
 !> A contact problem as one linear relation `y = h - H x` between forces and distances, in numbers about 1, for the
 !> methods that decide point by point which condition of the law is in force.
 !>
-!> w = (u_N - d; u_T) are the distances. In the dual form x is the force, y = w, H = A and h = B; in the primal form
-!> x = w, y is the force, H = S and h = q - S (d; 0). Either way H is positive semidefinite; it is scaled to the
+!> w = (u_N - d; u_T - a) are the distances. In the dual form x is the force, y = w, H = A and h = B; in the primal form
+!> x = w, y is the force, H = S and h = q - S (d; a). Either way H is positive semidefinite; it is scaled to the
 !> diagonal 1, which turns every force and every distance into one unit, and with it the friction.
 module amontons_contact_relation
    use amontons_contact_problem, only: contact_problem_t
@@ -13,11 +13,11 @@ module amontons_contact_relation
 
    public :: contact_relation_t, new_contact_relation, point_states_t
 
-   !> Which conditions are in force at every point. Closed: u_N = d; open: lambda_N = 0. Sense 0: u_T = 0; sense +1 or
-   !> -1: lambda_T = +-(g + phi lambda_N).
+   !> Which conditions are in force at every point. Closed: u_N = d; open: lambda_N = 0. Direction 0: u_T = a;
+   !> direction +1 or -1: lambda_T = +-(g + phi lambda_N).
    type :: point_states_t
       logical, allocatable :: is_closed(:) !! whether each point is closed (m)
-      integer, allocatable :: sense(:) !! sign of its slip, 0 without (m)
+      integer, allocatable :: slip_direction(:) !! sign of its slip, 0 without (m)
    end type point_states_t
 
    !> The relation between forces and distances, with the friction of every point; all without units.
@@ -41,7 +41,7 @@ contains
    pure subroutine new_contact_relation(relation, problem)
       type(contact_relation_t), intent(out) :: relation !! the relation
       type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp) :: bound(2*problem%n_points), force(2*problem%n_points)
+      real(dp) :: force(2*problem%n_points)
       integer :: all_rows(2*problem%n_points), i
 
       relation%is_dual = problem%is_reduced()
@@ -50,9 +50,7 @@ contains
          call scale_relation(relation, problem%compliance%block(all_rows, all_rows), &
             problem%dual_load(problem%free_displacement), problem%friction, problem%slip_bound)
       else
-         bound = 0.0_dp
-         bound(:problem%n_points) = problem%gap
-         call symmetric_multiply(problem%stiffness, bound, force)
+         call symmetric_multiply(problem%stiffness, problem%reference(), force)
          call scale_relation(relation, problem%stiffness, problem%load - force, problem%friction, problem%slip_bound)
       end if
    end subroutine new_contact_relation
@@ -117,17 +115,17 @@ contains
       integer :: m, p, t
 
       m = self%n_points
-      has_force = [states%is_closed, states%sense == 0]
+      has_force = [states%is_closed, states%slip_direction == 0]
       do p = 1, 2*m
          call take_column(p, has_force(p), matrix(:, p))
       end do
       right = self%vector
       do p = 1, m
-         if (states%sense(p) == 0) cycle
+         if (states%slip_direction(p) == 0) cycle
          t = m + p
          call take_column(t, .true., unknown)
-         right = right - states%sense(p)*self%slip_bound(p)*unknown
-         if (states%is_closed(p)) matrix(:, p) = matrix(:, p) + states%sense(p)*self%friction(p)*unknown
+         right = right - states%slip_direction(p)*self%slip_bound(p)*unknown
+         if (states%is_closed(p)) matrix(:, p) = matrix(:, p) + states%slip_direction(p)*self%friction(p)*unknown
       end do
       unknown = right
       factors = matrix
@@ -141,7 +139,9 @@ contains
       unknown = unknown + right
       force = merge(unknown, 0.0_dp, has_force)
       distance = merge(0.0_dp, unknown, has_force)
-      where (states%sense /= 0) force(m + 1:) = states%sense*(self%slip_bound + self%friction*force(:m))
+      associate (direction => states%slip_direction)
+         where (direction /= 0) force(m + 1:) = direction*(self%slip_bound + self%friction*force(:m))
+      end associate
 
    contains
 
@@ -162,7 +162,7 @@ contains
    end subroutine contact_relation_solve_states
 
    !> How far forces and distances are from the inequalities of their states: the largest tension, penetration, excess
-   !> of friction or slip against the sense, over the largest force or distance, 1 at least [-].
+   !> of friction or slip against the direction, over the largest force or distance, 1 at least [-].
    pure real(dp) function contact_relation_violation(self, states, force, distance) result(violation)
       class(contact_relation_t), intent(in) :: self !! the relation
       type(point_states_t), intent(in) :: states !! state of every point (m)
@@ -176,10 +176,10 @@ contains
       do p = 1, m
          t = m + p
          excess = merge(-force(p), distance(p), states%is_closed(p))
-         if (states%sense(p) == 0) then
+         if (states%slip_direction(p) == 0) then
             excess = max(excess, abs(force(t)) - self%slip_bound(p) - self%friction(p)*max(0.0_dp, force(p)))
          else
-            excess = max(excess, -states%sense(p)*distance(t))
+            excess = max(excess, -states%slip_direction(p)*distance(t))
          end if
          violation = max(violation, excess)
       end do

@@ -22,8 +22,8 @@ module amontons_contact_solution
       real(dp) :: residual = huge(1.0_dp) !! residual of this pair (v, lambda) [-]
       real(dp), allocatable :: history(:) !! residual after each iteration (at least n_iterations) [-]
    contains
-      procedure :: begin => contact_solution_begin
-      procedure :: note => contact_solution_note
+      procedure :: reset => contact_solution_reset
+      procedure :: record_residual => contact_solution_record_residual
       procedure :: record => contact_solution_record
    end type contact_solution_t
 
@@ -40,7 +40,7 @@ contains
    end subroutine new_contact_solution
 
    !> Begins a new record; forces and displacements stay as the starting point.
-   pure subroutine contact_solution_begin(self)
+   pure subroutine contact_solution_reset(self)
       class(contact_solution_t), intent(inout) :: self !! the solution
 
       self%is_converged = .false.
@@ -50,7 +50,7 @@ contains
       self%residual = huge(self%residual)
       if (allocated(self%history)) deallocate (self%history)
       allocate (self%history(0))
-   end subroutine contact_solution_begin
+   end subroutine contact_solution_reset
 
    !> Records the pair (v, lambda) that an iteration ended with: residual, statuses, whether it is the solution.
    pure subroutine contact_solution_record(self, problem, displacement, force, tolerance, may_continue)
@@ -66,14 +66,14 @@ contains
       self%residual = problem%residual(displacement, force)
       call self%effort%multiply(1.0_dp)
       self%status = problem%status(displacement, force)
-      call self%note(self%residual)
+      call self%record_residual(self%residual)
       self%is_converged = self%residual <= tolerance
       may_continue = .not. self%is_converged .and. self%residual < huge(self%residual)
    end subroutine contact_solution_record
 
    !> Counts an iteration whose pair is not looked at, with the residual that the method itself knows of. Such a
    !> residual never means solved.
-   pure subroutine contact_solution_note(self, residual)
+   pure subroutine contact_solution_record_residual(self, residual)
       class(contact_solution_t), intent(inout) :: self !! the solution
       real(dp), intent(in) :: residual !! residual after the iteration [-]
 
@@ -82,6 +82,6 @@ contains
          self%history = [self%history, spread(0.0_dp, 1, self%n_iterations)]
       end if
       self%history(self%n_iterations) = residual
-   end subroutine contact_solution_note
+   end subroutine contact_solution_record_residual
 
 end module amontons_contact_solution

@@ -1,4 +1,4 @@
-!> The effort that a contact method has spent: products with matrices, and factorisations.
+!> The effort that a contact method has spent: products with matrices, and factorizations.
 module amontons_effort
    use amontons_kinds, only: dp
    implicit none (type, external)
@@ -10,7 +10,7 @@ module amontons_effort
    !> by a few of its columns; triangular solves are not counted.
    type :: effort_t
       real(dp) :: n_products = 0.0_dp !! products of S or A with a vector [-]
-      integer :: n_factorizations = 0 !! factorisations of a dense or sparse matrix, of any order
+      integer :: n_factorizations = 0 !! factorizations of a dense or sparse matrix, of any order
    contains
       procedure :: add => effort_add
       procedure :: factorize => effort_factorize
@@ -28,10 +28,10 @@ contains
       self%n_factorizations = self%n_factorizations + part%n_factorizations
    end subroutine effort_add
 
-   !> Counts a factorisation, if there is one.
+   !> Counts a factorization, if there is one.
    pure subroutine effort_factorize(self, is_made)
       class(effort_t), intent(inout) :: self !! the effort
-      logical, intent(in) :: is_made !! whether a matrix is factorised
+      logical, intent(in) :: is_made !! whether a matrix is factorized
 
       if (is_made) self%n_factorizations = self%n_factorizations + 1
    end subroutine effort_factorize

@@ -1,8 +1,8 @@
 !> The contact law at one point: unilateral contact and Coulomb friction.
 !>
-!> With the distance w = u_N - d (negative while open), the slip u_T, the forces lambda_N (compression positive) and
-!> lambda_T (along the slip), and the slip bound b = g + phi lambda_N, of a given part (Tresca) and Coulomb's:
-!> `0 <= lambda_N _|_ -w >= 0`, `|lambda_T| <= b`, `u_T /= 0 => lambda_T = b sign(u_T)`.
+!> With the distance w = u_N - d (negative while open), the slip s = u_T - a, the forces lambda_N (compression positive)
+!> and lambda_T (along the slip), and the slip bound b = g + phi lambda_N, of a given part (Tresca) and Coulomb's:
+!> `0 <= lambda_N _|_ -w >= 0`, `|lambda_T| <= b`, `s /= 0 => lambda_T = b sign(s)`.
 !> For a given bound this is the inequality (2.2) of the paper, and the maximum over the multipliers in its saddle point
 !> (P3); Coulomb's part makes b depend on the solution (its remark 1 on section 1).
 module amontons_friction_law
@@ -39,7 +39,7 @@ contains
    elemental integer function contact_status(augmented_normal, augmented_tangential, friction, slip_bound) &
       result(status)
       real(dp), intent(in) :: augmented_normal !! lambda_N + rho (u_N - d) [F]
-      real(dp), intent(in) :: augmented_tangential !! lambda_T + rho u_T [F]
+      real(dp), intent(in) :: augmented_tangential !! lambda_T + rho s [F]
       real(dp), intent(in) :: friction !! Coulomb coefficient phi [-]
       real(dp), intent(in) :: slip_bound !! given slip bound g [F]
 
@@ -56,13 +56,13 @@ contains
 
    !> How far a point is from fulfilling the law: the larger of
    !> |lambda_N - max(0, lambda_N + rho_N w)| and
-   !> |lambda_T - bounded(lambda_T + rho_T u_T, g + phi max(0, lambda_N))| [F].
+   !> |lambda_T - bounded(lambda_T + rho_T s, g + phi max(0, lambda_N))| [F].
    elemental real(dp) function law_violation(normal_force, distance, tangential_force, slip, friction, slip_bound, &
       rho_normal, rho_tangential) result(violation)
       real(dp), intent(in) :: normal_force !! lambda_N [F]
       real(dp), intent(in) :: distance !! w = u_N - d [L]
       real(dp), intent(in) :: tangential_force !! lambda_T [F]
-      real(dp), intent(in) :: slip !! u_T [L]
+      real(dp), intent(in) :: slip !! s = u_T - a [L]
       real(dp), intent(in) :: friction !! Coulomb coefficient phi [-]
       real(dp), intent(in) :: slip_bound !! given slip bound g [F]
       real(dp), intent(in) :: rho_normal !! stiffness that turns the distance into a force, positive [F/L]

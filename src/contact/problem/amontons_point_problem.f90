@@ -58,18 +58,18 @@ contains
 
    contains
 
-      !> The force of a closed point that slides along a sense; without any if no force is determined.
-      pure function sliding(sense) result(pair)
-         real(dp), intent(in) :: sense !! 1 or -1
+      !> The force of a closed point that slides along a direction; without any if no force is determined.
+      pure function sliding(direction) result(pair)
+         real(dp), intent(in) :: direction !! 1 or -1
          real(dp) :: pair(2)
 
-         pair(1) = w_nn + sense*friction*w_nt
+         pair(1) = w_nn + direction*friction*w_nt
          if (abs(pair(1)) > singular*w_nn) then
-            pair(1) = max(0.0_dp, (free(1) - sense*w_nt*slip_bound)/pair(1))
+            pair(1) = max(0.0_dp, (free(1) - direction*w_nt*slip_bound)/pair(1))
          else
             pair(1) = 0.0_dp
          end if
-         pair(2) = sense*(slip_bound + friction*pair(1))
+         pair(2) = direction*(slip_bound + friction*pair(1))
       end function sliding
 
    end function solve_point

@@ -109,7 +109,7 @@ contains
       m = problem%n_points
       call bound_unknowns(search)
       allocate (search%states%is_closed(m), source=.false.)
-      allocate (search%states%sense(m), source=0)
+      allocate (search%states%slip_direction(m), source=0)
       allocate (search%found%force(2*m, 0), search%found%displacement(2*m, 0), search%found%is_isolated(0))
       associate (order => [(i, m + i, i=1, m)], relation => search%relation)
          allocate (rows(2*m, 0:2*m))
@@ -125,8 +125,7 @@ contains
       allocate (solutions%status(m, solutions%n))
       do i = 1, solutions%n
          solutions%force(:, i) = solutions%force(:, i)*search%relation%force_unit
-         solutions%displacement(:, i) = solutions%displacement(:, i)*search%relation%distance_unit
-         solutions%displacement(:m, i) = solutions%displacement(:m, i) + problem%gap
+         solutions%displacement(:, i) = solutions%displacement(:, i)*search%relation%distance_unit + problem%reference()
          solutions%status(:, i) = problem%status(solutions%displacement(:, i), solutions%force(:, i))
       end do
    end subroutine find
@@ -175,14 +174,14 @@ contains
          !! affine functions of the x of the points up to this one and of the pending unknowns: their y, inequalities
          !! (at least 0), and in the last rows the pending equations
       integer, intent(in) :: n_pending !! number of pending unknowns and equations, which no pivot was found for
-      integer :: normal, sense
+      integer :: normal, direction
 
       do normal = 0, 1
          search%states%is_closed(point) = normal == 1
-         do sense = -1, 1
+         do direction = -1, 1
             ! Without any slip bound one state covers all slips.
-            if (sense /= 1 .and. .not. has_slip_bound(search, point)) cycle
-            search%states%sense(point) = sense
+            if (direction /= 1 .and. .not. has_slip_bound(search, point)) cycle
+            search%states%slip_direction(point) = direction
             call settle_point(search, point, rows, n_pending)
          end do
       end do
@@ -242,7 +241,7 @@ contains
       real(dp), intent(out) :: equations(:, 0:) !! affine functions that must be zero (2, 0:n)
       real(dp), dimension(2, 0:ubound(rows, 2)) :: force, distance
       real(dp) :: bound(0:ubound(rows, 2))
-      integer :: sense
+      integer :: direction
 
       force = 0.0_dp
       force(1, 2*point - 1) = 1.0_dp
@@ -252,7 +251,7 @@ contains
          distance = force
          force = rows(2*point - 1:2*point, :)
       end if
-      sense = search%states%sense(point)
+      direction = search%states%slip_direction(point)
       bound = 0.0_dp
       bound(0) = search%relation%slip_bound(point)
       if (search%states%is_closed(point)) then
@@ -263,14 +262,14 @@ contains
          inequalities(1, :) = -distance(1, :)
          equations(1, :) = force(1, :)
       end if
-      if (sense == 0) then
+      if (direction == 0) then
          inequalities(2, :) = bound - force(2, :)
          inequalities(3, :) = bound + force(2, :)
          equations(2, :) = distance(2, :)
          n_inequalities = 3
       else
-         inequalities(2, :) = sense*distance(2, :)
-         equations(2, :) = force(2, :) - sense*bound
+         inequalities(2, :) = direction*distance(2, :)
+         equations(2, :) = force(2, :) - direction*bound
          n_inequalities = merge(2, 1, has_slip_bound(search, point))
       end if
    end subroutine point_conditions
@@ -308,9 +307,9 @@ contains
       associate (relation => search%relation)
          call relation%solve_states(states, force, distance, info)
          if (info /= 0) return
-         ! Without any slip bound the sense is that of the slip.
+         ! Without any slip bound the direction is that of the slip.
          where (.not. relation%slip_bound + relation%friction*merge(1.0_dp, 0.0_dp, states%is_closed) > 0.0_dp)
-            states%sense = nint(sign(1.0_dp, distance(m + 1:)))
+            states%slip_direction = nint(sign(1.0_dp, distance(m + 1:)))
          end where
          if (relation%violation(states, force, distance) > strict) return
          smallest = least_margin(relation, states, force, distance)
@@ -333,10 +332,10 @@ contains
       do p = 1, m
          margin = min(margin, merge(force(p), -distance(p), states%is_closed(p)))
          bound = relation%slip_bound(p) + relation%friction(p)*max(0.0_dp, force(p))
-         if (states%sense(p) == 0) then
+         if (states%slip_direction(p) == 0) then
             margin = min(margin, bound - abs(force(m + p)))
          else if (bound > 0.0_dp) then
-            margin = min(margin, states%sense(p)*distance(m + p))
+            margin = min(margin, states%slip_direction(p)*distance(m + p))
          end if
       end do
    end function least_margin

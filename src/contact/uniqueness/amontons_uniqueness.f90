@@ -132,7 +132,7 @@ contains
          !! point follow each other (2r, 2r)
       real(dp), intent(in) :: friction(:) !! phi, at least (r)
       logical, intent(in) :: has_slip_bound(:) !! whether a given slip bound lets open points stick, at least (r)
-      integer :: n, t, rest, sense
+      integer :: n, t, rest, direction
 
       is_positive = .true.
       t = size(a, 1)
@@ -141,9 +141,9 @@ contains
       rest = t - 2
       associate (others => a(:rest, :rest), phi => friction(t/2))
          is_positive = are_positive(others, friction, has_slip_bound)
-         do sense = -1, 1, 2
-            if (is_positive) is_positive = stays_positive(a(:, n) + sense*phi*a(:, t), a(n, :rest), &
-               a(n, n) + sense*phi*a(n, t), others)
+         do direction = -1, 1, 2
+            if (is_positive) is_positive = stays_positive(a(:, n) + direction*phi*a(:, t), a(n, :rest), &
+               a(n, n) + direction*phi*a(n, t), others)
          end do
          if (is_positive .and. has_slip_bound(t/2)) is_positive = stays_positive(a(:, t), a(t, :rest), a(t, t), others)
          if (.not. is_positive) return

@@ -1,4 +1,4 @@
-!> The way of a sweep from its deck to its table: all cases on one factorisation, solved by all threads.
+!> The way of a sweep from its deck to its table: all cases on one factorization, solved by all threads.
 !>
 !> As many chunks as take about a second are a batch, after which the rows are put on the disk: an interrupted sweep
 !> goes on there.
@@ -16,15 +16,15 @@ module amontons_solve_sweep
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
    use amontons_result_warnings, only: add_conditioning
-   use amontons_solve_case, only: condense_case, prepare_case, workshop_t
+   use amontons_solve_case, only: cache_t, condense_case, prepare_case
    use amontons_solve_load_case, only: certify, set_factor
    use amontons_sweep_checkpoint, only: open_sweep_checkpoint, sweep_checkpoint_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
    use amontons_sweep_fields, only: write_sweep_fields
    use amontons_sweep_model, only: new_sweep_model, sweep_model_t
-   use amontons_sweep_monitor, only: sweep_monitor_t
+   use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep_table, only: sweep_header
-   use amontons_sweep_tally, only: case_keys, sweep_tally_t
+   use amontons_sweep_statistics, only: case_keys, sweep_statistics_t
    use amontons_system, only: make_directory, wall_seconds
    use amontons_text, only: newline
    use amontons_threads, only: n_threads
@@ -38,8 +38,9 @@ module amontons_solve_sweep
    !> The result of a sweep. Its rows and its fields are on the disk.
    type :: sweep_result_t
       type(result_t) :: certified
-         !! the converged case that is most in doubt, certified on the full model; its times are those of the sweep
-      type(sweep_tally_t) :: tally !! counts and extremes
+         !! the converged case with the largest error estimate, certified on the full model; its times are those of the
+         !! sweep
+      type(sweep_statistics_t) :: statistics !! counts and extremes
       type(sweep_checkpoint_t) :: checkpoint !! the table, still under its temporary name
       type(output_file_t), allocatable :: collection
          !! the collection of the fields, if there is one, still under its temporary name
@@ -55,21 +56,21 @@ contains
 
    !> Solves all cases of a sweep that no earlier run has done. The table keeps its temporary name, and its lock until
    !> it is written, unless the sweep was interrupted.
-   subroutine solve_sweep(workshop, config, directory, monitor, result, error)
-      type(workshop_t), intent(inout) :: workshop !! the body at hand, replaced if the sweep needs another
+   subroutine solve_sweep(cache, config, directory, monitor, result, error)
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: directory !! output directory, made if it is not there
-      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
+      class(study_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
       type(sweep_result_t), intent(out) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! the deck, the numbers or the disk are at fault
       type(sweep_task_t) :: task
 
-      call prepare_case(workshop, config, result%certified, error)
+      call prepare_case(cache, config, result%certified, error)
       if (allocated(error)) return
-      call condense_case(workshop, config, result%certified, error)
+      call condense_case(cache, config, result%certified, error)
       if (allocated(error)) return
-      call set_factor(result%certified%factor, workshop%body)
-      task%n_quantities = size(case_keys(workshop%body))
+      call set_factor(result%certified%factor, cache%body)
+      task%n_quantities = size(case_keys(cache%body))
       call new_contact_method(task%method, config%method, error)
       if (allocated(error)) return
       select type (method => task%method)
@@ -77,18 +78,18 @@ contains
          task%is_auto = .true.
       end select
       task%sweep = config%sweep
-      call new_sweep_model(task%model, workshop%body, workshop%problem, result%certified%load_case, config, error)
+      call new_sweep_model(task%model, cache%body, cache%problem, result%certified%load_case, config, error)
       if (allocated(error)) return
 
       call result%certified%timings%begin(phase_solve)
       call make_directory(directory, error)
       if (allocated(error)) return
       call open_sweep_checkpoint(result%checkpoint, directory//'/'//config%name, sweep_key(config, task%model), &
-         sweep_header(config%sweep, case_keys(workshop%body)), result%tally, error)
+         sweep_header(config%sweep, case_keys(cache%body)), result%statistics, error)
       if (allocated(error)) return
-      result%n_resumed = result%tally%n_cases
-      call solve_batches(task, workshop%body, monitor, result, error)
-      if (.not. allocated(error)) call finish_sweep(task, workshop%body, directory, config%name, monitor, result, error)
+      result%n_resumed = result%statistics%n_cases
+      call solve_batches(task, cache%body, monitor, result, error)
+      if (.not. allocated(error)) call finish_sweep(task, cache%body, directory, config%name, monitor, result, error)
       if (allocated(error) .or. result%is_interrupted) call result%checkpoint%close()
    end subroutine solve_sweep
 
@@ -98,16 +99,16 @@ contains
       type(body_t), intent(in) :: body !! the body
       character(*), intent(in) :: directory !! output directory
       character(*), intent(in) :: name !! name of the case
-      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
+      class(study_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
       type(sweep_result_t), intent(inout) :: result !! gains the case and its certificate
       type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
 
       call result%certified%timings%begin(phase_write)
-      result%is_interrupted = result%tally%n_cases < task%sweep%n_cases()
+      result%is_interrupted = result%statistics%n_cases < task%sweep%n_cases()
       call keep_fields(task, body, directory, name, monitor, result, error)
       if (allocated(error)) return
       call result%certified%timings%begin(phase_recover)
-      if (.not. result%is_interrupted .and. result%tally%doubtful_case > 0) then
+      if (.not. result%is_interrupted .and. result%statistics%worst_case > 0) then
          call certify_worst(task, body, result, error)
          if (allocated(error)) return
       end if
@@ -120,7 +121,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       character(*), intent(in) :: directory !! output directory
       character(*), intent(in) :: name !! name of the case
-      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
+      class(study_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
       type(sweep_result_t), intent(inout) :: result !! gains the collection and the manifest of the fields
       type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
 
@@ -143,8 +144,8 @@ contains
    subroutine solve_batches(task, body, monitor, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
-      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
-      type(sweep_result_t), intent(inout) :: result !! gains the tally
+      class(study_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
+      type(sweep_result_t), intent(inout) :: result !! gains the statistics
       type(error_t), allocatable, intent(out) :: error !! the rows cannot be written
       real(dp), parameter :: batch_seconds = 1.0_dp
       type(chunk_t), allocatable :: chunks(:)
@@ -154,19 +155,19 @@ contains
 
       n_cases = int(task%sweep%n_cases())
       n_chunks = n_threads()
-      call monitor%report(result%tally%n_cases, n_cases)
-      do while (result%tally%n_cases < n_cases .and. .not. monitor%is_stopped())
+      call monitor%report(result%statistics%n_cases, n_cases)
+      do while (result%statistics%n_cases < n_cases .and. .not. monitor%is_stopped())
          start = wall_seconds()
-         allocate (chunks(min(n_chunks, (n_cases - result%tally%n_cases - 1)/chunk_length + 1)))
+         allocate (chunks(min(n_chunks, (n_cases - result%statistics%n_cases - 1)/chunk_length + 1)))
          do i = 1, size(chunks)
-            call new_chunk(chunks(i), result%tally%n_cases + (i - 1)*chunk_length, n_cases)
+            call new_chunk(chunks(i), result%statistics%n_cases + (i - 1)*chunk_length, n_cases)
          end do
          call solve_chunks(task, body, monitor, chunks)
-         call gather_chunks(chunks, rows, result%tally)
+         call gather_chunks(chunks, rows, result%statistics)
          deallocate (chunks)
-         if (len(rows) > 0) call result%checkpoint%append(rows, result%tally, error)
+         if (len(rows) > 0) call result%checkpoint%append(rows, result%statistics, error)
          if (allocated(error)) return
-         call monitor%report(result%tally%n_cases, n_cases)
+         call monitor%report(result%statistics%n_cases, n_cases)
          growth = min(4.0_dp, batch_seconds/max(wall_seconds() - start, tiny(1.0_dp)))
          n_chunks = max(n_threads(), int(n_chunks*growth))
       end do
@@ -176,7 +177,7 @@ contains
    subroutine solve_chunks(task, body, monitor, chunks)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
-      class(sweep_monitor_t), intent(in) :: monitor !! may stop the sweep
+      class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
       type(chunk_t), intent(inout) :: chunks(:) !! the chunks
 
       !$omp parallel default(none) shared(task, body, monitor, chunks)
@@ -188,7 +189,7 @@ contains
    subroutine share_chunks(task, body, monitor, chunks)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
-      class(sweep_monitor_t), intent(in) :: monitor !! may stop the sweep
+      class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
       type(chunk_t), intent(inout) :: chunks(:) !! the chunks
       type(contact_problem_t) :: problem
       type(contact_solution_t) :: solutions(chunk_length)
@@ -203,10 +204,10 @@ contains
    end subroutine share_chunks
 
    !> Gathers the chunks that are done, as far as no chunk is missing before them.
-   pure subroutine gather_chunks(chunks, rows, tally)
+   pure subroutine gather_chunks(chunks, rows, statistics)
       type(chunk_t), intent(in) :: chunks(:) !! the chunks
       character(:), allocatable, intent(out) :: rows !! their rows
-      type(sweep_tally_t), intent(inout) :: tally !! gains their cases
+      type(sweep_statistics_t), intent(inout) :: statistics !! gains their cases
       integer :: n_done, i, k, first
 
       n_done = findloc([chunks%is_done, .false.], .false., dim=1) - 1
@@ -216,12 +217,12 @@ contains
          rows(first:first + len(chunks(i)%rows) - 1) = chunks(i)%rows
          first = first + len(chunks(i)%rows)
          do k = 1, chunks(i)%last - chunks(i)%first + 1
-            call tally%add(chunks(i)%results(k))
+            call statistics%add(chunks(i)%results(k))
          end do
       end do
    end subroutine gather_chunks
 
-   !> Solves the case that is most in doubt again and certifies it on the full model.
+   !> Solves the case with the largest error estimate again and certifies it on the full model.
    subroutine certify_worst(task, body, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
@@ -231,7 +232,7 @@ contains
       type(contact_solution_t) :: solutions(chunk_length)
       type(chunk_t) :: chunk
 
-      associate (number => result%tally%doubtful_case, certified => result%certified)
+      associate (number => result%statistics%worst_case, certified => result%certified)
          problem = task%model%problem
          call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
          call solve_chunk(task, body, problem, chunk, solutions)
@@ -247,7 +248,8 @@ contains
    pure real(dp) function sweep_result_cases_per_second(self) result(rate)
       class(sweep_result_t), intent(in) :: self !! the result
 
-      rate = (self%tally%n_cases - self%n_resumed)/max(self%certified%timings%seconds(phase_solve), epsilon(1.0_dp))
+      rate = (self%statistics%n_cases - self%n_resumed)/max(self%certified%timings%seconds(phase_solve), &
+         epsilon(1.0_dp))
    end function sweep_result_cases_per_second
 
 end module amontons_solve_sweep

@@ -14,8 +14,8 @@ module amontons_sweep_fields
    use amontons_output_file, only: commit_files, output_file_t
    use amontons_result, only: result_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
-   use amontons_sweep_monitor, only: sweep_monitor_t
-   use amontons_sweep_tally, only: case_converged
+   use amontons_study_monitor, only: study_monitor_t
+   use amontons_sweep_statistics, only: case_converged
    use amontons_system, only: make_directory
    use amontons_text, only: to_text
    use amontons_vtu, only: write_vtu
@@ -34,7 +34,7 @@ contains
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
       character(*), intent(in) :: stem !! directory and name of the case
-      class(sweep_monitor_t), intent(inout) :: monitor !! is told how far it is, and may stop it
+      class(study_monitor_t), intent(inout) :: monitor !! is told how far it is, and may stop it
       logical, intent(out) :: is_stopped !! whether it did
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(collection_t) :: collection

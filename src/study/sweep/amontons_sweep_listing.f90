@@ -10,7 +10,7 @@ module amontons_sweep_listing
    use amontons_listing_text, only: heading, line, right, scientific, short
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep, only: sweep_axis_t, swept_load
-   use amontons_sweep_tally, only: case_converged, outcome_names, ranked_keys, sweep_tally_t
+   use amontons_sweep_statistics, only: case_converged, outcome_names, ranked_keys, sweep_statistics_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -28,26 +28,26 @@ contains
 
       listing%ending = '.lst'
       call listing%record(head_text(config))
-      associate (certified => result%certified, tally => result%tally)
+      associate (certified => result%certified, statistics => result%statistics)
          call listing%add(warnings_text(certified%warnings))
          call listing%add(model_text(body, certified%load_case)//loads_text(certified%load_case)//sweep_text(config))
          call listing%record(solution_text(config, result))
-         if (tally%residual_case > 0) then
-            call listing%add(extremes_text(body, tally))
+         if (statistics%residual_case > 0) then
+            call listing%add(extremes_text(body, statistics))
             call add_certificate(listing, result)
          end if
          call listing%record(times_text(certified%timings, listed_phases))
       end associate
    end subroutine new_sweep_listing
 
-   !> Adds the certificate of the case that is most in doubt.
+   !> Adds the certificate of the case with the largest error estimate.
    subroutine add_certificate(listing, result)
       type(document_t), intent(inout) :: listing !! the listing
       type(sweep_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
       text = certificate_text(result%certified%certificate, result%certified%method%tolerance)// &
-         line('Case certified', to_text(result%tally%doubtful_case)//', the one that is most in doubt')
+         line('Worst case', to_text(result%statistics%worst_case)//', by the estimated error of its forces')
       if (result%has_certificate) then
          call listing%add(text, [1.0_dp])
       else
@@ -100,18 +100,19 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      associate (tally => result%tally)
+      associate (statistics => result%statistics)
          text = heading('Solution')//line('Method', method_text(config%method))// &
-            line('Factorisation', factorization_text(result%certified))// &
-            line('Converged', to_text(tally%n_outcomes(case_converged))//' of '//to_text(tally%n_cases)//' cases')
+            line('Factorization', factorization_text(result%certified))// &
+            line('Converged', to_text(statistics%n_outcomes(case_converged))//' of '//to_text(statistics%n_cases)// &
+            ' cases')
          do i = 1, size(outcome_names)
-            if (i == case_converged .or. tally%n_outcomes(i) == 0) cycle
-            text = text//line('NOT SOLVED', to_text(tally%n_outcomes(i))//' cases: '//trim(outcome_names(i)))
+            if (i == case_converged .or. statistics%n_outcomes(i) == 0) cycle
+            text = text//line('NOT SOLVED', to_text(statistics%n_outcomes(i))//' cases: '//trim(outcome_names(i)))
          end do
-         text = text//line('Iterations', to_text(tally%n_iterations)//', '// &
-            short(real(tally%n_iterations, dp)/max(1, tally%n_cases))//' a case')
-         if (tally%residual_case > 0) text = text//line('Largest residual', scientific(tally%residual)// &
-            ' in case '//to_text(tally%residual_case)//', tolerance '//scientific(config%method%tolerance))
+         text = text//line('Iterations', to_text(statistics%n_iterations)//', '// &
+            short(real(statistics%n_iterations, dp)/max(1, statistics%n_cases))//' a case')
+         if (statistics%residual_case > 0) text = text//line('Largest residual', scientific(statistics%residual)// &
+            ' in case '//to_text(statistics%residual_case)//', tolerance '//scientific(config%method%tolerance))
          if (result%n_resumed > 0) text = text//line('Done earlier', to_text(result%n_resumed)//' cases')
          if (result%checkpoint%is_anew) text = text//line('Note', 'an interrupted run had left rows of another '// &
             'deck or version, or damaged ones: all cases were solved anew')
@@ -120,9 +121,9 @@ contains
    end function solution_text
 
    !> Extremes of the cases that converged.
-   pure function extremes_text(body, tally) result(text)
+   pure function extremes_text(body, statistics) result(text)
       type(body_t), intent(in) :: body !! the body
-      type(sweep_tally_t), intent(in) :: tally !! counts and extremes
+      type(sweep_statistics_t), intent(in) :: statistics !! counts and extremes
       character(:), allocatable :: text
       character(32), allocatable :: keys(:)
       integer, parameter :: width = 14
@@ -132,9 +133,9 @@ contains
       text = heading('Extremes of the cases that converged')//line('', right('least', width)// &
          right('in case', width)//right('greatest', width)//right('in case', width))
       do i = 1, size(keys)
-         text = text//line(trim(keys(i)), right(short(tally%least(i)), width)// &
-            right(to_text(tally%least_case(i)), width)//right(short(tally%greatest(i)), width)// &
-            right(to_text(tally%greatest_case(i)), width))
+         text = text//line(trim(keys(i)), right(short(statistics%least(i)), width)// &
+            right(to_text(statistics%least_case(i)), width)//right(short(statistics%greatest(i)), width)// &
+            right(to_text(statistics%greatest_case(i)), width))
       end do
    end function extremes_text
 

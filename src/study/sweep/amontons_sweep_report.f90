@@ -83,7 +83,9 @@ contains
       call manifest%add_outputs(files, '', error)
       if (allocated(error)) return
       call manifest%outputs%append_known(config%name//'.sweep.csv', result%checkpoint%table)
-      call manifest%add_inputs(body%mesh, result%certified%load_case%contacts)
+      associate (load_case => result%certified%load_case)
+         call manifest%add_inputs(body%mesh, load_case%contacts, load_case%loads)
+      end associate
       call result%certified%timings%begin(phase_write)
       call new_sweep_summary(summary, config, body, result)
       call write_text_file(files(size(files)), stem//summary%ending, with_manifest(summary%text(), manifest), error)

@@ -10,7 +10,7 @@ module amontons_sweep_summary
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_summary_members, only: add_head, certificate_member, last_members, member, size_counts
    use amontons_sweep, only: sweep_t
-   use amontons_sweep_tally, only: case_converged, ranked_keys, outcome_names, sweep_tally_t
+   use amontons_sweep_statistics, only: case_converged, ranked_keys, outcome_names, sweep_statistics_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -26,15 +26,15 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(sweep_result_t), intent(in) :: result !! the result
 
-      associate (tally => result%tally, certified => result%certified)
-         call add_head(summary, config, config%method%method, tally%n_outcomes(case_converged) == tally%n_cases, &
-            certified%warnings)
-         call summary%add(member('iterations', to_text(tally%n_iterations)))
+      associate (statistics => result%statistics, certified => result%certified)
+         call add_head(summary, config, config%method%method, &
+            statistics%n_outcomes(case_converged) == statistics%n_cases, certified%warnings)
+         call summary%add(member('iterations', to_text(statistics%n_iterations)))
          call summary%add(member('sweep', '{'//sweep_text(result)//'}'))
          call summary%add(member('quantities', '['//quantities_text(config%sweep)//']'))
-         if (tally%residual_case > 0) then
-            call summary%add(member('residual', number(tally%residual)))
-            call summary%add(member('extremes', '{'//extremes_text(body, tally)//'}'))
+         if (statistics%residual_case > 0) then
+            call summary%add(member('residual', number(statistics%residual)))
+            call summary%add(member('extremes', '{'//extremes_text(body, statistics)//'}'))
             call add_certificate(summary, result)
          end if
          if (certified%condition > 0.0_dp) call summary%record(member('condition', number(certified%condition)))
@@ -43,7 +43,7 @@ contains
       end associate
    end subroutine new_sweep_summary
 
-   !> Adds the certificate of the case that is most in doubt.
+   !> Adds the certificate of the case with the largest error estimate.
    subroutine add_certificate(summary, result)
       type(document_t), intent(inout) :: summary !! the summary
       type(sweep_result_t), intent(in) :: result !! the result
@@ -51,7 +51,7 @@ contains
 
       associate (certificate => result%certified%certificate)
          text = certificate_member(certificate%violations(), certificate_limit(result%certified%method%tolerance), &
-            certificate%energies(), '"case": '//to_text(result%tally%doubtful_case)//', ')
+            certificate%energies(), '"case": '//to_text(result%statistics%worst_case)//', ')
          if (result%has_certificate) then
             call summary%add(text, [1.0_dp, 1.0_dp, scales([certificate%violations(), certificate%energies()])])
          else
@@ -66,9 +66,9 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = '"cases": '//to_text(result%tally%n_cases)
+      text = '"cases": '//to_text(result%statistics%n_cases)
       do i = 1, size(outcome_names)
-         text = text//', "'//trim(outcome_names(i))//'": '//to_text(result%tally%n_outcomes(i))
+         text = text//', "'//trim(outcome_names(i))//'": '//to_text(result%statistics%n_outcomes(i))
       end do
       text = text//', "done_earlier": '//to_text(result%n_resumed)//', "cases_per_second": '// &
          number(result%cases_per_second())
@@ -94,9 +94,9 @@ contains
    end function quantities_text
 
    !> Extremes of the cases that converged.
-   pure function extremes_text(body, tally) result(text)
+   pure function extremes_text(body, statistics) result(text)
       type(body_t), intent(in) :: body !! the body
-      type(sweep_tally_t), intent(in) :: tally !! counts and extremes
+      type(sweep_statistics_t), intent(in) :: statistics !! counts and extremes
       character(:), allocatable :: text
       character(32), allocatable :: keys(:)
       integer :: i
@@ -105,9 +105,9 @@ contains
       keys = ranked_keys(body)
       do i = 1, size(keys)
          if (i > 1) text = text//', '
-         text = text//'"'//trim(keys(i))//'": {"least": '//number(tally%least(i))//', "least_case": '// &
-            to_text(tally%least_case(i))//', "greatest": '//number(tally%greatest(i))//', "greatest_case": '// &
-            to_text(tally%greatest_case(i))//'}'
+         text = text//'"'//trim(keys(i))//'": {"least": '//number(statistics%least(i))//', "least_case": '// &
+            to_text(statistics%least_case(i))//', "greatest": '//number(statistics%greatest(i))// &
+            ', "greatest_case": '//to_text(statistics%greatest_case(i))//'}'
       end do
    end function extremes_text
 

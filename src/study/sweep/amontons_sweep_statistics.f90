@@ -1,5 +1,5 @@
 !> What is known of the cases of a sweep together: how many converged, and the extremes of their results.
-module amontons_sweep_tally
+module amontons_sweep_statistics
    use amontons_body, only: body_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_key_results, only: contact_peaks, resultants, set_results
@@ -10,7 +10,7 @@ module amontons_sweep_tally
    implicit none (type, external)
    private
 
-   public :: case_keys, case_quantities, case_result_t, new_case_result, outcome_names, ranked_keys, sweep_tally_t
+   public :: case_keys, case_quantities, case_result_t, new_case_result, outcome_names, ranked_keys, sweep_statistics_t
 
    !> Outcome of a case that converged.
    integer, parameter, public :: case_converged = 1
@@ -26,28 +26,28 @@ module amontons_sweep_tally
       logical :: has_solution = .false. !! whether there are numbers to tell, and all are finite
       real(dp), allocatable :: quantity(:) !! the numbers that `case_keys` names
       real(dp) :: residual = 0.0_dp !! residual of the contact problem [-]
-      real(dp) :: doubt = 0.0_dp !! what residual and rounding errors are of its forces [-]
+      real(dp) :: error_estimate = 0.0_dp !! what residual and rounding errors are of its forces [-]
       integer :: n_iterations = 0 !! iterations, of all attempts
    end type case_result_t
 
    !> Counts and extremes of the first cases of a sweep. Extremes are those of converged cases.
-   type :: sweep_tally_t
+   type :: sweep_statistics_t
       integer :: n_cases = 0 !! number of cases
       integer :: n_outcomes(size(outcome_names)) = 0 !! number of cases of each outcome
       integer(int64) :: n_iterations = 0 !! sum of their iterations
       real(dp) :: residual = -1.0_dp !! largest residual; -1 without a case [-]
       integer :: residual_case = 0 !! the case that has it
-      real(dp) :: doubt = -1.0_dp !! largest doubt of a converged case; -1 without a case [-]
-      integer :: doubtful_case = 0 !! the first case that has it
+      real(dp) :: error_estimate = -1.0_dp !! largest error estimate of a converged case; -1 without a case [-]
+      integer :: worst_case = 0 !! the first case that has it
       real(dp), allocatable :: least(:) !! least value of each number of a case; not allocated without a case
       integer, allocatable :: least_case(:) !! the first case that has it
       real(dp), allocatable :: greatest(:) !! greatest value of each number of a case
       integer, allocatable :: greatest_case(:) !! the first case that has it
    contains
-      procedure :: add => sweep_tally_add
-      procedure :: read => sweep_tally_read
-      procedure :: text => sweep_tally_text
-   end type sweep_tally_t
+      procedure :: add => sweep_statistics_add
+      procedure :: read => sweep_statistics_read
+      procedure :: text => sweep_statistics_text
+   end type sweep_statistics_t
 
 contains
 
@@ -106,8 +106,8 @@ contains
    end subroutine new_case_result
 
    !> Adds the next case.
-   pure subroutine sweep_tally_add(self, result)
-      class(sweep_tally_t), intent(inout) :: self !! the tally
+   pure subroutine sweep_statistics_add(self, result)
+      class(sweep_statistics_t), intent(inout) :: self !! the statistics
       type(case_result_t), intent(in) :: result !! what is kept of the case
       integer :: i
 
@@ -119,9 +119,9 @@ contains
          self%residual = result%residual
          self%residual_case = self%n_cases
       end if
-      if (result%doubt > self%doubt) then
-         self%doubt = result%doubt
-         self%doubtful_case = self%n_cases
+      if (result%error_estimate > self%error_estimate) then
+         self%error_estimate = result%error_estimate
+         self%worst_case = self%n_cases
       end if
       if (.not. allocated(self%least)) then
          self%least = result%quantity
@@ -139,11 +139,11 @@ contains
             self%greatest_case(i) = self%n_cases
          end if
       end do
-   end subroutine sweep_tally_add
+   end subroutine sweep_statistics_add
 
-   !> The tally as a line that `read` understands.
-   pure function sweep_tally_text(self) result(text)
-      class(sweep_tally_t), intent(in) :: self !! the tally
+   !> The statistics as a line that `read` understands.
+   pure function sweep_statistics_text(self) result(text)
+      class(sweep_statistics_t), intent(in) :: self !! the statistics
       character(:), allocatable :: text
       integer :: i
 
@@ -152,25 +152,25 @@ contains
          text = text//' '//to_text(self%n_outcomes(i))
       end do
       text = text//' '//to_text(self%residual_case)//' '//to_text(self%residual) &
-         //' '//to_text(self%doubtful_case)//' '//to_text(self%doubt)
+         //' '//to_text(self%worst_case)//' '//to_text(self%error_estimate)
       if (.not. allocated(self%least)) return
       text = text//' '//to_text(size(self%least))
       do i = 1, size(self%least)
          text = text//' '//to_text(self%least_case(i))//' '//to_text(self%least(i)) &
             //' '//to_text(self%greatest_case(i))//' '//to_text(self%greatest(i))
       end do
-   end function sweep_tally_text
+   end function sweep_statistics_text
 
-   !> Reads a tally from its line.
-   pure subroutine sweep_tally_read(self, text, ok)
-      class(sweep_tally_t), intent(inout) :: self !! the tally
+   !> Reads a statistics from its line.
+   pure subroutine sweep_statistics_read(self, text, ok)
+      class(sweep_statistics_t), intent(inout) :: self !! the statistics
       character(*), intent(in) :: text !! the line
-      logical, intent(out) :: ok !! whether it is the line of a tally
+      logical, intent(out) :: ok !! whether it is the line of a statistics
       integer :: numbers(size(outcome_names) + 4), n, status, i
       real(dp) :: reals(2)
 
       read (text, *, iostat=status) self%n_cases, self%n_iterations, self%n_outcomes, self%residual_case, &
-         self%residual, self%doubtful_case, self%doubt
+         self%residual, self%worst_case, self%error_estimate
       ok = status == 0
       if (.not. ok .or. self%residual_case == 0) return
       read (text, *, iostat=status) numbers(:size(outcome_names) + 3), reals(1), numbers(size(numbers)), reals(2), n
@@ -180,6 +180,6 @@ contains
       read (text, *, iostat=status) numbers(:size(outcome_names) + 3), reals(1), numbers(size(numbers)), reals(2), n, &
          (self%least_case(i), self%least(i), self%greatest_case(i), self%greatest(i), i=1, n)
       ok = status == 0
-   end subroutine sweep_tally_read
+   end subroutine sweep_statistics_read
 
-end module amontons_sweep_tally
+end module amontons_sweep_statistics

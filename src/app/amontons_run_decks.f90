@@ -1,0 +1,127 @@
+!> One run of the program: every deck of the command line, one after the other.
+module amontons_run_decks
+   use amontons_reservations, only: reservation_t, reserve_files
+   use amontons_collection, only: collection_t, new_collection
+   use amontons_command_line, only: command_line_t
+   use amontons_config, only: config_t, read_set_config
+   use amontons_error, only: error_t
+   use amontons_new_study, only: new_study
+   use amontons_outcome, only: outcome_t, status_interrupted
+   use amontons_output_file, only: commit_files, output_file_t
+   use amontons_progress, only: progress_t
+   use amontons_messages, only: print_error, print_outcome
+   use amontons_solve_case, only: cache_t
+   use amontons_status_line, only: close_status_line, open_status_line
+   use amontons_study, only: check_study, solve_study, study_options_t, study_t
+   use amontons_text, only: newline
+   implicit none (type, external)
+   private
+
+   public :: run_decks
+
+contains
+
+   !> Tries every deck, unless a signal interrupts one; the largest exit status counts.
+   subroutine run_decks(command_line, status)
+      type(command_line_t), intent(in) :: command_line !! decks and options
+      integer, intent(out) :: status !! exit status of the program
+      type(cache_t) :: cache
+      type(reservation_t) :: reservations(size(command_line%decks))
+      type(outcome_t) :: outcomes(size(command_line%decks))
+      type(error_t), allocatable :: error
+      integer :: i
+
+      status = 0
+      do i = 1, size(outcomes)
+         call run_deck(command_line, command_line%decks(i)%text, cache, reservations(:i), outcomes(i))
+         status = max(status, outcomes(i)%status)
+         call print_outcome(command_line, outcomes(i), error)
+         call note_error(error, status)
+         if (outcomes(i)%status == status_interrupted) exit
+      end do
+      if (size(outcomes) == 1) return
+      call collect_grids(command_line%output, outcomes, error)
+      call note_error(error, status)
+   end subroutine run_decks
+
+   !> Prints an error, if there is one, and raises the exit status to its kind.
+   subroutine note_error(error, status)
+      type(error_t), allocatable, intent(in) :: error !! the error
+      integer, intent(inout) :: status !! the exit status
+
+      if (.not. allocated(error)) return
+      call print_error(error%message)
+      status = max(status, error%kind)
+   end subroutine note_error
+
+   !> Writes cases.pvd where there are several to step through: the grids of a run, the number of each deck its time.
+   subroutine collect_grids(directory, outcomes, error)
+      character(*), intent(in) :: directory !! output directory
+      type(outcome_t), intent(in) :: outcomes(:) !! what became of each deck
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
+      type(collection_t) :: collection
+      type(output_file_t) :: files(1)
+      integer :: i
+
+      if (count(outcomes%has_grids) < 2) return
+      call new_collection(collection, directory//'/cases.pvd', error)
+      if (allocated(error)) return
+      do i = 1, size(outcomes)
+         if (outcomes(i)%has_grids) call collection%add(i, outcomes(i)%name)
+      end do
+      call collection%finish(files(1), error)
+      call commit_files(files, error)
+   end subroutine collect_grids
+
+   !> Checks or solves one deck.
+   subroutine run_deck(command_line, deck, cache, reservations, outcome)
+      type(command_line_t), intent(in) :: command_line !! the options
+      character(*), intent(in) :: deck !! name of the deck
+      type(cache_t), intent(inout) :: cache !! the body that decks share
+      type(reservation_t), intent(inout) :: reservations(:) !! of the decks so far; the last one is this deck's
+      type(outcome_t), intent(out) :: outcome !! what became of it
+      class(study_t), allocatable :: study
+      type(study_options_t) :: options
+      type(progress_t) :: progress
+      type(error_t), allocatable :: error
+
+      call read_study(study, command_line, deck, error)
+      if (.not. allocated(error)) call reserve_files(reservations, study, error)
+      if (allocated(error)) then
+         call outcome%begin(deck, '')
+         call outcome%fail(error)
+         return
+      end if
+      options%directory = command_line%output
+      options%writes_reduced = command_line%writes_reduced
+      options%wants_all_solutions = command_line%wants_all_solutions
+      if (.not. command_line%is_quiet) call open_status_line(study%config%name)
+      if (command_line%is_check) then
+         call check_study(study, cache, options, outcome)
+      else
+         call solve_study(study, cache, options, progress, outcome)
+         call progress%finish()
+      end if
+      call close_status_line()
+   end subroutine run_deck
+
+   !> Reads a deck with the settings of the command line.
+   subroutine read_study(study, command_line, deck, error)
+      class(study_t), allocatable, intent(out) :: study !! the study that it asks for
+      type(command_line_t), intent(in) :: command_line !! the options
+      character(*), intent(in) :: deck !! name of the deck
+      type(error_t), allocatable, intent(out) :: error !! the deck was refused
+      type(config_t) :: config
+      integer :: i
+
+      call read_set_config(config, deck, command_line%is_reduced, command_line%settings, error)
+      if (.not. allocated(error)) then
+         call new_study(study, config)
+         return
+      end if
+      do i = 1, size(command_line%settings)
+         error%message = error%message//newline//'   with --set '//command_line%settings(i)%text
+      end do
+   end subroutine read_study
+
+end module amontons_run_decks

@@ -1,0 +1,74 @@
+!> The outcome of a deck: what became of it, whatever kind of study it asks for.
+module amontons_outcome
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_listing_text, only: scientific
+   use amontons_result, only: certificate_limit, status_not_converged
+   use amontons_warning_list, only: warning_list_t
+   implicit none (type, external)
+   private
+
+   public :: judge, outcome_t
+
+   !> Exit status of a study that was interrupted; the same command goes on with it.
+   integer, parameter, public :: status_interrupted = 5
+
+   !> What became of a deck.
+   type :: outcome_t
+      character(:), allocatable :: deck !! name of the deck
+      character(:), allocatable :: name !! name of its case; empty where the deck could not be read
+      integer :: status = 0 !! exit status that the deck alone would give
+      character(:), allocatable :: text !! the line on its result; empty without a result
+      character(:), allocatable :: message !! what went wrong, beginning with the name of the deck; empty if nothing did
+      type(warning_list_t) :: warnings !! what is doubtful about model and result
+      logical :: has_grids = .false. !! whether a single converged case left the grids NAME.vtu and NAME.contact.vtu
+   contains
+      procedure :: begin => outcome_begin
+      procedure :: fail => outcome_fail
+   end type outcome_t
+
+contains
+
+   !> Begins the outcome of a deck: nothing happened yet.
+   subroutine outcome_begin(self, deck, name)
+      class(outcome_t), intent(out) :: self !! the outcome
+      character(*), intent(in) :: deck !! name of the deck
+      character(*), intent(in) :: name !! name of its case; empty where the deck could not be read
+
+      self%deck = deck
+      self%name = name
+      self%text = ''
+      self%message = ''
+   end subroutine outcome_begin
+
+   !> Takes over an error.
+   pure subroutine outcome_fail(self, error)
+      class(outcome_t), intent(inout) :: self !! the outcome
+      type(error_t), intent(in) :: error !! the error
+
+      self%status = error%kind
+      self%message = error%message
+   end subroutine outcome_fail
+
+   !> Judges a solution: exit status, and what it lacks.
+   pure subroutine judge(is_converged, residual, violation, tolerance, status, fault)
+      logical, intent(in) :: is_converged !! whether the method converged
+      real(dp), intent(in) :: residual !! its residual [-]
+      real(dp), intent(in) :: violation !! largest violation found on the full model, or on the problem as read [-]
+      real(dp), intent(in) :: tolerance !! tolerance of the method [-]
+      integer, intent(out) :: status !! 0 or `status_not_converged`
+      character(:), allocatable, intent(out) :: fault !! what the solution lacks; empty if nothing
+
+      status = status_not_converged
+      if (.not. is_converged) then
+         fault = 'not converged: residual '//scientific(residual)//', tolerance '//scientific(tolerance)
+      else if (.not. violation <= certificate_limit(tolerance)) then
+         fault = 'the certificate FAILED: largest violation '//scientific(violation)//', limit '// &
+            scientific(certificate_limit(tolerance))//'; see the listing'
+      else
+         status = 0
+         fault = ''
+      end if
+   end subroutine judge
+
+end module amontons_outcome

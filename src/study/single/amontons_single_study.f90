@@ -1,0 +1,114 @@
+!> The study of a single case.
+module amontons_single_study
+   use amontons_all_solutions, only: find_all_solutions
+   use amontons_check_body, only: check_body
+   use amontons_conditioning, only: rounded
+   use amontons_config, only: config_t
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_listing_text, only: scientific, short
+   use amontons_outcome, only: judge, outcome_t
+   use amontons_reduced_file, only: write_reduced_file
+   use amontons_reduced_system, only: new_condensed_system, reduced_system_t
+   use amontons_report, only: write_report
+   use amontons_result, only: result_t
+   use amontons_solve_case, only: cache_t, solve_case
+   use amontons_study, only: study_options_t, study_t
+   use amontons_study_monitor, only: study_monitor_t
+   use amontons_text, only: to_text
+   use amontons_timings, only: phase_solve, phase_write
+   implicit none (type, external)
+   private
+
+   public :: single_study_t
+
+   !> The study of a single case.
+   type, extends(study_t) :: single_study_t
+   contains
+      procedure :: check => single_study_check
+      procedure :: has_grids => single_study_has_grids
+      procedure :: solve => single_study_solve
+   end type single_study_t
+
+contains
+
+   !> Checks the case and reports its size.
+   subroutine single_study_check(self, cache, outcome, error)
+      class(single_study_t), intent(in) :: self !! the study
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
+      type(outcome_t), intent(inout) :: outcome !! gains the size, and the warnings on the model
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+
+      call check_body(self%config, '', cache, outcome, error)
+   end subroutine single_study_check
+
+   !> A single case leaves its grids.
+   pure logical function single_study_has_grids(self) result(has_grids)
+      class(single_study_t), intent(in) :: self !! the study
+
+      has_grids = .true.
+      associate (unused => self)
+      end associate
+   end function single_study_has_grids
+
+   !> Solves the case and writes its files.
+   subroutine single_study_solve(self, cache, options, monitor, outcome, error)
+      class(single_study_t), intent(in) :: self !! the study
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
+      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
+      class(study_monitor_t), intent(inout) :: monitor !! not used: there is one case only
+      type(outcome_t), intent(inout) :: outcome !! gains status, line, what the solution lacks, and the warnings
+      type(error_t), allocatable, intent(out) :: error !! the case cannot be solved, or its files not be written
+      type(result_t) :: result
+
+      call solve_case(cache, self%config, result, error)
+      if (.not. allocated(error)) call add_extras(self%config, cache, options, result, error)
+      if (.not. allocated(error)) call write_report(options%directory, self%config, cache%body, result, error)
+      if (allocated(error)) return
+      outcome%text = solved_text(self%config%name, result)
+      outcome%warnings = result%warnings
+      outcome%has_grids = result%solution%is_converged
+      call judge(result%solution%is_converged, result%solution%residual, result%certificate%largest(), &
+         self%config%method%tolerance, outcome%status, outcome%message)
+      if (result%solution%is_converged .and. outcome%status /= 0 .and. result%condition > 0.0_dp) outcome%message = &
+         outcome%message//'; the condition number of the stiffness is about '//rounded(result%condition)
+      associate (unused => monitor)
+      end associate
+   end subroutine single_study_solve
+
+   !> Adds what the options ask for: the reduced problem in a file, all solutions.
+   subroutine add_extras(config, cache, options, result, error)
+      type(config_t), intent(in) :: config !! the case
+      type(cache_t), intent(inout) :: cache !! its body; the contact problem gains its compliance
+      type(study_options_t), intent(in) :: options !! what is asked for
+      type(result_t), intent(inout) :: result !! the result; gains all solutions
+      type(error_t), allocatable, intent(out) :: error !! there is no reduced problem, or too many points
+      type(reduced_system_t) :: system
+
+      if (options%writes_reduced) then
+         call new_condensed_system(system, cache%problem, error)
+         if (.not. allocated(error)) call write_reduced_file(options%directory, config%name, system, error)
+         if (allocated(error)) return
+         result%has_reduced_files = .true.
+      end if
+      if (options%wants_all_solutions) then
+         allocate (result%all_solutions)
+         call result%timings%begin(phase_solve)
+         call find_all_solutions(result%all_solutions, cache%problem, error)
+         call result%timings%begin(phase_write)
+      end if
+   end subroutine add_extras
+
+   !> The line on the result of a case.
+   pure function solved_text(name, result) result(text)
+      character(*), intent(in) :: name !! name of the case
+      type(result_t), intent(in) :: result !! the result
+      character(:), allocatable :: text
+
+      text = name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
+         to_text(result%solution%n_iterations)//' iterations, residual '//scientific(result%solution%residual)// &
+         '; open '//short(result%lengths%open)//', slip '//short(result%lengths%slip)// &
+         ', stick '//short(result%lengths%stick)
+   end function solved_text
+
+end module amontons_single_study

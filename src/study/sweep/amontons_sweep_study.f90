@@ -1,0 +1,122 @@
+!> The study of a sweep: all cases of a deck with `&sweep`.
+module amontons_sweep_study
+   use amontons_check_body, only: check_body
+   use amontons_conditioning, only: rounded
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_listing_text, only: scientific
+   use amontons_outcome, only: judge, outcome_t, status_interrupted
+   use amontons_result, only: status_not_converged
+   use amontons_solve_case, only: cache_t
+   use amontons_solve_sweep, only: solve_sweep, sweep_result_t
+   use amontons_study, only: study_options_t, study_t
+   use amontons_study_monitor, only: study_monitor_t
+   use amontons_sweep_report, only: write_sweep_report
+   use amontons_sweep_statistics, only: case_converged
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: sweep_study_t
+
+   !> The study of a sweep.
+   type, extends(study_t) :: sweep_study_t
+   contains
+      procedure :: check => sweep_study_check
+      procedure :: refuse_options => sweep_study_refuse_options
+      procedure :: solve => sweep_study_solve
+   end type sweep_study_t
+
+contains
+
+   !> Refuses what is there for single cases only.
+   pure subroutine sweep_study_refuse_options(self, options, error)
+      class(sweep_study_t), intent(in) :: self !! the study
+      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
+      type(error_t), allocatable, intent(out) :: error !! an option is for single cases
+
+      if (options%writes_reduced .or. options%wants_all_solutions) call new_error(error, input_refused, &
+         '--write-reduced and --all-solutions take single cases, found a deck with &sweep')
+      associate (unused => self)
+      end associate
+   end subroutine sweep_study_refuse_options
+
+   !> Checks the sweep and reports its size.
+   subroutine sweep_study_check(self, cache, outcome, error)
+      class(sweep_study_t), intent(in) :: self !! the study
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
+      type(outcome_t), intent(inout) :: outcome !! gains the size, and the warnings on the model
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      character(:), allocatable :: cases
+
+      associate (sweep => self%config%sweep)
+         cases = ', '//to_text(sweep%n_cases())//' cases'
+         if (sweep%n_fields() > 0) cases = cases//', fields of '//to_text(sweep%n_fields())
+      end associate
+      call check_body(self%config, cases, cache, outcome, error)
+   end subroutine sweep_study_check
+
+   !> Solves the cases and writes their files.
+   subroutine sweep_study_solve(self, cache, options, monitor, outcome, error)
+      class(sweep_study_t), intent(in) :: self !! the study
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
+      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
+      class(study_monitor_t), intent(inout) :: monitor !! learns how far the sweep is, and may stop it
+      type(outcome_t), intent(inout) :: outcome !! gains status, line, what the solutions lack, and the warnings
+      type(error_t), allocatable, intent(out) :: error !! the sweep cannot be solved or written
+      type(sweep_result_t) :: result
+
+      call solve_sweep(cache, self%config, options%directory, monitor, result, error)
+      if (allocated(error)) return
+      if (result%is_interrupted) then
+         outcome%status = status_interrupted
+         outcome%message = 'interrupted after '//to_text(result%statistics%n_cases)//' of '// &
+            to_text(self%config%sweep%n_cases())//' cases; the same command goes on from there'
+         return
+      end if
+      call write_sweep_report(options%directory, self%config, cache%body, result, error)
+      if (allocated(error)) return
+      outcome%text = swept_text(self%config%name, result)
+      outcome%warnings = result%certified%warnings
+      call judge_sweep(result, self%config%method%tolerance, outcome)
+   end subroutine sweep_study_solve
+
+   !> Judges a sweep by its cases, and by the certificate of one of them.
+   pure subroutine judge_sweep(result, tolerance, outcome)
+      type(sweep_result_t), intent(in) :: result !! the result
+      real(dp), intent(in) :: tolerance !! tolerance of the method [-]
+      type(outcome_t), intent(inout) :: outcome !! gains status, and what the solutions lack
+      integer :: n_left
+
+      n_left = result%statistics%n_cases - result%statistics%n_outcomes(case_converged)
+      if (n_left > 0) then
+         outcome%status = status_not_converged
+         outcome%message = to_text(n_left)//' of '//to_text(result%statistics%n_cases)// &
+            ' cases of the sweep are not solved'
+         return
+      end if
+      call judge(.true., result%statistics%residual, result%certified%certificate%largest(), tolerance, &
+         outcome%status, outcome%message)
+      if (outcome%status /= 0 .and. result%certified%condition > 0.0_dp) outcome%message = outcome%message// &
+         '; the condition number of the stiffness is about '//rounded(result%certified%condition)
+   end subroutine judge_sweep
+
+   !> The line on the result of a sweep.
+   pure function swept_text(name, result) result(text)
+      character(*), intent(in) :: name !! name of the case
+      type(sweep_result_t), intent(in) :: result !! the result
+      character(:), allocatable :: text
+
+      associate (statistics => result%statistics)
+         text = name//': '//to_text(statistics%n_cases)//' cases, '
+         if (statistics%n_outcomes(case_converged) == statistics%n_cases) then
+            text = text//'all solved'
+         else
+            text = text//to_text(statistics%n_cases - statistics%n_outcomes(case_converged))//' of them NOT SOLVED'
+         end if
+         if (statistics%residual_case == 0) return
+         text = text//', residual at most '//scientific(statistics%residual)
+      end associate
+   end function swept_text
+
+end module amontons_sweep_study
