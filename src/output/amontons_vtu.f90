@@ -72,61 +72,52 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)
-      integer :: status(body%mesh%n_nodes), i
+      real(dp) :: share, largest(body%mesh%n_nodes)
+      integer :: status(body%mesh%n_nodes), i, k, p
 
       call contact_columns(columns, body, result)
       do i = 1, size(columns)
          if (.not. columns(i)%is_field) cycle
          vtk%scale = columns(i)%scale
-         call vtk%put_reals('PointData', trim(columns(i)%key), 1, at_nodes(columns(i)%values))
+         call vtk%put_reals('PointData', trim(columns(i)%key), 1, at_nodes(body, columns(i)%values))
       end do
       vtk%scale = 0.0_dp
-      call find_statuses()
+      status = 0
+      largest = 0.0_dp
+      associate (rows => body%zone%rows)
+         do p = 1, body%zone%n_points
+            do k = rows%start(p), rows%start(p + 1) - 1
+               share = norm2(rows%part(:, k))*body%zone%area(p)
+               if (share > largest(rows%node(k))) status(rows%node(k)) = result%solution%status(p)
+               largest(rows%node(k)) = max(largest(rows%node(k)), share)
+            end do
+         end do
+      end associate
       call vtk%put_integers('PointData', 'status', status)
-
-   contains
-
-      !> A quantity of the contact points at the nodes (n_nodes).
-      function at_nodes(values) result(means)
-         real(dp), intent(in) :: values(:) !! the quantity (m)
-         real(dp) :: means(body%mesh%n_nodes)
-         real(dp) :: share, total(body%mesh%n_nodes)
-         integer :: p, k
-
-         means = 0.0_dp
-         total = 0.0_dp
-         associate (rows => body%zone%rows)
-            do p = 1, body%zone%n_points
-               do k = rows%start(p), rows%start(p + 1) - 1
-                  share = norm2(rows%part(:, k))*body%zone%area(p)
-                  if (.not. share > 0.0_dp) cycle
-                  associate (node => rows%node(k))
-                     total(node) = total(node) + share
-                     means(node) = means(node) + share/total(node)*(values(p) - means(node))
-                  end associate
-               end do
-            end do
-         end associate
-      end function at_nodes
-
-      !> The statuses of the nodes.
-      subroutine find_statuses()
-         real(dp) :: share, largest(body%mesh%n_nodes)
-         integer :: p, k
-
-         status = 0
-         largest = 0.0_dp
-         associate (rows => body%zone%rows)
-            do p = 1, body%zone%n_points
-               do k = rows%start(p), rows%start(p + 1) - 1
-                  share = norm2(rows%part(:, k))*body%zone%area(p)
-                  if (share > largest(rows%node(k))) status(rows%node(k)) = result%solution%status(p)
-                  largest(rows%node(k)) = max(largest(rows%node(k)), share)
-               end do
-            end do
-         end associate
-      end subroutine find_statuses
-
    end subroutine put_contact
+
+   !> A quantity of the contact points at the nodes (n_nodes).
+   pure function at_nodes(body, values) result(means)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: values(:) !! the quantity (m)
+      real(dp) :: means(body%mesh%n_nodes)
+      real(dp) :: share, total(body%mesh%n_nodes)
+      integer :: p, k
+
+      means = 0.0_dp
+      total = 0.0_dp
+      associate (rows => body%zone%rows)
+         do p = 1, body%zone%n_points
+            do k = rows%start(p), rows%start(p + 1) - 1
+               share = norm2(rows%part(:, k))*body%zone%area(p)
+               if (.not. share > 0.0_dp) cycle
+               associate (node => rows%node(k))
+                  total(node) = total(node) + share
+                  means(node) = means(node) + share/total(node)*(values(p) - means(node))
+               end associate
+            end do
+         end do
+      end associate
+   end function at_nodes
 
 end module amontons_vtu
