@@ -4,7 +4,7 @@ module amontons_quantity
    implicit none (type, external)
    private
 
-   public :: at_place, expanded, quantity_t, scales
+   public :: at_place, expanded, quantity_t, scales, value_of
 
    !> A named number, and where it is found. Who writes or compares numbers walks over lists of these, so that a new one
    !> is named in one place.
@@ -64,5 +64,17 @@ contains
       all = expanded(list)
       scales = all%scale
    end function scales
+
+   !> The value of the quantity that has a name; 0 if none has.
+   pure real(dp) function value_of(list, key)
+      type(quantity_t), intent(in) :: list(:) !! the quantities
+      character(*), intent(in) :: key !! the name in files
+      integer :: i
+
+      value_of = 0.0_dp
+      do i = 1, size(list)
+         if (list(i)%key == key) value_of = list(i)%value
+      end do
+   end function value_of
 
 end module amontons_quantity

@@ -135,7 +135,8 @@ contains
       if (m == 0) return
       associate (load_case => result%load_case, solution => result%solution)
          call check_statuses(faults, path, has_rows, contact_state_t(load_case%free_gap - solution%displacement(:m), &
-            solution%displacement(m + 1:), solution%force, solution%status), load_case%friction, load_case%slip_bound, &
+            solution%displacement(m + 1:) - load_case%anchor, solution%force, solution%status), &
+            load_case%friction, load_case%slip_bound, &
             body%zone%is_tangent_fixed, new_law_scales(certificate_limit(result%method%tolerance), &
             result%displacement, result%certificate%force_scale))
       end associate
