@@ -22,7 +22,7 @@ class Mesh:
     sides, as in the grids that `read_grid` reads."""
     nodes: ArrayLike  # coordinates (n_nodes, 2)
     cells: Sequence[tuple[str, ArrayLike]]  # pairs: a kind of CELLS, and the nodes of its cells (n_cells, n)
-    sides: Mapping[str, ArrayLike] = field(default_factory=dict)  # boundary sets: the nodes of each side (n_sides, 2 or 3)
+    sides: Mapping[str, ArrayLike] = field(default_factory=dict)  # boundary sets: nodes of each side (n_sides, 2 or 3)
     points: Mapping[str, ArrayLike] = field(default_factory=dict)  # node sets: nodes (n)
     regions: Mapping[str, ArrayLike] = field(default_factory=dict)  # numbers of cells, all kinds in one row (n)
 

@@ -104,7 +104,8 @@ def figure(case, panels=None, field=None, *, scale=None, abscissa=None, size=Non
         elif case.kind == "reduced":
             drawn, title = draw_reduced(case, size)
         else:
-            drawn, title = draw_panels(case, panels or PANELS, size, field or FIELD, scale, abscissa or "s"), case.heading
+            drawn = draw_panels(case, panels or PANELS, size, field or FIELD, scale, abscissa or "s")
+            title = case.heading
         drawn.suptitle(plain(title))
     return drawn
 

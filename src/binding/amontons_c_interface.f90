@@ -6,7 +6,6 @@ module amontons_c_interface
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_loc, c_null_char, c_ptr
    use amontons_c_text, only: put_c_text, text_of_c
    use amontons_config, only: config_t, read_config, read_config_text
-   use amontons_deck_setting, only: new_setting, setting_t
    use amontons_dense_system, only: new_dense_system
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_methods, only: method_options_t
@@ -17,7 +16,7 @@ module amontons_c_interface
    use amontons_solve_case, only: cache_t
    use amontons_study, only: solve_study, study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_text, only: newline, to_text
+   use amontons_text, only: to_text
    use amontons_threads, only: set_threads
    use amontons_version, only: version
    implicit none (type, external)
@@ -171,40 +170,16 @@ contains
       integer(c_int) :: code
       type(outcome_t) :: outcome
       type(config_t) :: config
-      type(setting_t), allocatable :: list(:)
       type(error_t), allocatable :: error
 
       !$omp critical (amontons_call)
-      call read_settings(list, text_of_c(settings), error)
-      if (.not. allocated(error)) call read_config_text(config, text_of_c(deck), text_of_c(text), list, error)
+      call read_config_text(config, text_of_c(deck), text_of_c(text), text_of_c(settings), error)
       call run_deck(config, error, text_of_c(deck), text_of_c(directory), outcome)
       code = int(outcome%status, c_int)
       call put_c_text(outcome%name, name_size, name)
       call put_c_text(outcome%message, message_size, message)
       !$omp end critical (amontons_call)
    end function amontons_solve_deck_text
-
-   !> Takes settings apart, one a line.
-   subroutine read_settings(settings, text, error)
-      type(setting_t), allocatable, intent(out) :: settings(:) !! the settings
-      character(*), intent(in) :: text !! the lines
-      type(error_t), allocatable, intent(out) :: error !! one has not the form of a setting
-      type(setting_t), allocatable :: longer(:)
-      integer :: first, length, n
-
-      allocate (settings(0))
-      first = 1
-      do while (first <= len(text))
-         length = index(text(first:)//newline, newline) - 1
-         n = size(settings)
-         allocate (longer(n + 1))
-         longer(:n) = settings
-         call new_setting(longer(n + 1), text(first:first + length - 1), error)
-         call move_alloc(longer, settings)
-         if (allocated(error)) return
-         first = first + length + 1
-      end do
-   end subroutine read_settings
 
    !> Solves a case and writes its files, as the program does.
    subroutine run_deck(config, error, deck, directory, outcome)

@@ -13,7 +13,7 @@ module amontons_config
    use amontons_deck_documenter, only: deck_documenter_t
    use amontons_deck_reader, only: deck_reader_t
    use amontons_deck_scanner, only: suggestion
-   use amontons_deck_setting, only: apply_settings, setting_t
+   use amontons_deck_setting, only: apply_settings, read_settings, setting_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t
    use amontons_deck_writer, only: deck_writer_t
    use amontons_error, only: error_t, input_refused, new_error
@@ -113,12 +113,15 @@ contains
       type(config_t), intent(out) :: config !! the case
       character(*), intent(in) :: file !! name of the deck; names of files in it are seen from its folder
       character(*), intent(in) :: text !! the deck
-      type(setting_t), intent(in) :: settings(:) !! the settings
+      character(*), intent(in) :: settings !! the settings, one a line
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
       type(deck_reader_t) :: reader
+      type(setting_t), allocatable :: list(:)
 
+      call read_settings(list, settings, error)
+      if (allocated(error)) return
       call read_deck_text(reader%deck, file, text)
-      call read_groups(config, reader, settings, error)
+      call read_groups(config, reader, list, error)
    end subroutine read_config_text
 
    !> Reads the groups of a deck, in which settings take the place of what it says.

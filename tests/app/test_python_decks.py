@@ -1,4 +1,4 @@
-"""Decks in Python: as texts and dicts, with settings, meshes of arrays, fields as arrays, warnings and missing files."""
+"""Decks in Python: texts and dicts, with settings; meshes of arrays, fields as arrays, warnings and missing files."""
 import os
 import sys
 import unittest
@@ -150,7 +150,7 @@ class Meshes(ProgramTest):
     @staticmethod
     def rectangle(quadratic=False):
         """The mesh of a rectangle of 4 x 2 with 4 x 2 cells, its nodes in another order than the program's."""
-        grid = amontons.solve_deck(TEXT, mesh__element="quad8" if quadratic else "quad4", **{"load(2).traction": (0, 0)})
+        grid = amontons.solve_deck(TEXT, mesh__element="quad8" if quadratic else "quad4", load__2__traction=(0, 0))
         (kind, cells), = grid.cells
         order = np.random.default_rng(1).permutation(len(grid.nodes))
         nodes, place = grid.nodes[order], np.argsort(order)
