@@ -1,6 +1,7 @@
 !> The configuration of a case: what a deck says, checked, with every default in place. One description of all groups
 !> reads it, writes it as a deck again and documents what a deck may hold.
 module amontons_config
+   use amontons_case_label, only: case_label_t
    use amontons_condensation, only: condensation_names
    use amontons_config_body, only: describe_load, describe_material, describe_mesh, describe_support, load_group, &
       material_group, mesh_group, support_group
@@ -46,10 +47,7 @@ module amontons_config
    type(group_t), parameter :: groups(*) = [case_group, problem_group, body_groups, solver_group, output_group]
 
    !> Everything that defines a case.
-   type :: config_t
-      character(:), allocatable :: file !! name of the deck
-      character(:), allocatable :: name !! name of the case, and of its files
-      character(:), allocatable :: title !! what the case is about, for the listing
+   type, extends(case_label_t) :: config_t
       type(reduced_source_t) :: reduced !! the reduced problem that there is in the place of a body, if one is given
       character(:), allocatable :: mesh_file !! name of the mesh file from the root on; empty for a rectangle
       character(:), allocatable :: mesh_origin !! where the mesh was specified, for messages: 'deck.nml:12: '
@@ -62,6 +60,8 @@ module amontons_config
       type(method_options_t) :: method !! the contact method
       character(:), allocatable :: factorization !! one of `factorization_names`
       character(:), allocatable :: condensation !! one of `condensation_names`
+   contains
+      procedure :: deck_text => effective_deck
    end type config_t
 
 contains
@@ -139,11 +139,11 @@ contains
    end subroutine read_groups
 
    !> The effective deck: the case as a deck, every default in place. Reading it gives the same case.
-   function effective_deck(config) result(text)
-      type(config_t), intent(in) :: config !! the case
+   function effective_deck(self) result(text)
+      class(config_t), intent(in) :: self !! the case
       character(:), allocatable :: text
 
-      call write_deck(text, config, .false.)
+      call write_deck(text, self, .false.)
    end function effective_deck
 
    !> The part of the deck that a factorization depends on: two cases whose texts agree can share it.
