@@ -15,8 +15,8 @@ module amontons_listing_parts
    implicit none (type, external)
    private
 
-   public :: head_text, method_text, outcome_text, quantities_text, residual_text, status_counts, times_text, &
-      violations_text, warnings_text
+   public :: closed_text, head_text, method_text, outcome_text, quantities_text, residual_text, status_counts, &
+      times_text, violations_text, warnings_text
 
 contains
 
@@ -89,6 +89,14 @@ contains
       text = to_text(count(status == open_point))//' open, '//to_text(count(status == slip_plus))//' slip+, '// &
          to_text(count(status == slip_minus))//' slip-, '//to_text(count(status == stick_point))//' stick'
    end function status_counts
+
+   !> How many points are closed.
+   pure function closed_text(status) result(text)
+      integer, intent(in) :: status(:) !! statuses of the points
+      character(:), allocatable :: text
+
+      text = to_text(count(status /= open_point))//' of '//to_text(size(status))//' points closed'
+   end function closed_text
 
    !> What a solution must fulfil, a line on each violation, and the verdict.
    pure function violations_text(violations, limit) result(text)

@@ -5,8 +5,8 @@ module amontons_single_study
    use amontons_conditioning, only: rounded
    use amontons_config, only: config_t
    use amontons_error, only: error_t
-   use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
+   use amontons_listing_parts, only: closed_text
    use amontons_listing_text, only: scientific, short
    use amontons_outcome, only: judge, outcome_t
    use amontons_quantity, only: value_of
@@ -110,8 +110,8 @@ contains
       text = name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
          to_text(result%solution%n_iterations)//' iterations, residual '//scientific(result%solution%residual)// &
          '; open '//short(result%lengths%open)//', slip '//short(result%lengths%slip)// &
-         ', stick '//short(result%lengths%stick)//'; '//to_text(count(result%solution%status /= open_point))//' of '// &
-         to_text(size(result%solution%status))//' points closed, peak pressure '// &
+         ', stick '//short(result%lengths%stick)//'; '// &
+         closed_text(result%solution%status)//', peak pressure '// &
          short(value_of(result%key_results, 'max_contact_pressure'))
    end function solved_text
 
