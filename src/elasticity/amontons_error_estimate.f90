@@ -9,6 +9,7 @@ module amontons_error_estimate
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
+   use amontons_quantity, only: quantity_t
    use amontons_stress_recovery, only: recovered_stress_t
    implicit none (type, external)
    private
@@ -24,6 +25,8 @@ module amontons_error_estimate
       real(dp), allocatable :: element(:) !! norm of the error of each element (n_elements) [sqrt(F L)]
       real(dp) :: norm = 0.0_dp !! norm of the error of the body [sqrt(F L)]
       real(dp) :: relative = 0.0_dp !! its ratio to the norm of the stresses, the error's included [-]
+   contains
+      procedure :: quantities => error_estimate_quantities
    end type error_estimate_t
 
 contains
@@ -69,6 +72,15 @@ contains
       if (estimate%norm > 0.0_dp) estimate%relative = estimate%norm/sqrt(sum(energy) + sum(estimate%element))
       estimate%element = sqrt(estimate%element)
    end subroutine new_error_estimate
+
+   !> The estimate of the whole body under its names.
+   pure function error_estimate_quantities(self) result(list)
+      class(error_estimate_t), intent(in) :: self !! the estimate
+      type(quantity_t) :: list(2)
+
+      list = [quantity_t('error_norm', 'Error of stresses', self%norm), &
+         quantity_t('relative_error', 'Relative error', self%relative)]
+   end function error_estimate_quantities
 
    !> The linear shape functions of the corners at the quadrature points of every kind of element (corner, point, kind)
    !> [-].

@@ -4,10 +4,11 @@
 !> a length and not as a ratio: 1.25 where three meshes show an order of convergence, 3 where they do not.
 module amontons_convergence
    use amontons_kinds, only: dp
+   use amontons_quantity, only: quantity_t
    implicit none (type, external)
    private
 
-   public :: convergence_t, new_convergence, verdict_names
+   public :: convergence_t, new_convergence, refined_quantity_t, verdict_names
 
    !> What the values on the last three meshes do.
    character(11), parameter :: verdict_names(*) = [character(11) :: 'converging', 'slow', 'oscillating', 'diverging', &
@@ -22,6 +23,12 @@ module amontons_convergence
       real(dp) :: extrapolated = 0.0_dp !! Richardson's extrapolation; the last value where there is no order
       real(dp) :: bar = 0.0_dp !! half width of the error bar around the last value
    end type convergence_t
+
+   !> A number of a result on refined meshes.
+   type :: refined_quantity_t
+      type(quantity_t) :: quantity !! the number on the finest mesh
+      type(convergence_t) :: convergence !! how it got there
+   end type refined_quantity_t
 
 contains
 
@@ -46,7 +53,7 @@ contains
       convergence%verdict = verdict(before, last, rounding)
       select case (convergence%verdict)
       case (unchanged)
-         convergence%bar = rounding
+         convergence%bar = max(abs(before), rounding)
       case (oscillating)
          convergence%bar = max(abs(before), large_safety*abs(last))
       case (diverging)
@@ -70,9 +77,9 @@ contains
       real(dp), intent(in) :: last !! change from the last mesh but one to the last
       real(dp), intent(in) :: rounding !! change that is rounding
 
-      if (max(abs(before), abs(last)) <= rounding) then
+      if (abs(last) <= rounding) then
          verdict = unchanged
-      else if (before*last <= 0.0_dp) then
+      else if (before*last < 0.0_dp) then
          verdict = oscillating
       else if (abs(last) >= abs(before)) then
          verdict = diverging

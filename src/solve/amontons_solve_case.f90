@@ -47,7 +47,7 @@ contains
       type(contact_t), allocatable :: contacts(:)
 
       call new_timings(result%timings)
-      result%wants_error_estimate = config%accuracy%wants_estimate()
+      result%wants_error_estimate = config%accuracy%wants_estimate() .and. .not. config%sweep%is_given()
       if (has_body(cache, config)) then
          call check_names(config, cache%body%mesh, error)
       else

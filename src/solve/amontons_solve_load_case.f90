@@ -118,16 +118,12 @@ contains
             'precision (1.8e308): choose other units')
          return
       end if
-      if (result%wants_error_estimate .and. allocated(result%load_case%loads)) then
-         allocate (result%error_estimate)
-         call estimate_error(result%error_estimate, body, result%load_case, result%displacement, result%solution%force)
-      end if
       if (.not. shows_rounding(result)) return
       condition = max(body%condensation%condenser%condition(), cancellation(body, result))
       if (condition > explaining) result%condition = min(condition, huge(1.0_dp))
    end subroutine certify
 
-   !> Computes all that follows from displacements, contact forces and statuses: certificate, lengths, key results.
+   !> Computes all that follows from displacements, contact forces and statuses: certificate, lengths, key results, error estimate.
    subroutine judge(result, body)
       type(result_t), intent(inout) :: result !! the result: load case, solution and displacements of all nodes
       type(body_t), intent(in) :: body !! the body
@@ -142,6 +138,10 @@ contains
             result%load_case%thermal_strain), &
             set_results(body, solution%force, solution%status)]
       end associate
+      if (result%wants_error_estimate) then
+         allocate (result%error_estimate)
+         call estimate_error(result%error_estimate, body, result%load_case, result%displacement, result%solution%force)
+      end if
    end subroutine judge
 
    !> How far the forces of the elements cancel, |K| |u| / |f|: of a body that its supports hold still, a bound from

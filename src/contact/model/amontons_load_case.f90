@@ -24,7 +24,6 @@ module amontons_load_case
       type(support_t), allocatable :: supports(:) !! the supports, with what they prescribe
       type(load_t), allocatable :: loads(:) !! the loads
       type(contact_t), allocatable :: contacts(:) !! the contact sets, with their obstacles
-      type(load_t), allocatable :: loads(:) !! the loads; not allocated where a sweep varies them
       real(dp), allocatable :: force(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       real(dp), allocatable :: prescribed(:, :) !! displacements that the supports prescribe (2, n_nodes) [L]
       real(dp), allocatable :: thermal_strain(:)
@@ -71,7 +70,6 @@ contains
       if (allocated(error)) return
       prescribed = body%zone%rows%displacement(load_case%prescribed)
       load_case%free_gap = load_case%gap - prescribed(:body%zone%n_points)
-      load_case%loads = loads
       call load_vector(load_case%force, body%mesh, body%materials, loads, error)
       if (.not. allocated(error)) call sum_thermal_strain(load_case%thermal_strain, body%mesh, body%materials, loads, &
          error)

@@ -77,7 +77,6 @@ contains
       allocate (model%friction(body%zone%n_points, n), source=0.0_dp)
       allocate (model%parts(n))
       model%fixed = prepared
-      if (allocated(model%fixed%loads)) deallocate (model%fixed%loads)
       call sum_loads(model%fixed, body, config, 0, error)
       if (allocated(error)) return
       model%is_tangent_fixed = body%zone%is_tangent_fixed
