@@ -94,9 +94,9 @@ def verdict_of_sweep(counts, is_certified, found):
     left = []
     if counts["not_converged"]:
         left.append(f"{counts['not_converged']} did not converge: take method = 'auto', or raise max_iterations")
-    if counts["flies_off"]:
-        left.append(f"in {counts['flies_off']} the body flies off, which is an answer: no contact forces hold these "
-                    "loads")
+    if counts["no_equilibrium"]:
+        left.append(f"{counts['no_equilibrium']} have no equilibrium, which is an answer: contact and friction cannot "
+                    "balance these loads")
     found = f"Of {counts['cases']} cases " + "; ".join(left) + ". The column outcome tells which. " + found \
         if left else found
     if not counts["converged"]:

@@ -33,7 +33,7 @@ class InputRefused(AmontonsError, ValueError):
 
 
 class NumericalFailure(AmontonsError, ArithmeticError):
-    """The numbers are at fault: not positive definite, a body flies off."""
+    """The numbers are at fault: no equilibrium, a stiffness that is not positive definite."""
 
 
 class SystemFailure(AmontonsError, OSError):

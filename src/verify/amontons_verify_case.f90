@@ -4,13 +4,14 @@
 !> No matrix is assembled and none factorized, and no method runs: the forces of the elements come from their
 !> displacements, one by one.
 module amontons_verify_case
+   use amontons_answer_report, only: answer_text
    use amontons_certificate, only: new_certificate
    use amontons_config, only: config_t
    use amontons_contact_check, only: check_contact_rows, check_statuses, contact_table_t, law_scales_t, &
       new_law_scales, read_contact_rows
    use amontons_contact_vtu, only: n_line_cells, show_contact_line
    use amontons_error, only: error_t
-   use amontons_json, only: truth
+   use amontons_json, only: string, truth
    use amontons_kinds, only: dp
    use amontons_lengths, only: new_lengths
    use amontons_listing, only: certificate_text, points_text, resultants_text, zones_text
@@ -47,6 +48,11 @@ contains
 
       is_certified = .false.
       call prepare_case(cache, config, result, error)
+      if (result%has_no_equilibrium) then
+         call check_answer(summary, cache, config, result, error%message, stem//'.lst')
+         is_certified = .true.
+         return
+      end if
       if (allocated(error)) then
          call summary%faults%add(stem//'.deck.nml', error%message)
          return
@@ -74,6 +80,27 @@ contains
       is_certified = result%solution%is_converged .and. &
          result%certificate%largest() <= certificate_limit(config%method%tolerance)
    end subroutine verify_case
+
+   !> Checks the files of a case without equilibrium.
+   subroutine check_answer(summary, cache, config, result, sentence, path)
+      type(summary_check_t), intent(inout) :: summary !! the summary; gains the faults
+      type(cache_t), intent(in) :: cache !! the body
+      type(config_t), intent(in) :: config !! the case
+      type(result_t), intent(in) :: result !! its load case and warnings
+      character(*), intent(in) :: sentence !! the answer
+      character(*), intent(in) :: path !! name of the listing
+      type(error_t), allocatable :: error
+      character(:), allocatable :: listing, expected
+
+      call summary%expect_text('', 'outcome', string('no_equilibrium'))
+      call summary%expect_text('', 'message', string(sentence))
+      call summary%expect_text('', 'warnings', warnings_array(result%warnings))
+      call read_text_file(path, listing, error)
+      if (allocated(error)) return
+      expected = answer_text(config, cache%body, result, sentence)
+      if (listing(max(1, len(listing) - len(expected) + 1):) /= expected) call summary%faults%add(path, &
+         'it is not the listing of a case without equilibrium')
+   end subroutine check_answer
 
    !> Checks the table of contact points.
    subroutine check_points(summary, cache, config, result, table, stem)

@@ -114,7 +114,7 @@ class Pictures(ProgramTest):
         page = (self.directory / "swept" / "report.html").read_text(encoding="utf-8")
         verdicts = re.findall(r'<p class="verdict (\w+)"><b>\w+</b>(.*)</p>', page)
         self.assertEqual([color for color, _ in verdicts], ["amber", "red", "amber"])
-        self.assertIn("Of 6 cases in 2 the body flies off", verdicts[0][1])
+        self.assertIn("Of 6 cases 2 have no equilibrium", verdicts[0][1])
         self.assertIn("No case is solved", verdicts[1][1])
         self.assertIn('href="off.sweep.pvd"', page)
 

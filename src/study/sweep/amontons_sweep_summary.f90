@@ -25,8 +25,7 @@ contains
       character(:), allocatable :: text
 
       associate (statistics => result%statistics)
-         text = head_members(config, statistics%n_outcomes(case_converged) == statistics%n_cases, &
-            result%certified%warnings) &
+         text = head_members(config, statistics%is_answered(), result%certified%warnings) &
             //member('iterations', to_text(statistics%n_iterations)) &
             //member('sweep', '{'//sweep_text(result)//'}') &
             //member('quantities', '['//quantities_text(config%sweep)//']')
