@@ -156,6 +156,7 @@ contains
       mesh%node = node_of(mesh%node)
       call check_plane(draft, kept, input)
       mesh%coordinates = draft%coordinates(:2, kept)
+      mesh%node_tag = draft%node_tag%item(kept)
    end subroutine place_nodes
 
    !> Refuses nodes that are out of range or out of the plane of the first.
