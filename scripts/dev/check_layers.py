@@ -26,7 +26,7 @@ MAY_USE = {
     "deck": ["system"],
     "input": ["deck", "contact/model", "contact/methods", "elasticity", "mesh", "cholesky", "linalg", "system"],
     "solve": ["input", *CONTACT, "elasticity", "mesh", "mesh/io", "linalg", "system"],
-    "output": ["solve", "input", *CONTACT, "elasticity", "mesh", "linalg", "system"],
+    "output": ["solve", *CONTACT, "elasticity", "mesh", "linalg", "system"],
     "study": ["solve", "input", "contact/model"],
     "study/reduced": ["study", "output", "solve", "input", "contact/problem", "contact/methods", "contact/uniqueness",
                       "linalg", "system"],
@@ -34,8 +34,8 @@ MAY_USE = {
                      "elasticity", "system"],
     "study/sweep": ["study", "output", "solve", "input", *CONTACT, "elasticity", "linalg", "system"],
     "run": ["study", "study/reduced", "study/single", "study/sweep", "input"],
-    "verify": ["study/sweep", "study/single", "study/reduced", "output", "solve", "input", "contact/problem", "contact/model",
-               "system"],
+    "verify": ["study/sweep", "study/single", "study/reduced", "output", "solve", "input", "contact/problem",
+               "contact/model", "system"],
     "binding": ["run", "study", "study/reduced", "solve", "input", "contact/methods", "linalg"],
 }
 # The facade src/amontons.f90 and the program may use all; only the program may use the facade.

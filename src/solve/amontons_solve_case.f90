@@ -58,6 +58,9 @@ contains
       call config%sweep%lower_friction(contacts)
       call new_load_case(result%load_case, cache%body, config%supports, contacts, config%loads, error)
       if (allocated(error)) return
+      ! What is told is the deck's.
+      result%load_case%contacts = config%contacts
+      result%method = config%method
       ! Loads and friction that a sweep varies need not balance as they stand.
       call add_model_warnings(result%warnings, cache%body, result%load_case)
       if (config%sweep%is_given()) then
