@@ -51,10 +51,10 @@ contains
       do level = 0, self%config%accuracy%n_refinements
          config%n_refinements = self%config%n_refinements + level
          call solve_case(cache, config, result, error)
-         if (allocated(error)) return
+         if (allocated(error)) exit
          levels(level)%quantities = [result%lengths%quantities(), result%key_results]
       end do
-      call compare_levels(result, cache%body%zone, levels)
+      if (.not. allocated(error)) call compare_levels(result, cache%body%zone, levels)
       call report_case(config, cache, options, result, outcome, error)
       associate (unused => monitor)
       end associate
