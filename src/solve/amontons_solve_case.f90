@@ -57,8 +57,8 @@ contains
       call config%sweep%lower_friction(contacts)
       call new_load_case(result%load_case, cache%body, config%supports, contacts, config%loads, error)
       if (allocated(error)) return
-      ! Loads and friction that a sweep varies need not balance as they stand.
-      if (.not. config%sweep%is_given()) call check_balance(cache%body, result%load_case, error)
+      ! Loads and friction that a sweep or a history varies need not balance as they stand.
+      if (.not. (config%sweep%is_given() .or. config%history%is_given)) call check_balance(cache%body, result%load_case, error)
       if (allocated(error)) return
       call add_model_warnings(result%warnings, cache%body, result%load_case)
       if (config%sweep%is_given()) call add_sweep_warnings(result%warnings, config%sweep, config%contacts)
