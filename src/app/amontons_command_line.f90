@@ -24,7 +24,7 @@ module amontons_command_line
       character(:), allocatable :: output !! output directory
       integer :: n_threads = 0 !! number of threads; 0 for what OMP_NUM_THREADS says, or all cores
       logical :: is_check = .false. !! whether decks are only checked
-      logical :: is_quiet = .false. !! whether nothing is told of solved decks
+      logical :: is_quiet = .false. !! whether results are not printed
       logical :: is_reduced = .false. !! whether the names are files of reduced problems rather than decks
       logical :: writes_reduced = .false. !! whether the reduced problem of each case is written
       logical :: wants_all_solutions = .false. !! whether every solution of a small problem is listed

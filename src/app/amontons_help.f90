@@ -41,7 +41,7 @@ contains
          'and several decks leave', &
          '  cases.pvd          all their cases, for ParaView', &
          'Decks whose mesh, material, supports and contact sets agree share one', &
-         'factorisation when they follow each other.', &
+         'factorization when they follow each other.', &
          '', &
          option_lines(), &
          '', &
@@ -102,7 +102,7 @@ contains
          '  amontons --write-reduced block.nml       its contact problem for other solvers']
    end function example_lines
 
-   !> What --version prints: the version and what a report of a fault should tell of the build.
+   !> What --version prints: the version and what a report of a fault should say about the build.
    function version_text() result(text)
       character(:), allocatable :: text
       integer, parameter :: build_width = 200

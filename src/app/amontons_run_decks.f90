@@ -1,6 +1,6 @@
 !> One run of the program: every deck of the command line, one after the other.
 module amontons_run_decks
-   use amontons_claims, only: claim_t, reserve_files
+   use amontons_reservations, only: reservation_t, reserve_files
    use amontons_collection, only: collection_t, new_collection
    use amontons_command_line, only: command_line_t
    use amontons_config, only: config_t, read_set_config
@@ -9,7 +9,7 @@ module amontons_run_decks
    use amontons_outcome, only: outcome_t, status_interrupted
    use amontons_output_file, only: commit_files, output_file_t
    use amontons_progress, only: progress_t
-   use amontons_screen, only: complain, tell_outcome
+   use amontons_messages, only: print_error, print_outcome
    use amontons_solve_case, only: cache_t
    use amontons_status_line, only: close_status_line, open_status_line
    use amontons_study, only: check_study, solve_study, study_options_t, study_t
@@ -26,33 +26,33 @@ contains
       type(command_line_t), intent(in) :: command_line !! decks and options
       integer, intent(out) :: status !! exit status of the program
       type(cache_t) :: cache
-      type(claim_t) :: claims(size(command_line%decks))
+      type(reservation_t) :: reservations(size(command_line%decks))
       type(outcome_t) :: outcomes(size(command_line%decks))
       type(error_t), allocatable :: error
       integer :: i
 
       status = 0
       do i = 1, size(outcomes)
-         call run_deck(command_line, command_line%decks(i)%text, cache, claims(:i), outcomes(i))
+         call run_deck(command_line, command_line%decks(i)%text, cache, reservations(:i), outcomes(i))
          status = max(status, outcomes(i)%status)
-         call tell_outcome(command_line, outcomes(i), error)
-         call tell_error(error, status)
+         call print_outcome(command_line, outcomes(i), error)
+         call note_error(error, status)
          if (outcomes(i)%status == status_interrupted) exit
       end do
       if (size(outcomes) == 1) return
       call collect_grids(command_line%output, outcomes, error)
-      call tell_error(error, status)
+      call note_error(error, status)
    end subroutine run_decks
 
    !> Prints an error, if there is one, and raises the exit status to its kind.
-   subroutine tell_error(error, status)
+   subroutine note_error(error, status)
       type(error_t), allocatable, intent(in) :: error !! the error
       integer, intent(inout) :: status !! the exit status
 
       if (.not. allocated(error)) return
-      call complain(error%message)
+      call print_error(error%message)
       status = max(status, error%kind)
-   end subroutine tell_error
+   end subroutine note_error
 
    !> Writes cases.pvd where there are several to step through: the grids of a run, the number of each deck its time.
    subroutine collect_grids(directory, outcomes, error)
@@ -74,11 +74,11 @@ contains
    end subroutine collect_grids
 
    !> Checks or solves one deck.
-   subroutine run_deck(command_line, deck, cache, claims, outcome)
+   subroutine run_deck(command_line, deck, cache, reservations, outcome)
       type(command_line_t), intent(in) :: command_line !! the options
       character(*), intent(in) :: deck !! name of the deck
       type(cache_t), intent(inout) :: cache !! the body that decks share
-      type(claim_t), intent(inout) :: claims(:) !! of the decks so far; the last one is this deck's
+      type(reservation_t), intent(inout) :: reservations(:) !! of the decks so far; the last one is this deck's
       type(outcome_t), intent(out) :: outcome !! what became of it
       class(study_t), allocatable :: study
       type(study_options_t) :: options
@@ -86,7 +86,7 @@ contains
       type(error_t), allocatable :: error
 
       call read_study(study, command_line, deck, error)
-      if (.not. allocated(error)) call reserve_files(claims, study, error)
+      if (.not. allocated(error)) call reserve_files(reservations, study, error)
       if (allocated(error)) then
          call outcome%begin(deck, '')
          call outcome%fail(error)

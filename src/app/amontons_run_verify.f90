@@ -6,7 +6,7 @@ module amontons_run_verify
    use amontons_directory, only: file_name_t
    use amontons_error, only: error_t
    use amontons_result, only: status_not_converged
-   use amontons_screen, only: complain, tell
+   use amontons_messages, only: print_error, print_info
    use amontons_solve_case, only: cache_t
    use amontons_text, only: newline
    use amontons_verify, only: find_cases, verdict_t, verify_files
@@ -39,12 +39,12 @@ contains
             end if
          end associate
          if (.not. allocated(error)) cycle
-         call complain(error%message)
+         call print_error(error%message)
          status = max(status, error%kind)
       end do
    end subroutine verify_directories
 
-   !> Verifies a case and tells what was found.
+   !> Verifies a case and prints what was found.
    subroutine verify_one(command_line, cache, directory, name, status, error)
       type(command_line_t), intent(in) :: command_line !! the options
       type(cache_t), intent(inout) :: cache !! what cases share
@@ -56,18 +56,18 @@ contains
 
       call verify_files(verdict, cache, directory, name)
       if (verdict%is_verified .and. verdict%is_certified) then
-         call tell(command_line, name//': verified', error)
+         call print_info(command_line, name//': verified', error)
          return
       end if
       status = max(status, status_not_converged)
       if (verdict%is_verified) then
-         call complain(name//': as it was written, but not converged or not certified')
+         call print_error(name//': as it was written, but not converged or not certified')
       else
-         call complain(name//': NOT VERIFIED'//newline//verdict%faults)
+         call print_error(name//': NOT VERIFIED'//newline//verdict%faults)
       end if
    end subroutine verify_one
 
-   !> Verifies the collection of several cases, which belongs to none, and tells what is wrong with it.
+   !> Verifies the collection of several cases, which belongs to none, and prints what is wrong with it.
    subroutine verify_collection(directory, status)
       character(*), intent(in) :: directory !! the directory
       integer, intent(inout) :: status !! exit status so far
@@ -76,7 +76,7 @@ contains
       call check_collection(faults, directory)
       if (faults%n == 0) return
       status = max(status, status_not_converged)
-      call complain('cases.pvd: NOT VERIFIED'//newline//faults%text())
+      call print_error('cases.pvd: NOT VERIFIED'//newline//faults%text())
    end subroutine verify_collection
 
 end module amontons_run_verify

@@ -4,10 +4,10 @@ program main
    use amontons_command_line, only: command_line_t, read_command_line
    use amontons_error, only: error_t
    use amontons_help, only: help_text, version_text
-   use amontons_reference, only: tell_reference
+   use amontons_reference, only: print_reference
    use amontons_run_decks, only: run_decks
    use amontons_run_verify, only: verify_directories
-   use amontons_screen, only: complain
+   use amontons_messages, only: print_error
    use amontons_system, only: return_large_arrays
    use amontons_terminal, only: prepare_process, print_line, standard_output
    use amontons_threads, only: n_threads, set_threads
@@ -31,7 +31,7 @@ program main
    call read_command_line(command_line, error)
    if (.not. allocated(error)) call obey(command_line, status, error)
    if (allocated(error)) then
-      call complain(error%message)
+      call print_error(error%message)
       status = error%kind
    end if
    call c_exit(int(status, c_int))
@@ -52,7 +52,7 @@ contains
       else if (command_line%is_version) then
          call print_line(standard_output, version_text(), error)
       else if (command_line%is_reference) then
-         call tell_reference(command_line%decks, status, error)
+         call print_reference(command_line%decks, status, error)
       else if (command_line%is_verify) then
          call verify_directories(command_line, status)
       else

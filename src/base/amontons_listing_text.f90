@@ -1,4 +1,4 @@
-!> The form of a listing: headings, labelled lines, numbers for reading.
+!> The form of a listing: headings, labeled lines, numbers for reading.
 module amontons_listing_text
    use amontons_kinds, only: dp
    use amontons_text, only: newline, to_short_text

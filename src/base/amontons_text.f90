@@ -233,7 +233,7 @@ contains
       end do
    end function nearest_word
 
-   !> Number of insertions, deletions, substitutions and swaps of neighbours that turn one word into another.
+   !> Number of insertions, deletions, substitutions and swaps of neighbors that turn one word into another.
    pure integer function edit_distance(a, b) result(distance)
       character(*), intent(in) :: a !! one word
       character(*), intent(in) :: b !! the other word

@@ -32,7 +32,7 @@ module amontons_deck_visitor
 
    !> A key of a group: what is true of it whatever its value.
    type :: key_t
-      character(16) :: name = '' !! its name
+      character(17) :: name = '' !! its name
       character(190) :: meaning = '' !! what it says, in Markdown
       character(6) :: unit = '' !! unit of its values
       character(70) :: default = '' !! what holds where it is absent, in Markdown; empty for the value it has then

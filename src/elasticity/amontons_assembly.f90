@@ -3,7 +3,8 @@ module amontons_assembly
    use amontons_coloring, only: coloring_t, worth_threads
    use amontons_constraints, only: constraints_t
    use amontons_dof_map, only: dof_map_t
-   use amontons_elasticity, only: element_forces, element_geometry_t, element_stiffness, new_element_geometry
+   use amontons_elasticity, only: element_forces, element_geometry_t, element_stiffness, element_stress, &
+      new_element_geometry, set_thermal_strain
    use amontons_element, only: max_nodes
    use amontons_error, only: error_t
    use amontons_foundation, only: spring_side_t
@@ -14,8 +15,8 @@ module amontons_assembly
    implicit none (type, external)
    private
 
-   public :: assemble_stiffness, from_unknowns, internal_forces, spring_forces, strained_share, to_unknowns, &
-      uncancelled_forces
+   public :: assemble_stiffness, from_unknowns, internal_forces, spring_forces, strained_share, thermal_work, &
+      to_unknowns, uncancelled_forces
 
 contains
 
@@ -25,7 +26,7 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
-      type(coloring_t), intent(in) :: coloring !! colours of the elements
+      type(coloring_t), intent(in) :: coloring !! colors of the elements
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       type(error_t), allocatable, intent(out) :: error !! too large for the memory
@@ -106,14 +107,16 @@ contains
       end do
    end subroutine turn_to_frames
 
-   !> Nodal forces that stresses and springs of a displacement amount to: K u without ever forming K.
-   subroutine internal_forces(forces, mesh, materials, springs, coloring, displacement)
+   !> Nodal forces that stresses and springs of a displacement amount to: K u - f_th without ever forming K.
+   subroutine internal_forces(forces, mesh, materials, springs, coloring, displacement, thermal_strain)
       real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
-      type(coloring_t), intent(in) :: coloring !! colours of the elements
+      type(coloring_t), intent(in) :: coloring !! colors of the elements
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in), optional :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
       type(element_geometry_t) :: geometry
       real(dp) :: element(2, max_nodes)
       integer :: color, i, k
@@ -121,11 +124,14 @@ contains
       allocate (forces(2, mesh%n_nodes), source=0.0_dp)
       do color = 1, coloring%n_colors
          !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(element, k) &
-         !$omp shared(forces, mesh, materials, coloring, displacement, color) &
+         !$omp shared(forces, mesh, materials, coloring, displacement, thermal_strain, color) &
          !$omp if (mesh%n_elements >= worth_threads)
          do i = coloring%start(color), coloring%start(color + 1) - 1
-            associate (material => materials%list(materials%of_element(coloring%element(i))))
+            associate (material => materials%list(materials%of_element(coloring%element(i))), &
+               first => mesh%node_start(coloring%element(i)))
                call new_element_geometry(geometry, mesh, coloring%element(i), material)
+               if (present(thermal_strain)) call set_thermal_strain(geometry, &
+                  thermal_strain(first:first + geometry%n_nodes - 1))
                element = element_forces(geometry, material, displacement)
             end associate
             do k = 1, geometry%n_nodes
@@ -136,6 +142,30 @@ contains
       end do
       forces = forces + spring_forces(mesh%n_nodes, springs, displacement)
    end subroutine internal_forces
+
+   !> The integral of stress times thermal strain over the body: what the work of the stresses on all strains exceeds
+   !> that on the elastic strains by [F L].
+   pure real(dp) function thermal_work(mesh, materials, displacement, thermal_strain) result(work)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials of the elements
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: thermal_strain(:) !! as in `internal_forces` [-]
+      type(element_geometry_t) :: geometry
+      real(dp) :: stress(4)
+      integer :: element, point
+
+      work = 0.0_dp
+      do element = 1, mesh%n_elements
+         associate (material => materials%list(materials%of_element(element)))
+            call new_element_geometry(geometry, mesh, element, material)
+            call set_thermal_strain(geometry, thermal_strain(mesh%node_start(element):mesh%node_start(element + 1) - 1))
+            do point = 1, geometry%n_points
+               stress = element_stress(geometry, material, displacement, point)
+               work = work + geometry%volume(point)*geometry%thermal_strain(point)*(stress(1) + stress(2) + stress(4))
+            end do
+         end associate
+      end do
+   end function thermal_work
 
    !> Norm of the nodal forces |K| |u|, to which stiffness times displacement would add up if no two terms cancelled:
    !> the size that rounding errors of the internal forces are a share of [F].

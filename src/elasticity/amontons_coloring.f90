@@ -1,4 +1,4 @@
-!> Colours of the elements: no two elements of one colour share a node, so a colour can be worked on in parallel.
+!> Colors of the elements: no two elements of one color share a node, so a color can be worked on in parallel.
 module amontons_coloring
    use amontons_kinds, only: int64
    use amontons_mesh, only: mesh_t
@@ -10,19 +10,19 @@ module amontons_coloring
    !> Fewest elements whose work outweighs waking other threads, which takes up to some ten milliseconds.
    integer, parameter :: worth_threads = 10000
 
-   !> Elements sorted by colour. Sums over the elements of a mesh taken colour by colour are the same for any
+   !> Elements sorted by color. Sums over the elements of a mesh taken color by color are the same for any
    !> number of threads.
    type :: coloring_t
-      integer :: n_colors = 0 !! number of colours
-      integer, allocatable :: start(:) !! where the elements of a colour begin in `element` (n_colors + 1)
-      integer, allocatable :: element(:) !! the elements, colour by colour
+      integer :: n_colors = 0 !! number of colors
+      integer, allocatable :: start(:) !! where the elements of a color begin in `element` (n_colors + 1)
+      integer, allocatable :: element(:) !! the elements, color by color
    end type coloring_t
 
 contains
 
-   !> Colours the elements of a mesh greedily, in their own order.
+   !> Colors the elements of a mesh greedily, in their own order.
    subroutine new_coloring(coloring, mesh)
-      type(coloring_t), intent(out) :: coloring !! the colours
+      type(coloring_t), intent(out) :: coloring !! the colors
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, allocatable :: color(:), next(:)
       integer :: element, i
@@ -45,7 +45,7 @@ contains
       end do
    end subroutine new_coloring
 
-   !> The colour of each element: the first that none of its neighbours took before it.
+   !> The color of each element: the first that none of its neighbors took before it.
    pure function greedy_colors(mesh) result(color)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, allocatable :: color(:)
@@ -63,7 +63,7 @@ contains
          end do
          color(element) = trailz(not(used)) + 1
          if (color(element) > n_bits) then
-            ! The bits of a node where very many elements meet are used up: the element gets a colour of its own.
+            ! The bits of a node where very many elements meet are used up: the element gets a color of its own.
             n_lonely = n_lonely + 1
             color(element) = n_bits + n_lonely
             cycle

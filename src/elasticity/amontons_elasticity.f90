@@ -8,8 +8,8 @@ module amontons_elasticity
    implicit none (type, external)
    private
 
-   public :: element_forces, element_geometry_t, element_stiffness, element_strain, element_stress, &
-      new_element_geometry
+   public :: elastic_strain, element_forces, element_geometry_t, element_stiffness, element_stress, &
+      new_element_geometry, set_thermal_strain
 
    !> Shape functions and their gradients at the quadrature points of one element.
    type :: element_geometry_t
@@ -19,6 +19,8 @@ module amontons_elasticity
       real(dp) :: values(max_nodes, max_points) !! shape functions (node, point) [-]
       real(dp), private :: derivatives(2, max_nodes, max_points) !! derivatives by the reference coordinates [-]
       real(dp), private :: weight(max_points) !! weights of the quadrature [-]
+      real(dp) :: thermal_strain(max_points) = 0.0_dp
+         !! strain of free thermal expansion at the points, from `set_thermal_strain`; the next element keeps it [-]
       ! No defaults here: setting them would take as long as all the rest, once for each element.
       integer :: n_nodes !! number of nodes
       integer :: node(max_nodes) !! numbers of the nodes in the mesh
@@ -90,6 +92,19 @@ contains
          mean(:, :n) = mean(:, :n)/sum(geometry%volume(:geometry%n_points))
       end associate
    end subroutine average_dilatation
+
+   !> Sets the thermal strain at the quadrature points from that at the nodes. It is a change of volume: with a mean
+   !> dilatation its mean over the element.
+   pure subroutine set_thermal_strain(geometry, at_nodes)
+      type(element_geometry_t), intent(inout) :: geometry !! the element's shape functions; gains the thermal strain
+      real(dp), intent(in) :: at_nodes(:) !! strain of free thermal expansion at the element's nodes (nodes) [-]
+
+      associate (n => geometry%n_points)
+         geometry%thermal_strain(:n) = matmul(at_nodes, geometry%values(:geometry%n_nodes, :n))
+         if (geometry%has_mean_dilatation) geometry%thermal_strain(:n) = &
+            dot_product(geometry%thermal_strain(:n), geometry%volume(:n))/sum(geometry%volume(:n))
+      end associate
+   end subroutine set_thermal_strain
 
    !> Evaluates the shape functions of a kind of element at its quadrature points, unless they are at hand.
    pure subroutine choose_reference(geometry, kind, is_axisymmetric)
@@ -195,12 +210,13 @@ contains
       integer, intent(in) :: point !! number of the quadrature point
       real(dp) :: stress(4)
 
-      stress = material%stress(element_strain(geometry, material, displacement, point))
+      stress = material%stress(elastic_strain(geometry, material, displacement, point))
    end function element_stress
 
-   !> Strain at a quadrature point: xx, yy, the engineering shear 2 xy, and the hoop strain, 0 in the plane. With a mean
-   !> dilatation it is the one that makes the stress: its trace is the element's mean, in the plane too [-].
-   pure function element_strain(geometry, material, displacement, point) result(strain)
+   !> Elastic strain at a quadrature point, which makes the stress: xx, yy, the engineering shear 2 xy, and zz or the
+   !> hoop strain. It is that of the displacements less the thermal strain. Without thermal strain zz is 0 in the plane, but
+   !> with a mean dilatation, where the trace is the element's mean. In plane stress zz is left at 0 [-].
+   pure function elastic_strain(geometry, material, displacement, point) result(strain)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
@@ -223,15 +239,18 @@ contains
                + geometry%values(i, point)*displacement(1, geometry%node(i))/geometry%position(1, point)
          end do
       end if
-      if (.not. geometry%has_mean_dilatation) return
-      mean = 0.0_dp
-      do i = 1, geometry%n_nodes
-         mean = mean + dot_product(geometry%mean_dilatation(:, i), displacement(:, geometry%node(i)))
-      end do
-      mean = (mean - strain(1) - strain(2) - strain(4))/3.0_dp
-      strain(1:2) = strain(1:2) + mean
-      strain(4) = strain(4) + mean
-   end function element_strain
+      if (geometry%has_mean_dilatation) then
+         mean = 0.0_dp
+         do i = 1, geometry%n_nodes
+            mean = mean + dot_product(geometry%mean_dilatation(:, i), displacement(:, geometry%node(i)))
+         end do
+         mean = (mean - strain(1) - strain(2) - strain(4))/3.0_dp
+         strain(1:2) = strain(1:2) + mean
+         strain(4) = strain(4) + mean
+      end if
+      strain(1:2) = strain(1:2) - geometry%thermal_strain(point)
+      if (.not. material%is_plane_stress) strain(4) = strain(4) - geometry%thermal_strain(point)
+   end function elastic_strain
 
    !> Nodal forces that the stress of an element amounts to: integral of B^T stress. The pressure of a mean dilatation
    !> does not vary over the element, so that B does as well as B-bar (2, nodes) [F].

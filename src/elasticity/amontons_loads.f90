@@ -1,4 +1,4 @@
-!> The loads of a body: tractions and pressures on boundary sets, point forces, body forces.
+!> The loads of a body: tractions and pressures on boundary sets, point forces, body forces, temperatures.
 module amontons_loads
    use amontons_elasticity, only: element_geometry_t, new_element_geometry
    use amontons_error, only: error_t, input_refused, new_error
@@ -18,13 +18,15 @@ module amontons_loads
    integer, parameter, public :: load_on_nodes = 2
    !> What a load acts on: a region, or the whole body.
    integer, parameter, public :: load_on_region = 3
+   !> What a load acts on: the thermal strain of a region, or of the whole body.
+   integer, parameter, public :: load_by_temperature = 4
 
    !> A load. Which components count depends on what it acts on.
    type :: load_t
       character(:), allocatable :: name !! its name, by which a sweep knows it; empty without one
-      integer :: target = load_on_sides !! sides, nodes or region
+      integer :: target = load_on_sides !! sides, nodes, region or temperature
       character(:), allocatable :: set !! name of the boundary set or node set; empty where a point or region counts
-      character(:), allocatable :: region !! name of the region of a body force; empty for the whole body
+      character(:), allocatable :: region !! region of a body force or temperature; empty for the whole body
       real(dp) :: traction(2) = 0.0_dp !! force per area at the origin, x and y [F/L^2]
       real(dp) :: traction_slope(2, 2) = 0.0_dp !! its change per length: (:, 1) along x, (:, 2) along y [F/L^3]
       real(dp) :: pressure = 0.0_dp !! force per area against the outward normal, at the origin [F/L^2]
@@ -32,6 +34,16 @@ module amontons_loads
       real(dp) :: point(2) = 0.0_dp !! coordinates of the node of a point force without a set [L]
       real(dp) :: force(2) = 0.0_dp !! point force on the node, or on each node of the set, x and y [F]
       real(dp) :: body_force(2) = 0.0_dp !! force per volume, x and y [F/L^3]
+      real(dp) :: gravity(2) = 0.0_dp !! acceleration that makes a weight of the density, x and y [L/T^2]
+      real(dp) :: angular_speed = 0.0_dp !! of a rotation: its centrifugal force acts on the density [1/T]
+      real(dp) :: center(2) = 0.0_dp !! a point of the axis of this rotation; of no effect in a body of revolution [L]
+      real(dp) :: axis(2) = 0.0_dp
+         !! direction of this axis in the plane, of any length; 0, 0 for one normal to the plane, or of revolution [-]
+      real(dp) :: temperature = 0.0_dp !! temperature above that of the body without thermal strain, at the origin [K]
+      real(dp) :: temperature_slope(2) = 0.0_dp !! its change along x and y [K/L]
+      real(dp), allocatable :: temperature_table(:, :)
+         !! instead: numbers of nodes as in the mesh's file, and their temperatures (2, entries) [K]
+      character(:), allocatable :: temperature_file !! the file of this table; empty or not allocated without one
       character(:), allocatable :: origin !! where the load was specified, for messages: 'deck.nml:12: '
    end type load_t
 
@@ -48,7 +60,7 @@ contains
       load%origin = ''
    end subroutine new_load
 
-   !> Nodal forces of all loads.
+   !> Nodal forces of all loads; temperatures have none, see `amontons_thermal_strain`.
    subroutine load_vector(forces, mesh, materials, loads, error)
       real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -64,7 +76,7 @@ contains
             call add_side_forces(forces, mesh, materials, loads(i), error)
          case (load_on_nodes)
             call add_point_forces(forces, mesh, loads(i), error)
-         case default
+         case (load_on_region)
             call add_body_force(forces, mesh, materials, loads(i), error)
          end select
          if (.not. allocated(error)) cycle
@@ -125,29 +137,78 @@ contains
       end do
    end subroutine add_point_forces
 
-   !> Adds the nodal forces of a constant force per volume.
+   !> Adds the nodal forces of a force per volume.
    subroutine add_body_force(forces, mesh, materials, load, error)
       real(dp), intent(inout) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(materials_t), intent(in) :: materials !! the materials, for depth and density
       type(load_t), intent(in) :: load !! the load
-      type(error_t), allocatable, intent(out) :: error !! no such region
+      type(error_t), allocatable, intent(out) :: error !! no such region, no density, or a force that turns the axis
       type(element_geometry_t) :: geometry
       integer, allocatable :: elements(:)
-      real(dp) :: share
-      integer :: i, k, n
+      real(dp) :: force(2)
+      integer :: i, k, point
 
       call mesh%region_elements(load%region, elements, error)
+      if (.not. allocated(error)) call check_body_force(materials, load, elements, error)
       if (allocated(error)) return
       do i = 1, size(elements)
-         call new_element_geometry(geometry, mesh, elements(i), &
-            materials%list(materials%of_element(elements(i))))
-         n = geometry%n_points
-         do k = 1, geometry%n_nodes
-            share = dot_product(geometry%values(k, :n), geometry%volume(:n))
-            forces(:, geometry%node(k)) = forces(:, geometry%node(k)) + share*load%body_force
-         end do
+         associate (material => materials%list(materials%of_element(elements(i))))
+            call new_element_geometry(geometry, mesh, elements(i), material)
+            do point = 1, geometry%n_points
+               force = geometry%volume(point)*(load%body_force + material%density*(load%gravity &
+                  + centrifugal_acceleration(load, geometry%position(:, point), material%is_axisymmetric)))
+               do k = 1, geometry%n_nodes
+                  forces(:, geometry%node(k)) = forces(:, geometry%node(k)) + geometry%values(k, point)*force
+               end do
+            end do
+         end associate
       end do
    end subroutine add_body_force
+
+   !> Refuses a force per volume that the materials or the body of revolution cannot have.
+   pure subroutine check_body_force(materials, load, elements, error)
+      type(materials_t), intent(in) :: materials !! the materials
+      type(load_t), intent(in) :: load !! the load
+      integer, intent(in) :: elements(:) !! the elements it acts on
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with it
+      integer :: i
+      logical :: spins
+
+      spins = abs(load%angular_speed) > 0.0_dp
+      do i = 1, size(elements)
+         associate (material => materials%list(materials%of_element(elements(i))))
+            if (material%density > 0.0_dp .or. .not. (spins .or. any(abs(load%gravity) > 0.0_dp))) cycle
+            call new_error(error, input_refused, 'gravity and angular_speed need the density of every &material '// &
+               'they act on')
+            return
+         end associate
+      end do
+      if (.not. any(materials%list%is_axisymmetric)) return
+      if (abs(load%gravity(1)) > 0.0_dp) then
+         call new_error(error, input_refused, 'the gravity on a body of revolution must be along its axis: '// &
+            'gravity = 0.0, ...')
+      else if (spins .and. any(abs([load%center, load%axis]) > 0.0_dp)) then
+         call new_error(error, input_refused, 'a body of revolution spins about its own axis, x = 0: leave out '// &
+            'center and axis')
+      end if
+   end subroutine check_body_force
+
+   !> Centrifugal acceleration: the square of the angular speed times the way from the axis [L/T^2].
+   pure function centrifugal_acceleration(load, position, is_axisymmetric) result(acceleration)
+      type(load_t), intent(in) :: load !! the load
+      real(dp), intent(in) :: position(2) !! coordinates [L]
+      logical, intent(in) :: is_axisymmetric !! whether the body is one of revolution
+      real(dp) :: acceleration(2), along(2)
+
+      acceleration = position - load%center
+      if (is_axisymmetric) then
+         acceleration(2) = 0.0_dp
+      else if (any(abs(load%axis) > 0.0_dp)) then
+         along = load%axis/norm2(load%axis)
+         acceleration = acceleration - dot_product(acceleration, along)*along
+      end if
+      acceleration = load%angular_speed**2*acceleration
+   end function centrifugal_acceleration
 
 end module amontons_loads

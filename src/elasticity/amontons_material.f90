@@ -24,6 +24,8 @@ module amontons_material
    type :: material_t
       real(dp) :: young = 1.0_dp !! Young's modulus [F/L^2]
       real(dp) :: poisson = 0.0_dp !! Poisson's ratio [-]
+      real(dp) :: density = 0.0_dp !! mass per volume; 0 if it is not known [M/L^3]
+      real(dp) :: expansion = 0.0_dp !! coefficient of thermal expansion [1/K]
       real(dp) :: thickness = 1.0_dp !! thickness of a plane body; multiplies stiffness and loads [L]
       character(:), allocatable :: hypothesis !! one of `hypothesis_names`
       character(:), allocatable :: formulation !! one of `formulation_names`

@@ -112,7 +112,7 @@ contains
    pure subroutine add_springs(gram, springs, motions, mesh)
       real(dp), intent(inout) :: gram(3, 3) !! the Gram matrix
       type(spring_side_t), intent(in) :: springs !! the springs
-      type(rigid_motions_t), intent(in) :: motions !! centre and radius
+      type(rigid_motions_t), intent(in) :: motions !! center and radius
       type(mesh_t), intent(in) :: mesh !! the mesh
       real(dp) :: motion(2*size(springs%node), 3), largest
       integer :: i, n
@@ -128,7 +128,7 @@ contains
 
    !> Displacement of a point under the two translations and the rotation (2, 3) [-].
    pure function unit_motions(motions, point) result(displacement)
-      type(rigid_motions_t), intent(in) :: motions !! centre and radius
+      type(rigid_motions_t), intent(in) :: motions !! center and radius
       real(dp), intent(in) :: point(2) !! coordinates [L]
       real(dp) :: displacement(2, 3)
 

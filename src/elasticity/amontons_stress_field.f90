@@ -2,7 +2,7 @@
 module amontons_stress_field
    use amontons_coloring, only: coloring_t, worth_threads
    use amontons_dense, only: cholesky_factor, cholesky_solve
-   use amontons_elasticity, only: element_geometry_t, element_strain, new_element_geometry
+   use amontons_elasticity, only: elastic_strain, element_geometry_t, new_element_geometry, set_thermal_strain
    use amontons_element, only: element_names, is_triangle, max_nodes, max_points, n_element_nodes, n_element_points, &
       node_coordinates, quadrature_point
    use amontons_kinds, only: dp
@@ -24,12 +24,14 @@ module amontons_stress_field
 contains
 
    !> Evaluates the stresses of a displacement field.
-   subroutine new_stress_field(field, mesh, materials, coloring, displacement)
+   subroutine new_stress_field(field, mesh, materials, coloring, displacement, thermal_strain)
       type(stress_field_t), intent(out) :: field !! the stresses
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
-      type(coloring_t), intent(in) :: coloring !! colours of the elements
+      type(coloring_t), intent(in) :: coloring !! colors of the elements
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in), optional :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
       type(element_geometry_t) :: geometry
       real(dp) :: to_nodes(max_nodes, max_points, size(element_names)), at_nodes(4, max_nodes)
       integer, allocatable :: n_elements(:)
@@ -43,12 +45,14 @@ contains
       allocate (n_elements(mesh%n_nodes), source=0)
       do color = 1, coloring%n_colors
          !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(element, at_nodes, k) &
-         !$omp shared(field, mesh, materials, coloring, displacement, to_nodes, n_elements, color) &
+         !$omp shared(field, mesh, materials, coloring, displacement, thermal_strain, to_nodes, n_elements, color) &
          !$omp if (mesh%n_elements >= worth_threads)
          do i = coloring%start(color), coloring%start(color + 1) - 1
             element = coloring%element(i)
             associate (material => materials%list(materials%of_element(element)))
                call new_element_geometry(geometry, mesh, element, material)
+               if (present(thermal_strain)) call set_thermal_strain(geometry, &
+                  thermal_strain(mesh%node_start(element):mesh%node_start(element + 1) - 1))
                call evaluate_element(geometry, material, displacement, to_nodes(:, :, mesh%element_kind(element)), &
                   field%element(:, element), field%energy_density(element), at_nodes)
             end associate
@@ -81,7 +85,7 @@ contains
       energy_density = 0.0_dp
       at_nodes = 0.0_dp
       do point = 1, geometry%n_points
-         strain = element_strain(geometry, material, displacement, point)
+         strain = elastic_strain(geometry, material, displacement, point)
          stress = material%stress(strain)
          mean = mean + geometry%volume(point)*stress
          energy_density = energy_density + 0.5_dp*geometry%volume(point)*dot_product(strain, stress)

@@ -264,7 +264,7 @@ contains
       end do
    end subroutine refuse_body
 
-   !> Describes `&solver`: method, its options, factorisation.
+   !> Describes `&solver`: method, its options, factorization.
    subroutine describe_solver(visitor, config)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(config_t), intent(inout) :: config !! the case

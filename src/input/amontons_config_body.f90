@@ -5,7 +5,7 @@ module amontons_config_body
    use amontons_element, only: element_names
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_on_nodes, load_on_region, load_on_sides, load_t
+   use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_on_sides, load_t
    use amontons_material, only: formulation_names, hypothesis_names, material_t, new_material
    use amontons_rectangle, only: diagonal_names, rectangle_t
    implicit none (type, external)
@@ -102,6 +102,10 @@ contains
       call visitor%word(key_t('formulation', "of `quad4` elements: `'b-bar'` does not lock where the material is"// &
          " nearly incompressible; `'auto'` is `'b-bar'` for a Poisson's ratio of 0.49 or more"), material%formulation, &
          formulation_names)
+      call visitor%real(key_t('density', 'mass per volume, for `gravity` and `angular_speed` of `&load`', 'M/L³', &
+         at_least=0.0_dp, also='rho mass'), material%density)
+      call visitor%real(key_t('expansion', 'coefficient of thermal expansion, for `temperature` of `&load`', &
+         '1/K', also='alpha cte'), material%expansion)
       call visitor%text(key_t('region', 'the region of the mesh that the material fills', default='all the rest', &
          also='set elset'), material%region, has_region)
       call visitor%close_group()
@@ -153,21 +157,17 @@ contains
          'un, ut, spring_n and spring_t need set: a point has no normal')
    end subroutine describe_support
 
-   !> Describes one `&load`: on the sides of a set, on nodes, or on a region.
+   !> Describes one `&load`: on the sides of a set, on nodes, on a region, or by temperature.
    subroutine describe_load(visitor, load)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(load_t), intent(inout) :: load !! the load
-      real(dp) :: slopes(4)
-      logical :: has_name, has_set, has_point, has_region, on_sides(4), on_nodes, on_region
+      logical :: has_name, has_set, has_point, has_region, on_nodes, is_given(4)
 
       has_name = is_filled(load%name)
       has_set = is_filled(load%set)
       has_region = is_filled(load%region)
-      on_sides = load%target == load_on_sides
       on_nodes = load%target == load_on_nodes
-      on_region = load%target == load_on_region
       has_point = on_nodes .and. .not. has_set
-      slopes = reshape(load%traction_slope, [4])
       call visitor%open_group(load_group)
       call visitor%text(key_t('name', 'by which `&sweep` and `&steps` know it; several loads may share a name', default='none', &
          is_filled=.true., also='label'), load%name, has_name)
@@ -175,47 +175,124 @@ contains
          ' point forces', is_filled=.true., also='nset surface'), load%set, has_set)
       call visitor%reals(key_t('point', 'coordinates of the node of a `force`', 'L', also='node'), load%point, &
          has_point)
-      call visitor%text(key_t('region', 'the region of a `body_force`', default='the whole body', also='elset'), &
-         load%region, has_region)
-      call visitor%reals(key_t('traction', 'force per area along x and y, at the origin of the coordinates', 'F/L²', &
-         also='t trac'), load%traction, on_sides(1))
-      call visitor%reals(key_t('traction_slope', 'its change: of the x component along x, of the y component along'// &
-         ' x, of the x component along y, of the y component along y', 'F/L³'), slopes, on_sides(2))
-      call visitor%real(key_t('pressure', 'force per area against the outward normal, at the origin: a positive one'// &
-         ' presses on the body', 'F/L²', also='p press'), load%pressure, on_sides(3))
-      call visitor%reals(key_t('pressure_slope', 'its change along x and y', 'F/L³'), load%pressure_slope, on_sides(4))
+      call visitor%text(key_t('region', 'the region of a body force or temperature', default='the whole body', &
+         also='elset'), load%region, has_region)
+      call describe_tractions(visitor, load, is_given(load_on_sides))
       call visitor%reals(key_t('force', 'a force on the node at `point`, or on every node of `set`', 'F', &
          also='f cload'), load%force, on_nodes)
-      call visitor%reals(key_t('body_force', 'force per volume, on `region` or on the whole body', 'F/L³', &
-         also='gravity weight g'), load%body_force, on_region)
+      is_given(load_on_nodes) = on_nodes
+      call describe_body_force(visitor, load, is_given(load_on_region))
+      call describe_temperature(visitor, load, is_given(load_by_temperature))
       call visitor%close_group()
-      load%traction_slope = reshape(slopes, [2, 2])
-      load%target = load_on_sides
-      if (on_nodes) load%target = load_on_nodes
-      if (on_region) load%target = load_on_region
+      load%target = max(load_on_sides, findloc(is_given, .true., dim=1))
       call visitor%locate('set', load%origin)
-      call judge_load(visitor, any(on_sides), on_nodes, on_region)
+      call judge_load(visitor, load, is_given)
    end subroutine describe_load
 
-   !> Judges the keys of a `&load` together.
-   subroutine judge_load(visitor, on_sides, on_nodes, on_region)
+   !> Describes the keys of a load on sides.
+   subroutine describe_tractions(visitor, load, is_given)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      logical, intent(in) :: on_sides !! whether it acts on sides
-      logical, intent(in) :: on_nodes !! whether it acts on nodes
-      logical, intent(in) :: on_region !! whether it acts on a region
-      integer :: n_kinds
+      type(load_t), intent(inout) :: load !! the load
+      logical, intent(out) :: is_given !! whether it has any of them
+      real(dp) :: slopes(4)
+      logical :: has(4)
+
+      has = load%target == load_on_sides
+      slopes = reshape(load%traction_slope, [4])
+      call visitor%reals(key_t('traction', 'force per area along x and y, at the origin of the coordinates', 'F/L²', &
+         also='t trac'), load%traction, has(1))
+      call visitor%reals(key_t('traction_slope', 'its change: of the x component along x, of the y component along'// &
+         ' x, of the x component along y, of the y component along y', 'F/L³'), slopes, has(2))
+      call visitor%real(key_t('pressure', 'force per area against the outward normal, at the origin: a positive one'// &
+         ' presses on the body', 'F/L²', also='p press'), load%pressure, has(3))
+      call visitor%reals(key_t('pressure_slope', 'its change along x and y', 'F/L³'), load%pressure_slope, has(4))
+      load%traction_slope = reshape(slopes, [2, 2])
+      is_given = any(has)
+   end subroutine describe_tractions
+
+   !> Describes the keys of forces per volume.
+   subroutine describe_body_force(visitor, load, is_given)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(load_t), intent(inout) :: load !! the load
+      logical, intent(out) :: is_given !! whether it has any of them
+      logical :: has_force, has_gravity, has_speed, has_center, has_axis
+
+      has_gravity = any(abs(load%gravity) > 0.0_dp)
+      has_speed = abs(load%angular_speed) > 0.0_dp
+      has_force = load%target == load_on_region .and. (any(abs(load%body_force) > 0.0_dp) .or. &
+         .not. (has_gravity .or. has_speed))
+      has_center = has_speed .and. any(abs(load%center) > 0.0_dp)
+      has_axis = has_speed .and. any(abs(load%axis) > 0.0_dp)
+      call visitor%reals(key_t('body_force', 'force per volume, on `region` or on the whole body', 'F/L³', &
+         also='weight'), load%body_force, has_force)
+      call visitor%reals(key_t('gravity', 'acceleration along x and y that gives the `density` its weight', 'L/T²', &
+         also='g acceleration grav'), load%gravity, has_gravity)
+      call visitor%real(key_t('angular_speed', 'of a rotation, in radians per time: the centrifugal force on the'// &
+         ' `density`', '1/T', default='none', also='omega spin centrif speed'), load%angular_speed, has_speed)
+      call visitor%reals(key_t('center', 'a point of the axis of rotation; for a plane body only', 'L', &
+         default='the origin', also='origin'), load%center, has_center)
+      call visitor%reals(key_t('axis', 'direction of the axis of rotation where it lies in the plane; for a plane'// &
+         ' body only', default='normal to the plane', is_nonzero=.true.), load%axis, has_axis)
+      is_given = has_force .or. has_gravity .or. has_speed
+   end subroutine describe_body_force
+
+   !> Describes the keys of a temperature.
+   subroutine describe_temperature(visitor, load, is_given)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(load_t), intent(inout) :: load !! the load
+      logical, intent(out) :: is_given !! whether it has any of them
+      character(*), parameter :: table_key = 'temperature_table'
+      logical :: has_value, has_slope, has_table
+
+      has_table = is_filled(load%temperature_file)
+      has_value = load%target == load_by_temperature .and. .not. has_table
+      has_slope = any(abs(load%temperature_slope) > 0.0_dp)
+      call visitor%real(key_t('temperature', 'above that at which nothing is strained, at the origin; on `region`'// &
+         ' or on the whole body', 'K', also='temp dtemp'), load%temperature, has_value)
+      call visitor%reals(key_t('temperature_slope', 'its change along x and y', 'K/L'), load%temperature_slope, &
+         has_slope)
+      call visitor%text(key_t(table_key, 'file with the numbers of nodes, as in the mesh file, and their'// &
+         ' temperatures, instead', is_file=.true., is_filled=.true.), load%temperature_file, has_table)
+      call visitor%table(table_key, load%temperature_file, load%temperature_table)
+      is_given = has_value .or. has_slope .or. has_table
+      if (.not. allocated(load%temperature_table)) return
+      associate (numbers => load%temperature_table(1, :))
+         call visitor%require(all(numbers >= 1.0_dp .and. numbers < huge(1) .and. .not. abs(numbers - anint(numbers)) &
+            > 0.0_dp), table_key, table_key//' must have the number of a node, 1 or above, in each row')
+      end associate
+      call visitor%require(.not. (has_value .or. has_slope), table_key, &
+         'give either temperature and temperature_slope, or temperature_table')
+   end subroutine describe_temperature
+
+   !> Judges the keys of a `&load` together.
+   subroutine judge_load(visitor, load, is_given)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(load_t), intent(in) :: load !! the load
+      logical, intent(in) :: is_given(:) !! whether it has keys of each target
+      integer :: material
 
       if (.not. visitor%is_judging()) return
-      n_kinds = count([on_sides, on_nodes, on_region])
-      call visitor%require(n_kinds > 0, '', '&load needs traction, pressure, force or body_force')
-      call visitor%require(n_kinds <= 1, '', 'traction and pressure, force, and body_force need a &load for each')
-      if (n_kinds /= 1) return
-      call visitor%only('set', .not. on_region, 'traction, pressure or force')
-      call visitor%only('point', on_nodes, 'force')
-      call visitor%only('region', on_region, 'body_force')
-      call visitor%require(visitor%has('set') .or. .not. on_sides, '', 'traction and pressure need set')
-      call visitor%require((visitor%has('set') .neqv. visitor%has('point')) .or. .not. on_nodes, 'force', &
-         'force needs either set or point')
+      call visitor%require(any(is_given), '', '&load needs traction, pressure, force, body_force, gravity, '// &
+         'angular_speed or temperature')
+      call visitor%require(count(is_given) <= 1, '', &
+         'traction and pressure, force, body forces, and temperature need a &load for each')
+      if (count(is_given) /= 1) return
+      call visitor%only('set', load%target <= load_on_nodes, 'traction, pressure or force')
+      call visitor%only('point', load%target == load_on_nodes, 'force')
+      call visitor%only('region', load%target >= load_on_region, 'body_force, gravity, angular_speed or temperature')
+      call visitor%only('center', visitor%has('angular_speed'), 'angular_speed')
+      call visitor%only('axis', visitor%has('angular_speed'), 'angular_speed')
+      call visitor%require(visitor%has('set') .or. load%target /= load_on_sides, '', 'traction and pressure need set')
+      call visitor%require((visitor%has('set') .neqv. visitor%has('point')) .or. load%target /= load_on_nodes, &
+         'force', 'force needs either set or point')
+      if (load%target /= load_by_temperature) return
+      material = 0
+      do
+         material = visitor%deck%next_group('material', material)
+         if (material == 0) exit
+         call visitor%require(visitor%deck%has(material, 'expansion'), 'temperature', &
+            'temperature needs the expansion of every &material; 0 for one that does not expand')
+      end do
    end subroutine judge_load
 
 end module amontons_config_body

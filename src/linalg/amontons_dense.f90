@@ -27,28 +27,28 @@ contains
       call dpotrf('L', size(a, 1), a, max(1, size(a, 1)), info)
    end subroutine cholesky_factor
 
-   !> Replaces the lower triangle of a positive semidefinite matrix by the Cholesky factor of A + shift D, with the
-   !> smallest shift of 0, 1e-12, 1e-10, ... that makes it positive definite to rounding.
+   !> Replaces the lower triangle of a positive semidefinite matrix by the Cholesky factor of A + r D, with the
+   !> smallest regularization of 0, 1e-12, 1e-10, ... that makes it positive definite to rounding.
    pure subroutine cholesky_factor_softly(a, scales, is_soft)
       real(dp), contiguous, intent(inout) :: a(:, :) !! the matrix, both triangles (n, n); on return L in the lower one
       real(dp), intent(in) :: scales(:) !! the diagonal D, positive (n)
-      logical, intent(out) :: is_soft !! whether a shift was needed
+      logical, intent(out) :: is_soft !! whether r is not 0
       real(dp), parameter :: least = 1.0e-12_dp, growth = 100.0_dp
-      real(dp) :: diagonal(size(scales)), shift
+      real(dp) :: diagonal(size(scales)), regularization
       integer :: i, info
 
       diagonal = [(a(i, i), i=1, size(scales))]
-      shift = 0.0_dp
+      regularization = 0.0_dp
       do
          call cholesky_factor(a, info)
-         is_soft = shift > 0.0_dp
-         ! What is not finite stays so with any shift.
-         if (info == 0 .or. shift > 1.0_dp) return
-         shift = max(least, growth*shift)
+         is_soft = regularization > 0.0_dp
+         ! What is not finite stays so with any regularization.
+         if (info == 0 .or. regularization > 1.0_dp) return
+         regularization = max(least, growth*regularization)
          ! The upper triangle still has the matrix.
          do i = 1, size(scales)
             a(i:, i) = a(i, i:)
-            a(i, i) = diagonal(i) + shift*scales(i)
+            a(i, i) = diagonal(i) + regularization*scales(i)
          end do
       end do
    end subroutine cholesky_factor_softly

@@ -308,16 +308,16 @@ contains
       norm = maxval(total)
    end function sparse_matrix_norm
 
-   !> Adds alpha to the diagonal entries of some consecutive unknowns.
-   pure subroutine sparse_matrix_shift_diagonal(self, first, last, alpha)
+   !> Adds addend to the diagonal entries of some consecutive unknowns.
+   pure subroutine sparse_matrix_shift_diagonal(self, first, last, addend)
       class(sparse_matrix_t), intent(inout) :: self !! the matrix
       integer, intent(in) :: first !! first unknown
       integer, intent(in) :: last !! last unknown
-      real(dp), intent(in) :: alpha !! what is added
+      real(dp), intent(in) :: addend !! what is added
       integer :: j
 
       do j = first, last
-         self%value(self%column_start(j)) = self%value(self%column_start(j)) + alpha
+         self%value(self%column_start(j)) = self%value(self%column_start(j)) + addend
       end do
    end subroutine sparse_matrix_shift_diagonal
 

@@ -1,6 +1,6 @@
 !> Reference elements: shape functions, sides and quadrature of triangles and quadrilaterals, linear and quadratic.
 !>
-!> Nodes are numbered corners first, counter-clockwise, then the middles of the sides, then the centre.
+!> Nodes are numbered corners first, counter-clockwise, then the middles of the sides, then the center.
 module amontons_element
    use amontons_kinds, only: dp
    implicit none (type, external)

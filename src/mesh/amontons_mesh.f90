@@ -35,6 +35,7 @@ module amontons_mesh
       integer :: n_nodes = 0 !! number of nodes
       integer :: n_elements = 0 !! number of elements
       real(dp), allocatable :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      integer, allocatable :: node_tag(:) !! number of each node in the mesh's file; not allocated without a file
       integer, allocatable :: element_kind(:) !! kind of each element, see `amontons_element` (n_elements)
       integer, allocatable :: node_start(:) !! where the nodes of an element begin in `node` (n_elements + 1)
       integer, allocatable :: node(:) !! nodes of the elements, counter-clockwise

@@ -1,4 +1,4 @@
-!> Quadratic meshes from linear ones: nodes in the middle of every side, and in the centre of nine-node elements.
+!> Quadratic meshes from linear ones: nodes in the middle of every side, and in the center of nine-node elements.
 module amontons_quadratic_mesh
    use amontons_element, only: n_corners, n_element_nodes, quad9
    use amontons_kinds, only: dp
@@ -71,9 +71,9 @@ contains
       table%first(min(a, b)) = side
    end subroutine find_side
 
-   !> Gives every nine-node element its centre, the mean of its corners.
+   !> Gives every nine-node element its center, the mean of its corners.
    pure subroutine add_centers(mesh)
-      type(mesh_t), intent(inout) :: mesh !! the mesh, complete but for the centres
+      type(mesh_t), intent(inout) :: mesh !! the mesh, complete but for the centers
       real(dp) :: center(2, count(mesh%element_kind == quad9))
       integer :: element, first, n
 

@@ -17,7 +17,7 @@ module amontons_contact_table
 
    !> What is known of one contact point, a node or a cell of constant multipliers.
    type :: contact_point_t
-      real(dp) :: position(2) = 0.0_dp !! coordinates of the node or of the centre of the cell [L]
+      real(dp) :: position(2) = 0.0_dp !! coordinates of the node or of the center of the cell [L]
       real(dp) :: normal(2) = 0.0_dp !! unit outward normal of the body [-]
       real(dp) :: weight = 0.0_dp !! tributary length, or length of the cell [L]
       real(dp) :: gap = 0.0_dp !! distance to the obstacle, d - u_N [L]

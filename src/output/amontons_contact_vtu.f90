@@ -1,4 +1,4 @@
-!> NAME.contact.vtu: the contact line alone, as a grid of line segments, and of vertices where a point has no neighbour.
+!> NAME.contact.vtu: the contact line alone, as a grid of line segments, and of vertices where a point has no neighbor.
 module amontons_contact_vtu
    use amontons_body, only: body_t
    use amontons_contact_rows, only: turned
@@ -61,7 +61,7 @@ contains
       call put_arrays(vtk, line, body%zone%set, result%solution%status, start, body%zone%next(start), lone)
    end subroutine show_contact_line
 
-   !> Number of the cells of the contact line: segments, and vertices where a point has no neighbour.
+   !> Number of the cells of the contact line: segments, and vertices where a point has no neighbor.
    pure integer function n_line_cells(zone) result(n)
       type(contact_zone_t), intent(in) :: zone !! the contact points
 

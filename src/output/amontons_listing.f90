@@ -46,7 +46,7 @@ contains
 
       associate (solution => result%solution)
          text = heading('Solution')//line('Method', method_text(config))
-         text = text//line('Factorisation', factorization_text(body, result))
+         text = text//line('Factorization', factorization_text(body, result))
          if (allocated(result%started_from)) text = text//line('Started from', 'case '//result%started_from)
          text = text//outcome_text(solution)
          if (result%method_error >= 0.0_dp) text = text//line('Error of method', scientific(result%method_error)// &
@@ -59,7 +59,7 @@ contains
       end associate
    end function solution_text
 
-   !> The factorisation in use, its size, and the case it was made for.
+   !> The factorization in use, its size, and the case it was made for.
    function factorization_text(body, result) result(text)
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result

@@ -10,7 +10,7 @@ module amontons_listing_model
    use amontons_line_field, only: line_field_t
    use amontons_listing_text, only: heading, line, pair, short
    use amontons_load_case, only: load_case_t
-   use amontons_loads, only: load_on_nodes, load_on_sides, load_t
+   use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_sides, load_t
    use amontons_material, only: material_t
    use amontons_text, only: newline, to_text
    implicit none (type, external)
@@ -61,6 +61,8 @@ contains
 
       text = material%hypothesis//', Young '//short(material%young)//', Poisson '//short(material%poisson)
       if (.not. material%is_axisymmetric) text = text//', thickness '//short(material%thickness)
+      if (material%density > 0.0_dp) text = text//', density '//short(material%density)
+      if (abs(material%expansion) > 0.0_dp) text = text//', expansion '//short(material%expansion)
       if (material%has_mean_dilatation .and. has_quad4) text = text//', quad4 of B-bar formulation'
       if (len(material%region) > 0) text = text//", region '"//material%region//"'"
    end function material_text
@@ -220,9 +222,40 @@ contains
       case (load_on_nodes)
          if (len(load%set) == 0) text = text//'point '//pair(load%point)//', '
          text = text//'force '//pair(load%force)
+      case (load_by_temperature)
+         text = text//temperature_text(load)
       case default
-         text = text//'body force '//pair(load%body_force)
+         text = text//body_force_text(load)
       end select
    end function load_text
+
+   !> What acts on the volume.
+   pure function body_force_text(load) result(text)
+      type(load_t), intent(in) :: load !! the load
+      character(:), allocatable :: text
+
+      text = ''
+      if (any(abs(load%body_force) > 0.0_dp)) text = text//', body force '//pair(load%body_force)
+      if (any(abs(load%gravity) > 0.0_dp)) text = text//', gravity '//pair(load%gravity)
+      if (abs(load%angular_speed) > 0.0_dp) then
+         text = text//', angular speed '//short(load%angular_speed)//' about '//pair(load%center)
+         if (any(abs(load%axis) > 0.0_dp)) text = text//' along '//pair(load%axis)
+      end if
+      if (text == '') text = ', body force '//pair(load%body_force)
+      text = text(3:)
+   end function body_force_text
+
+   !> What temperature a load is.
+   pure function temperature_text(load) result(text)
+      type(load_t), intent(in) :: load !! the load
+      character(:), allocatable :: text
+
+      if (allocated(load%temperature_table)) then
+         text = 'temperature from '//load%temperature_file
+      else
+         text = 'temperature '//short(load%temperature)
+         if (any(abs(load%temperature_slope) > 0.0_dp)) text = text//' + '//pair(load%temperature_slope)//' . (x, y)'
+      end if
+   end function temperature_text
 
 end module amontons_listing_model

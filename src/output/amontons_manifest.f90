@@ -104,6 +104,9 @@ contains
             if (allocated(contact%obstacle%file)) call add(contact%obstacle%file)
          end associate
       end do
+      do i = 1, size(config%loads)
+         if (allocated(config%loads(i)%temperature_file)) call add(config%loads(i)%temperature_file)
+      end do
 
    contains
 

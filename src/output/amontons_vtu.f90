@@ -44,7 +44,8 @@ contains
       real(dp), allocatable :: contact(:, :)
       integer, allocatable :: status(:)
 
-      call new_stress_field(stress, body%mesh, body%materials, body%coloring, result%displacement)
+      call new_stress_field(stress, body%mesh, body%materials, body%coloring, result%displacement, &
+         result%load_case%thermal_strain)
       call spread_contact(body, result, contact, status)
       call put_arrays(vtk, body, result, stress, contact, status)
    end subroutine show_body

@@ -112,7 +112,7 @@ contains
       end do
    end subroutine find_strain
 
-   !> Warns of a largest pressure that is more than twice that of each of its neighbours.
+   !> Warns of a largest pressure that is more than twice that of each of its neighbors.
    pure subroutine add_pressure_jump(warnings, zone, pressure)
       type(warning_list_t), intent(inout) :: warnings !! gains the warning
       type(contact_zone_t), intent(in) :: zone !! the contact points

@@ -94,8 +94,8 @@ contains
       real(dp) :: forces
 
       cancellation = 0.0_dp
-      ! Prescribed displacements are loads that no force tells.
-      if (any(abs(result%load_case%prescribed) > 0.0_dp)) return
+      ! Prescribed displacements and heat are loads that no force tells.
+      if (any(abs(result%load_case%prescribed) > 0.0_dp) .or. allocated(result%load_case%thermal_strain)) return
       forces = max(norm2(result%load_case%force), norm2(result%solution%force))
       if (forces > 0.0_dp) cancellation = uncancelled_forces(body%mesh, body%materials, result%displacement)/forces
    end function cancellation

@@ -13,7 +13,7 @@ module amontons_timings
    integer, parameter :: phase_read = 1
    !> The phase of element stiffness and assembly.
    integer, parameter :: phase_assemble = 2
-   !> The phase of ordering and Cholesky factorisation.
+   !> The phase of ordering and Cholesky factorization.
    integer, parameter :: phase_factorize = 3
    !> The phase of condensed stiffness and condensed load.
    integer, parameter :: phase_condense = 4

@@ -1,7 +1,7 @@
 !> The files of a solved case checked against each other: equilibrium, kinematics, contact law and certificate are
 !> computed again from the deck, the mesh, the displacements in NAME.vtu and the forces in NAME.contact.csv.
 !>
-!> No matrix is assembled and none factorised, and no method runs: the forces of the elements come from their
+!> No matrix is assembled and none factorized, and no method runs: the forces of the elements come from their
 !> displacements, one by one.
 module amontons_verify_case
    use amontons_certificate, only: new_certificate

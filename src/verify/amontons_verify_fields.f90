@@ -14,7 +14,7 @@ module amontons_verify_fields
    use amontons_solve_case, only: cache_t
    use amontons_summary_check, only: summary_check_t
    use amontons_sweep_model, only: new_sweep_loads, sweep_model_t
-   use amontons_sweep_tally, only: case_result_t
+   use amontons_sweep_statistics, only: case_result_t
    use amontons_text, only: read_integer, to_text
    use amontons_verify_case, only: check_grids
    use amontons_vtk_check, only: read_array, read_displacement

@@ -17,7 +17,8 @@ module amontons_verify_sweep
    use amontons_summary_members, only: warnings_array
    use amontons_sweep_summary, only: extremes_text
    use amontons_sweep_table, only: append_row, read_status_runs, status_runs, sweep_header
-   use amontons_sweep_tally, only: case_converged, case_result_t, outcome_names, quantity_labels, sweep_tally_t
+   use amontons_sweep_statistics, only: case_converged, case_result_t, outcome_names, quantity_labels, &
+      sweep_statistics_t
    use amontons_text, only: newline, read_integer, to_text
    use amontons_verify_fields, only: field_case_t, verify_fields
    implicit none (type, external)
@@ -39,7 +40,7 @@ contains
       logical, intent(out) :: is_certified !! whether all cases converged and the certificate passes
       type(result_t) :: result
       type(csv_table_t) :: rows
-      type(sweep_tally_t) :: tally
+      type(sweep_statistics_t) :: statistics
       type(field_case_t), allocatable :: cases(:)
       type(error_t), allocatable :: error
       character(:), allocatable :: header, fault
@@ -66,7 +67,7 @@ contains
       do i = 1, merge(rows%n_rows, 0, len(fault) == 0)
          call check_row(rows, i, config, cache%body%zone, cases(n + 1), fault)
          if (len(fault) > 0) exit
-         call tally%add(cases(n + 1)%result)
+         call statistics%add(cases(n + 1)%result)
          has_converged(i) = cases(n + 1)%result%outcome == case_converged
          if (config%sweep%has_fields(i, i) .and. has_converged(i)) n = n + 1
       end do
@@ -74,10 +75,10 @@ contains
          call summary%faults%add(stem//'.sweep.csv', fault)
          return
       end if
-      call check_summary(summary, cache, tally)
+      call check_summary(summary, cache, statistics)
       call find_certified(summary, has_converged, certified)
       call verify_fields(summary, cache, result%load_case, config, stem, cases(:n), certified)
-      is_certified = tally%n_outcomes(case_converged) == tally%n_cases .and. &
+      is_certified = statistics%n_outcomes(case_converged) == statistics%n_cases .and. &
          summary%value('certificate', 'passed') == 'true'
    end subroutine verify_sweep
 
@@ -160,28 +161,28 @@ contains
    end subroutine check_lengths
 
    !> Checks what the summary tells of all rows together.
-   subroutine check_summary(summary, cache, tally)
+   subroutine check_summary(summary, cache, statistics)
       type(summary_check_t), intent(inout) :: summary !! the summary; gains the faults
       type(cache_t), intent(in) :: cache !! the body
-      type(sweep_tally_t), intent(in) :: tally !! what the rows tell together
+      type(sweep_statistics_t), intent(in) :: statistics !! what the rows tell together
       integer :: i
 
-      call summary%expect_text('', 'converged', truth(tally%n_outcomes(case_converged) == tally%n_cases))
-      call summary%expect_text('', 'iterations', to_text(tally%n_iterations))
-      call summary%expect_text('sweep', 'cases', to_text(tally%n_cases))
+      call summary%expect_text('', 'converged', truth(statistics%n_outcomes(case_converged) == statistics%n_cases))
+      call summary%expect_text('', 'iterations', to_text(statistics%n_iterations))
+      call summary%expect_text('sweep', 'cases', to_text(statistics%n_cases))
       do i = 1, size(outcome_names)
-         call summary%expect_text('sweep', trim(outcome_names(i)), to_text(tally%n_outcomes(i)))
+         call summary%expect_text('sweep', trim(outcome_names(i)), to_text(statistics%n_outcomes(i)))
       end do
       call summary%expect_text('counts', 'nodes', to_text(cache%body%mesh%n_nodes))
       call summary%expect_text('counts', 'elements', to_text(cache%body%mesh%n_elements))
       call summary%expect_text('counts', 'dofs', to_text(cache%body%dof_map%n_dofs))
       call summary%expect_text('counts', 'contact_points', to_text(cache%body%zone%n_points))
-      if (tally%residual_case == 0) return
-      call summary%expect_number('', 'residual', tally%residual, 0.0_dp)
-      call summary%expect_text('', 'extremes', '{'//extremes_text(tally)//'}')
+      if (statistics%residual_case == 0) return
+      call summary%expect_number('', 'residual', statistics%residual, 0.0_dp)
+      call summary%expect_text('', 'extremes', '{'//extremes_text(statistics)//'}')
    end subroutine check_summary
 
-   !> Finds the case that the summary says is certified. Which one is most in doubt no file tells, but it has converged.
+   !> Finds the case that the summary says is certified. No file has the error estimates, but it has converged.
    subroutine find_certified(summary, has_converged, certified)
       type(summary_check_t), intent(inout) :: summary !! the summary; gains the fault
       logical, intent(in) :: has_converged(:) !! whether each case has converged

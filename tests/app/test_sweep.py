@@ -6,7 +6,7 @@ import json
 import unittest
 from pathlib import Path
 
-from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block
+from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block, read_vtu
 
 INPUT = Path(__file__).resolve().parents[2] / "input"
 QUANTITIES = ["open_length", "slip_length", "stick_length", "normal_force", "tangential_force"]
@@ -105,6 +105,28 @@ class Rows(SweepTest):
              for friction in (0.2, 0.4) for name in ("friction.txt", "double.txt")])
         self.assertEqual(self.table()[1][:3], ["case", "friction_bottom", "friction_factor_left"])
         self.assertIn(" | ", self.table()[0][0]["statuses"])
+
+    def test_spin_and_heat_are_multiplied(self):
+        # Between two walls, so that heat presses; the fields of every case show the stress of its own temperature.
+        material = "young = 1000.0  poisson = 0.25  density = 1e-3  expansion = 1e-3"
+        groups = ("contact set = 'left'  friction = 0.2  normal = 1.0, 0.0",
+                  "contact set = 'right'  friction = 0.2  point = 4.0, 0.0  normal = -1.0, 0.0",
+                  "support set = 'top'  uy = 0.0", "load temperature = 0.5", "load gravity = 1.0, -2.0")
+        heat, spin = "load name = 'heat'  temperature = {}  temperature_slope = 0.0, {}", \
+            "load name = 'spin'  angular_speed = {}  center = 1.0, 1.0"
+        values = list(itertools.product((0.0, 1.0, 3.0), (0.0, 4.0)))
+        singles = [block(*groups, heat.format(2.0*factor, 0.1*factor), spin.format(5.0*square**0.5), material=material)
+                   for factor, square in values]
+        swept = block(*groups, heat.format(2.0, 0.1), spin.format(5.0), "sweep load = 'heat'  factor = 0.0, 1.0, 3.0",
+                      "sweep load = 'spin'  factor = 0.0, 4.0", "output fields_every = 1", material=material)
+        self.assert_rows(swept, singles)
+        self.assertEqual(self.run_program("--verify", ".").stdout.count(": verified"), 7)
+        for i in range(len(values)):
+            found, _, _ = read_vtu((self.directory/f"sweep.sweep/{i + 1}.vtu").read_bytes())
+            expected, _, _ = read_vtu((self.directory/f"single{i}.vtu").read_bytes())
+            for name in ("stress", "nodal_stress"):
+                self.assert_close([s for tensor in found[name] for s in tensor],
+                                  [s for tensor in expected[name] for s in tensor], SOLVED, i)
 
     def test_loads_of_one_name_are_multiplied_together(self):
         both = "load {}set = 'top'  pressure = {}", "load {}set = 'right'  traction = {}, 0.0"

@@ -148,7 +148,7 @@ contains
       call straighten(mesh)
    end subroutine distort
 
-   !> Puts the middle nodes of quadratic elements halfway between the corners, and the centres between all of them.
+   !> Puts the middle nodes of quadratic elements halfway between the corners, and the centers between all of them.
    subroutine straighten(mesh)
       type(mesh_t), intent(inout) :: mesh !! the mesh
       integer :: element, side, nodes(3), first

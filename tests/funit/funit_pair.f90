@@ -102,7 +102,7 @@ contains
          reason = 'Arrays not conformable failure:'
       end if
       if (.not. allocated(reason)) return
-      self%defect = reason//labelled('Expected shape', list(expected))//labelled('Actual shape', list(actual))
+      self%defect = reason//labeled('Expected shape', list(expected))//labeled('Actual shape', list(actual))
    end subroutine pair_set_defect
 
    !> Fills in the values, a single expected one as often as there are actual ones.
@@ -144,7 +144,7 @@ contains
          self%line(labels(2), self%actual(place))
       if (present(tolerance)) text = text//self%line('Difference', self%actual(place) - self%expected(place))// &
          ' (greater than tolerance of '//to_text(tolerance)//')'
-      if (size(self%extents) > 0) text = text//labelled('at index', list(subscripts(place, self%extents)))
+      if (size(self%extents) > 0) text = text//labeled('at index', list(subscripts(place, self%extents)))
       call fail(text, message, location)
    end subroutine pair_judge
 
@@ -156,20 +156,20 @@ contains
       character(:), allocatable :: text
 
       if (self%is_integer) then
-         text = labelled(label, '<'//to_text(nint(value))//'>')
+         text = labeled(label, '<'//to_text(nint(value))//'>')
       else
-         text = labelled(label, '<'//to_text(value)//'>')
+         text = labeled(label, '<'//to_text(value)//'>')
       end if
    end function pair_line
 
    !> Text on a line of its own, after its label.
-   pure function labelled(label, text) result(line)
+   pure function labeled(label, text) result(line)
       character(*), intent(in) :: label !! what to call it
       character(*), intent(in) :: text !! the text
       character(:), allocatable :: line
 
       line = new_line('a')//repeat(' ', max(0, 18 - len_trim(label)))//trim(label)//': '//text
-   end function labelled
+   end function labeled
 
    !> Subscripts of a place, counted from 1.
    pure function subscripts(place, extents)

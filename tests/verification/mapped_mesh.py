@@ -1,5 +1,5 @@
 """Structured meshes of any four-sided body: cells of the unit square, mapped and written in Gmsh's format 2.2."""
-from math import atan2, cos, hypot, sin
+from math import atan2, cos, hypot, pi, sin
 
 # Numbers of the elements in the format; order and shape.
 GMSH_KIND = {"tri3": 2, "quad4": 3, "tri6": 9, "quad8": 16, "quad9": 10}
@@ -67,6 +67,14 @@ def with_middles(polygon, element, number):
 def sector(inner, outer, angle):
     """The mapping to a sector of a ring: bottom is its first radius, right its outer side, left its inner one."""
     return lambda s, t: ((inner + (outer - inner)*s)*cos(angle*t), (inner + (outer - inner)*s)*sin(angle*t))
+
+
+def wall(inner, outer):
+    """The mapping to a section through the wall of a tube, of height 1, its inner nodes moved."""
+    def move(s, t):
+        shift = 0.1*sin(pi*s)*sin(pi*t)
+        return inner + (outer - inner)*(s + shift), t - 0.7*shift
+    return move
 
 
 def turned(mapping, angle):

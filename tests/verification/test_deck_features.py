@@ -3,7 +3,7 @@
 import math
 import unittest
 
-from harness import ProgramTest
+from harness import ProgramTest, read_vtu
 from mapped_mesh import mapped_mesh
 
 # A column 1 wide of two layers, each of one cell 1 high, its sides and layers named; written as MSH 2.2.
@@ -168,6 +168,48 @@ class DeckFeatures(ProgramTest):
 """)
         self.assert_close(result["slip"], [3.0/40.0]*2, ROUNDING)
         self.assert_close(result["contact_pressure"], [5.0]*2, ROUNDING*100)
+
+    def test_temperatures_of_a_region_strain_it_alone(self):
+        # Two layers, one on the other between roof and floor: the lower one wants to be longer by 1e-3.
+        self.write("column.msh", COLUMN)
+        deck = """\
+&mesh kind = 'file'  file = 'column.msh' /
+&material young = 100.0  poisson = 0.0  region = 'soft'  expansion = 1e-5 /
+&material young = 400.0  poisson = 0.0  region = 'stiff'  expansion = 1e-3 /
+&support set = 'sides'  ux = 0.0 /
+&support set = 'floor'  uy = 0.0 /
+&support set = 'roof'  uy = 0.0 /
+&load name = 'heat'  region = 'soft'  temperature = 60.0  temperature_slope = 0.0, 80.0 /
+"""
+        result = self.solve(deck)
+        arrays, _, _ = read_vtu((self.directory/"case.vtu").read_bytes())
+        # The means of the layers give in by stress over modulus.
+        stress = -1e-3/(1/100 + 1/400)
+        for tensor in arrays["stress"]:
+            self.assertAlmostEqual(tensor[1], stress, delta=ROUNDING)
+        # Across y the lower layer cannot expand at all; along y its strain varies by 4e-4 to either side of the mean.
+        variance = (4e-4)**2/3
+        energy = 0.5*stress**2*(1/100 + 1/400) + 0.5*100*(2*(1e-3**2 + variance) + variance)
+        self.assertAlmostEqual(result.summary["certificate"]["strain_energy"], energy, delta=ROUNDING)
+
+    def test_faults_of_a_temperature_table(self):
+        deck = """\
+&mesh size = 1.0, 1.0  cells = 1, 1 /
+&material young = 100.0  poisson = 0.25  expansion = 1e-5 /
+&support set = 'left'  ux = 0.0  uy = 0.0 /
+&load temperature_table = 'table.csv' /
+"""
+        file = self.directory.resolve()/"table.csv"
+        wrong_number = "temperature_table must have the number of a node, 1 or above, in each row"
+        for rows, fault in (("1, 5\n2, 5\n4, 5\n", f"{file}: no temperature of node 3"),
+                            ("1, 5\n2, 5\n3, 5\n4, 5\n2, 6\n", f"{file}: node 2 is given a second time"),
+                            ("1, 5\n1.5, 5\n", wrong_number), ("0, 5\n1, 5\n", wrong_number)):
+            self.write("table.csv", rows)
+            run = self.run_program("--check", self.write("deck.nml", deck), status=1)
+            self.assertEqual(run.stderr, f"deck.nml:4: {fault}\n")
+        run = self.run_program("--check", self.write("deck.nml", deck.replace("&load", "&load temperature = 3.0 ")),
+                               status=1)
+        self.assertIn("give either temperature and temperature_slope, or temperature_table", run.stderr)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 !> The certificate: what a solution fulfils on the full model, computed from displacements and contact forces alone.
 module amontons_certificate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: internal_forces, spring_forces, strained_share, uncancelled_forces
+   use amontons_assembly, only: internal_forces, spring_forces, strained_share, thermal_work, uncancelled_forces
    use amontons_body, only: body_t
    use amontons_constraints, only: constraints_t
    use amontons_contact_zone, only: contact_zone_t
@@ -14,7 +14,8 @@ module amontons_certificate
 
    !> Violations of the conditions that define the solution, each over its natural scale, and the resultants.
    type :: certificate_t
-      real(dp) :: equilibrium = 0.0_dp !! |K u - f + C^T lambda| on the unknowns / size of the forces, or more [-]
+      real(dp) :: equilibrium = 0.0_dp
+         !! |K u - f_th - f + C^T lambda| on the unknowns / size of the forces, or more [-]
       real(dp) :: penetration = 0.0_dp !! largest overlap with the obstacle / largest displacement [-]
       real(dp) :: tension = 0.0_dp !! largest normal force that pulls / force_scale [-]
       real(dp) :: friction_excess = 0.0_dp !! largest |lambda_T| - phi lambda_N - g / force_scale [-]
@@ -25,12 +26,13 @@ module amontons_certificate
          !! the same of |lambda_T| and the slip where they point in opposite directions [-]
       real(dp) :: resultant = 0.0_dp !! |loads + reactions + contact forces| / sum of their magnitudes [-]
       real(dp) :: moment = 0.0_dp !! |moment of these| / (sum of their magnitudes times half the body's size) [-]
-      real(dp) :: energy = 0.0_dp !! |u . K u - work of all forces| / sum of the magnitudes of the terms, or more [-]
+      real(dp) :: energy = 0.0_dp
+         !! |u . (K u - f_th) - work of all forces| / sum of the magnitudes of the terms, or more [-]
       logical :: has_duality_gap = .false. !! whether no point rubs by Coulomb's law, so that both energies exist
       real(dp) :: duality_gap = 0.0_dp
          !! |primal energy of u - dual energy of lambda| / the same, of a given slip bound or none [-]
       real(dp) :: force_scale = 0.0_dp !! what contact forces are measured by: the largest nodal force, or more [F]
-      real(dp) :: strain_energy = 0.0_dp !! u . K u / 2 [F L]
+      real(dp) :: strain_energy = 0.0_dp !! half of stress times elastic strain and of spring force times way [F L]
       real(dp) :: dissipation = 0.0_dp !! work of friction: sum of lambda_T (u_T - a) [F L]
       real(dp) :: load(2) = 0.0_dp !! resultant of the loads, x and y [F]
       real(dp) :: reaction(2) = 0.0_dp !! resultant of the support reactions, x and y [F]
@@ -56,13 +58,15 @@ contains
       real(dp) :: force_size, least_scale, work
 
       associate (loads => load_case%force, prescribed => load_case%prescribed)
-         call internal_forces(internal, body%mesh, body%materials, body%springs, body%coloring, displacement)
+         call internal_forces(internal, body%mesh, body%materials, body%springs, body%coloring, displacement, &
+            load_case%thermal_strain)
          contact = body%zone%rows%forces(force, body%mesh%n_nodes)
          reaction = internal - loads - contact
          call split_imbalance(body%constraints, reaction, certificate%equilibrium)
          force_size = max(norm2(loads), norm2(reaction), norm2(contact))
          least_scale = 0.0_dp
-         if (.not. any(abs(loads) > 0.0_dp)) least_scale = unstrained_scale(body, displacement, force_size)
+         if (.not. any(abs(loads) > 0.0_dp)) least_scale = unstrained_scale(body, displacement, force_size, &
+            allocated(load_case%thermal_strain))
          certificate%force_scale = max(maxval(abs(loads)), maxval(abs(reaction)), maxval(abs(contact)), least_scale)
          call check_points(certificate, body%zone, load_case, displacement, force)
          springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
@@ -70,8 +74,11 @@ contains
             contact)
          certificate%equilibrium = relative_imbalance(certificate%equilibrium, body, displacement, force_size)
          certificate%strain_energy = 0.5_dp*sum(internal*displacement)
+         if (allocated(load_case%thermal_strain)) certificate%strain_energy = certificate%strain_energy &
+            - 0.5_dp*thermal_work(body%mesh, body%materials, displacement, load_case%thermal_strain)
          ! Where a load acts on what a support moves, both do work that strains nothing.
-         work = max(sum(abs(internal*displacement)), least_scale*norm2(displacement), &
+         ! Heat strains a body although no force does work on it.
+         work = max(sum(abs(internal*displacement)), least_scale*norm2(displacement), certificate%strain_energy, &
             sum(abs(loads*displacement)) + sum(abs(contact*displacement)) + sum(abs(reaction*prescribed)))
          certificate%energy = relative(abs(sum(internal*displacement) - sum((loads + contact)*displacement) &
             - sum(reaction*prescribed)), work)
@@ -81,11 +88,12 @@ contains
 
    !> What the forces on a body that nothing loads are measured by at the least: if they are all rounding errors of
    !> |K| |u|, and no element is strained, a share of it, otherwise nothing. Forces of a strained soft part may be as
-   !> small beside the |K| |u| of a stiff one, but mean something [F].
-   real(dp) function unstrained_scale(body, displacement, force_size) result(scale)
+   !> small beside the |K| |u| of a stiff one, but mean something. Heat strains elements although no force acts [F].
+   real(dp) function unstrained_scale(body, displacement, force_size, is_heated) result(scale)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force_size !! size of the forces [F]
+      logical, intent(in) :: is_heated !! whether there are thermal strains
       ! Some hundred times the relative rounding error of a sum of a few dozen terms.
       real(dp), parameter :: rounding = 1.0e-13_dp
       ! Displacements have the rounding errors of the whole solution.
@@ -94,7 +102,9 @@ contains
       scale = 0.0_dp
       associate (uncancelled => uncancelled_forces(body%mesh, body%materials, displacement))
          if (force_size > rounding*uncancelled) return
-         if (strained_share(body%mesh, body%materials, displacement) > negligible_share) return
+         if (.not. is_heated) then
+            if (strained_share(body%mesh, body%materials, displacement) > negligible_share) return
+         end if
          scale = rounding_share*uncancelled
       end associate
    end function unstrained_scale

@@ -12,16 +12,21 @@ module amontons_load_case
    use amontons_loads, only: load_t, load_vector
    use amontons_mesh, only: mesh_t
    use amontons_text, only: to_text
+   use amontons_thermal_strain, only: sum_thermal_strain
    implicit none (type, external)
    private
 
-   public :: condense_load_case, load_case_t, new_load_case, pose_problem, recover_displacement, set_obstacles
+   public :: condense_load_case, free_expansion, load_case_t, new_load_case, pose_problem, recover_displacement, &
+      set_obstacles
 
    !> Loads, prescribed displacements, obstacles and friction.
    type :: load_case_t
       type(contact_t), allocatable :: contacts(:) !! the contact sets, with their obstacles
       real(dp), allocatable :: force(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       real(dp), allocatable :: prescribed(:, :) !! displacements that the supports prescribe (2, n_nodes) [L]
+      real(dp), allocatable :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node`; not allocated
+         !! without temperatures [-]
       real(dp), allocatable :: gap(:) !! initial distance d to the obstacle along the normal (m) [L]
       real(dp), allocatable :: free_gap(:)
          !! what is left of the gap for the displacements that supports do not prescribe: d - n . u_p (m) [L]
@@ -62,6 +67,8 @@ contains
       prescribed = body%zone%rows%displacement(load_case%prescribed)
       load_case%free_gap = load_case%gap - prescribed(:body%zone%n_points)
       call load_vector(load_case%force, body%mesh, body%materials, loads, error)
+      if (.not. allocated(error)) call sum_thermal_strain(load_case%thermal_strain, body%mesh, body%materials, loads, &
+         error)
    end subroutine new_load_case
 
    !> Sets gap, friction and slip bound of every point from its contact set.
@@ -161,14 +168,15 @@ contains
       text = to_text(position(1))//', '//to_text(position(2))
    end function position_text
 
-   !> Condenses the loads of a case, prescribed displacements included.
+   !> Condenses the loads of a case, prescribed displacements and thermal strains included.
    subroutine condense_load_case(load_case, body)
       type(load_case_t), intent(inout) :: load_case !! the load case; gains its condensed load
       type(body_t), intent(in) :: body !! the body, condensed
       real(dp), allocatable :: forces(:, :)
 
-      if (any(abs(load_case%prescribed) > 0.0_dp)) then
-         call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, load_case%prescribed)
+      if (any(abs(load_case%prescribed) > 0.0_dp) .or. allocated(load_case%thermal_strain)) then
+         call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, load_case%prescribed, &
+            load_case%thermal_strain)
          forces = load_case%force - forces
       else
          forces = load_case%force
@@ -184,7 +192,7 @@ contains
       real(dp), allocatable :: slip(:), from_slip(:)
 
       problem%load = load_case%condensed%load
-      problem%prescribed = maxval(abs(load_case%prescribed))
+      problem%prescribed = max(maxval(abs(load_case%prescribed)), free_expansion(load_case, body%mesh))
       problem%gap = load_case%free_gap
       ! Tangential displacements are whole, as the anchors are: what is prescribed of them, as at one node of a cell,
       ! becomes a load.
@@ -197,6 +205,16 @@ contains
       problem%friction = merge(0.0_dp, load_case%friction, body%zone%is_tangent_fixed)
       problem%slip_bound = merge(0.0_dp, load_case%slip_bound, body%zone%is_tangent_fixed)
    end subroutine pose_problem
+
+   !> How far the body would expand at most, if it were all as hot as at its hottest place [L].
+   pure real(dp) function free_expansion(load_case, mesh) result(expansion)
+      type(load_case_t), intent(in) :: load_case !! the load case
+      type(mesh_t), intent(in) :: mesh !! the mesh
+
+      expansion = 0.0_dp
+      if (allocated(load_case%thermal_strain)) expansion = maxval(abs(load_case%thermal_strain)) &
+         *maxval(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
+   end function free_expansion
 
    !> The part of every slip that supports prescribe; 0 where a support prevents the slip
    !> (m) [L].

@@ -45,7 +45,7 @@ contains
       if (allocated(input%error)) return
       call turn_elements(mesh, draft, input, cell_of, translation%is_turned)
       if (allocated(input%error)) return
-      call check_neighbours(mesh, draft, input, cell_of, table)
+      call check_neighbors(mesh, draft, input, cell_of, table)
       if (allocated(input%error)) return
       call warn_of_pieces(mesh)
       call warn_of_slits(mesh, table)
@@ -156,6 +156,7 @@ contains
       mesh%node = node_of(mesh%node)
       call check_plane(draft, kept, input)
       mesh%coordinates = draft%coordinates(:2, kept)
+      mesh%node_tag = draft%node_tag%item(kept)
    end subroutine place_nodes
 
    !> Refuses nodes that are out of range or out of the plane of the first.
@@ -257,16 +258,16 @@ contains
 
    !> Turns an element round its first corner: side i becomes side n + 1 - i.
    pure subroutine turn(nodes, n)
-      integer, intent(inout) :: nodes(:) !! its nodes: corners, then middles of the sides, then the centre
+      integer, intent(inout) :: nodes(:) !! its nodes: corners, then middles of the sides, then the center
       integer, intent(in) :: n !! number of its corners
 
       nodes(2:n) = nodes(n:2:-1)
       if (size(nodes) >= 2*n) nodes(n + 1:2*n) = nodes(2*n:n + 1:-1)
    end subroutine turn
 
-   !> Refuses elements that lie one over the other, hanging nodes, and neighbours that differ about the middle of their
+   !> Refuses elements that lie one over the other, hanging nodes, and neighbors that differ about the middle of their
    !> side.
-   pure subroutine check_neighbours(mesh, draft, input, cell_of, table)
+   pure subroutine check_neighbors(mesh, draft, input, cell_of, table)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(mesh_draft_t), intent(in) :: draft !! the draft
       type(input_file_t), intent(inout) :: input !! the file
@@ -284,7 +285,7 @@ contains
       if (element > 0) then
          call refuse_cell(input, draft, cell_of(element), 'has a hanging node in one of its sides, at '// &
             to_text(mesh%coordinates(1, node))//', '//to_text(mesh%coordinates(2, node))// &
-            ': neighbours must share whole sides')
+            ': neighbors must share whole sides')
          return
       end if
       if (all(n_element_nodes(mesh%element_kind) == n_corners(mesh%element_kind))) return
@@ -299,7 +300,7 @@ contains
             to_text(draft%cell_tag%item(cell_of(elements(1))))//' but not the node in its middle')
          return
       end do
-   end subroutine check_neighbours
+   end subroutine check_neighbors
 
    !> Warns that a body is not one: pieces that touch without sharing a node do not hold together.
    pure subroutine warn_of_pieces(mesh)

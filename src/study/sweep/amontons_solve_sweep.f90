@@ -1,4 +1,4 @@
-!> The way of a sweep from its deck to its table: all cases on one factorisation, solved by all threads.
+!> The way of a sweep from its deck to its table: all cases on one factorization, solved by all threads.
 !>
 !> As many chunks as take about a second are a batch, after which the rows are put on the disk: an interrupted sweep
 !> goes on there.
@@ -24,7 +24,7 @@ module amontons_solve_sweep
    use amontons_sweep_model, only: new_sweep_model, sweep_model_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep_table, only: sweep_header
-   use amontons_sweep_tally, only: sweep_tally_t
+   use amontons_sweep_statistics, only: sweep_statistics_t
    use amontons_system, only: make_directory, wall_seconds
    use amontons_text, only: newline
    use amontons_threads, only: n_threads
@@ -38,8 +38,9 @@ module amontons_solve_sweep
    !> The result of a sweep. Its rows and its fields are on the disk.
    type :: sweep_result_t
       type(result_t) :: certified
-         !! the converged case that is most in doubt, certified on the full model; its times are those of the sweep
-      type(sweep_tally_t) :: tally !! counts and extremes
+         !! the converged case with the largest error estimate, certified on the full model; its times are those of the
+         !! sweep
+      type(sweep_statistics_t) :: statistics !! counts and extremes
       type(sweep_checkpoint_t) :: checkpoint !! the table, still under its temporary name
       type(output_file_t), allocatable :: collection
          !! the collection of the fields, if there is one, still under its temporary name
@@ -81,9 +82,9 @@ contains
       call make_directory(directory, error)
       if (allocated(error)) return
       call open_sweep_checkpoint(result%checkpoint, directory//'/'//config%name, sweep_key(config, task%model), &
-         sweep_header(config%sweep), result%tally, error)
+         sweep_header(config%sweep), result%statistics, error)
       if (allocated(error)) return
-      result%n_resumed = result%tally%n_cases
+      result%n_resumed = result%statistics%n_cases
       call solve_batches(task, cache%body, monitor, result, error)
       if (.not. allocated(error)) call finish_sweep(task, cache%body, directory, config%name, monitor, result, error)
       if (allocated(error) .or. result%is_interrupted) call result%checkpoint%close()
@@ -100,11 +101,11 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
 
       call result%certified%timings%begin(phase_write)
-      result%is_interrupted = result%tally%n_cases < task%sweep%n_cases()
+      result%is_interrupted = result%statistics%n_cases < task%sweep%n_cases()
       call keep_fields(task, body, directory, name, monitor, result, error)
       if (allocated(error)) return
       call result%certified%timings%begin(phase_recover)
-      if (.not. result%is_interrupted .and. result%tally%doubtful_case > 0) then
+      if (.not. result%is_interrupted .and. result%statistics%worst_case > 0) then
          call certify_worst(task, body, result, error)
          if (allocated(error)) return
       end if
@@ -141,7 +142,7 @@ contains
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
       class(study_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
-      type(sweep_result_t), intent(inout) :: result !! gains the tally
+      type(sweep_result_t), intent(inout) :: result !! gains the statistics
       type(error_t), allocatable, intent(out) :: error !! the rows cannot be written
       real(dp), parameter :: batch_seconds = 1.0_dp
       type(chunk_t), allocatable :: chunks(:)
@@ -151,19 +152,19 @@ contains
 
       n_cases = int(task%sweep%n_cases())
       n_chunks = n_threads()
-      call monitor%report(result%tally%n_cases, n_cases)
-      do while (result%tally%n_cases < n_cases .and. .not. monitor%is_stopped())
+      call monitor%report(result%statistics%n_cases, n_cases)
+      do while (result%statistics%n_cases < n_cases .and. .not. monitor%is_stopped())
          start = wall_seconds()
-         allocate (chunks(min(n_chunks, (n_cases - result%tally%n_cases - 1)/chunk_length + 1)))
+         allocate (chunks(min(n_chunks, (n_cases - result%statistics%n_cases - 1)/chunk_length + 1)))
          do i = 1, size(chunks)
-            call new_chunk(chunks(i), result%tally%n_cases + (i - 1)*chunk_length, n_cases)
+            call new_chunk(chunks(i), result%statistics%n_cases + (i - 1)*chunk_length, n_cases)
          end do
          call solve_chunks(task, body, monitor, chunks)
-         call gather_chunks(chunks, rows, result%tally)
+         call gather_chunks(chunks, rows, result%statistics)
          deallocate (chunks)
-         if (len(rows) > 0) call result%checkpoint%append(rows, result%tally, error)
+         if (len(rows) > 0) call result%checkpoint%append(rows, result%statistics, error)
          if (allocated(error)) return
-         call monitor%report(result%tally%n_cases, n_cases)
+         call monitor%report(result%statistics%n_cases, n_cases)
          growth = min(4.0_dp, batch_seconds/max(wall_seconds() - start, tiny(1.0_dp)))
          n_chunks = max(n_threads(), int(n_chunks*growth))
       end do
@@ -200,10 +201,10 @@ contains
    end subroutine share_chunks
 
    !> Gathers the chunks that are done, as far as no chunk is missing before them.
-   pure subroutine gather_chunks(chunks, rows, tally)
+   pure subroutine gather_chunks(chunks, rows, statistics)
       type(chunk_t), intent(in) :: chunks(:) !! the chunks
       character(:), allocatable, intent(out) :: rows !! their rows
-      type(sweep_tally_t), intent(inout) :: tally !! gains their cases
+      type(sweep_statistics_t), intent(inout) :: statistics !! gains their cases
       integer :: n_done, i, k, first
 
       n_done = findloc([chunks%is_done, .false.], .false., dim=1) - 1
@@ -213,12 +214,12 @@ contains
          rows(first:first + len(chunks(i)%rows) - 1) = chunks(i)%rows
          first = first + len(chunks(i)%rows)
          do k = 1, chunks(i)%last - chunks(i)%first + 1
-            call tally%add(chunks(i)%results(k))
+            call statistics%add(chunks(i)%results(k))
          end do
       end do
    end subroutine gather_chunks
 
-   !> Solves the case that is most in doubt again and certifies it on the full model.
+   !> Solves the case that has the largest error estimate again and certifies it on the full model.
    subroutine certify_worst(task, body, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
@@ -228,7 +229,7 @@ contains
       type(contact_solution_t) :: solutions(chunk_length)
       type(chunk_t) :: chunk
 
-      associate (number => result%tally%doubtful_case, certified => result%certified)
+      associate (number => result%statistics%worst_case, certified => result%certified)
          problem = task%model%problem
          call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
          call solve_chunk(task, body, problem, chunk, solutions)
@@ -244,7 +245,8 @@ contains
    pure real(dp) function sweep_result_cases_per_second(self) result(rate)
       class(sweep_result_t), intent(in) :: self !! the result
 
-      rate = (self%tally%n_cases - self%n_resumed)/max(self%certified%timings%seconds(phase_solve), epsilon(1.0_dp))
+      rate = (self%statistics%n_cases - self%n_resumed)/max(self%certified%timings%seconds(phase_solve), &
+         epsilon(1.0_dp))
    end function sweep_result_cases_per_second
 
 end module amontons_solve_sweep

@@ -2,7 +2,7 @@
 !>
 !> Two files grow batch by batch and are removed or renamed at the end. NAME.sweep.part holds the table so far.
 !> NAME.sweep.checkpoint begins with the key of the sweep, a text that tells sweeps apart; each further line counts the
-!> bytes of the table and holds the tally of their cases, the checksum of the table and that of the line. A line is
+!> bytes of the table and holds the statistics of their cases, the checksum of the table and that of the line. A line is
 !> written when its rows are on the disk. What stands behind the last whole line, or behind the bytes that it counts,
 !> was in flight and is cut off. Where a checksum is wrong, all begins anew.
 !>
@@ -12,7 +12,7 @@ module amontons_sweep_checkpoint
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_file_lock, only: file_lock_t, lock_file
    use amontons_kinds, only: int64
-   use amontons_sweep_tally, only: sweep_tally_t
+   use amontons_sweep_statistics, only: sweep_statistics_t
    use amontons_system, only: append_to_file, cut_file, remove_file, rename_file
    use amontons_text, only: newline, to_text
    use amontons_text_file, only: read_text_file
@@ -42,12 +42,12 @@ module amontons_sweep_checkpoint
 contains
 
    !> Opens the checkpoint of a sweep: the one that an earlier run left, if it has the same key, or a new one.
-   subroutine open_sweep_checkpoint(checkpoint, stem, key, header, tally, error)
+   subroutine open_sweep_checkpoint(checkpoint, stem, key, header, statistics, error)
       type(sweep_checkpoint_t), intent(out) :: checkpoint !! the checkpoint
       character(*), intent(in) :: stem !! directory and name of the case
       character(*), intent(in) :: key !! what the rows depend on, lines of text
       character(*), intent(in) :: header !! first line of the table
-      type(sweep_tally_t), intent(out) :: tally !! the cases that are done already
+      type(sweep_statistics_t), intent(out) :: statistics !! the cases that are done already
       type(error_t), allocatable, intent(out) :: error !! the files cannot be written, or another run writes them
       integer(int64) :: notes_bytes
       logical :: is_found
@@ -56,7 +56,7 @@ contains
       checkpoint%path = stem//'.sweep.checkpoint'
       call lock_file(checkpoint%lock, checkpoint%path, error)
       if (allocated(error)) return
-      call find_checkpoint(checkpoint, key, tally, notes_bytes, is_found)
+      call find_checkpoint(checkpoint, key, statistics, notes_bytes, is_found)
       if (is_found) then
          call cut_file(checkpoint%table_path, checkpoint%table%n_bytes, error)
          if (.not. allocated(error)) call cut_file(checkpoint%path, notes_bytes, error)
@@ -72,14 +72,14 @@ contains
    end subroutine open_sweep_checkpoint
 
    !> Looks for a checkpoint with the same key, and for its last whole line.
-   subroutine find_checkpoint(checkpoint, key, tally, notes_bytes, is_found)
+   subroutine find_checkpoint(checkpoint, key, statistics, notes_bytes, is_found)
       type(sweep_checkpoint_t), intent(inout) :: checkpoint !! gains the bytes of the table that count
       character(*), intent(in) :: key !! what the rows depend on
-      type(sweep_tally_t), intent(out) :: tally !! the cases of the last whole line
+      type(sweep_statistics_t), intent(out) :: statistics !! the cases of the last whole line
       integer(int64), intent(out) :: notes_bytes !! the bytes of the notes that count
       logical, intent(out) :: is_found !! whether there is such a line, and the table that it tells of
       type(error_t), allocatable :: error
-      type(sweep_tally_t) :: noted
+      type(sweep_statistics_t) :: noted
       character(:), allocatable :: text
       type(checksum_t) :: found
       integer(int64) :: n_bytes, noted_checksum
@@ -102,22 +102,22 @@ contains
       if (.not. is_found) return
       checkpoint%is_anew = .false.
       checkpoint%table = found
-      tally = noted
+      statistics = noted
       notes_bytes = last
    end subroutine find_checkpoint
 
    !> Reads a line of the notes.
-   subroutine read_line(line, n_bytes, tally, table_checksum, ok)
+   subroutine read_line(line, n_bytes, statistics, table_checksum, ok)
       character(*), intent(in) :: line !! the line without its end
       integer(int64), intent(out) :: n_bytes !! bytes of the table
-      type(sweep_tally_t), intent(out) :: tally !! the tally of their cases
+      type(sweep_statistics_t), intent(out) :: statistics !! the statistics of their cases
       integer(int64), intent(out) :: table_checksum !! their checksum
       logical, intent(out) :: ok !! whether the line is as it was written
       integer :: first, last, own, status
 
       n_bytes = 0
       table_checksum = 0
-      ! Behind bytes and tally: a blank, the checksum of the table, a blank, that of the line.
+      ! Behind bytes and statistics: a blank, the checksum of the table, a blank, that of the line.
       first = index(line, ' ')
       own = index(line, ' ', back=.true.)
       last = index(line(:max(0, own - 1)), ' ', back=.true.)
@@ -127,7 +127,7 @@ contains
       if (ok) ok = status == 0
       if (ok) read (line(last:own), *, iostat=status) table_checksum
       if (ok) ok = status == 0
-      if (ok) call tally%read(line(first:last - 1), ok)
+      if (ok) call statistics%read(line(first:last - 1), ok)
    end subroutine read_line
 
    !> A line of the notes with its checksum.
@@ -139,10 +139,10 @@ contains
    end function with_checksum
 
    !> Appends the rows of a batch; they are safe on return.
-   subroutine sweep_checkpoint_append(self, rows, tally, error)
+   subroutine sweep_checkpoint_append(self, rows, statistics, error)
       class(sweep_checkpoint_t), intent(inout) :: self !! the checkpoint
       character(*), intent(in) :: rows !! the rows, lines of text
-      type(sweep_tally_t), intent(in) :: tally !! the cases done, these included
+      type(sweep_statistics_t), intent(in) :: statistics !! the cases done, these included
       type(error_t), allocatable, intent(out) :: error !! the files cannot be written
       character(:), allocatable :: line
       integer(int64) :: found
@@ -157,7 +157,7 @@ contains
       end if
       if (allocated(error)) return
       call self%table%add(rows)
-      line = to_text(self%table%n_bytes)//' '//tally%text()//' '//to_text(self%table%value())
+      line = to_text(self%table%n_bytes)//' '//statistics%text()//' '//to_text(self%table%value())
       call append_to_file(self%path, .false., with_checksum(line)//line_end, error)
    end subroutine sweep_checkpoint_append
 

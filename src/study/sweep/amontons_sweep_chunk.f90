@@ -1,6 +1,6 @@
 !> A chunk of a sweep: consecutive cases that one thread solves, one after the other.
 !>
-!> A chunk begins at rest; each further case of it starts from its neighbour, if that belongs to the chunk. So no result
+!> A chunk begins at rest; each further case of it starts from its neighbor, if that belongs to the chunk. So no result
 !> depends on the number of threads, nor on where a sweep was interrupted.
 module amontons_sweep_chunk
    use amontons_body, only: body_t
@@ -16,7 +16,7 @@ module amontons_sweep_chunk
    use amontons_sweep, only: sweep_t
    use amontons_sweep_model, only: sweep_model_t
    use amontons_sweep_table, only: append_row, status_runs
-   use amontons_sweep_tally, only: case_flies_off, case_result_t, new_case_result
+   use amontons_sweep_statistics, only: case_flies_off, case_result_t, new_case_result
    implicit none (type, external)
    private
 
@@ -80,14 +80,14 @@ contains
       chunk%is_done = .true.
    end subroutine solve_chunk
 
-   !> Solves one case: where the deck leaves the method to the program, by Newton from the neighbour's solution, whose
+   !> Solves one case: where the deck leaves the method to the program, by Newton from the neighbor's solution, whose
    !> statuses are nearly right; otherwise, and where that fails, from rest as the deck by itself would be.
    subroutine solve_one(task, body, number, problem, solution, kept)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: number !! number of the case
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
-      type(contact_solution_t), intent(inout) :: solution !! its neighbour's, which may be without; its own on return
+      type(contact_solution_t), intent(inout) :: solution !! its neighbor's, which may be without; its own on return
       type(case_result_t), intent(out) :: kept !! what is kept of it
       integer, parameter :: n_newton_steps = 8
       type(newton_t) :: newton
@@ -122,12 +122,13 @@ contains
       end if
       call new_lengths(lengths, body%zone, solution%status)
       call new_case_result(kept, solution, lengths)
-      kept%doubt = doubt(problem, solution, maxval(abs(task%model%case_forces(task%sweep%values(number)))))
+      kept%error_estimate = error_estimate(problem, solution, &
+         maxval(abs(task%model%case_forces(task%sweep%values(number)))))
       if (.not. is_solved) kept%n_iterations = kept%n_iterations + n_iterations
    end subroutine solve_one
 
    !> What residual and rounding errors, as forces, are of the largest force that acts in a case [-].
-   pure real(dp) function doubt(problem, solution, largest_load)
+   pure real(dp) function error_estimate(problem, solution, largest_load)
       type(contact_problem_t), intent(in) :: problem !! the contact problem
       type(contact_solution_t), intent(in) :: solution !! its solution
       real(dp), intent(in) :: largest_load !! the largest nodal force of the loads [F]
@@ -137,8 +138,8 @@ contains
          + epsilon(wrong)*maxval(problem%augmentation()*abs(solution%displacement))
       acting = max(largest_load, maxval(abs(solution%force)))
       if (.not. acting > 0.0_dp) acting = problem%force_scale()
-      doubt = min(wrong/acting, huge(doubt))
-   end function doubt
+      error_estimate = min(wrong/acting, huge(error_estimate))
+   end function error_estimate
 
    !> Whether contact forces can balance the loads of a case.
    pure subroutine check_balance_of(task, body, number, error)

@@ -15,7 +15,7 @@ module amontons_sweep_fields
    use amontons_result, only: result_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_sweep_tally, only: case_converged
+   use amontons_sweep_statistics, only: case_converged
    use amontons_system, only: make_directory
    use amontons_text, only: to_text
    use amontons_vtu, only: write_vtu

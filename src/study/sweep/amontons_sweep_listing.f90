@@ -9,7 +9,7 @@ module amontons_sweep_listing
    use amontons_listing_text, only: heading, line, right, scientific, short
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep, only: sweep_axis_t, swept_load
-   use amontons_sweep_tally, only: case_converged, outcome_names, quantity_labels, sweep_tally_t
+   use amontons_sweep_statistics, only: case_converged, outcome_names, quantity_labels, sweep_statistics_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -28,9 +28,9 @@ contains
       text = head_text(config)//warnings_text(result%certified%warnings)// &
          model_text(config, body, result%certified%load_case)//loads_text(config)//sweep_text(config)// &
          solution_text(config, body, result)
-      if (result%tally%residual_case > 0) text = text//extremes_text(result%tally) &
+      if (result%statistics%residual_case > 0) text = text//extremes_text(result%statistics) &
          //certificate_text(config, result%certified%certificate) &
-         //line('Case certified', to_text(result%tally%doubtful_case)//', the one that is most in doubt')
+         //line('Worst case', to_text(result%statistics%worst_case)//', by the estimated error of its forces')
       text = text//times_text(result%certified%timings, listed_phases)
    end function sweep_listing_text
 
@@ -80,18 +80,19 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      associate (tally => result%tally)
+      associate (statistics => result%statistics)
          text = heading('Solution')//line('Method', method_text(config))// &
-            line('Factorisation', factorization_text(body, result%certified))// &
-            line('Converged', to_text(tally%n_outcomes(case_converged))//' of '//to_text(tally%n_cases)//' cases')
+            line('Factorization', factorization_text(body, result%certified))// &
+            line('Converged', to_text(statistics%n_outcomes(case_converged))//' of '//to_text(statistics%n_cases)// &
+            ' cases')
          do i = 1, size(outcome_names)
-            if (i == case_converged .or. tally%n_outcomes(i) == 0) cycle
-            text = text//line('NOT SOLVED', to_text(tally%n_outcomes(i))//' cases: '//trim(outcome_names(i)))
+            if (i == case_converged .or. statistics%n_outcomes(i) == 0) cycle
+            text = text//line('NOT SOLVED', to_text(statistics%n_outcomes(i))//' cases: '//trim(outcome_names(i)))
          end do
-         text = text//line('Iterations', to_text(tally%n_iterations)//', '// &
-            short(real(tally%n_iterations, dp)/max(1, tally%n_cases))//' a case')
-         if (tally%residual_case > 0) text = text//line('Largest residual', scientific(tally%residual)// &
-            ' in case '//to_text(tally%residual_case)//', tolerance '//scientific(config%method%tolerance))
+         text = text//line('Iterations', to_text(statistics%n_iterations)//', '// &
+            short(real(statistics%n_iterations, dp)/max(1, statistics%n_cases))//' a case')
+         if (statistics%residual_case > 0) text = text//line('Largest residual', scientific(statistics%residual)// &
+            ' in case '//to_text(statistics%residual_case)//', tolerance '//scientific(config%method%tolerance))
          if (result%n_resumed > 0) text = text//line('Done earlier', to_text(result%n_resumed)//' cases')
          if (result%checkpoint%is_anew) text = text//line('Note', 'an interrupted run had left rows of another '// &
             'deck or version, or damaged ones: all cases were solved anew')
@@ -100,8 +101,8 @@ contains
    end function solution_text
 
    !> Extremes of the cases that converged.
-   pure function extremes_text(tally) result(text)
-      type(sweep_tally_t), intent(in) :: tally !! counts and extremes
+   pure function extremes_text(statistics) result(text)
+      type(sweep_statistics_t), intent(in) :: statistics !! counts and extremes
       character(:), allocatable :: text
       integer, parameter :: width = 14
       integer :: i
@@ -109,9 +110,9 @@ contains
       text = heading('Extremes of the cases that converged')//line('', right('least', width)// &
          right('in case', width)//right('greatest', width)//right('in case', width))
       do i = 1, size(quantity_labels)
-         text = text//line(trim(quantity_labels(i)), right(short(tally%least(i)), width)// &
-            right(to_text(tally%least_case(i)), width)//right(short(tally%greatest(i)), width)// &
-            right(to_text(tally%greatest_case(i)), width))
+         text = text//line(trim(quantity_labels(i)), right(short(statistics%least(i)), width)// &
+            right(to_text(statistics%least_case(i)), width)//right(short(statistics%greatest(i)), width)// &
+            right(to_text(statistics%greatest_case(i)), width))
       end do
    end function extremes_text
 

@@ -3,18 +3,17 @@
 !> The condensed load is linear in the loads, q = q_0 + sum f_k q_k, so that one forward substitution for each quantity
 !> serves all cases; friction is linear in what a sweep varies of it as well.
 module amontons_sweep_model
-   use amontons_assembly, only: to_unknowns
    use amontons_body, only: body_t
    use amontons_checksum, only: checksum_t
-   use amontons_condensation, only: condensed_load_t
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_load_case, only: condense_load_case, load_case_t, pose_problem
+   use amontons_load_case, only: condense_load_case, free_expansion, load_case_t, pose_problem
    use amontons_loads, only: load_t, load_vector
    use amontons_sweep, only: sweep_axis_t, swept_friction, swept_load
    use amontons_text, only: to_text
+   use amontons_thermal_strain, only: sum_thermal_strain
    implicit none (type, external)
    private
 
@@ -24,10 +23,12 @@ module amontons_sweep_model
    type :: sweep_model_t
       type(contact_problem_t) :: problem !! with load and friction of what does not vary, its compliance prepared
       real(dp), allocatable :: load(:, :) !! condensed load of each quantity at 1 (2m, quantities) [F]
+      real(dp), allocatable :: expansion(:) !! free thermal expansion by each quantity at 1 (quantities) [L]
       real(dp), allocatable :: friction(:, :) !! friction of each quantity at 1 (m, quantities) [-]
       logical, allocatable :: is_tangent_fixed(:) !! whether a support bears the shear of a point (m)
       type(load_case_t) :: fixed !! the load case of what does not vary
-      real(dp), allocatable :: forces(:, :, :) !! nodal forces of each quantity at 1 (2, n_nodes, quantities) [F]
+      type(load_case_t), allocatable :: parts(:)
+         !! what each quantity adds to it at 1: forces and thermal strain, of loads only (quantities)
    contains
       procedure :: case_forces => sweep_model_case_forces
       procedure :: load_case => sweep_model_load_case
@@ -45,7 +46,6 @@ contains
       type(load_case_t), intent(in) :: prepared !! the load case of the deck as it stands
       type(config_t), intent(in) :: config !! the deck
       type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh, or S is not positive definite
-      type(condensed_load_t) :: condensed
       integer :: k
 
       call new_sweep_loads(model, body, prepared, config, error)
@@ -54,11 +54,12 @@ contains
       model%problem = problem
       call pose_problem(model%problem, body, model%fixed)
       allocate (model%load(2*body%zone%n_points, size(config%sweep%axes)), source=0.0_dp)
+      allocate (model%expansion(size(config%sweep%axes)), source=0.0_dp)
       do k = 1, size(config%sweep%axes)
          if (config%sweep%axes(k)%target /= swept_load) cycle
-         call body%condensation%condense_load(to_unknowns(model%forces(:, :, k), body%constraints, body%dof_map), &
-            condensed)
-         model%load(:, k) = condensed%load
+         call condense_load_case(model%parts(k), body)
+         model%load(:, k) = model%parts(k)%condensed%load
+         model%expansion(k) = free_expansion(model%parts(k), body%mesh)
       end do
       call model%problem%prepare_compliance(error)
    end subroutine new_sweep_model
@@ -70,43 +71,44 @@ contains
       type(load_case_t), intent(in) :: prepared !! the load case of the deck as it stands
       type(config_t), intent(in) :: config !! the deck
       type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh
-      real(dp), allocatable :: forces(:, :)
       integer :: k, n
 
       n = size(config%sweep%axes)
-      allocate (model%friction(body%zone%n_points, n), model%forces(2, body%mesh%n_nodes, n), source=0.0_dp)
+      allocate (model%friction(body%zone%n_points, n), source=0.0_dp)
+      allocate (model%parts(n))
       model%fixed = prepared
-      call sum_loads(model%fixed%force, body, config, 0, error)
+      call sum_loads(model%fixed, body, config, 0, error)
       if (allocated(error)) return
       model%is_tangent_fixed = body%zone%is_tangent_fixed
       do k = 1, n
          if (config%sweep%axes(k)%target == swept_load) then
-            call sum_loads(forces, body, config, k, error)
+            model%parts(k)%prescribed = 0.0_dp*prepared%prescribed
+            call sum_loads(model%parts(k), body, config, k, error)
             if (allocated(error)) return
-            model%forces(:, :, k) = forces
          else
             call separate_friction(model, body, config, k)
          end if
       end do
    end subroutine new_sweep_loads
 
-   !> Sums the nodal forces of all loads that a quantity multiplies, or of those that none does.
-   subroutine sum_loads(forces, body, config, axis, error)
-      real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
+   !> Sums nodal forces and thermal strains of all loads that a quantity multiplies, or of those that none does.
+   subroutine sum_loads(load_case, body, config, axis, error)
+      type(load_case_t), intent(inout) :: load_case !! the load case; gains forces and thermal strain
       type(body_t), intent(in) :: body !! the body
       type(config_t), intent(in) :: config !! the deck
       integer, intent(in) :: axis !! number of the quantity, or 0
       type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh
-      real(dp), allocatable :: part(:, :)
+      logical :: is_of_axis(size(config%loads))
+      type(load_t), allocatable :: loads(:)
       integer :: i
 
-      allocate (forces(2, body%mesh%n_nodes), source=0.0_dp)
       do i = 1, size(config%loads)
-         if (axis_of(config%loads(i), config%sweep%axes) /= axis) cycle
-         call load_vector(part, body%mesh, body%materials, config%loads(i:i), error)
-         if (allocated(error)) return
-         forces = forces + part
+         is_of_axis(i) = axis_of(config%loads(i), config%sweep%axes) == axis
       end do
+      loads = pack(config%loads, is_of_axis)
+      call load_vector(load_case%force, body%mesh, body%materials, loads, error)
+      if (.not. allocated(error)) call sum_thermal_strain(load_case%thermal_strain, body%mesh, body%materials, loads, &
+         error)
    end subroutine sum_loads
 
    !> The quantity that multiplies a load, 0 for none.
@@ -150,6 +152,7 @@ contains
       real(dp), intent(in) :: values(:) !! value of each quantity [-]
 
       problem%load = self%problem%load + matmul(self%load, values)
+      problem%prescribed = self%problem%prescribed + dot_product(self%expansion, abs(values))
       problem%friction = merge(0.0_dp, self%fixed%friction + matmul(self%friction, values), self%is_tangent_fixed)
    end subroutine sweep_model_set_case
 
@@ -158,10 +161,19 @@ contains
       class(sweep_model_t), intent(in) :: self !! the model
       real(dp), intent(in) :: values(:) !! value of each quantity [-]
       type(load_case_t), intent(out) :: load_case !! the load case
+      integer :: k
 
       load_case = self%fixed
       load_case%force = self%case_forces(values)
       load_case%friction = self%fixed%friction + matmul(self%friction, values)
+      do k = 1, size(values)
+         if (.not. allocated(self%parts(k)%thermal_strain)) cycle
+         if (allocated(load_case%thermal_strain)) then
+            load_case%thermal_strain = load_case%thermal_strain + values(k)*self%parts(k)%thermal_strain
+         else
+            load_case%thermal_strain = values(k)*self%parts(k)%thermal_strain
+         end if
+      end do
    end subroutine sweep_model_load_case
 
    !> The nodal forces of a case (2, n_nodes) [F].
@@ -173,7 +185,7 @@ contains
 
       forces = self%fixed%force
       do k = 1, size(values)
-         forces = forces + values(k)*self%forces(:, :, k)
+         if (allocated(self%parts(k)%force)) forces = forces + values(k)*self%parts(k)%force
       end do
    end function sweep_model_case_forces
 
@@ -192,7 +204,7 @@ contains
          call checksum%add([problem%load, problem%gap, self%fixed%friction, problem%slip_bound])
       end associate
       do j = 1, size(self%load, 2)
-         call checksum%add([self%load(:, j), self%friction(:, j)])
+         call checksum%add([self%load(:, j), self%friction(:, j), self%expansion(j)])
       end do
       text = to_text(checksum%value())
    end function sweep_model_fingerprint

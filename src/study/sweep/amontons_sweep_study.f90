@@ -12,7 +12,7 @@ module amontons_sweep_study
    use amontons_study, only: study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep_report, only: write_sweep_report
-   use amontons_sweep_tally, only: case_converged
+   use amontons_sweep_statistics, only: case_converged
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -70,7 +70,7 @@ contains
       if (allocated(error)) return
       if (result%is_interrupted) then
          outcome%status = status_interrupted
-         outcome%message = 'interrupted after '//to_text(result%tally%n_cases)//' of '// &
+         outcome%message = 'interrupted after '//to_text(result%statistics%n_cases)//' of '// &
             to_text(self%config%sweep%n_cases())//' cases; the same command goes on from there'
          return
       end if
@@ -88,14 +88,15 @@ contains
       type(outcome_t), intent(inout) :: outcome !! gains status, and what the solutions lack
       integer :: n_left
 
-      n_left = result%tally%n_cases - result%tally%n_outcomes(case_converged)
+      n_left = result%statistics%n_cases - result%statistics%n_outcomes(case_converged)
       if (n_left > 0) then
          outcome%status = status_not_converged
-         outcome%message = to_text(n_left)//' of '//to_text(result%tally%n_cases)//' cases of the sweep are not solved'
+         outcome%message = to_text(n_left)//' of '//to_text(result%statistics%n_cases)// &
+            ' cases of the sweep are not solved'
          return
       end if
-      call judge(.true., result%tally%residual, result%certified%certificate%largest(), tolerance, outcome%status, &
-         outcome%message)
+      call judge(.true., result%statistics%residual, result%certified%certificate%largest(), tolerance, &
+         outcome%status, outcome%message)
       if (outcome%status /= 0 .and. result%certified%condition > 0.0_dp) outcome%message = outcome%message// &
          '; the condition number of the stiffness is about '//rounded(result%certified%condition)
    end subroutine judge_sweep
@@ -106,15 +107,15 @@ contains
       type(sweep_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
-      associate (tally => result%tally)
-         text = name//': '//to_text(tally%n_cases)//' cases, '
-         if (tally%n_outcomes(case_converged) == tally%n_cases) then
+      associate (statistics => result%statistics)
+         text = name//': '//to_text(statistics%n_cases)//' cases, '
+         if (statistics%n_outcomes(case_converged) == statistics%n_cases) then
             text = text//'all solved'
          else
-            text = text//to_text(tally%n_cases - tally%n_outcomes(case_converged))//' of them NOT SOLVED'
+            text = text//to_text(statistics%n_cases - statistics%n_outcomes(case_converged))//' of them NOT SOLVED'
          end if
-         if (tally%residual_case == 0) return
-         text = text//', residual at most '//scientific(tally%residual)
+         if (statistics%residual_case == 0) return
+         text = text//', residual at most '//scientific(statistics%residual)
       end associate
    end function swept_text
 

@@ -8,7 +8,7 @@ module amontons_sweep_summary
    use amontons_summary, only: certificate_text
    use amontons_summary_members, only: head_members, last_members, member, size_counts
    use amontons_sweep, only: sweep_t
-   use amontons_sweep_tally, only: case_converged, outcome_names, quantity_labels, sweep_tally_t
+   use amontons_sweep_statistics, only: case_converged, outcome_names, quantity_labels, sweep_statistics_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -24,14 +24,15 @@ contains
       type(sweep_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
-      associate (tally => result%tally)
-         text = head_members(config, tally%n_outcomes(case_converged) == tally%n_cases, result%certified%warnings) &
-            //member('iterations', to_text(tally%n_iterations)) &
+      associate (statistics => result%statistics)
+         text = head_members(config, statistics%n_outcomes(case_converged) == statistics%n_cases, &
+            result%certified%warnings) &
+            //member('iterations', to_text(statistics%n_iterations)) &
             //member('sweep', '{'//sweep_text(result)//'}') &
             //member('quantities', '['//quantities_text(config%sweep)//']')
-         if (tally%residual_case > 0) text = text//member('residual', number(tally%residual)) &
-            //member('extremes', '{'//extremes_text(tally)//'}') &
-            //member('certificate', '{"case": '//to_text(tally%doubtful_case)//', ' &
+         if (statistics%residual_case > 0) text = text//member('residual', number(statistics%residual)) &
+            //member('extremes', '{'//extremes_text(statistics)//'}') &
+            //member('certificate', '{"case": '//to_text(statistics%worst_case)//', ' &
             //certificate_text(result%certified%certificate, config%method%tolerance)//'}')
          if (result%certified%condition > 0.0_dp) text = text &
             //member('condition', number(result%certified%condition))
@@ -45,9 +46,9 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = '"cases": '//to_text(result%tally%n_cases)
+      text = '"cases": '//to_text(result%statistics%n_cases)
       do i = 1, size(outcome_names)
-         text = text//', "'//trim(outcome_names(i))//'": '//to_text(result%tally%n_outcomes(i))
+         text = text//', "'//trim(outcome_names(i))//'": '//to_text(result%statistics%n_outcomes(i))
       end do
       text = text//', "done_earlier": '//to_text(result%n_resumed)//', "cases_per_second": '// &
          number(result%cases_per_second())
@@ -73,17 +74,17 @@ contains
    end function quantities_text
 
    !> Extremes of the cases that converged.
-   pure function extremes_text(tally) result(text)
-      type(sweep_tally_t), intent(in) :: tally !! counts and extremes
+   pure function extremes_text(statistics) result(text)
+      type(sweep_statistics_t), intent(in) :: statistics !! counts and extremes
       character(:), allocatable :: text
       integer :: i
 
       text = ''
       do i = 1, size(quantity_labels)
          if (i > 1) text = text//', '
-         text = text//'"'//trim(quantity_labels(i))//'": {"least": '//number(tally%least(i))//', "least_case": '// &
-            to_text(tally%least_case(i))//', "greatest": '//number(tally%greatest(i))//', "greatest_case": '// &
-            to_text(tally%greatest_case(i))//'}'
+         text = text//'"'//trim(quantity_labels(i))//'": {"least": '//number(statistics%least(i))// &
+            ', "least_case": '//to_text(statistics%least_case(i))//', "greatest": '//number(statistics%greatest(i))// &
+            ', "greatest_case": '//to_text(statistics%greatest_case(i))//'}'
       end do
    end function extremes_text
 

@@ -5,7 +5,7 @@
 module amontons_sweep_table
    use amontons_decimal, only: longest_decimal
    use amontons_sweep, only: sweep_t
-   use amontons_sweep_tally, only: case_result_t, outcome_names, quantity_labels
+   use amontons_sweep_statistics, only: case_result_t, outcome_names, quantity_labels
    use amontons_text, only: newline, put_decimals, read_integer
    implicit none (type, external)
    private

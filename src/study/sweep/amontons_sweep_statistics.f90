@@ -1,5 +1,5 @@
 !> What is known of the cases of a sweep together: how many converged, and the extremes of their results.
-module amontons_sweep_tally
+module amontons_sweep_statistics
    use amontons_contact_solution, only: contact_solution_t
    use amontons_kinds, only: dp, int64
    use amontons_lengths, only: lengths_t
@@ -7,7 +7,7 @@ module amontons_sweep_tally
    implicit none (type, external)
    private
 
-   public :: case_result_t, new_case_result, outcome_names, quantity_labels, sweep_tally_t
+   public :: case_result_t, new_case_result, outcome_names, quantity_labels, sweep_statistics_t
 
    !> Outcome of a case that converged.
    integer, parameter, public :: case_converged = 1
@@ -30,28 +30,28 @@ module amontons_sweep_tally
       real(dp) :: quantity(n_quantities) = 0.0_dp
          !! lengths open, slip, stick [L]; sums of normal and of tangential forces [F]
       real(dp) :: residual = 0.0_dp !! residual of the contact problem [-]
-      real(dp) :: doubt = 0.0_dp !! what residual and rounding errors are of its forces [-]
+      real(dp) :: error_estimate = 0.0_dp !! what residual and rounding errors are of its forces [-]
       integer :: n_iterations = 0 !! iterations, of all attempts
    end type case_result_t
 
    !> Counts and extremes of the first cases of a sweep. Extremes are those of converged cases.
-   type :: sweep_tally_t
+   type :: sweep_statistics_t
       integer :: n_cases = 0 !! number of cases
       integer :: n_outcomes(size(outcome_names)) = 0 !! number of cases of each outcome
       integer(int64) :: n_iterations = 0 !! sum of their iterations
       real(dp) :: residual = -1.0_dp !! largest residual; -1 without a case [-]
       integer :: residual_case = 0 !! the case that has it
-      real(dp) :: doubt = -1.0_dp !! largest doubt of a converged case; -1 without a case [-]
-      integer :: doubtful_case = 0 !! the first case that has it
+      real(dp) :: error_estimate = -1.0_dp !! largest error estimate of a converged case; -1 without a case [-]
+      integer :: worst_case = 0 !! the first case that has it
       real(dp) :: least(n_quantities) = huge(1.0_dp) !! least value of each quantity [L, F]
       integer :: least_case(n_quantities) = 0 !! the first case that has it
       real(dp) :: greatest(n_quantities) = -huge(1.0_dp) !! greatest value of each quantity [L, F]
       integer :: greatest_case(n_quantities) = 0 !! the first case that has it
    contains
-      procedure :: add => sweep_tally_add
-      procedure :: read => sweep_tally_read
-      procedure :: text => sweep_tally_text
-   end type sweep_tally_t
+      procedure :: add => sweep_statistics_add
+      procedure :: read => sweep_statistics_read
+      procedure :: text => sweep_statistics_text
+   end type sweep_statistics_t
 
 contains
 
@@ -71,8 +71,8 @@ contains
    end subroutine new_case_result
 
    !> Adds the next case.
-   pure subroutine sweep_tally_add(self, result)
-      class(sweep_tally_t), intent(inout) :: self !! the tally
+   pure subroutine sweep_statistics_add(self, result)
+      class(sweep_statistics_t), intent(inout) :: self !! the statistics
       type(case_result_t), intent(in) :: result !! what is kept of the case
       integer :: i
 
@@ -84,9 +84,9 @@ contains
          self%residual = result%residual
          self%residual_case = self%n_cases
       end if
-      if (result%doubt > self%doubt) then
-         self%doubt = result%doubt
-         self%doubtful_case = self%n_cases
+      if (result%error_estimate > self%error_estimate) then
+         self%error_estimate = result%error_estimate
+         self%worst_case = self%n_cases
       end if
       do i = 1, n_quantities
          if (result%quantity(i) < self%least(i)) then
@@ -98,11 +98,11 @@ contains
             self%greatest_case(i) = self%n_cases
          end if
       end do
-   end subroutine sweep_tally_add
+   end subroutine sweep_statistics_add
 
-   !> The tally as a line that `read` understands.
-   pure function sweep_tally_text(self) result(text)
-      class(sweep_tally_t), intent(in) :: self !! the tally
+   !> The statistics as a line that `read` understands.
+   pure function sweep_statistics_text(self) result(text)
+      class(sweep_statistics_t), intent(in) :: self !! the statistics
       character(:), allocatable :: text
       integer :: i
 
@@ -111,24 +111,24 @@ contains
          text = text//' '//to_text(self%n_outcomes(i))
       end do
       text = text//' '//to_text(self%residual_case)//' '//to_text(self%residual) &
-         //' '//to_text(self%doubtful_case)//' '//to_text(self%doubt)
+         //' '//to_text(self%worst_case)//' '//to_text(self%error_estimate)
       do i = 1, n_quantities
          text = text//' '//to_text(self%least_case(i))//' '//to_text(self%least(i)) &
             //' '//to_text(self%greatest_case(i))//' '//to_text(self%greatest(i))
       end do
-   end function sweep_tally_text
+   end function sweep_statistics_text
 
-   !> Reads a tally from its line.
-   pure subroutine sweep_tally_read(self, text, ok)
-      class(sweep_tally_t), intent(inout) :: self !! the tally
+   !> Reads a statistics from its line.
+   pure subroutine sweep_statistics_read(self, text, ok)
+      class(sweep_statistics_t), intent(inout) :: self !! the statistics
       character(*), intent(in) :: text !! the line
-      logical, intent(out) :: ok !! whether it is the line of a tally
+      logical, intent(out) :: ok !! whether it is the line of a statistics
       integer :: status, i
 
       read (text, *, iostat=status) self%n_cases, self%n_iterations, self%n_outcomes, self%residual_case, &
-         self%residual, self%doubtful_case, self%doubt, &
+         self%residual, self%worst_case, self%error_estimate, &
          (self%least_case(i), self%least(i), self%greatest_case(i), self%greatest(i), i=1, n_quantities)
       ok = status == 0
-   end subroutine sweep_tally_read
+   end subroutine sweep_statistics_read
 
-end module amontons_sweep_tally
+end module amontons_sweep_statistics

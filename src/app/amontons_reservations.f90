@@ -1,45 +1,45 @@
 !> The files that the decks of one run write: no two may write the same.
-module amontons_claims
+module amontons_reservations
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_study, only: study_t
    implicit none (type, external)
    private
 
-   public :: claim_t, reserve_files
+   public :: reservation_t, reserve_files
 
    !> The files that a deck of the run may write.
-   type :: claim_t
+   type :: reservation_t
       character(:), allocatable :: name !! name of its case; not allocated if it was refused
       logical :: has_grids = .false. !! whether NAME.vtu and NAME.contact.vtu are among them
-   end type claim_t
+   end type reservation_t
 
 contains
 
    !> Refuses a study that would write over the files of an earlier one of this run.
-   subroutine reserve_files(claims, study, error)
-      type(claim_t), intent(inout) :: claims(:) !! of the decks so far; the last one becomes that of the study
+   subroutine reserve_files(reservations, study, error)
+      type(reservation_t), intent(inout) :: reservations(:) !! of the decks so far; the last becomes the study's
       class(study_t), intent(in) :: study !! the study
       type(error_t), allocatable, intent(out) :: error !! the name is taken
       character(:), allocatable :: grid
       integer :: i
 
-      associate (claim => claims(size(claims)), config => study%config)
-         claim%has_grids = study%has_grids()
-         do i = 1, size(claims) - 1
-            if (.not. allocated(claims(i)%name)) cycle
-            if (claims(i)%name == config%name) then
+      associate (reservation => reservations(size(reservations)), config => study%config)
+         reservation%has_grids = study%has_grids()
+         do i = 1, size(reservations) - 1
+            if (.not. allocated(reservations(i)%name)) cycle
+            if (reservations(i)%name == config%name) then
                call new_error(error, input_refused, config%file//": an earlier deck of this run has the case name '" &
                   //config%name//"' too; give each its own &case name")
                return
             end if
-            grid = shared_grid(claims(i)%name, config%name)
-            if (len(grid) == 0 .or. .not. (claim%has_grids .and. claims(i)%has_grids)) cycle
+            grid = shared_grid(reservations(i)%name, config%name)
+            if (len(grid) == 0 .or. .not. (reservation%has_grids .and. reservations(i)%has_grids)) cycle
             call new_error(error, input_refused, config%file//": an earlier deck of this run, with the case name '"// &
-               claims(i)%name//"', leaves a file '"//grid//"' as the case '"//config%name// &
+               reservations(i)%name//"', leaves a file '"//grid//"' as the case '"//config%name// &
                "' does; give this one another &case name")
             return
          end do
-         claim%name = config%name
+         reservation%name = config%name
       end associate
    end subroutine reserve_files
 
@@ -54,4 +54,4 @@ contains
       if (second == first//'.contact') grid = second//'.vtu'
    end function shared_grid
 
-end module amontons_claims
+end module amontons_reservations

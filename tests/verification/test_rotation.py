@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""Rotating discs and cylinders.
+
+The centrifugal force of a rotation on the density: an annular disc in plane stress and in plane strain as a quarter of
+the section, with curved sides, a hollow cylinder as an axisymmetric section through its wall, and a solid disc about
+another center than the origin. The closed forms are those of Timoshenko and Goodier (*Theory of Elasticity*, article
+32). The error of the displacement is the $L_2$ norm over that of the displacement, integrated with the elements' shape
+functions (in the axisymmetric case areas count times the radius); theory: order 2 for linear and 3 for quadratic
+elements.
+"""
+from math import hypot, pi
+
+from benchmark import ELEMENTS, Benchmark, main, with_points_held
+from convergence import ORDER_ALLOWANCE, ConvergenceTable
+from displacement_error import displacement_error
+from mapped_mesh import mapped_mesh, sector, wall
+
+YOUNG, POISSON, DENSITY, SPEED, INNER, OUTER = 1000.0, 0.3, 0.5, 10.0, 1.0, 2.0
+CENTER = (0.5, -0.25)
+
+
+def radial(r, young, poisson):
+    """The radial displacement of the annular disc in plane stress."""
+    factor = (3 + poisson)/8*DENSITY*SPEED**2
+    squares, product = INNER**2 + OUTER**2, (INNER*OUTER/r)**2
+    across = factor*(squares - product - r**2)
+    around = factor*(squares + product - (1 + 3*poisson)/(3 + poisson)*r**2)
+    return r*(around - poisson*across)/young
+
+
+def strained(r):
+    """The radial displacement in plane strain."""
+    return radial(r, YOUNG/(1 - POISSON**2), POISSON/(1 - POISSON))
+
+
+def spread(at):
+    """The displacement in the section of a radial one."""
+    return lambda x, y: (at(hypot(x, y))*x/hypot(x, y), at(hypot(x, y))*y/hypot(x, y))
+
+
+def solid(x, y):
+    """The displacement of the solid disc in plane stress."""
+    x, y = x - CENTER[0], y - CENTER[1]
+    factor = DENSITY*SPEED**2*(1 - POISSON)/(8*YOUNG)*((3 + POISSON)*OUTER**2 - (1 + POISSON)*(x**2 + y**2))
+    return factor*x, factor*y
+
+
+def edge(n):
+    """The points of the sides of the unit square in n parts."""
+    points = [k/n for k in range(n + 1)]
+    return sorted({(x, y) for x in points for y in points if x in (0.0, 1.0) or y in (0.0, 1.0)})
+
+
+class Rotation(Benchmark):
+    """Orders of convergence of the elements alone."""
+
+    def test_plane_stress(self):
+        self.study("Annular disc, plane stress", "rotating_disc", sector(INNER, OUTER, 0.5*pi), 2,
+                   spread(lambda r: radial(r, YOUNG, POISSON)))
+
+    def test_plane_strain(self):
+        self.study("Annular disc, plane strain", "rotating_disc", sector(INNER, OUTER, 0.5*pi), 2, spread(strained),
+                   values={"hypothesis": "plane strain"})
+
+    def test_revolution(self):
+        self.study("Hollow cylinder, axisymmetric", "rotating_cylinder", wall(INNER, OUTER), 1,
+                   lambda r, z: (strained(r), 0.0), depth=lambda r: r)
+
+    def test_solid_disc(self):
+        table = self.table("Solid disc, plane stress")
+        for element in ELEMENTS:
+            for cells in self.meshes((2, 4), (2, 4, 8, 16)):
+                points = edge(cells if element in ("tri3", "quad4") else 2*cells)
+                deck = with_points_held(self.deck("solid_disc", element=element, cells=(cells, cells)), points, solid)
+                self.assert_sound(self.solve(deck))
+                table.add(element, 1/cells, displacement_error(self.directory/"case.vtu", solid))
+        table.close()
+        self.assert_table(table)
+
+    def table(self, caption):
+        """An empty table of all elements."""
+        orders = {element: ((2,) if element in ("tri3", "quad4") else (3,)) for element in ELEMENTS}
+        return ConvergenceTable(caption, ["displacement"], orders, allowance=self.meshes(0.2, ORDER_ALLOWANCE))
+
+    def study(self, caption, name, mapping, ratio, exact, values=None, **depth):
+        """Fills the table of one deck; `ratio` cells around or along for one through the wall."""
+        table = self.table(caption)
+        for element in ELEMENTS:
+            for cells in self.meshes((4, 8), (4, 8, 16, 32)):
+                mesh = mapped_mesh((cells, ratio*cells), element, mapping)
+                self.assert_sound(self.solve(self.deck(name, mesh=mesh, **(values or {}))))
+                error = displacement_error(self.directory/"case.vtu", exact, **depth)
+                table.add(element, (OUTER - INNER)/cells, error)
+        table.close()
+        self.assert_table(table)
+
+
+if __name__ == "__main__":
+    main()
