@@ -57,6 +57,7 @@ contains
          call describe_steps(visitor, history%steps(i))
          if (.not. visitor%is_judging()) cycle
          call visitor%require(history%is_given, '', '&steps needs &history')
+         if (.not. visitor%deck%is_sound(visitor%place)) cycle
          if (are_times_sound) call check_times(visitor, history%times, history%steps(i))
          call check_name(visitor, history%steps(:i), loads, supports, contacts)
       end do
@@ -99,11 +100,12 @@ contains
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(steps_t), intent(inout) :: steps !! what changes
       real(dp), allocatable :: values(:)
-      logical :: has_name(size(name_keys)), has_values(size(value_keys)), has_table
+      logical :: has_name(size(name_keys)), has_values(size(value_keys)), has_pivot, has_table
       integer :: i
 
       has_name = .false.
       has_name(steps%target) = is_filled(steps%name)
+      has_pivot = steps%target == stepped_obstacle
       has_table = is_filled(steps%file)
       call visitor%open_group(steps_group)
       do i = 1, size(name_keys)
@@ -116,7 +118,8 @@ contains
          call visitor%list(value_keys(i), values, has_values(i))
          if (visitor%place > 0 .and. has_values(i)) call keep_values(steps, row_of(i), values)
       end do
-      call visitor%reals(key_t('pivot', 'with `turn`: what the obstacle turns about', 'L'), steps%pivot)
+      call visitor%reals(key_t('pivot', 'with `turn`: what the obstacle turns about', 'L', default='`0.0, 0.0`'), &
+         steps%pivot, has_pivot)
       call visitor%text(key_t('table', 'instead of the lists: file of times and numbers in columns, linear between;'// &
          ' of an obstacle time, `shift_x`, `shift_y` and `turn`', is_file=.true., is_filled=.true., also='file'), &
          steps%file, has_table)

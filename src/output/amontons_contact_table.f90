@@ -15,6 +15,9 @@ module amontons_contact_table
    character(*), parameter :: contact_header = 'point,x,y,normal_x,normal_y,weight,gap,slip,normal_force,'// &
       'tangential_force,contact_pressure,contact_shear,status'
 
+   !> What a load history adds to it.
+   character(*), parameter :: record_header = ',slip_step,slip_accumulated,dissipation'
+
    !> What is known of one contact point, a node or a cell of constant multipliers.
    type :: contact_point_t
       real(dp) :: position(2) = 0.0_dp !! coordinates of the node or of the center of the cell [L]
@@ -64,7 +67,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
-      character(300) :: rows(body%zone%n_points)
+      character(400) :: rows(body%zone%n_points)
       type(contact_point_t) :: point
       integer :: p
 
@@ -73,8 +76,11 @@ contains
          rows(p) = to_text(p)//','//comma_separated([point%position, point%normal, point%weight, point%gap, &
             point%slip, point%normal_force, point%tangential_force, point%pressure, point%shear]) &
             //','//point%status
+         if (allocated(result%slip_record)) rows(p) = trim(rows(p))//','//comma_separated(result%slip_record(p, :))
       end do
-      text = contact_header//newline//as_lines(rows)
+      text = contact_header
+      if (allocated(result%slip_record)) text = text//record_header
+      text = text//newline//as_lines(rows)
    end function contact_table_text
 
 end module amontons_contact_table

@@ -25,14 +25,15 @@ module amontons_listing
 contains
 
    !> The whole listing.
-   function listing_text(config, body, result) result(text)
+   function listing_text(config, body, result, study) result(text)
       type(config_t), intent(in) :: config !! the case
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
+      character(*), intent(in) :: study !! what a study of several steps says of them; empty for a single case
       character(:), allocatable :: text
 
       text = head_text(config)//warnings_text(result%warnings)//model_text(config, body, result%load_case)// &
-         loads_text(config)//solution_text(config, body, result)//zones_text(body, result)// &
+         loads_text(config)//study//solution_text(config, body, result)//zones_text(body, result)// &
          resultants_text(body, result)//certificate_text(config, result%certificate)//points_text(body, result)// &
          times_text(result%timings, listed_phases)
    end function listing_text

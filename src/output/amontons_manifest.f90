@@ -104,6 +104,9 @@ contains
             if (allocated(contact%obstacle%file)) call add(contact%obstacle%file)
          end associate
       end do
+      do i = 1, size(config%history%steps)
+         if (allocated(config%history%steps(i)%file)) call add(config%history%steps(i)%file)
+      end do
       do i = 1, size(config%loads)
          if (allocated(config%loads(i)%temperature_file)) call add(config%loads(i)%temperature_file)
       end do

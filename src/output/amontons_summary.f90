@@ -17,14 +17,15 @@ module amontons_summary
 contains
 
    !> The whole summary.
-   function summary_text(config, body, result) result(text)
+   function summary_text(config, body, result, study) result(text)
       type(config_t), intent(in) :: config !! the case
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
+      character(*), intent(in) :: study !! members on a study of several steps; empty for a single case
       character(:), allocatable :: text
 
       associate (solution => result%solution, condenser => body%condensation%condenser)
-         text = head_members(config, solution%is_converged, result%warnings)//effort_members(solution)
+         text = head_members(config, solution%is_converged, result%warnings)//study//effort_members(solution)
          if (result%method_error >= 0.0_dp) text = text//member('method_error', number(result%method_error))
          if (any(config%contacts%partition%is_constant)) text = text//member('inf_sup', number(minval(body%inf_sup)))
          if (result%condition > 0.0_dp) text = text//member('condition', number(result%condition))

@@ -16,7 +16,8 @@ module amontons_verify_sweep
    use amontons_summary_check, only: summary_check_t
    use amontons_summary_members, only: warnings_array
    use amontons_sweep_summary, only: extremes_text
-   use amontons_sweep_table, only: append_row, read_status_runs, status_runs, sweep_header
+   use amontons_row_text, only: read_status_runs, status_runs
+   use amontons_sweep_table, only: append_row, sweep_header
    use amontons_sweep_statistics, only: case_converged, case_result_t, outcome_names, quantity_labels, &
       sweep_statistics_t
    use amontons_text, only: newline, read_integer, to_text

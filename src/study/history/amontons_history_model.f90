@@ -19,7 +19,7 @@ module amontons_history_model
    implicit none (type, external)
    private
 
-   public :: history_model_t, instant_t, new_history_model
+   public :: find_probes, history_model_t, instant_t, new_history_model
 
    !> What all steps share.
    type :: history_model_t
@@ -81,7 +81,9 @@ contains
       end do
       call new_energy_form(model%energies, body, model%parts)
       model%feet = find_feet(body%zone, config%contacts)
-      call find_probes(model, body, error)
+      call find_probes(model%probe, model%history, body, error)
+      if (allocated(error)) return
+      call condense_probes(model, body)
    end subroutine new_history_model
 
    !> Gives every change of a load or support a part.
@@ -152,33 +154,42 @@ contains
       part = 1
    end function part_acting
 
-   !> Finds the nodes at the probes, and what their displacements are in terms of the contact displacements.
-   subroutine find_probes(model, body, error)
-      type(history_model_t), intent(inout) :: model !! gains the probes
-      type(body_t), intent(in) :: body !! the body, condensed
+   !> Finds the nodes at the probes.
+   subroutine find_probes(nodes, history, body, error)
+      integer, allocatable, intent(out) :: nodes(:) !! the nodes (probes)
+      type(history_t), intent(in) :: history !! the history
+      type(body_t), intent(in) :: body !! the body
       type(error_t), allocatable, intent(out) :: error !! no node is there
+      integer :: i
+
+      allocate (nodes(history%n_probes()))
+      do i = 1, size(nodes)
+         associate (position => history%probes(2*i - 1:2*i))
+            nodes(i) = body%mesh%nearest_node(position)
+            if (nodes(i) > 0) cycle
+            call new_error(error, input_refused, 'probe: no node at the point '//to_text(position(1))//', '// &
+               to_text(position(2)))
+            return
+         end associate
+      end do
+   end subroutine find_probes
+
+   !> Finds what the displacements of the probes are in terms of the contact displacements.
+   subroutine condense_probes(model, body)
+      type(history_model_t), intent(inout) :: model !! the model, its probes known
+      type(body_t), intent(in) :: body !! the body, condensed
       real(dp) :: unit(2, body%mesh%n_nodes)
       integer :: i, component
 
-      associate (n => model%history%n_probes())
-         allocate (model%probe(n), model%probe_row(2*body%zone%n_points, 2*n))
-         do i = 1, n
-            associate (position => model%history%probes(2*i - 1:2*i))
-               model%probe(i) = body%mesh%nearest_node(position)
-               if (model%probe(i) == 0) then
-                  call new_error(error, input_refused, 'probe: no node at the point '//to_text(position(1))//', '// &
-                     to_text(position(2)))
-                  return
-               end if
-            end associate
-            do component = 1, 2
-               unit = 0.0_dp
-               unit(component, model%probe(i)) = 1.0_dp
-               model%probe_row(:, 2*(i - 1) + component) = condensed_force(body, unit)
-            end do
+      allocate (model%probe_row(2*body%zone%n_points, 2*size(model%probe)))
+      do i = 1, size(model%probe)
+         do component = 1, 2
+            unit = 0.0_dp
+            unit(component, model%probe(i)) = 1.0_dp
+            model%probe_row(:, 2*(i - 1) + component) = condensed_force(body, unit)
          end do
-      end associate
-   end subroutine find_probes
+      end do
+   end subroutine condense_probes
 
    !> What acts at a time.
    subroutine history_model_at(self, body, time, instant, error)

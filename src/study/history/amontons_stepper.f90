@@ -80,7 +80,9 @@ contains
       after%anchor = merge(0.0_dp, before%solution%displacement(m + 1:) + instant%motion - before%instant%motion, &
          body%zone%is_tangent_fixed)
       call model%pose(body, instant, after%anchor, problem)
+      ! The slip before goes on, so that the method begins with the statuses before.
       after%solution = before%solution
+      after%solution%displacement(m + 1:) = after%anchor + before%slip
       call solve(after, model, body, problem, method, error)
       if (allocated(error)) return
       after%slip = after%solution%displacement(m + 1:) - after%anchor
