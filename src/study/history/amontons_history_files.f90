@@ -93,10 +93,10 @@ contains
    end subroutine history_files_add_fields
 
    !> Closes all files; they still have their temporary names.
-   subroutine history_files_finish(self, finished, grids, error)
+   subroutine history_files_finish(self, finished, manifest, error)
       class(history_files_t), intent(inout) :: self !! the files
       type(output_file_t), allocatable, intent(out) :: finished(:) !! the finished files
-      type(manifest_t), intent(out) :: grids !! the manifest of the grids
+      type(manifest_t), intent(out) :: manifest !! the manifest of the grids
       type(error_t), allocatable, intent(out) :: error !! not everything could be written
       integer :: n
 
@@ -113,7 +113,7 @@ contains
       end if
       if (.not. self%has_fields) return
       call self%collection%finish(finished(n + 1), error)
-      grids = self%collection%grids
+      manifest = self%collection%grids
    end subroutine history_files_finish
 
    !> Removes what was written, but for grids that have their names already.

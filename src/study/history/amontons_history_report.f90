@@ -3,7 +3,7 @@ module amontons_history_report
    use amontons_body, only: body_t
    use amontons_config, only: config_t
    use amontons_history, only: history_t, moved_things, steps_t
-   use amontons_json, only: number, number_members, string, truth
+   use amontons_json, only: number, string, truth
    use amontons_kinds, only: dp
    use amontons_lengths, only: lengths_t, new_lengths
    use amontons_listing_text, only: columns, heading, line, right, scientific, short
@@ -155,10 +155,10 @@ contains
                text = text//string(config%history%steps(i)%label(k))
             end do
          end do
-         text = text//'], '//number_members([character(14) :: 'time', 'work_loads', 'work_supports', &
-            'work_obstacles', 'strain_energy', 'dissipation', 'energy_error'], [state%instant%time, state%load_work, &
-            state%support_work, state%obstacle_work, state%strain_energy, sum(state%dissipation), &
-            state%energy_error()])
+         text = text//'], "time": '//number(state%instant%time)//', "work_loads": '//number(state%load_work)// &
+            ', "work_supports": '//number(state%support_work)//', "work_obstacles": '//number(state%obstacle_work)// &
+            ', "strain_energy": '//number(state%strain_energy)//', "dissipation": '//number(sum(state%dissipation))// &
+            ', "energy_error": '//number(state%energy_error())
       end associate
       text = member('load_history', text//worst_members('residual', result%residual)// &
          worst_members('energy_identities', result%imbalance)//worst_members('step_indicator', result%indicator)// &

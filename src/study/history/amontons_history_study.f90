@@ -81,8 +81,8 @@ contains
             ' left, and the same command begins anew'
          return
       end if
-      result%files%listing = history_listing(self%config, cache%body, result)
-      result%files%summary = history_members(self%config, result)
+      result%last%study_listing = history_listing(self%config, cache%body, result)
+      result%last%study_members = history_members(self%config, result)
       call write_report(options%directory, self%config, cache%body, result%last, error, result%files)
       if (allocated(error)) return
       outcome%text = solved_text(self%config%name, result)

@@ -8,12 +8,13 @@ module amontons_solve_history
    use amontons_history_walk, only: history_walk_t, new_history_walk
    use amontons_kinds, only: dp
    use amontons_load_case, only: condense_load_case
+   use amontons_manifest, only: manifest_t
    use amontons_methods, only: new_contact_method
    use amontons_report, only: study_files_t
    use amontons_result, only: result_t
    use amontons_result_warnings, only: add_result_warnings
    use amontons_solve_case, only: cache_t, condense_case, prepare_case
-   use amontons_solve_load_case, only: certify
+   use amontons_solve_load_case, only: certify, set_factor
    use amontons_stepper, only: step_state_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_text, only: to_text
@@ -68,14 +69,27 @@ contains
       if (allocated(error)) return
       if (.not. any_changes(model)) call result%last%warnings%add( &
          'no load, support, obstacle or friction changes over the history')
+      call set_factor(result%last%factor, cache%body)
       call result%last%timings%begin(phase_solve)
       call new_history_files(files, model, directory, config%name, error)
       if (.not. allocated(error)) call take_steps(cache, model, method, files, monitor, result, error)
       if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, result, error)
       if (.not. (allocated(error) .or. result%is_interrupted)) call files%finish(result%files%files, &
-         result%files%grids, error)
+         result%files%manifest, error)
+      if (.not. (allocated(error) .or. result%is_interrupted)) call add_tables(result%files%manifest, config)
       if (allocated(error) .or. result%is_interrupted) call files%discard()
    end subroutine solve_history
+
+   !> Adds the tables of changes to the files that were read.
+   subroutine add_tables(manifest, config)
+      type(manifest_t), intent(inout) :: manifest !! the manifest
+      type(config_t), intent(in) :: config !! the deck
+      integer :: i
+
+      do i = 1, size(config%history%steps)
+         if (allocated(config%history%steps(i)%file)) call manifest%add_input(config%history%steps(i)%file)
+      end do
+   end subroutine add_tables
 
    !> Whether anything changes.
    pure logical function any_changes(model)
