@@ -113,7 +113,7 @@ class History(ProgramTest):
     def test_history_ends_where_a_step_cannot_be_taken(self):
         run = self.walk(BLOCK + "&history times = 0.0, 1.0 /\n&steps load = 'push'  factor = 0.0, 1.0 /\n", status=4)
         self.assertIn("the history ends at step ", run.stderr)
-        self.assertIn("translation", run.stderr)
+        self.assertIn("no equilibrium", run.stderr)
         rows = self.table("block.history.csv")
         # Friction bears 1.2, the push on the side of 2 is twice the factor; the shortest step is 1/1024.
         self.assertAlmostEqual(float(rows[-1]["factor_push"]), 0.6, delta=2.0 / 1024.0)

@@ -5,7 +5,7 @@ module amontons_history_study
    use amontons_history_model, only: find_probes
    use amontons_history_report, only: history_listing, history_members
    use amontons_listing_text, only: scientific, short
-   use amontons_outcome, only: judge, outcome_t, status_interrupted
+   use amontons_outcome, only: outcome_t, status_interrupted
    use amontons_report, only: write_report
    use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t
@@ -77,6 +77,7 @@ contains
       if (allocated(error)) return
       if (result%is_interrupted) then
          outcome%status = status_interrupted
+         outcome%word = 'interrupted'
          outcome%message = 'interrupted after step '//to_text(result%walk%n_steps)//'; no files of the history are'// &
             ' left, and the same command begins anew'
          return
@@ -91,9 +92,9 @@ contains
       if (len(result%walk%fault) > 0) then
          outcome%status = status_not_converged
          outcome%message = result%walk%fault
+         outcome%word = 'not_converged'
       else
-         call judge(.true., result%residual%value, result%violation%value, self%config%method%tolerance, &
-            outcome%status, outcome%message)
+         call outcome%judge(.true., result%residual%value, result%violation%value, self%config%method%tolerance)
       end if
    end subroutine history_study_solve
 
