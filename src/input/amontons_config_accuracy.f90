@@ -25,10 +25,10 @@ module amontons_config_accuracy
 contains
 
    !> Describes `&accuracy`.
-   subroutine describe_accuracy(visitor, accuracy, has_sweep)
+   subroutine describe_accuracy(visitor, accuracy, has_many_cases)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(accuracy_options_t), intent(inout) :: accuracy !! what is asked
-      logical, intent(in) :: has_sweep !! whether the deck has a sweep
+      logical, intent(in) :: has_many_cases !! whether the deck has a sweep or a history
       logical :: is_given
 
       if (.not. allocated(accuracy%estimate)) accuracy%estimate = trim(estimate_names(1))
@@ -40,7 +40,7 @@ contains
          ' key results get error bars', default='none', at_least=real(fewest_refinements, dp), also='refine levels'), &
          accuracy%n_refinements, is_given)
       call visitor%close_group()
-      call visitor%only('refinements', .not. has_sweep, 'a deck without &sweep')
+      call visitor%only('refinements', .not. has_many_cases, 'a deck without &sweep and &history')
    end subroutine describe_accuracy
 
    !> Whether errors are estimated.

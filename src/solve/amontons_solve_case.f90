@@ -48,7 +48,8 @@ contains
       type(contact_t), allocatable :: contacts(:)
 
       call new_timings(result%timings)
-      result%wants_error_estimate = config%accuracy%wants_estimate() .and. .not. config%sweep%is_given()
+      result%wants_error_estimate = config%accuracy%wants_estimate() .and. &
+         .not. (config%sweep%is_given() .or. config%history%is_given)
       if (has_body(cache, config)) then
          call check_names(config, cache%body%mesh, error)
       else
@@ -63,11 +64,11 @@ contains
       ! What is told is the deck's.
       result%load_case%contacts = config%contacts
       result%method = config%method
-      ! Loads and friction that a sweep varies need not balance as they stand.
       call add_model_warnings(result%warnings, cache%body, result%load_case)
+      ! Loads and friction that a sweep or a history varies need not balance as they stand.
       if (config%sweep%is_given()) then
          call add_sweep_warnings(result%warnings, config%sweep, config%contacts)
-      else
+      else if (.not. config%history%is_given) then
          call check_balance(cache%body, result%load_case, error)
          result%has_no_equilibrium = allocated(error)
       end if
