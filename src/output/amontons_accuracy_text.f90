@@ -58,8 +58,8 @@ contains
       do i = 1, size(list)
          associate (judged => list(i)%convergence)
             if (i > 1) text = text//', '
-            text = text//string(trim(list(i)%quantity%key))//': {"values": '//numbers(judged%value)// &
-               ', "verdict": '//string(trim(verdict_names(judged%verdict)))//', '//quantity_members([ &
+            text = text//string(trim(list(i)%quantity%key))//': {"values": ['//numbers(judged%value)// &
+               '], "verdict": '//string(trim(verdict_names(judged%verdict)))//', '//quantity_members([ &
                quantity_t('order', '', judged%order), quantity_t('extrapolated', '', judged%extrapolated), &
                quantity_t('error_bar', '', judged%bar)])//'}'
          end associate
