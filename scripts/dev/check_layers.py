@@ -24,7 +24,7 @@ MAY_USE = {
     "contact/uniqueness": ["contact/problem", "linalg"],
     "contact/model": ["contact/problem", "elasticity", "mesh", "cholesky", "linalg", "system"],
     "deck": ["system"],
-    "input": ["deck", "contact/model", "contact/methods", "elasticity", "mesh", "cholesky", "linalg", "system"],
+    "input": ["deck", "contact/model", "contact/methods", "elasticity", "mesh", "mesh/io", "cholesky", "linalg", "system"],
     "solve": ["input", *CONTACT, "elasticity", "mesh", "mesh/io", "linalg", "system"],
     "output": ["solve", "input", *CONTACT, "elasticity", "mesh", "linalg", "system"],
     "study": ["solve", "input", "contact/model"],

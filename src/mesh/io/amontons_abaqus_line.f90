@@ -5,7 +5,7 @@ module amontons_abaqus_line
    implicit none (type, external)
    private
 
-   public :: find_parameter, is_at_line_end, next_data_line, next_keyword, take_comma, take_field
+   public :: find_parameter, is_at_line_end, next_data_line, next_keyword, take_comma, take_field, take_fields
 
    character, parameter :: line_feed = achar(10)
    !> Longer keyword lines are refused.
@@ -168,5 +168,29 @@ contains
       if (field(len(field):) == achar(13)) field = field(:len(field) - 1)
       field = unquoted(trim(field))
    end subroutine take_field
+
+   !> Takes all fields of a data line.
+   pure subroutine take_fields(input, fields, n)
+      type(input_file_t), intent(inout) :: input !! the file, at the beginning of the line
+      character(*), intent(out) :: fields(:) !! the fields, empty behind the last
+      integer, intent(out) :: n !! number of fields; those at the end that are empty count
+      character(:), allocatable :: field
+      logical :: is_there
+
+      fields = ''
+      n = 0
+      do
+         call input%skip_blanks()
+         call take_field(input, field)
+         if (n == size(fields) .and. field /= '') call input%refuse('more than '//to_text(n)//' fields on a line')
+         if (len(field) > len(fields)) call input%refuse('a field of more than '//to_text(len(fields))//' characters')
+         if (allocated(input%error)) exit
+         n = min(n + 1, size(fields))
+         if (field /= '') fields(n) = field
+         call take_comma(input, is_there)
+         if (.not. is_there) exit
+      end do
+      call input%end_line()
+   end subroutine take_fields
 
 end module amontons_abaqus_line
