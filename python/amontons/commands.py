@@ -1,12 +1,20 @@
 """The commands of the package: amontons-plot and amontons-report, also `python -m amontons plot` and `... report`,
 `python -m amontons fclib`, and amontons, the program, where it is part of the package.
 """
+import argparse
 import importlib
 import os
 import sys
 from pathlib import Path
 
 WORDS = ("plot", "report", "fclib")
+
+
+class Parser(argparse.ArgumentParser):
+    """Options of a command; what is wrong with them ends it with a sentence and status 1, as in the program."""
+
+    def error(self, message):
+        sys.exit(f"{self.prog}: {message}; try --help")
 
 
 def run(word, arguments):

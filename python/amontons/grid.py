@@ -20,11 +20,14 @@ class Grid:
 
 
 def read_grid(path):
-    """Reads a grid."""
-    piece = ElementTree.parse(path).getroot().find("UnstructuredGrid/Piece")
-    sections = {section.tag: {array.get("Name"): _values(array) for array in section} for section in piece}
-    return Grid(sections["Points"]["points"], _blocks(**sections["Cells"]), sections["PointData"],
-                sections.get("CellData", {}))
+    """Reads a grid; a ValueError says that the file is damaged."""
+    try:
+        piece = ElementTree.parse(path).getroot().find("UnstructuredGrid/Piece")
+        sections = {section.tag: {array.get("Name"): _values(array) for array in section} for section in piece}
+        return Grid(sections["Points"]["points"], _blocks(**sections["Cells"]), sections["PointData"],
+                    sections.get("CellData", {}))
+    except (ElementTree.ParseError, LookupError, TypeError, ValueError):
+        raise ValueError(f"{path}: damaged, or not a grid of Amontons") from None
 
 
 def _values(array):

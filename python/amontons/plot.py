@@ -1,46 +1,33 @@
-"""Draws cases from their files: the deformed body with its stress and contact points, pressure and shear with what
-friction can bear, gap and slip, and the residuals of the iterations; where only a small part of the contact line is
-closed, that part, and the body there once more; of a sweep, the zones of the contact line over the swept quantities.
-
-Usage: amontons-plot CASE... A CASE is any file of a case, the path of its files without their endings, or a folder of
-cases. Writes CASE.png and CASE.svg beside the files.
-"""
-
-import csv
-import json
-import pathlib
+"""Draws solved cases: the deformed body with a field, its contact points and obstacles; contact stress, slip and gap
+along the contact line; the residuals. Where only a small part of the line is closed, that part is shown, and the
+body there once more. Of a sweep: the zones of the contact line over the swept quantities. Writes CASE.png and CASE.svg
+beside the files of the case."""
+import argparse
 import sys
 
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.collections import LineCollection, PolyCollection
 
-from amontons.grid import read_grid
+from amontons.cases import Case, CaseFault, find_cases
+from amontons.commands import Parser
+from amontons.draw_body import draw_body, draw_detail
+from amontons.draw_line import (ABSCISSAS, abscissa_label, closed_part, draw_gap, draw_history, draw_slip, draw_stress,
+                                points_of, stretches)
+from amontons.draw_sweep import draw_reduced, draw_sweep
 
-# Okabe and Ito's colours, told apart by colour-blind readers too; a marker says the same once more.
-STATUSES = (("open", "#D55E00", "o"), ("stick", "#009E73", "s"), ("slip along t", "#0072B2", ">"),
-            ("slip against t", "#56B4E9", "<"))
-ZONES = {"open_length": "#D55E00", "slip_length": "#0072B2", "stick_length": "#009E73"}
-PRESSURE, SHEAR, BOUND = "black", "#CC79A7", "#E69F00"
-SUMMARY = ".summary.json"
-
-
-def cases_of(arguments):
-    """The paths of the cases that the arguments name, without the endings of their files."""
-    cases = []
-    for argument in map(pathlib.Path, arguments):
-        if argument.is_dir():
-            found = sorted(str(path)[: -len(SUMMARY)] for path in argument.glob("*" + SUMMARY))
-        else:
-            names = [str(argument)[: -len(ending)] for ending in
-                     (SUMMARY, ".contact.csv", ".contact.vtu", ".sweep.csv", ".sweep.pvd", ".deck.nml", ".vtu", ".lst")
-                     if str(argument).endswith(ending)] + [str(argument)]
-            found = [name for name in names if pathlib.Path(name + SUMMARY).exists()][:1]
-        if not found:
-            sys.exit(f"plot: {argument}: no case is here; expected a folder with *{SUMMARY}, or the path of a case")
-        cases += found
-    return cases
+FORMATS = ("png", "svg", "pdf")
+BODY_PANELS = {"body": draw_body, "detail": draw_detail}
+LINE_PANELS = {"stress": draw_stress, "slip": draw_slip, "gap": draw_gap}
+PANELS = (*BODY_PANELS, *LINE_PANELS, "history")
+HEIGHTS = {"body": 2.0, "stress": 1.4}  # of panels, over that of the others
+FIELD = "von_mises"
+INCH = 25.4  # mm
+DETAIL = 0.35  # what is smaller over the size of the body is drawn once more
+SIZES = {"body": (240, 165), "sweep": (240, 85), "curve": (150, 95), "reduced": (170, 140)}  # mm
+STYLE = {"font.size": 8, "axes.titlesize": "medium", "axes.linewidth": 0.5, "lines.linewidth": 1.0,
+         "xtick.major.width": 0.5, "ytick.major.width": 0.5, "legend.fontsize": "small", "savefig.dpi": 200,
+         "svg.fonttype": "none", "pdf.fonttype": 42}
 
 
 def plain(text):
@@ -48,292 +35,140 @@ def plain(text):
     return text.replace("$", r"\$")
 
 
-def outlines(mesh, positions):
-    """The polygon of each cell, middle nodes between their corners."""
-    order = {"triangle": [0, 1, 2], "quad": [0, 1, 2, 3], "triangle6": [0, 3, 1, 4, 2, 5],
-             "quad8": [0, 4, 1, 5, 2, 6, 3, 7], "quad9": [0, 4, 1, 5, 2, 6, 3, 7]}
-    return [polygon for kind, nodes in mesh.cells for polygon in positions[nodes[:, order[kind]]]]
+def has_detail(case, sets, shown):
+    """Whether the contact points that are shown are a small part of their line or of the body."""
+    def extent(points):
+        return np.ptp(points[:, :2], axis=0).max()
+    width = extent(case.line.points[points_of(shown)]) if shown else 0.0
+    return width > 0.0 and (shown is not sets or width < DETAIL * extent(case.mesh.points))
 
 
-def boundary(mesh):
-    """The edges that belong to one cell alone (pairs of nodes)."""
-    corners = [nodes[:, :3 if kind.startswith("tri") else 4] for kind, nodes in mesh.cells]
-    edges = np.concatenate([np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2) for cells in corners])
-    _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
-    return edges[first[count == 1]]
+def draw_panels(case, panels, size, field=FIELD, scale=None, abscissa="s"):
+    """A figure of a body with the panels named, those of the body on the left."""
+    sets = stretches(case.line, abscissa)
+    shown = closed_part(case.line, sets) if sets else sets
+    left = [name for name in panels if name in BODY_PANELS and (name != "detail" or has_detail(case, sets, shown))]
+    right = [name for name in panels if name not in BODY_PANELS and (sets or name == "history")]
+    figure = plt.figure(figsize=size, layout="constrained")
+    columns = [column for column in (left, right) if column]
+    parts = figure.subfigures(1, len(columns), squeeze=False, width_ratios=[1.15, 1.0][:len(columns)])[0]
+    for part, column in zip(parts, columns):
+        axes = part.subplots(len(column), 1, squeeze=False, height_ratios=[HEIGHTS.get(name, 1.0) for name in column])
+        axes = dict(zip(column, axes[:, 0]))
+        for name in column:
+            if name == "body":
+                draw_body(axes[name], case, field, scale)
+            elif name == "detail":
+                draw_detail(axes[name], case, field, points_of(shown), scale)
+            elif name == "history":
+                draw_history(axes[name], case)
+        draw_line([(name, axes[name]) for name in column if name in LINE_PANELS], case, shown,
+                  abscissa_label(case, abscissa, shown, sets))
+    return figure
 
 
-def magnification(mesh):
-    """A round number that makes displacements visible: the largest then measures about a twelfth of the body.
-    Displacements that are visible by themselves are drawn as they are, unless they are larger than the body."""
-    largest = np.abs(mesh.point_data["displacement"]).max()
-    if largest == 0.0:
-        return 1.0
-    size = np.ptp(mesh.points[:, :2], axis=0).max()
-    wanted = size / 12.0 / largest
-    if wanted < 1.0 and largest <= size:
-        return 1.0
-    power = 10.0 ** np.floor(np.log10(wanted))
-    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= wanted)
+def draw_line(panels, case, shown, label):
+    """Panels of the contact line, pairs of name and axes, above each other with one abscissa."""
+    for name, axes in panels:
+        LINE_PANELS[name](axes, case, shown)
+    for _, axes in panels[:-1]:
+        axes.sharex(panels[-1][1])
+        axes.tick_params(labelbottom=False)
+    if panels:
+        panels[-1][1].set_xlabel(label)
 
 
-def draw_body(figure, axes, mesh, line, factor):
-    """The mesh, its displacements multiplied by a factor, coloured by von Mises stress, its outline before, and the
-    contact points by status. Returns where the contact points are drawn."""
-    moved = mesh.points[:, :2] + factor * mesh.point_data["displacement"][:, :2]
-    cells = outlines(mesh, moved)
-    stress = mesh.cell_data["von_mises"]
-    # A mesh so fine that its lines would hide the colours is drawn without them.
-    is_fine = len(cells) > 2000
-    drawn = axes.add_collection(PolyCollection(cells, array=stress, cmap="cividis", linewidths=0.2,
-                                               edgecolors="face" if is_fine else "white", rasterized=is_fine))
-    axes.add_collection(LineCollection(mesh.points[boundary(mesh)][:, :, :2], colors="grey", linestyles="--",
-                                       linewidths=0.8))
-    at = line.points[:, :2] + factor * line.point_data["displacement"][:, :2]
-    for status, (label, color, marker) in enumerate(STATUSES, start=1):
-        here = at[line.point_data["status"] == status]
-        if len(here):
-            axes.plot(*here.T, linestyle="none", marker=marker, color=color, markersize=4,
-                      label=f"{label} ({len(here)})")
-    axes.set(aspect="equal", xlabel="x", ylabel="y",
-             title="von Mises stress; displacements " + ("as they are" if factor == 1.0 else
-                                                        f"times {factor:g}"))
-    axes.autoscale_view()
-    if len(at):
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.0, ncols=2, frameon=False)
-    figure.colorbar(drawn, ax=axes, shrink=0.8)
-    return at
+def draw_case(case, options):
+    """The figure of a case."""
+    def size(kind):
+        return [length / INCH for length in options.size or SIZES[kind]]
 
-
-def draw_detail(figure, axes, mesh, line, shown):
-    """The body once more, near the contact points that are shown. Displacements that are large beside such a part would
-    bend it out of shape if they were magnified."""
-    at = draw_body(figure, axes, mesh, line, 1.0)[shown]
-    axes.get_legend().remove()
-    axes.collections[0].colorbar.remove()
-    middle, half = (at.min(axis=0) + at.max(axis=0)) / 2, np.ptp(at, axis=0).max() / 2
-    axes.set(xlim=middle[0] + np.array([-1.0, 1.0]) * half, ylim=middle[1] + np.array([-0.4, 0.4]) * half,
-             xlabel="", ylabel="", title="the closed part, displacements as they are")
-
-
-def closed_part(line, sets):
-    """The range of lengths where the contact line is closed and somewhat more, if that is a small part of the line;
-    the whole of it else."""
-    lengths = np.concatenate([length for _, length in sets])
-    closed = lengths[np.concatenate([line.point_data["status"][points] > 1 for points, _ in sets])]
-    whole = lengths[0], lengths[-1]
-    if not len(closed):
-        return whole
-    near = np.sort(np.abs(lengths - closed.mean()))
-    margin = max(np.ptp(closed), 3 * near[min(2, len(near) - 1)])
-    part = max(closed.min() - margin, whole[0]), min(closed.max() + margin, whole[1])
-    return part if part[1] - part[0] < 0.4 * (whole[1] - whole[0]) else whole
-
-
-def cropped(sets, part):
-    """The contact sets, without the points outside a range of lengths, and without sets that have none left."""
-    inside = [(length >= part[0]) & (length <= part[1]) for _, length in sets]
-    return [(points[here], length[here]) for (points, length), here in zip(sets, inside) if here.any()]
-
-
-def stretches(line):
-    """The contact sets: for each the points and their lengths along the line, one set behind the other."""
-    result, start = [], 0.0
-    for number in np.unique(line.point_data["set"]):
-        points = np.flatnonzero(line.point_data["set"] == number)
-        steps = np.linalg.norm(np.diff(line.points[points], axis=0), axis=1)
-        length = start + np.concatenate([[0.0], np.cumsum(steps)])
-        result.append((points, length))
-        start = length[-1] + 0.05 * max(length[-1], 1e-300)
-    return result
-
-
-def draw_stresses(axes, line, sets):
-    """Pressure, shear and the shear that friction can bear along the contact line, statuses as markers."""
-    data = line.point_data
-    for i, (points, length) in enumerate(sets):
-        names = ("pressure", "shear", "bound of the shear") if i == 0 else (None,) * 3
-        axes.plot(length, data["contact_pressure"][points], color=PRESSURE, label=names[0])
-        axes.plot(length, data["contact_shear"][points], color=SHEAR, label=names[1])
-        for sign in (1, -1):
-            axes.plot(length, sign * data["shear_bound"][points], color=BOUND, linestyle=":",
-                      label=names[2] if sign > 0 else None)
-        for status, (_, color, marker) in enumerate(STATUSES, start=1):
-            here = data["status"][points] == status
-            axes.plot(length[here], data["contact_pressure"][points][here], linestyle="none", marker=marker,
-                      color=color, markersize=3.5, markevery=max(1, len(points) // 60))
-    axes.set(ylabel="contact stress")
-    axes.legend(loc="best", frameon=False, fontsize="small")
-
-
-def draw_motion(axes, line, sets, longest):
-    """Gap and slip along the contact line.
-
-    Where the body's normal all but misses the obstacle, the gap along it has no end and would flatten all others: the
-    axis ends at twice the usual gap, or where slips can still be seen.
-    """
-    data, points = line.point_data, np.concatenate([points for points, _ in sets])
-    gaps = data["gap"][points]
-    gaps = gaps[(gaps > 0.0) & (gaps <= longest)]
-    slips = data["slip"][points]
-    limit = max(4.0 * np.abs(slips).max(), 2.0 * np.median(gaps) if len(gaps) else 0.0)
-    for name, color, style in (("gap", "#D55E00", "-"), ("slip", "#0072B2", "--")):
-        for points, length in sets:
-            values = data[name][points]
-            axes.plot(length, np.where(np.abs(values) > longest, np.nan, values), color=color, linestyle=style,
-                      label=name if length is sets[0][1] else None)
-    axes.set(xlabel="length along the contact line", ylabel="gap, slip")
-    if 0.0 < limit < axes.get_ylim()[1]:
-        bottom = min(0.0, slips.min())
-        axes.set_ylim(bottom - 0.05 * (limit - bottom), limit)
-    axes.legend(loc="best", frameon=False, fontsize="small")
-
-
-def draw_history(axes, summary):
-    """The residual after each iteration."""
-    history = [residual for residual in summary["history"] if residual]
-    axes.semilogy(range(1, len(history) + 1), history, color="black", linewidth=0.8,
-                  marker="." if len(history) < 100 else None)
-    verdict = "converged" if summary["converged"] else "NOT CONVERGED"
-    axes.set(xlabel=f"iteration of {summary['method']}", ylabel="residual",
-             title=f"{verdict}, residual {summary['residual']:.1e}; certificate "
-             + ("passed" if summary["certificate"]["passed"] else "FAILED"))
-    axes.xaxis.get_major_locator().set_params(integer=True)
-
-
-def length_in(row, zone):
-    """The length of a zone of the contact line in a case; not a number where the case was not solved."""
-    return float(row[zone]) if row["outcome"] == "converged" else np.nan
-
-
-def draw_parts(axes, values, rows):
-    """The zones of the contact line over one quantity; cases that were not solved leave a gap."""
-    marker = "." if len(rows) < 100 else None
-    for (zone, color), style in zip(ZONES.items(), ("-", "--", ":")):
-        axes.plot(values, [length_in(row, zone) for row in rows], marker=marker, color=color,
-                  linestyle=style, label=zone.removesuffix("_length"))
-    axes.legend(frameon=False)
-    axes.set(ylabel="length")
-
-
-def quantity(column):
-    """The words for a column of a sweep that is swept over."""
-    return f"factor of {column.removeprefix('factor_')}" if column.startswith("factor_") else column
-
-
-def draw_maps(figure, axes, columns, rows, marks):
-    """A map of each zone over two quantities; what was not solved stays white."""
-    places = [np.unique([float(row[column]) for row in rows]) for column in columns]
-    whole = max((sum(length_in(row, zone) for zone in ZONES) for row in rows if row["outcome"] == "converged"),
-                default=1.0)
-    for axis, zone in zip(axes, ZONES):
-        values = np.full([len(place) for place in places], np.nan)
-        for row in rows:
-            at = tuple(np.searchsorted(place, float(row[column])) for place, column in zip(places, columns))
-            values[at] = length_in(row, zone)
-        drawn = axis.pcolormesh(places[1], places[0], values, cmap="cividis", vmin=0.0, vmax=whole, shading="nearest",
-                                rasterized=True)
-        axis.set(title=zone.replace("_", " "), xlabel=quantity(columns[1]))
-        for x, y, label in marks:
-            axis.plot(x, y, marker="o", markersize=12, markerfacecolor="white", markeredgecolor="black")
-            axis.annotate(label, (x, y), ha="center", va="center", fontsize="small")
-    axes[0].set(ylabel=quantity(columns[0]))
-    figure.colorbar(drawn, ax=axes)
-
-
-def draw_sweep(summary, rows, marks=()):
-    """Draws a sweep over one or two quantities; of more, the first two that vary, the others at their first values.
-    Marks are triples: place along the second quantity, along the first, and a label."""
-    columns = [quantity["name"] for quantity in summary["quantities"] if quantity["values"] > 1]
-    fixed = columns[2:]
-    rows = [row for row in rows if all(row[name] == rows[0][name] for name in fixed)]
-    title = (summary["title"] or summary["case"]) + "".join(f", {name} = {float(rows[0][name]):g}" for name in fixed)
-    n_left = sum(row["outcome"] != "converged" for row in rows)
-    if n_left:
-        title += f"; {n_left} of {len(rows)} cases NOT SOLVED"
-    if len(columns) > 1 and not any(quantity["paired"] for quantity in summary["quantities"]):
-        figure, axes = plt.subplots(1, 3, figsize=(14, 4.6), layout="constrained", sharey=True)
-        draw_maps(figure, axes, columns[:2], rows, marks)
+    unused = {"sweep": ("scale", "abscissa", "panels"), "reduced": ("field", "scale", "abscissa", "panels")}
+    for name in unused.get(case.kind, ()):
+        if getattr(options, name) is not None:
+            raise CaseFault(f"{case.path}: --{name} is not for a {case.kind.replace('reduced', 'reduced problem')}")
+    if case.kind == "sweep":
+        n_varied = sum(quantity["values"] > 1 for quantity in case.summary["quantities"])
+        figure, title = draw_sweep(case, size("sweep" if n_varied > 1 and options.field is None else "curve"),
+                                   options.field)
+    elif case.kind == "reduced":
+        figure, title = draw_reduced(case, size("reduced"))
     else:
-        figure, axes = plt.subplots(figsize=(8, 5), layout="constrained")
-        name = columns[0] if len(columns) == 1 else "case"
-        draw_parts(axes, [float(row[name]) for row in rows], rows)
-        axes.set(xlabel=name)
+        figure = draw_panels(case, options.panels or PANELS, size("body"), options.field or FIELD, options.scale,
+                             options.abscissa or "s")
+        title = case.heading
     figure.suptitle(plain(title))
     return figure
 
 
-def draw_reduced(summary, rows):
-    """Draws a reduced problem: the forces of its contacts, and the residuals."""
-    figure, (above, below) = plt.subplots(2, 1, figsize=(9, 7), layout="constrained")
-    numbers = [int(row["point"]) for row in rows]
-    for name, color, marker in (("normal_force", PRESSURE, "o"), ("tangential_force", SHEAR, "x")):
-        above.plot(numbers, [float(row[name]) for row in rows], color=color, marker=marker, markersize=4,
-                   linestyle="none", label=name.replace("_", " "))
-    above.set(xlabel="contact", ylabel="force")
-    above.xaxis.get_major_locator().set_params(integer=True)
-    above.legend(frameon=False)
-    draw_history(below, summary)
-    figure.suptitle(plain(summary["title"] or summary["case"]))
-    return figure
+def words_of(allowed):
+    """A reader of words that are separated by commas."""
+    def read(text):
+        words = [word.strip() for word in text.split(",")]
+        for word in words:
+            if word not in allowed:
+                raise argparse.ArgumentTypeError(f"'{word}' is none of {', '.join(allowed)}")
+        return words
+    return read
 
 
-def rows_of(case, table):
-    """The rows of a table of a case."""
-    with open(f"{case}.{table}.csv", newline="", encoding="utf-8") as text:
-        return list(csv.DictReader(text))
+def size_of(text):
+    """Reads a size, WIDTHxHEIGHT."""
+    try:
+        width, height = map(float, text.lower().split("x"))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"expected WIDTHxHEIGHT in mm, found '{text}'") from None
+    if not (20 <= width <= 2000 and 20 <= height <= 2000):
+        raise argparse.ArgumentTypeError(f"expected 20 to 2000 mm, found '{text}'")
+    return width, height
 
 
-def draw_case(case, summary):
-    """Draws one case."""
-    mesh, line = read_grid(f"{case}.vtu"), read_grid(f"{case}.contact.vtu")
-    sets = stretches(line)
-    part = closed_part(line, sets) if sets else None
-    shown = cropped(sets, part) if sets else []
-    is_detail = sum(len(points) for points, _ in shown) < len(line.points)
-    figure, axes = plt.subplot_mosaic([["body", "stresses"], ["body", "motion"],
-                                       ["detail" if is_detail else "body", "history"]],
-                                      figsize=(12, 8), width_ratios=(1.15, 1), layout="constrained")
-    figure.suptitle(plain(summary["title"] or summary["case"]))
-    draw_body(figure, axes["body"], mesh, line, magnification(mesh))
-    if sets:
-        draw_stresses(axes["stresses"], line, shown)
-        draw_motion(axes["motion"], line, shown, sets[-1][1][-1])
-    else:
-        axes["stresses"].set_axis_off()
-        axes["motion"].set_axis_off()
-    if is_detail:
-        draw_detail(figure, axes["detail"], mesh, line, np.concatenate([points for points, _ in shown]))
-        axes["motion"].set(xlabel=f"length along the contact line, {part[0]:.4g} to {part[1]:.4g} of "
-                           f"{sets[-1][1][-1]:.4g}")
-    draw_history(axes["history"], summary)
-    return figure
+def factor_of(text):
+    """Reads a magnification."""
+    try:
+        factor = float(text)
+    except ValueError:
+        factor = -1.0
+    if not 0.0 <= factor < float("inf"):
+        raise argparse.ArgumentTypeError(f"expected a number of at least 0, found '{text}'")
+    return factor
 
 
-def save_case(case, *files):
-    """Draws one case into files: names that tell their format by their ending, or an open one for SVG."""
-    summary = json.loads(pathlib.Path(case + SUMMARY).read_text(encoding="utf-8"))
-    if "sweep" in summary:
-        figure = draw_sweep(summary, rows_of(case, "sweep"))
-    elif "problem" in summary:
-        figure = draw_reduced(summary, rows_of(case, "contact"))
-    else:
-        figure = draw_case(case, summary)
-    for file in files:
-        # In an SVG only what is fine-grained has a resolution, and it may be looked at more closely.
-        if isinstance(file, str) and file.endswith(".png"):
-            figure.savefig(file, dpi=110)
-        else:
-            figure.savefig(file, dpi=220, format="svg")
-    plt.close(figure)
+def parser():
+    """The options of the command."""
+    options = Parser(prog="amontons-plot", description=__doc__)
+    options.add_argument("case", nargs="+", metavar="CASE",
+                         help="a folder of cases, any file of a case, or the path of its files without their endings")
+    options.add_argument("--field", metavar="NAME",
+                         help=f"field that colors the body: an array of NAME.vtu, of vectors and tensors with its "
+                         f"component, as in nodal_stress_xy or displacement_x (default: {FIELD}); of a sweep a column "
+                         "of NAME.sweep.csv (default: the zones)")
+    options.add_argument("--scale", type=factor_of, metavar="FACTOR",
+                         help="magnification of displacements and gaps (default: a round number that shows them)")
+    options.add_argument("--format", type=words_of(FORMATS), default=["png", "svg"], metavar="WORD,...",
+                         help=f"files to write: {', '.join(FORMATS)} (default: png,svg)")
+    options.add_argument("--size", type=size_of, metavar="WxH",
+                         help="width and height in mm, as in 160x110; text has 8 points in any size")
+    options.add_argument("--abscissa", choices=ABSCISSAS, help="of the contact line: its length s (default), x or y")
+    options.add_argument("--panels", type=words_of(PANELS), metavar="WORD,...",
+                         help=f"parts of the figure: {', '.join(PANELS)} (default: all)")
+    return options
 
 
 def main(arguments):
-    """Draws the cases that the arguments name."""
+    """Draws the cases that the arguments name. Returns the exit status."""
     matplotlib.use("Agg")
-    if not arguments:
-        sys.exit("plot: name a case: any of its files, or the folder it is in")
-    for case in cases_of(arguments):
-        files = (f"{case}.png", f"{case}.svg")
-        save_case(case, *files)
-        print(*files, sep="\n")
+    options = parser().parse_args(arguments)
+    try:
+        for path in find_cases(options.case):
+            with plt.rc_context(STYLE):
+                figure = draw_case(Case(path), options)
+                for ending in options.format:
+                    figure.savefig(f"{path}.{ending}")
+                    print(f"{path}.{ending}")
+                plt.close(figure)
+    except OSError as error:
+        sys.exit(f"plot: {error.filename}: {error.strerror}")
+    except ValueError as error:
+        sys.exit(f"plot: {error}")
+    return 0

@@ -1,142 +1,101 @@
-"""Turns a folder of solved cases into one page that needs nothing beside it. Usage: amontons-report FOLDER [PAGE]
-
-PAGE is FOLDER/report.html unless it is named.
-"""
-
-import base64
+"""Makes one page of a folder of solved cases: a table that sorts by any key result, and of each case its verdict,
+warnings, pictures, files and deck; decks that failed, with their messages. The page needs nothing beside it."""
+import csv
 import datetime
 import html
-import io
 import json
-import pathlib
+import os
 import sys
 import urllib.parse
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
 
 import matplotlib
 
-from amontons import plot
+from amontons.cases import Case, find_cases
+from amontons.commands import Parser
+from amontons.report_pictures import pictures_of
+from amontons.verdicts import COLORS, verdict_of, violations
 
-VIOLATIONS = {
-    "equilibrium": "the forces on some node do not balance",
-    "penetration": "the body overlaps the obstacle",
-    "tension": "the obstacle pulls at the body",
-    "friction_excess": "friction bears more than it can",
-    "complementarity": "the obstacle presses where there is a gap",
-    "wrong_dissipation": "friction drives the slip somewhere",
-    "slip_below_bound": "something slides though friction could hold it",
-    "resultant": "the forces on the body do not add up to zero",
-    "moment": "their moments do not add up to zero",
-    "energy": "strain energy and work of the forces differ",
-}
-# A violation up to here leaves a picture that an engineer can use, and numbers that nobody should cite.
-USABLE = 1e-4
+MANY = 8  # cases: from here on all cores draw
+PARTS = ("lengths", "resultants", "counts")
+FILES = (".lst", ".contact.csv", ".sweep.csv", ".summary.json", ".vtu", ".contact.vtu", ".sweep.pvd", ".deck.nml")
+SHOWN = ("max_contact_pressure", "max_von_mises", "max_displacement", "max_slip", "contact_width", "slip_length",
+         "stick_length", "normal_force", "residual")
+DIMENSIONS = (("pressure", "stress"), ("shear", "stress"), ("mises", "stress"), ("force", "force"), ("moment", None),
+              ("", "length"))  # of the key results, by a part of their names
 
-STYLE = """
-body { font: 15px/1.5 system-ui, sans-serif; color: #222; max-width: 70rem; margin: 2rem auto; padding: 0 1rem }
-h1, h2 { line-height: 1.2 } h2 { border-top: 1px solid #ccc; padding-top: 1.5rem; margin-top: 2.5rem }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums } .wide { overflow-x: auto }
-th, td { padding: .25rem .5rem; text-align: right; border-bottom: 1px solid #ddd; white-space: nowrap }
-th { white-space: normal; vertical-align: bottom } th:first-child, td:first-child { text-align: left }
-img { width: 100%; height: auto } pre { background: #f5f5f5; padding: .8rem; overflow-x: auto; font-size: 13px }
-.verdict { padding: .5rem .8rem; border-left: .5rem solid; margin: 1rem 0 } .verdict b { margin-right: .5rem }
-.green { background: #e6f4ec; border-color: #00724f } .amber { background: #fdf1dc; border-color: #b26b00 }
-.red { background: #fbe6dd; border-color: #b03a00 } .mark { font-weight: bold } nav { margin: .5rem 0 }
-a { color: #00558c }
-@media screen and (max-width: 54rem) { img { width: 44rem } }
-@media print {
-  @page { margin: 1.2cm } body { max-width: none; margin: 0; padding: 0 } h2 { break-before: page; border: 0 }
-  pre { white-space: pre-wrap; overflow: visible } .wide { overflow: visible } .overview { font-size: 9px }
-  .overview :is(th, td) { padding: .2rem .25rem } details::details-content { content-visibility: visible }
-}
+
+def numbers_of(case):
+    """The numbers of a case that a table can be sorted by, with their labels: pairs by key."""
+    summary = case.summary
+    found = {}
+    for part in ("key_results", *PARTS):
+        for key, value in summary.get(part, {}).items():
+            add_number(found, key, value)
+    for key in ("iterations", "residual"):
+        add_number(found, key, summary.get(key))
+    add_number(found, "seconds", summary["seconds"]["total"])
+    return found
+
+
+def add_number(found, key, value):
+    """Adds a number, or those of a record, under a key."""
+    if isinstance(value, dict):
+        for part, number in value.items():
+            add_number(found, key if part == "value" else f"{key}_{part}", number)
+    elif value is None or isinstance(value, (int, float)) and not isinstance(value, bool):
+        found[key] = value
+
+
+def cell_text(value):
+    """A number in a table."""
+    if value is None:
+        return "–"
+    return f"{value:.5g}" if value == 0 or abs(value) >= 1e-3 else f"{value:.2e}"
+
+
+def table_of(cases, smalls):
+    """The table of all cases, the choice of what it is sorted by, and the numbers that it is sorted by."""
+    numbers = [numbers_of(case) for case in cases]
+    keys = list(dict.fromkeys(key for found in numbers for key in found))
+    labels = {"case": "case", "verdict": "verdict", **{key: key.replace("_", " ") for key in keys}}
+    shown = [key for key in SHOWN if key in keys]
+    choice = "".join(f'<option value="{html.escape(key)}">{html.escape(label)}</option>'
+                     for key, label in labels.items())
+    head = "".join(f'<th data-key="{key}"{class_name}><button>{html.escape(labels[key])}</button></th>'
+                   for key, class_name in [("case", ' class="name"'), ("verdict", ""), *[(key, "") for key in shown]])
+    body, values = "", []
+    for case, small, found in zip(cases, smalls, numbers):
+        name, color = html.escape(case.summary["case"]), verdict_of(case.summary)[0]
+        title = html.escape(case.summary.get("title") or "")
+        cells = "".join(f'<td data-label="{html.escape(labels[key])}">{cell_text(found.get(key))}</td>'
+                        for key in shown)
+        body += (f'<tr><td><a href="#{name}">{small}</a></td><td class="name"><a href="#{name}">{name}</a>'
+                 f'<span class="title">{title}</span></td><td class="mark {color}">{color}</td>{cells}'
+                 "<td hidden></td></tr>\n")
+        values.append({"case": case.summary["case"], "verdict": COLORS.index(color), **found})
+    data = json.dumps({"labels": labels, "cases": values}).replace("<", "\\u003c")
+    return f"""<div class="tools"><label>Sort by <select id="by">{choice}</select></label>
+<label><input type="checkbox" id="down"> largest first</label></div>
+<table class="cases"><thead><tr><th></th>{head}<th hidden></th></tr></thead><tbody>
+{body}</tbody></table>
+<script type="application/json" id="results">{data}</script>
 """
 
 
-def violations(summary):
-    """The violations in the certificate of a case, infinite where one is not a number; none of a sweep without a case
-    that converged, which has no certificate."""
-    certificate = summary.get("certificate", {})
-    return {name: float("inf") if certificate[name] is None else certificate[name]
-            for name in VIOLATIONS if name in certificate}
-
-
-def verdict_of(summary):
-    """The colour of a case, and the sentence that goes with it."""
-    found_violations, residual = violations(summary), summary.get("residual")
-    largest = max(found_violations.values(), default=float("inf"))
-    what = "the file's own matrix" if "problem" in summary else "the full model"
-    is_certified = bool(found_violations) and summary["certificate"]["passed"]
-    faults = [VIOLATIONS[name] for name, value in found_violations.items() if value > summary["certificate"]["limit"]]
-    found = f"On {what} {', '.join(faults)}. " if faults else ""
-    if "sweep" in summary and not (summary["converged"] and is_certified):
-        return verdict_of_sweep(summary["sweep"], is_certified, found)
-    if summary["converged"] and is_certified:
-        which = f"; certified is case {summary['certificate']['case']}, the one most in doubt" \
-            if "sweep" in summary else ""
-        color = "amber" if summary.get("warnings") else "green"
-        return color, f"Solved and certified: on {what} every violation is at most {largest:.1e}, " \
-            f"{summary['certificate']['limit']:.0e} being allowed{which}."
-    if not summary["converged"]:
-        found = f"The method stopped after {summary['iterations']} iterations at a residual of " \
-                f"{number(residual)}. " + found
-    if residual is not None and max(residual, largest) <= USABLE:
-        return "amber", found + f"Nothing is off by more than {USABLE:.0e} of its scale: fit for a look, not for a " \
-            "proof. Raise max_iterations, or take method = 'auto'."
-    if summary["converged"]:
-        return "red", found + "Do not use these numbers. The stiffness may be badly conditioned: look for slivers in " \
-            "the mesh, for moduli that differ by many powers of ten, and for a Poisson's ratio close to 0.5."
-    return "red", found + "Do not use these numbers. Take method = 'auto'; if that is what failed, raise " \
-        "max_iterations, lower the friction in steps to see where it begins, or look whether the loads press the " \
-        "body on its obstacle at all."
-
-
-def verdict_of_sweep(counts, is_certified, found):
-    """The same of a sweep that is not green."""
-    left = []
-    if counts["not_converged"]:
-        left.append(f"{counts['not_converged']} did not converge: take method = 'auto', or raise max_iterations")
-    if counts["flies_off"]:
-        left.append(f"in {counts['flies_off']} the body flies off, which is an answer: no contact forces hold these "
-                    "loads")
-    found = f"Of {counts['cases']} cases " + "; ".join(left) + ". The column outcome tells which. " + found \
-        if left else found
-    if not counts["converged"]:
-        return "red", found + "No case is solved."
-    if not is_certified:
-        return "red", found + "Do not use these numbers: the certificate of the case most in doubt failed."
-    return "amber", found + "The others are solved, and the one most in doubt is certified."
-
-
-def picture_of(case):
-    """The picture of a case, to stand in the page itself."""
-    content = io.BytesIO()
-    plot.save_case(case, content)
-    return "data:image/svg+xml;base64," + base64.b64encode(content.getvalue()).decode("ascii")
-
-
-def row(cells, tag="td"):
-    return "<tr>" + "".join(f"<{tag}>{cell}</{tag}>" for cell in cells) + "</tr>\n"
-
-
-def number(value):
-    return "–" if value is None else f"{value:.5g}"
-
-
-def overview(summaries):
-    """The table of all cases."""
-    head = row(("case", "verdict", "open", "slip", "stick", "open length", "slip length", "stick length",
-                "normal force", "tangential force", "iterations", "residual", "seconds"), "th")
-    body = ""
-    for summary in summaries:
-        name, color = html.escape(summary["case"]), verdict_of(summary)[0]
-        counts, lengths, resultants = (summary.get(part, {}) for part in ("counts", "lengths", "resultants"))
-        body += row([f'<a href="#{name}">{name}</a>', f'<span class="mark {color}">{color}</span>']
-                    + [counts.get(status, "–") for status in ("open", "slip", "stick")]
-                    + [number(lengths.get(part)) for part in ("open_length", "slip_length", "stick_length")]
-                    + [number(resultants.get(part)) for part in ("normal_force", "tangential_force")]
-                    + [summary["iterations"],
-                       f"{summary['residual']:.1e}" if summary.get("residual") is not None else "–",
-                       number(summary["seconds"]["total"])])
-    return f'<div class="wide"><table class="overview">{head}{body}</table></div>\n'
+def key_results_of(case):
+    """The key results of a case, with the places of those that have one."""
+    results, text = case.summary.get("key_results", {}), ""
+    places = {f"{key}_{axis}" for key in results for axis in "xy" if f"{key}_x" in results}
+    for key, value in results.items():
+        if key not in places:
+            dimension = next(dimension for part, dimension in DIMENSIONS if part in key)
+            label = html.escape(case.label(key.replace("_", " "), dimension))
+            place = f" at ({cell_text(results[f'{key}_x'])}, {cell_text(results[f'{key}_y'])})" \
+                if f"{key}_x" in places else ""
+            text += f"<div><dt>{label}</dt><dd>{cell_text(value)}{place}</dd></div>"
+    return f"<dl>{text}</dl>\n" if text else ""
 
 
 def size_of(summary):
@@ -147,63 +106,117 @@ def size_of(summary):
     return ", ".join(f"{counts[key]} {name}" for key, name in names.items() if counts.get(key) is not None)
 
 
-def section(case, summary):
+def deck_of(case):
+    """The deck of a case as it runs anywhere: files that it names are beside it. Also what these files are."""
+    text = Path(f"{case.path}.deck.nml").read_text(encoding="utf-8")
+    inputs = case.summary.get("inputs", [])
+    for entry in inputs:
+        text = text.replace(f"'{entry['name'].replace(chr(39), 2 * chr(39))}'",
+                            f"'{Path(entry['name']).name.replace(chr(39), 2 * chr(39))}'")
+    needs = ", ".join(f"<code>{html.escape(Path(entry['name']).name)}</code> ({entry['bytes']} bytes, cksum "
+                      f"{entry['checksum']})" for entry in inputs)
+    return text, f"<p>Needs beside it: {needs}.</p>\n" if needs else ""
+
+
+def section_of(case, pictures):
     """What the page says of one case."""
-    name, title = html.escape(summary["case"]), html.escape(summary["title"])
+    summary = case.summary
+    name, title = html.escape(summary["case"]), html.escape(summary.get("title") or "")
     color, sentence = verdict_of(summary)
-    warnings = "".join(f'<p class="verdict amber"><b>warning</b>{html.escape(text)}</p>\n'
+    warnings = "".join(f'<p class="verdict amber"><b>warning</b><span>{html.escape(text)}</span></p>\n'
                        for text in summary.get("warnings", []))
-    certificate = "".join(row([name.replace("_", " "), number(value)]) for name, value in violations(summary).items())
-    deck = html.escape(pathlib.Path(f"{case}.deck.nml").read_text(encoding="utf-8"))
-    stem = html.escape(pathlib.Path(case).name)
-    link = urllib.parse.quote(pathlib.Path(case).name)
-    files = ", ".join(f'<a href="{link}{ending}">{stem}{ending}</a>' for ending in
-                      (".lst", ".contact.csv", ".sweep.csv", ".summary.json", ".vtu", ".contact.vtu", ".sweep.pvd",
-                       ".deck.nml")
-                      if pathlib.Path(case + ending).exists())
-    return f"""<h2 id="{name}">{name}{": " + title if title else ""}</h2>
-<p class="verdict {color}"><b>{color}</b>{html.escape(sentence)}</p>
-{warnings}
-<p>{size_of(summary)}. Method
-{summary["method"]}, {summary["iterations"]} iterations.</p>
-<div class="wide"><img src="{picture_of(case)}" alt="{name}, drawn"></div>
+    certificate = "".join(f"<tr><td>{key.replace('_', ' ')}</td><td>{cell_text(value)}</td></tr>"
+                          for key, value in violations(summary).items())
+    deck, needs = deck_of(case)
+    stem = html.escape(Path(case.path).name)
+    link = urllib.parse.quote(Path(case.path).name)
+    files = ", ".join(f'<a href="{link}{ending}">{stem}{ending}</a>' for ending in FILES
+                      if Path(case.path + ending).exists())
+    is_one = ' one' if len(pictures) == 1 else ''
+    return f"""<section><h2 id="{name}">{name}{": " + title if title else ""}</h2>
+<p class="verdict {color}"><b>{color}</b><span>{html.escape(sentence)}</span></p>
+{warnings}<p>{size_of(summary)}. Method {summary["method"]}, {summary["iterations"]} iterations.</p>
+{key_results_of(case)}<div class="figures{is_one}">{"".join(f"<div>{picture}</div>" for picture in pictures)}</div>
 <p>Files: {files}</p>
-<details><summary>Certificate: violations, each over its natural scale</summary>
+<details><summary>Certificate: relative errors on the full model</summary>
 <table>{certificate}</table></details>
-<details><summary>Deck (run it again with <code>amontons {stem}.deck.nml</code>, version {summary["version"]})</summary>
-<pre>{deck}</pre></details>
+<details><summary>Deck (<code>amontons {stem}.deck.nml</code>, version {summary["version"]})</summary>
+<p><a download="{stem}.deck.nml" href="data:text/plain;charset=utf-8,{urllib.parse.quote(deck)}">Download</a></p>
+{needs}<pre>{html.escape(deck)}</pre></details></section>
 """
 
 
-def page_of(folder, cases):
+def failures_of(folder):
+    """The decks of a batch that failed: pairs of deck and message."""
+    try:
+        with open(folder / "batch.csv", newline="", encoding="utf-8") as text:
+            rows = list(csv.DictReader(text))
+    except FileNotFoundError:
+        return []
+    return [(row["deck"], row["message"]) for row in rows if row["message"]]
+
+
+def drawn(numbered):
+    """The pictures of a case that is numbered in its page, and the small one."""
+    number, path = numbered
+    matplotlib.use("Agg")
+    return pictures_of(Case(path), f"c{number}")
+
+
+def page_of(folder, paths):
     """The page."""
-    summaries = [json.loads(pathlib.Path(case + plot.SUMMARY).read_text(encoding="utf-8")) for case in cases]
-    colors = [verdict_of(summary)[0] for summary in summaries]
-    versions = ", ".join(sorted({summary["version"] for summary in summaries}))
+    cases = [Case(path) for path in paths]
+    if len(paths) < MANY:
+        pictures = list(map(drawn, enumerate(paths)))
+    else:
+        with ProcessPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+            pictures = list(pool.map(drawn, enumerate(paths), chunksize=4))
+    failures = failures_of(folder)
+    colors = [verdict_of(case.summary)[0] for case in cases]
+    counted = [f"{colors.count(color)} {color}" for color in COLORS] + [f"{len(failures)} failed"] * bool(failures)
+    versions = ", ".join(sorted({case.summary["version"] for case in cases}))
     name = html.escape(folder.resolve().name)
     pvd = ' ParaView steps through <a href="cases.pvd">cases.pvd</a>.' if (folder / "cases.pvd").exists() else ""
-    counted = ", ".join(f"{colors.count(color)} {color}" for color in ("green", "amber", "red"))
+    failed = "".join(f'<p class="verdict red"><b>failed: {html.escape(deck)}</b><span>{html.escape(message)}</span>'
+                     "</p>\n" for deck, message in failures)
+    sections = "".join(section_of(case, large) for case, (large, _) in zip(cases, pictures))
+    style, script = (Path(__file__).with_name(f"report.{ending}").read_text(encoding="utf-8")
+                     for ending in ("css", "js"))
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Amontons: {name}</title><style>{STYLE}</style></head>
+<title>Amontons: {name}</title><style>{style}</style></head>
 <body>
 <h1>Contact results: {name}</h1>
-<p>{len(cases)} {"case" if len(cases) == 1 else "cases"}: {counted}.
+<p>{len(cases)} {"case" if len(cases) == 1 else "cases"}: {", ".join(counted)}.
 Amontons {versions}; page made on {datetime.date.today().isoformat()}.
 Lengths, forces and stresses are in the units of the decks.{pvd}</p>
-{overview(summaries)}{"".join(map(section, cases, summaries))}</body>
+{failed}{table_of(cases, [small for _, small in pictures])}{sections}<script>
+{script}</script></body>
 </html>
 """
 
 
+def parser():
+    """The options of the command."""
+    options = Parser(prog="amontons-report", description=__doc__)
+    options.add_argument("folder", type=Path, metavar="FOLDER", help="where the cases are")
+    options.add_argument("page", nargs="?", type=Path, metavar="PAGE",
+                         help="the file to write (default: FOLDER/report.html)")
+    return options
+
+
 def main(arguments):
-    """Makes the page of the folder that the arguments name."""
-    matplotlib.use("Agg")
-    if len(arguments) not in (1, 2) or not pathlib.Path(arguments[0]).is_dir():
-        sys.exit("report: name the folder of the cases, and, if it shall be another than report.html in it, the page")
-    folder = pathlib.Path(arguments[0])
-    page = pathlib.Path(arguments[1]) if len(arguments) > 1 else folder / "report.html"
-    text = page_of(folder, plot.cases_of([folder]))
-    page.write_text(text, encoding="utf-8")
+    """Makes the page of the folder that the arguments name. Returns the exit status."""
+    options = parser().parse_args(arguments)
+    page = options.page or options.folder / "report.html"
+    try:
+        if not options.folder.is_dir():
+            sys.exit(f"report: {options.folder}: not a folder")
+        page.write_text(page_of(options.folder, find_cases([options.folder])), encoding="utf-8")
+    except OSError as error:
+        sys.exit(f"report: {error.filename}: {error.strerror}")
+    except ValueError as error:
+        sys.exit(f"report: {error}")
     print(page)
+    return 0

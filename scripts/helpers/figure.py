@@ -4,16 +4,15 @@ each row of Table 1, and the rows on the map of states over friction and F/f.
 Usage: figure.py FOLDER-OF-ROWS MAP IMAGE... MAP is the path of the swept case without endings.
 """
 
-import json
-import pathlib
 import sys
 
 import matplotlib
+import matplotlib.pyplot as plt
 import table1
-from amontons import plot
+from amontons.cases import Case
+from amontons.draw_sweep import ZONES, draw_maps
 
-plt = plot.plt
-COLORS = tuple(plot.PARTS.values())
+COLORS = tuple(ZONES.values())
 SIDE = 40.0
 
 
@@ -43,9 +42,9 @@ def draw_zones(axes, summaries):
         expected = table1.CORRECTED.get(i + 1, row[3])
         for values, y, height in ((table1.lengths(summary), i - 0.14, 0.42), (expected, i + 0.24, 0.18)):
             start = 0.0
-            for value, color, part, edge in zip(values, COLORS, plot.PARTS, ("AB", "BC", "CD")):
+            for value, color, zone, edge in zip(values, COLORS, ZONES, ("AB", "BC", "CD")):
                 axes.barh(y, value, left=start, height=height, color=color, edgecolor="white",
-                          label=f"{part} ({edge})" if i == 0 and height > 0.3 else None)
+                          label=f"{zone.removesuffix('_length')} ({edge})" if i == 0 and height > 0.3 else None)
                 if value > 2.0 and height > 0.3:
                     axes.text(start + value / 2, y, f"{value:g}", ha="center", va="center", color="white",
                               fontsize="small")
@@ -67,10 +66,10 @@ def main(folder, sweep, *images):
     draw_bar(left)
     draw_zones(right, summaries)
     marks = [(-push / press, mu, str(row)) for row, (mu, push, press, _) in enumerate(table1.ROWS, start=1)]
-    described = json.loads(pathlib.Path(sweep + plot.SUMMARY).read_text(encoding="utf-8"))
-    columns = [quantity["name"] for quantity in described["quantities"]]
+    swept = Case(sweep)
+    columns = [quantity["name"] for quantity in swept.summary["quantities"]]
     axes = below.subplots(1, 3, sharey=True)
-    plot.draw_maps(below, axes, columns, plot.rows_of(sweep, "sweep"), marks)
+    draw_maps(below, axes, columns, swept.table("sweep"), marks=marks)
     for axis in axes:
         axis.set(xlabel="F / f")
     axes[0].set(ylabel="friction µ")

@@ -1,0 +1,82 @@
+"""The files of solved cases: finds them, and reads each when it is first asked for."""
+import csv
+import json
+from functools import cached_property
+from pathlib import Path
+
+from amontons.deck import read_deck
+from amontons.grid import read_grid
+
+SUMMARY = ".summary.json"
+ENDINGS = (SUMMARY, ".contact.csv", ".contact.vtu", ".sweep.csv", ".sweep.pvd", ".deck.nml", ".vtu", ".lst")
+DIMENSIONS = ("length", "force", "stress")
+
+
+class CaseFault(ValueError):
+    """What is wrong with the files of a case, in a sentence."""
+
+
+def find_cases(names):
+    """The paths of the cases that names stand for, without the endings of their files: a folder of cases, any file of
+    a case, or the path itself."""
+    paths = []
+    for name in map(str, names):
+        if Path(name).is_dir():
+            found = sorted(str(path)[: -len(SUMMARY)] for path in Path(name).glob("*" + SUMMARY))
+        else:
+            stems = [name[: -len(ending)] for ending in ENDINGS if name.endswith(ending)] + [name]
+            found = [stem for stem in stems if Path(stem + SUMMARY).exists()][:1]
+        if not found:
+            raise CaseFault(f"{name}: no case found; expected a folder with *{SUMMARY}, or a file of a case")
+        paths += found
+    return paths
+
+
+class Case:
+    """A case that is solved."""
+
+    def __init__(self, path):
+        self.path = str(path)  # of its files, without their endings
+        try:
+            self.summary = json.loads(Path(self.path + SUMMARY).read_text(encoding="utf-8"))
+        except ValueError:
+            raise CaseFault(f"{self.path}{SUMMARY}: damaged: not JSON") from None
+
+    @property
+    def heading(self):
+        """Its title, or its name where it has none."""
+        return self.summary.get("title") or self.summary["case"]
+
+    @property
+    def kind(self):
+        """What it is: 'body', 'sweep' or 'reduced'."""
+        return next((kind for kind, key in (("sweep", "sweep"), ("reduced", "problem")) if key in self.summary), "body")
+
+    @cached_property
+    def mesh(self):
+        """The body, NAME.vtu."""
+        return read_grid(self.path + ".vtu")
+
+    @cached_property
+    def line(self):
+        """The contact line, NAME.contact.vtu."""
+        return read_grid(self.path + ".contact.vtu")
+
+    @cached_property
+    def contacts(self):
+        """The groups `&contact` of its deck, those of the contact sets 1, 2, ..."""
+        text = Path(self.path + ".deck.nml").read_text(encoding="utf-8")
+        return [keys for group, keys in read_deck(text) if group == "contact"]
+
+    def table(self, name):
+        """The rows of a table, NAME.contact.csv or NAME.sweep.csv."""
+        with open(f"{self.path}.{name}.csv", newline="", encoding="utf-8") as text:
+            return list(csv.DictReader(text))
+
+    def label(self, text, dimension=None):
+        """A text for an axis, with the unit that the deck names for a length, force or stress."""
+        units = [unit.strip() for unit in (self.summary.get("units") or "").split(",") if unit.strip()]
+        if len(units) == 2:
+            units.append(f"{units[1]}/{units[0]}²")
+        unit = dict(zip(DIMENSIONS, units)).get(dimension)
+        return f"{text} [{unit}]" if unit else text

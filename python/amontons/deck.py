@@ -1,0 +1,60 @@
+"""Decks as Python values: reads the effective decks that Amontons writes, and writes decks of dicts.
+
+A deck is a list of pairs, the name of a group and its keys and values, in the order of the file.
+"""
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+_GROUP = re.compile(r"""&(\w+)((?:[^'"/!]|!.*|'(?:[^'\n]|'')*'|"(?:[^"\n]|"")*")*)/|!.*|\S""")
+_PIECE = re.compile(r"""!.*|(\w+)\s*=|('(?:[^'\n]|'')*'|"(?:[^"\n]|"")*")|([^\s,'"=!]+)""")
+_LOGICAL = {True: ".true.", False: ".false."}
+
+
+def read_deck(text):
+    """The groups of an effective deck, NAME.deck.nml: a value alone as itself, several as a list."""
+    groups = []
+    for match in _GROUP.finditer(text):
+        if match[1]:
+            keys = {}
+            for key, quoted, word in _PIECE.findall(match[2]):
+                if key:
+                    values = keys.setdefault(key.lower(), [])
+                elif quoted or word:
+                    values.append(quoted[1:-1].replace(2 * quoted[0], quoted[0]) if quoted else _number(word))
+            groups.append((match[1].lower(), {key: values[0] if len(values) == 1 else values
+                                              for key, values in keys.items()}))
+    return groups
+
+
+def _number(word):
+    """The number that a word is, or the word."""
+    for kind in (int, float):
+        try:
+            return kind(word)
+        except ValueError:
+            pass
+    return word
+
+
+def deck_text(groups):
+    """The text of a deck: a dict of groups, each a dict of keys, or a list of such dicts for a group that is repeated.
+
+        deck_text({"mesh": {"size": (40, 40), "cells": (32, 10)}, "support": [{"set": "left", "ux": 0.0}]})
+    """
+    lines = []
+    for name, entries in groups.items():
+        for entry in [entries] if isinstance(entries, Mapping) else entries:
+            lines.append(f"&{name} " + "  ".join(f"{key} = {value_text(value)}" for key, value in entry.items()) + " /")
+    return "\n".join(lines) + "\n"
+
+
+def value_text(value):
+    """A value as a deck has it: text in quotes, several numbers separated by commas."""
+    if isinstance(value, (str, Path)):
+        return "'" + str(value).replace("'", "''") + "'"
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, (list, tuple, range)):
+        return ", ".join(map(value_text, value))
+    return _LOGICAL[value] if isinstance(value, bool) else repr(value)

@@ -1,0 +1,149 @@
+"""Draws the contact line: pressure and shear with what friction can bear, slip, gap; and the residuals of a method."""
+from dataclasses import dataclass
+
+import numpy as np
+
+from amontons.draw_body import STATUSES
+
+PRESSURE, SHEAR, BOUND, GAP, SLIP = "black", "#CC79A7", "#E69F00", "#D55E00", "#0072B2"
+ABSCISSAS = ("s", "x", "y")
+ROUNDING = 1e-9  # what is smaller over the largest value or displacement is drawn as 0
+LARGE_GAP = 6    # times the median gap of the open points: the others would be flattened
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A contact set along the contact line."""
+    points: np.ndarray  # its contact points, in order
+    place: np.ndarray   # their places on the abscissa of the panels [L]
+    length: np.ndarray  # their lengths along the line, one set behind the other [L]
+
+
+def stretches(line, abscissa="s"):
+    """The contact sets of a line, one behind the other."""
+    result, start = [], 0.0
+    for number in np.unique(line.point_data["set"]):
+        points = np.flatnonzero(line.point_data["set"] == number)
+        steps = np.linalg.norm(np.diff(line.points[points], axis=0), axis=1)
+        length = start + np.concatenate([[0.0], np.cumsum(steps)])
+        place = length if abscissa == "s" else line.points[points, ABSCISSAS.index(abscissa) - 1]
+        result.append(Stretch(points, place, length))
+        start = length[-1] + 0.05 * max(length[-1], 1e-300)
+    return result
+
+
+def closed_part(line, sets):
+    """The sets where the contact line is closed and somewhat more, if that is a small part of the line; else all."""
+    lengths = np.concatenate([one.length for one in sets])
+    closed = lengths[np.concatenate([line.point_data["status"][one.points] > 1 for one in sets])]
+    if not len(closed):
+        return sets
+    near = np.sort(np.abs(lengths - closed.mean()))
+    margin = max(np.ptp(closed), 3 * near[min(2, len(near) - 1)])
+    first, last = max(closed.min() - margin, lengths[0]), min(closed.max() + margin, lengths[-1])
+    if last - first >= 0.4 * (lengths[-1] - lengths[0]):
+        return sets
+    inside = [(one.length >= first) & (one.length <= last) for one in sets]
+    return [Stretch(one.points[here], one.place[here], one.length[here])
+            for one, here in zip(sets, inside) if here.any()]
+
+
+def points_of(sets):
+    """The contact points of some sets."""
+    return np.concatenate([one.points for one in sets])
+
+
+def draw_lines(axes, sets, values, color, label=None, style="-"):
+    """A quantity along every set."""
+    for one in sets:
+        axes.plot(one.place, values[one.points], color=color, linestyle=style, label=label if one is sets[0] else None)
+
+
+def set_range(axes, values, scale):
+    """The range of the ordinate: zero and all values; rounding errors are not magnified."""
+    values = values[np.isfinite(values)]
+    low, high = min(values.min(initial=0.0), 0.0), max(values.max(initial=0.0), 0.0)
+    if high - low <= ROUNDING * scale:
+        low, high = -(scale or 1.0) * 1e-3, (scale or 1.0) * 1e-3
+        axes.set_yticks([0.0])
+    margin = 0.06 * (high - low)
+    axes.set_ylim(low - margin, high + margin)
+    axes.ticklabel_format(axis="y", scilimits=(-3, 4), useMathText=True)
+
+
+def draw_stress(axes, case, sets):
+    """Pressure, shear and the shear that friction can bear, statuses as markers."""
+    data = case.line.point_data
+    pressure, shear, bound = (data[name] for name in ("contact_pressure", "contact_shear", "shear_bound"))
+    if bound.any():
+        draw_lines(axes, sets, bound, BOUND, "friction bound", ":")
+        draw_lines(axes, sets, -bound, BOUND, None, ":")
+    draw_lines(axes, sets, pressure, PRESSURE, "pressure")
+    draw_lines(axes, sets, shear, SHEAR, "shear", (0, (6, 1)))
+    for one in sets:
+        for status, (_, color, marker) in enumerate(STATUSES, start=1):
+            here = data["status"][one.points] == status
+            axes.plot(one.place[here], pressure[one.points][here], linestyle="none", marker=marker, color=color,
+                      markersize=2.5, markevery=max(1, len(one.points) // 60))
+    shown = points_of(sets)
+    values = np.concatenate([pressure[shown], shear[shown], bound[shown], -bound[shown]])
+    set_range(axes, values, np.abs(values).max(initial=0.0))
+    axes.set(ylabel=case.label("contact stress", "stress"))
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, frameon=False, ncols=3)
+
+
+def draw_slip(axes, case, sets):
+    """The slip."""
+    slip = case.line.point_data["slip"]
+    draw_lines(axes, sets, slip, SLIP)
+    set_range(axes, slip[points_of(sets)], np.abs(case.mesh.point_data["displacement"]).max())
+    axes.axhline(0, color="grey", linewidth=0.4)
+    axes.set(ylabel=case.label("slip", "length"))
+
+
+def draw_gap(axes, case, sets):
+    """The gap. Where the body's normal all but misses the obstacle it has no end and would flatten all others: the axis
+    then ends at three times the usual gap."""
+    gap = case.line.point_data["gap"]
+    size = np.ptp(case.mesh.points[:, :2], axis=0).max()
+    gap = np.where(np.abs(gap) > size, np.nan, gap)
+    draw_lines(axes, sets, gap, GAP)
+    shown = points_of(sets)
+    is_open = case.line.point_data["status"][shown] == 1
+    usual = np.median(gap[shown][is_open & np.isfinite(gap[shown])]) if is_open.any() else 0.0
+    shown = gap[shown]
+    is_endless = 0.0 < LARGE_GAP * usual < np.nanmax(shown)
+    set_range(axes, np.minimum(shown, 3 * usual) if is_endless else shown,
+              np.abs(case.mesh.point_data["displacement"]).max())
+    axes.set(ylabel=case.label("gap", "length"))
+
+
+def abscissa_label(case, abscissa, sets, whole):
+    """The label of the abscissa of the contact line."""
+    if abscissa != "s":
+        return case.label(abscissa, "length")
+    text = case.label("length along the contact line", "length")
+    if sets is whole or not sets:
+        return text
+    return text + f", {sets[0].length[0]:.4g} to {sets[-1].length[-1]:.4g} of {whole[-1].length[-1]:.4g}"
+
+
+def residual_text(residual):
+    """A residual as it is written."""
+    return f"{residual:.1e}" if residual else "0"
+
+
+def draw_history(axes, case):
+    """The residual after each iteration."""
+    summary = case.summary
+    history = [residual for residual in summary["history"] if residual]
+    axes.set_yscale("log")
+    if not history:
+        axes.set_yticks([])
+    axes.plot(range(1, len(history) + 1), history, color="black", linewidth=0.8,
+                  marker="." if len(history) < 100 else None)
+    verdict = "converged" if summary["converged"] else "NOT CONVERGED"
+    axes.set(xlabel=f"iteration of {summary['method']}", ylabel="residual",
+             title=f"{verdict}, residual {residual_text(summary['residual'])}; certificate "
+             + ("passed" if summary["certificate"]["passed"] else "FAILED"))
+    axes.xaxis.get_major_locator().set_params(integer=True)

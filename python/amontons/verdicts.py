@@ -1,0 +1,69 @@
+"""Judges solved cases by their summaries: a color, and a sentence that says why and what to do."""
+
+VIOLATIONS = {
+    "equilibrium": "forces at some node do not balance",
+    "penetration": "the body penetrates the obstacle",
+    "tension": "the obstacle pulls at the body",
+    "friction_excess": "friction exceeds its bound",
+    "complementarity": "there is a contact force across a gap",
+    "wrong_dissipation": "friction drives the slip somewhere",
+    "slip_below_bound": "a point slips though friction is below its bound",
+    "resultant": "the forces on the body do not add up to zero",
+    "moment": "the moments on the body do not add up to zero",
+    "energy": "strain energy and work of the forces differ",
+}
+# A violation up to here leaves a picture that an engineer can use, and numbers that nobody should cite.
+USABLE = 1e-4
+COLORS = ("green", "amber", "red")
+
+
+def violations(summary):
+    """The violations in the certificate of a case, infinite where one is not a number; none of a sweep without a case
+    that converged, which has no certificate."""
+    certificate = summary.get("certificate", {})
+    return {name: float("inf") if certificate[name] is None else certificate[name]
+            for name in VIOLATIONS if name in certificate}
+
+
+def verdict_of(summary):
+    """The color of a case, and the sentence that goes with it."""
+    found_violations, residual = violations(summary), summary.get("residual")
+    largest = max(found_violations.values(), default=float("inf"))
+    what = "the file's own matrix" if "problem" in summary else "the full model"
+    is_certified = bool(found_violations) and summary["certificate"]["passed"]
+    faults = [VIOLATIONS[name] for name, value in found_violations.items() if value > summary["certificate"]["limit"]]
+    found = f"On {what}: {'; '.join(faults)}. " if faults else ""
+    if "sweep" in summary and not (summary["converged"] and is_certified):
+        return _verdict_of_sweep(summary["sweep"], is_certified, found)
+    if summary["converged"] and is_certified:
+        which = f"; checked for the worst case, {summary['certificate']['case']}" if "sweep" in summary else ""
+        color = "amber" if summary.get("warnings") else "green"
+        return color, f"Solved and certified: largest relative error on {what} {largest:.1e} " \
+            f"(limit {summary['certificate']['limit']:.0e}){which}."
+    if not summary["converged"]:
+        residual_text = "not a number" if residual is None else f"{residual:.1e}"
+        found = f"The method stopped after {summary['iterations']} iterations with a residual of {residual_text}. " \
+            + found
+    if residual is not None and max(residual, largest) <= USABLE:
+        return "amber", found + f"No error exceeds {USABLE:.0e} of its scale: good enough to look at, not to cite. " \
+            "Raise max_iterations, or use method = 'auto'."
+    if summary["converged"]:
+        return "red", found + "Do not use these numbers. The stiffness may be ill-conditioned: look for slivers in " \
+            "the mesh, for moduli that differ by many powers of ten, and for a Poisson's ratio close to 0.5."
+    return "red", found + "Do not use these numbers. Use method = 'auto'; if that failed, raise max_iterations, " \
+        "lower the friction in steps to see where it begins, or check that the loads press the body on its obstacle."
+
+
+def _verdict_of_sweep(counts, is_certified, found):
+    """The same of a sweep that is not green."""
+    left = []
+    if counts["not_converged"]:
+        left.append(f"{counts['not_converged']} did not converge: use method = 'auto', or raise max_iterations")
+    if counts["flies_off"]:
+        left.append(f"{counts['flies_off']} have no equilibrium: contact and friction cannot balance their loads")
+    found = f"Of {counts['cases']} cases, " + "; ".join(left) + " (column outcome). " + found if left else found
+    if not counts["converged"]:
+        return "red", found + "No case is solved."
+    if not is_certified:
+        return "red", found + "Do not use these numbers: the certificate of the worst case failed."
+    return "amber", found + "The others are solved, and the worst of them is certified."

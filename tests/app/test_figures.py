@@ -1,0 +1,194 @@
+"""What figures of cases show: obstacles, magnified gaps, uniform fields, units; and the options of the command."""
+import json
+import re
+import struct
+import sys
+import unittest
+from pathlib import Path
+
+from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block
+
+try:
+    import matplotlib
+    import numpy as np
+except ImportError:
+    print("skipped: Matplotlib and NumPy are not installed")
+    sys.exit(0)
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "python"))
+# pylint: disable=wrong-import-position
+from amontons.cases import Case  # noqa: E402
+from amontons.draw_body import initial_gaps, magnification, surfaces  # noqa: E402
+from amontons.obstacles import hatching, surface  # noqa: E402
+# pylint: enable=wrong-import-position
+
+matplotlib.use("Agg")
+WINDOW = np.array([[-1.0, -2.0], [5.0, 3.0]])
+PUNCH = ("support set = 'top'  ux = 0.0  uy = -0.01",
+         "contact set = 'bottom'  friction = 0.2  obstacle = 'circle'  radius = 3.0  point = 2.0, 0.0")
+
+
+def text_of(svg):
+    """The words of a picture: they are text, not outlines of letters."""
+    return re.findall(r"<text[^>]*>([^<]*)</text>", svg.read_text(encoding="utf-8"))
+
+
+class Obstacles(unittest.TestCase):
+    """The lines that obstacles are drawn as."""
+
+    @staticmethod
+    def local(contact):
+        """The points of an obstacle in its frame, s and h."""
+        normal = np.array(contact["normal"]) / np.hypot(*contact["normal"])
+        line = surface(contact, WINDOW) - contact["point"]
+        return line @ [normal[1], -normal[0]], line @ normal
+
+    def test_points_are_on_the_surface(self):
+        placed = {"point": [1.0, -0.5], "normal": [-1.0, 2.0]}
+        s, h = self.local({**placed, "obstacle": "plane"})
+        np.testing.assert_allclose(h, 0.0, atol=1e-14)  # rounding
+        for radius in (2.0, -2.0, 1e5):
+            s, h = self.local({**placed, "obstacle": "parabola", "radius": radius})
+            np.testing.assert_allclose(h, -s**2 / (2 * radius), atol=1e-13)
+            s, h = self.local({**placed, "obstacle": "circle", "radius": radius})
+            # on the circle through the point, to the rounding of its radius
+            np.testing.assert_allclose(np.hypot(s, h + radius), abs(radius), rtol=1e-14)
+            self.assertTrue((np.diff(s)[len(s)//2 - 9:len(s)//2 + 9] > 0).all())
+
+    def test_curved_lines_are_smooth_in_the_window(self):
+        for radius in (0.1, 10.0, 1e5):
+            line = surface({"obstacle": "circle", "radius": radius, "point": [0.0, 0.0], "normal": [0.0, 1.0]}, WINDOW)
+            self.assertLess(np.hypot(*np.diff(line, axis=0).T).max(), 0.05)
+
+    def test_a_polyline_is_read_as_the_program_reads_it(self):
+        with self.subTest("comments, a heading, any separator"):
+            file = Path(self.id())
+            file.write_text("# a comment\ns, h\n0.0 0.0\n1.0;2d-1\n\n2.0\t0.5, 7\n", encoding="utf-8")
+            self.addCleanup(file.unlink)
+            contact = {"obstacle": "polyline", "line": str(file), "point": [1.0, 1.0], "normal": [0.0, -1.0]}
+            # s counts along (n_y, -n_x) = (-1, 0), h along (0, -1)
+            np.testing.assert_allclose(surface(contact, WINDOW), [[1.0, 1.0], [0.0, 0.8], [-1.0, 0.5]], atol=1e-15)
+
+    def test_hatching_is_on_the_solid_side(self):
+        for kind, radius in (("plane", None), ("circle", 2.0), ("circle", -2.0), ("parabola", 1.0)):
+            contact = {"obstacle": kind, "radius": radius, "point": [2.0, 0.0], "normal": [0.0, 1.0]}
+            strokes = hatching(surface(contact, WINDOW), WINDOW, 0.1)
+            self.assertGreater(len(strokes), 20)
+            s, h = (strokes[:, 1] - contact["point"]).T
+            depth = -h if kind == "plane" else np.where(np.sign(radius) > 0, -h - (s**2 + (kind == "circle")*h**2) / (
+                2*radius), np.hypot(s, h + radius) - abs(radius))
+            self.assertGreater(depth.min(), 0.0, (kind, radius))
+
+
+class Figures(ProgramTest):
+    """Figures of solved cases."""
+
+    def solve(self, *groups, **options):
+        """Solves a block."""
+        self.write("block.nml", block(*groups, **options))
+        self.run_program("--quiet", "block.nml")
+        return Case(self.directory / "block")
+
+    def plot(self, *arguments, status=0):
+        """Runs the command."""
+        return self.run_command(["env", f"PYTHONPATH={ROOT / 'python'}", sys.executable, "-B", "-m", "amontons", "plot",
+                                 *arguments], status)
+
+    def test_closed_points_lie_on_the_obstacle_at_any_magnification(self):
+        case = self.solve(*PUNCH, mesh="size = 4.0, 2.0  cells = 40, 8")
+        line = case.line
+        closed = line.point_data["status"] > 1
+        self.assertGreater(closed.sum(), 2)
+        for factor in (3.0, 50.0):
+            drawn, = surfaces(case, factor, WINDOW)
+            at = line.points[:, :2] + factor*line.point_data["displacement"][:, :2]
+            # along the normal; along the obstacle they have slipped
+            np.testing.assert_allclose(at[closed, 1], drawn[closed[np.isfinite(initial_gaps(case))], 1], atol=1e-12)
+            open_ = ~closed & np.isfinite(initial_gaps(case))
+            np.testing.assert_allclose(at[open_, 1] - (line.points[:, 1] - factor*initial_gaps(case))[open_],
+                                       factor*line.point_data["gap"][open_], rtol=1e-9)
+        # as it is, the obstacle is the circle of the deck
+        true, = surfaces(case, 1.0, WINDOW)
+        np.testing.assert_allclose(np.hypot(true[:, 0] - 2.0, true[:, 1] + 3.0), 3.0, rtol=1e-14)
+        self.assertEqual(magnification(case), 1.0)
+
+    def test_flat_contact_is_magnified(self):
+        case = self.solve(SUPPORT, PRESSURE, CONTACT)
+        self.assertGreater(magnification(case), 1.0)
+        drawn, = surfaces(case, 100.0, WINDOW)
+        np.testing.assert_allclose(drawn[:, 1], 0.0, atol=1e-15)
+
+    def test_an_obstacle_whose_file_is_gone_is_drawn_at_the_contact_points(self):
+        self.write("line.csv", "-1 0\n9 0\n")
+        case = self.solve(SUPPORT, PRESSURE, "contact set = 'bottom'  obstacle = 'polyline'  line = 'line.csv'")
+        self.assertEqual(len(surfaces(case, 1.0, WINDOW)[0]), 2)
+        (self.directory / "line.csv").unlink()
+        self.assertEqual(len(surfaces(case, 1.0, WINDOW)[0]), len(case.line.points))
+
+    def test_texts_units_and_uniform_fields(self):
+        case = self.solve("support set = 'left'  ux = 0.0", PRESSURE, "contact set = 'bottom'",
+                          "case title = 'of $5 & <b>'")
+        summary = Path(case.path + ".summary.json")
+        content = json.loads(summary.read_text(encoding="utf-8"))
+        summary.write_text(json.dumps({**content, "units": "mm, N, MPa"}), encoding="utf-8")
+        self.plot("block", "--format", "svg,pdf")
+        words = text_of(self.directory / "block.svg")
+        self.assertLessEqual({"of $5 &amp; &lt;b&gt;", "slip [mm]", "gap [mm]", "contact stress [MPa]", "x [mm]",
+                              "von Mises stress [MPa], uniform", "length along the contact line [mm]"}, {*words})
+        # Its one value is on the bar: plane strain under pressure alone.
+        value = case.mesh.cell_data["von_mises"][0]
+        self.assertIn(f"{value:.4g}", words)
+        pdf = (self.directory / "block.pdf").read_bytes()
+        self.assertIn(b"/CIDFontType2", pdf)
+        self.assertNotIn(b"/Type3", pdf)
+
+    def test_options(self):
+        self.solve(*PUNCH, mesh="size = 4.0, 2.0  cells = 40, 8")
+        run = self.plot("block", "--panels", "stress,slip", "--abscissa", "x", "--format", "png,svg", "--size=100x50")
+        self.assertEqual(run.stdout, "block.png\nblock.svg\n")
+        # 200 points per inch of 25.4 mm
+        width, height = struct.unpack(">II", (self.directory / "block.png").read_bytes()[16:24])
+        self.assertEqual((width, height), (787, 393))
+        words = text_of(self.directory / "block.svg")
+        self.assertLessEqual({"x", "slip", "contact stress"}, {*words})
+        self.assertFalse({"y", "gap", "residual"} & {*words})
+        self.plot("block", "--panels", "body", "--field", "nodal_stress_xy", "--scale", "30", "--format", "svg")
+        words = text_of(self.directory / "block.svg")
+        self.assertLessEqual({"nodal stress xy", "displacements and gaps × 30"}, {*words})
+        self.plot("block", "--field", "displacement", "--scale", "0", "--format", "svg")
+
+    def test_faults_are_sentences(self):
+        self.solve(SUPPORT, PRESSURE, CONTACT)
+        for arguments, sentence in {
+                ("block", "--field", "mises"): "plot: block.vtu: no field 'mises'; the fields are: contact_pressure, ",
+                ("block", "--scale", "-1"): "argument --scale: expected a number of at least 0, found '-1'; try --help",
+                ("block", "--size", "10x10"): "argument --size: expected 20 to 2000 mm, found '10x10'",
+                ("block", "--size", "wide"): "argument --size: expected WIDTHxHEIGHT in mm, found 'wide'",
+                ("block", "--panels", "body,foo"): "argument --panels: 'foo' is none of body, detail, stress, slip, ",
+                ("block", "--format", "gif"): "argument --format: 'gif' is none of png, svg, pdf",
+                ("nowhere",): "plot: nowhere: no case found; expected a folder with *.summary.json, or a "}.items():
+            run = self.plot(*arguments, status=1)
+            self.assertIn(sentence, run.stderr)
+            self.assertNotIn("Traceback", run.stderr)
+        self.assertIn("--abscissa", self.plot("--help").stdout)
+        grid = self.directory / "block.vtu"
+        grid.write_bytes(grid.read_bytes()[:2000])
+        self.assertEqual(self.plot("block", status=1).stderr, "plot: block.vtu: damaged, or not a grid of Amontons\n")
+        grid.unlink()
+        self.assertEqual(self.plot("block", status=1).stderr, "plot: block.vtu: No such file or directory\n")
+        self.write("block.summary.json", "{")
+        self.assertEqual(self.plot("block", status=1).stderr, "plot: block.summary.json: damaged: not JSON\n")
+
+    def test_columns_of_sweeps(self):
+        loads = "load name = 'push'  set = 'right'  traction = -1.0, 0.2"
+        self.solve(SUPPORT, PRESSURE, CONTACT, loads, "sweep load = 'push'  factor = 0.5, 1.0, 1.5")
+        self.plot("block", "--field", "normal_force", "--format", "svg")
+        self.assertLessEqual({"normal force", "factor of push"}, {*text_of(self.directory / "block.svg")})
+        run = self.plot("block", "--field", "peak", status=1)
+        self.assertIn("no column 'peak'; the columns are: case, ", run.stderr)
+        self.assertIn("--scale is not for a sweep", self.plot("block", "--scale", "2", status=1).stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
