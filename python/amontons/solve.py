@@ -20,7 +20,7 @@ from typing import Optional
 import numpy as np
 
 STATUSES = np.array(["", "open", "stick", "slip+", "slip-"])
-WORDS = ("status", "outcome", "statuses")  # columns of tables
+WORDS = ("status", "outcome", "warnings", "statuses")  # columns of tables
 TEXT_SIZE = 65536
 
 

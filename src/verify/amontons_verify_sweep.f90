@@ -11,12 +11,12 @@ module amontons_verify_sweep
    use amontons_kinds, only: dp
    use amontons_lengths, only: lengths_t, new_lengths
    use amontons_result, only: result_t
-   use amontons_result_warnings, only: add_conditioning
+   use amontons_result_warnings, only: add_conditioning, lacks_points
    use amontons_solve_case, only: cache_t, prepare_case
    use amontons_summary_check, only: summary_check_t
    use amontons_summary_members, only: warnings_array
    use amontons_sweep_summary, only: extremes_text
-   use amontons_sweep_table, only: append_row, read_status_runs, status_runs, sweep_header
+   use amontons_sweep_table, only: append_row, read_status_runs, read_warnings, status_runs, sweep_header
    use amontons_sweep_statistics, only: case_converged, case_result_t, outcome_names, quantity_labels, &
       sweep_statistics_t
    use amontons_text, only: newline, read_integer, to_text
@@ -26,8 +26,8 @@ module amontons_verify_sweep
 
    public :: verify_sweep
 
-   !> Columns behind the values that vary: quantities, residual, iterations, outcome, statuses.
-   integer, parameter :: n_quantities = size(quantity_labels), n_columns = n_quantities + 4
+   !> Columns behind the values that vary: quantities, residual, iterations, outcome, warnings, statuses.
+   integer, parameter :: n_quantities = size(quantity_labels), n_columns = n_quantities + 5
 
 contains
 
@@ -55,7 +55,6 @@ contains
       end if
       call summary%take_condition(result%condition)
       call add_conditioning(result, cache%body)
-      call summary%expect_text('', 'warnings', warnings_array(result%warnings))
       header = sweep_header(config%sweep)
       call read_csv_table(rows, stem//'.sweep.csv', header(:len(header) - 1), &
          1 + size(config%sweep%axes) + n_columns, fault)
@@ -75,6 +74,8 @@ contains
          call summary%faults%add(stem//'.sweep.csv', fault)
          return
       end if
+      call statistics%add_warnings(result%warnings)
+      call summary%expect_text('', 'warnings', warnings_array(result%warnings))
       call check_summary(summary, cache, statistics)
       call find_certified(summary, has_converged, certified)
       call verify_fields(summary, cache, result%load_case, config, stem, cases(:n), certified)
@@ -101,6 +102,7 @@ contains
          if (result%has_solution) then
             call check_lengths(row, result%quantity(:3), zone, case%status, fault)
             call status_runs(runs, case%status, zone%set)
+            if (result%outcome == case_converged) result%is_warned(2:3) = lacks_points(case%status)
          end if
          if (result%outcome == case_converged .and. .not. result%residual <= config%method%tolerance) fault = &
             'line '//to_text(row + 1)//': the residual of a converged case is above the tolerance'
@@ -123,7 +125,8 @@ contains
       integer :: i
       logical :: ok
 
-      runs = rows%field(row, first + n_quantities + 3)
+      runs = rows%field(row, first + n_quantities + 4)
+      call read_warnings(result%is_warned, rows%field(row, first + n_quantities + 3))
       associate (at_iterations => first + n_quantities + 1)
          result%has_solution = len(runs) > 0
          result%outcome = findloc(outcome_names == rows%field(row, at_iterations + 1), .true., dim=1)

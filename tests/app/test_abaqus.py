@@ -148,7 +148,8 @@ class Abaqus(ProgramTest):
             + "&load set = 'top'  pressure = 30.0 /\n&support point = 0.0, 1.0  ux = 0.01  uy = -0.02 /\n"
             "&support point = 2.0, 1.0  uy = -0.02 /\n&support point = 1.0, 1.0  uy = 0.0 /\n"
             "&load angular_speed = 2.0  center = 0.5, 0.0 /\n"
-            "&load angular_speed = 1.0  center = 1.0, 3.0  axis = 1.0, 0.0 /\n&load body_force = 1.0, -2.0 /\n", element="CPE", parts=(
+            "&load angular_speed = 1.0  center = 1.0, 3.0  axis = 1.0, 0.0 /\n&load body_force = 1.0, -2.0 /\n",
+            element="CPE", parts=(
                 "*BOUNDARY\n4, 1, , 0.01\n4, 2, 2, -0.02\n6, 2, 2, -0.02\n5, YSYMM\n",
                 "*DLOAD\neall, CENTRIF, 4., 0.5, 0., 0., 0., 0., 1.\n, CENTRIF, 1., 1., 3., 0., 1., 0., 0.\n"
                 "eall, BX, 1.\neall, BY, -2.\n"))
@@ -213,8 +214,10 @@ class Abaqus(ProgramTest):
         self.write("square.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n")
         for deck, message in ((USE.format("'loads'").replace("block.inp", "square.msh"),
                                "materials, supports and loads can be used of Abaqus and CalculiX files only"),
-                              ("&mesh size = 1.0, 1.0  cells = 1, 1  use = 'loads' /\n", "use is only for kind = 'file'"),
-                              (USE.format("'load'"), "use: expected one of 'materials', 'supports', 'loads', found 'load'"),
+                              ("&mesh size = 1.0, 1.0  cells = 1, 1  use = 'loads' /\n",
+                               "use is only for kind = 'file'"),
+                              (USE.format("'load'"),
+                               "use: expected one of 'materials', 'supports', 'loads', found 'load'"),
                               (USE.format("3"), "use: expected quoted text, found 3")):
             run = self.run_program("--check", self.write("deck.nml", deck + PLAIN_MATERIAL.format("plane stress", 1)
                                                          + CONTACT), status=1)

@@ -10,7 +10,7 @@ from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block, read_vtu
 
 INPUT = Path(__file__).resolve().parents[2] / "input"
 QUANTITIES = ["open_length", "slip_length", "stick_length", "normal_force", "tangential_force"]
-BEHIND = QUANTITIES + ["residual", "iterations", "outcome", "statuses"]
+BEHIND = QUANTITIES + ["residual", "iterations", "outcome", "warnings", "statuses"]
 LETTERS = {"open": "o", "stick": "s", "slip+": "+", "slip-": "-"}
 # Both runs stop at a residual of 1e-10 of a force of about 100; the body divides it by its condition.
 SOLVED = 1e-6
@@ -156,7 +156,8 @@ class Files(SweepTest):
     def test_files_and_what_is_told(self):
         self.write("sweep.nml", map_of_states(3))
         run = self.run_program("--output", "results", "sweep.nml")
-        self.assertRegex(run.stdout, r"^sweep: 600 cases, all solved, residual at most \S+\n$")
+        self.assertRegex(run.stdout, r"^sweep: 600 cases, all solved, residual at most \S+\nsweep: warning: 55 of 600 cases, case 201 "
+                         r"the first: the largest pressure .*\n$")
         self.assertEqual(run.stderr, "")
         self.assertEqual(sorted(self.contents("results")),
                          [f"sweep.{name}" for name in ("deck.nml", "lst", "summary.json", "sweep.csv")])

@@ -3,7 +3,8 @@
 module amontons_abaqus
    use amontons_abaqus_keywords, only: ignored_keywords_t
    use amontons_abaqus_line, only: find_parameter, is_at_line_end, next_data_line, next_keyword, take_comma
-   use amontons_abaqus_model, only: finish_model, read_model_keyword
+   use amontons_abaqus_material, only: finish_materials
+   use amontons_abaqus_model, only: read_model_keyword
    use amontons_abaqus_sets, only: abaqus_scope_t, get_set, read_set, read_surface, resolve_elements
    use amontons_element, only: quad4, quad8, tri3, tri6
    use amontons_input_file, only: input_file_t
@@ -53,7 +54,7 @@ contains
       end do
       call ignored%tell(draft)
       if (.not. allocated(input%error)) call resolve_elements(draft, input)
-      if (.not. allocated(input%error)) call finish_model(draft, input)
+      if (.not. allocated(input%error)) call finish_materials(draft, input)
    end subroutine read_abaqus
 
    !> Enters a part, an instance or the assembly, or leaves the assembly. There may be one part, in one instance, not

@@ -18,8 +18,8 @@ module amontons_abaqus_keywords
    !> Other keywords that change what a computation gives.
    character(20), parameter :: other_keywords(*) = [character(20) :: 'step', 'amplitude', 'transform', 'plastic', &
       'hyperelastic', 'hyperfoam', 'creep', 'viscoelastic', 'damping', 'contactpair', 'contact', 'contactinclusions', &
-      'surfaceinteraction', 'surfacebehavior', 'friction', 'clearance', 'contactinterference', 'tie', 'equation', 'mpc', &
-      'coupling', 'kinematic', 'distributing', 'rigidbody', 'spring', 'gap', 'mass', 'temperature', &
+      'surfaceinteraction', 'surfacebehavior', 'friction', 'clearance', 'contactinterference', 'tie', 'equation', &
+      'mpc', 'coupling', 'kinematic', 'distributing', 'rigidbody', 'spring', 'gap', 'mass', 'temperature', &
       'initialconditions', 'foundation', 'orientation', 'modelchange', 'pre-tensionsection', &
       'cflux', 'dflux', 'film', 'radiate', 'inertiarelief']
    !> Names of keywords are cut in messages.

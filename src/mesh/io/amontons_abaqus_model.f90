@@ -1,17 +1,18 @@
-!> Materials, supports and loads in the input format of Abaqus and CalculiX.
+!> Supports and loads in the input format of Abaqus and CalculiX.
 module amontons_abaqus_model
-   use amontons_abaqus_line, only: find_parameter, next_data_line, take_fields
+   use amontons_abaqus_line, only: next_data_line, refuse_parameters, take_fields, take_number
+   use amontons_abaqus_material, only: read_material_keyword
    use amontons_abaqus_sets, only: named_group
-   use amontons_file_model, only: file_body_force, file_force, file_gravity, file_load_t, file_material_t, &
-      file_model_t, file_pressure, file_rotation, file_support_t, longest_name, use_loads, use_materials, use_supports
+   use amontons_file_model, only: file_body_force, file_force, file_gravity, file_load_t, file_rotation, &
+      file_support_t, longest_name, use_loads, use_materials, use_supports
    use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
    use amontons_mesh_draft, only: mesh_draft_t
-   use amontons_text, only: lower_case, read_integer, read_real, to_text
+   use amontons_text, only: lower_case, read_integer, to_text
    implicit none (type, external)
    private
 
-   public :: finish_model, read_model_keyword
+   public :: read_model_keyword
 
    !> Most fields of a data line that is read here.
    integer, parameter :: most_fields = 9
@@ -54,100 +55,6 @@ contains
          end select
       end associate
    end subroutine read_model_keyword
-
-   !> Reads a keyword of a material, or the section that says where it is.
-   pure subroutine read_material_keyword(draft, input, keyword, line)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
-      character(*), intent(in) :: keyword !! the keyword in small letters
-      character(*), intent(in) :: line !! the keyword line
-      character(:), allocatable :: name
-      real(dp) :: values(2)
-      logical :: is_there
-      integer :: n, place
-
-      if (.not. allocated(draft%model%definitions)) allocate (draft%model%definitions(0), draft%model%materials(0))
-      place = input%position - 1
-      select case (keyword)
-      case ('material')
-         call find_parameter(line, 'name', name, is_there)
-         if (name == '' .or. len(name) > longest_name) call input%refuse('expected NAME= and the name of a material', &
-            place)
-         draft%model%definitions = [draft%model%definitions, file_material_t(name=name)]
-         return
-      case ('solidsection')
-         call read_section(draft, input, line)
-         return
-      end select
-      call refuse_parameters(input, line)
-      n = size(draft%model%definitions)
-      if (n == 0) call input%refuse('*'//keyword//' before any *MATERIAL', place)
-      call take_constants(input, keyword, values(:merge(2, 1, keyword == 'elastic')))
-      if (allocated(input%error)) return
-      associate (material => draft%model%definitions(n))
-         select case (keyword)
-         case ('elastic')
-            material%young = values(1)
-            material%poisson = values(2)
-         case ('density')
-            material%density = values(1)
-         case default
-            material%expansion = values(1)
-         end select
-      end associate
-   end subroutine read_material_keyword
-
-   !> Takes the constants of a material, which must not depend on the temperature.
-   pure subroutine take_constants(input, keyword, values)
-      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
-      character(*), intent(in) :: keyword !! the keyword
-      real(dp), intent(out) :: values(:) !! the constants
-      character(longest_name) :: fields(most_fields)
-      integer :: i, n
-      logical :: is_there
-
-      values = 0.0_dp
-      call next_data_line(input, is_there)
-      n = 0
-      if (is_there) call take_fields(input, fields, n)
-      if (n < size(values)) call input%refuse('*'//keyword//': expected '//to_text(size(values))//' number(s)', &
-         input%position - 1)
-      do i = 1, min(n, size(values))
-         call take_number(input, fields(i), values(i))
-      end do
-      call next_data_line(input, is_there)
-      if (is_there) call input%refuse('*'//keyword//' that depends on the temperature cannot be used')
-   end subroutine take_constants
-
-   !> Reads a section: the region of a material, and its thickness.
-   pure subroutine read_section(draft, input, line)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
-      character(*), intent(in) :: line !! the keyword line
-      type(file_material_t) :: section
-      character(:), allocatable :: region, material
-      character(longest_name) :: fields(most_fields)
-      integer :: group, n
-      logical :: is_there
-
-      call find_parameter(line, 'elset', region, is_there)
-      call find_parameter(line, 'material', material, is_there)
-      group = named_group(draft, region)
-      if (group == 0) call input%refuse("*SOLID SECTION: there is no set '"//region//"' above", input%position - 1)
-      if (material == '' .or. len(material) > longest_name) call input%refuse( &
-         '*SOLID SECTION: expected MATERIAL= and the name of a material', input%position - 1)
-      if (allocated(input%error)) return
-      section%name = material
-      section%region = draft%groups(group)%name
-      call draft%model%line_at(input%text, input%position - 1, section%line)
-      call next_data_line(input, is_there)
-      if (is_there) then
-         call take_fields(input, fields, n)
-         if (n > 0 .and. fields(1) /= '') call take_number(input, fields(1), section%thickness)
-         if (.not. section%thickness > 0.0_dp) section%thickness = 1.0_dp
-      end if
-      draft%model%materials = [draft%model%materials, section]
-   end subroutine read_section
 
    !> Reads prescribed displacements: nodes, first and last component, value.
    pure subroutine read_boundary(draft, input, line)
@@ -393,65 +300,5 @@ contains
       if (any(abs(load%axis) > 0.0_dp) .and. abs(values(7)) > 0.0_dp) call input%refuse( &
          'CENTRIF: expected an axis in the plane or normal to it', input%position - 1)
    end subroutine find_axis
-
-   !> Takes a field as a number.
-   pure subroutine take_number(input, field, value)
-      type(input_file_t), intent(inout) :: input !! the file, behind the line
-      character(*), intent(in) :: field !! the field
-      real(dp), intent(out) :: value !! the number
-      logical :: ok
-
-      call read_real(trim(field), value, ok)
-      if (.not. ok) call input%refuse("expected a number, found '"//trim(field)//"'", input%position - 1)
-   end subroutine take_number
-
-   !> Refuses parameters of a keyword that change what its lines mean.
-   pure subroutine refuse_parameters(input, line)
-      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
-      character(*), intent(in) :: line !! the keyword line
-      character(10), parameter :: names(*) = [character(10) :: 'amplitude', 'op', 'type', 'fixed', 'user', 'submodel', &
-         'load case', 'time delay', 'omega0', 'definition']
-      character(12), parameter :: harmless(*) = [character(12) :: 'mod', 'displacement', 'iso', 'isotropic']
-      character(:), allocatable :: value
-      integer :: i
-      logical :: is_there
-
-      do i = 1, size(names)
-         call find_parameter(line, trim(names(i)), value, is_there)
-         if (.not. is_there .or. any(harmless == lower_case(value))) cycle
-         call input%refuse('*'//line(:index(line//',', ',') - 1)//' with '//trim(names(i))//'='//value// &
-            ' cannot be used', input%position - 1)
-      end do
-   end subroutine refuse_parameters
-
-   !> Gives each section its material, once the file is read.
-   pure subroutine finish_model(draft, input)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
-      type(input_file_t), intent(inout) :: input !! the file, at its end
-      integer :: i, k
-
-      associate (model => draft%model)
-         model%hypothesis = draft%hypothesis
-         if (.not. model%is_used(use_materials)) return
-         if (.not. allocated(model%materials)) allocate (model%definitions(0), model%materials(0))
-         do i = 1, size(model%materials)
-            associate (section => model%materials(i))
-               do k = 1, size(model%definitions)
-                  if (lower_case(model%definitions(k)%name) == lower_case(section%name)) exit
-               end do
-               if (k > size(model%definitions)) then
-                  call input%refuse("*SOLID SECTION: there is no material '"//trim(section%name)//"'")
-               else if (.not. model%definitions(k)%young > 0.0_dp) then
-                  call input%refuse("the material '"//trim(section%name)//"' has no *ELASTIC")
-               end if
-               if (allocated(input%error)) return
-               section%young = model%definitions(k)%young
-               section%poisson = model%definitions(k)%poisson
-               section%density = model%definitions(k)%density
-               section%expansion = model%definitions(k)%expansion
-            end associate
-         end do
-      end associate
-   end subroutine finish_model
 
 end module amontons_abaqus_model

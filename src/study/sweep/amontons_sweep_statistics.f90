@@ -3,7 +3,9 @@ module amontons_sweep_statistics
    use amontons_contact_solution, only: contact_solution_t
    use amontons_kinds, only: dp, int64
    use amontons_lengths, only: lengths_t
+   use amontons_result_warnings, only: case_warning_names, case_warning_sentences
    use amontons_text, only: to_text
+   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 
@@ -32,6 +34,7 @@ module amontons_sweep_statistics
       real(dp) :: residual = 0.0_dp !! residual of the contact problem [-]
       real(dp) :: error_estimate = 0.0_dp !! what residual and rounding errors are of its forces [-]
       integer :: n_iterations = 0 !! iterations, of all attempts
+      logical :: is_warned(size(case_warning_names)) = .false. !! what is doubtful about it, if it converged
    end type case_result_t
 
    !> Counts and extremes of the first cases of a sweep. Extremes are those of converged cases.
@@ -47,8 +50,11 @@ module amontons_sweep_statistics
       integer :: least_case(n_quantities) = 0 !! the first case that has it
       real(dp) :: greatest(n_quantities) = -huge(1.0_dp) !! greatest value of each quantity [L, F]
       integer :: greatest_case(n_quantities) = 0 !! the first case that has it
+      integer :: n_warned(size(case_warning_names)) = 0 !! number of cases that each warning is about
+      integer :: warned_case(size(case_warning_names)) = 0 !! the first of them
    contains
       procedure :: add => sweep_statistics_add
+      procedure :: add_warnings => sweep_statistics_add_warnings
       procedure :: read => sweep_statistics_read
       procedure :: text => sweep_statistics_text
    end type sweep_statistics_t
@@ -84,6 +90,8 @@ contains
          self%residual = result%residual
          self%residual_case = self%n_cases
       end if
+      where (result%is_warned .and. self%n_warned == 0) self%warned_case = self%n_cases
+      where (result%is_warned) self%n_warned = self%n_warned + 1
       if (result%error_estimate > self%error_estimate) then
          self%error_estimate = result%error_estimate
          self%worst_case = self%n_cases
@@ -99,6 +107,18 @@ contains
          end if
       end do
    end subroutine sweep_statistics_add
+
+   !> Adds a warning for each that cases of the sweep deserve.
+   pure subroutine sweep_statistics_add_warnings(self, warnings)
+      class(sweep_statistics_t), intent(in) :: self !! the statistics
+      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
+      integer :: i
+
+      do i = 1, size(case_warning_names)
+         if (self%n_warned(i) > 0) call warnings%add(to_text(self%n_warned(i))//' of '//to_text(self%n_cases)// &
+            ' cases, case '//to_text(self%warned_case(i))//' the first: '//trim(case_warning_sentences(i)))
+      end do
+   end subroutine sweep_statistics_add_warnings
 
    !> The statistics as a line that `read` understands.
    pure function sweep_statistics_text(self) result(text)
@@ -116,6 +136,9 @@ contains
          text = text//' '//to_text(self%least_case(i))//' '//to_text(self%least(i)) &
             //' '//to_text(self%greatest_case(i))//' '//to_text(self%greatest(i))
       end do
+      do i = 1, size(case_warning_names)
+         text = text//' '//to_text(self%n_warned(i))//' '//to_text(self%warned_case(i))
+      end do
    end function sweep_statistics_text
 
    !> Reads a statistics from its line.
@@ -127,7 +150,8 @@ contains
 
       read (text, *, iostat=status) self%n_cases, self%n_iterations, self%n_outcomes, self%residual_case, &
          self%residual, self%worst_case, self%error_estimate, &
-         (self%least_case(i), self%least(i), self%greatest_case(i), self%greatest(i), i=1, n_quantities)
+         (self%least_case(i), self%least(i), self%greatest_case(i), self%greatest(i), i=1, n_quantities), &
+         (self%n_warned(i), self%warned_case(i), i=1, size(case_warning_names))
       ok = status == 0
    end subroutine sweep_statistics_read
 
