@@ -11,9 +11,10 @@ module amontons_solve_load_case
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_lengths, only: new_lengths
-   use amontons_load_case, only: condense_load_case, pose_problem, recover_displacement
+   use amontons_load_case, only: condense_load_case, load_case_t, pose_problem, recover_displacement
    use amontons_result, only: result_t
    use amontons_result_warnings, only: add_result_warnings
+   use amontons_rigid_fit, only: fit_rigid_motion
    use amontons_timings, only: phase_condense, phase_recover, phase_solve, phase_write
    use amontons_uniqueness, only: new_uniqueness
    implicit none (type, external)
@@ -37,7 +38,7 @@ contains
       call condense_load_case(result%load_case, body)
       call pose_problem(problem, body, result%load_case)
       call result%timings%begin(phase_solve)
-      call method%solve(problem, result%solution, error)
+      call solve_from_obstacles(method, body, result%load_case, problem, result%solution, error)
       if (allocated(error)) return
       call check_finite(result%solution, error)
       if (allocated(error)) return
@@ -51,6 +52,28 @@ contains
       ! What the caller does with the result is to write it.
       call result%timings%begin(phase_write)
    end subroutine solve_load_case
+
+   !> Solves the contact problem of a load case, its displacements counted from where the body meets its obstacles.
+   subroutine solve_from_obstacles(method, body, load_case, problem, solution, error)
+      class(contact_method_t), intent(in) :: method !! the contact method
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem; stays as it is
+      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      real(dp), allocatable :: motion(:), gap(:), anchor(:)
+
+      call fit_rigid_motion(motion, body, load_case)
+      gap = problem%gap
+      anchor = problem%anchor
+      problem%gap = gap - motion(:size(gap))
+      problem%anchor = anchor - motion(size(gap) + 1:)
+      solution%displacement = solution%displacement - motion
+      call method%solve(problem, solution, error)
+      solution%displacement = solution%displacement + motion
+      problem%gap = gap
+      problem%anchor = anchor
+   end subroutine solve_from_obstacles
 
    !> Refuses a solution whose numbers have left the finite range.
    pure subroutine check_finite(solution, error)

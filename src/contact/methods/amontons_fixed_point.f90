@@ -43,10 +43,10 @@ contains
       if (allocated(error)) return
       m = problem%n_points
       force = solution%force
-      accuracy = share*self%tolerance*problem%force_scale()
       b = problem%dual_load(solution%displacement)
       call solution%effort%multiply(1.0_dp)
       do iteration = 1, self%max_iterations
+         accuracy = share*self%tolerance*problem%force_scale(force)
          bound = problem%bound(force(:m))
          lower = [spread(0.0_dp, 1, m), -bound]
          upper = [spread(huge(1.0_dp), 1, m), bound]

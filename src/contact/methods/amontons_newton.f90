@@ -4,7 +4,8 @@
 !>
 !> Steps are proximal: a regularization, a part of the diagonal, holds the unknowns to where they were. As in the method
 !> of Levenberg and Marquardt it grows when the residual does and shrinks when the residual does: active sets that leave
-!> the system singular are passed, cycles of active sets break, and near the solution the steps are Newton's.
+!> the system singular are passed, and near the solution the steps are Newton's. Where active sets would repeat in a
+!> cycle, single points change.
 module amontons_newton
    use amontons_active_set, only: active_set_t
    use amontons_band_stiffness_system, only: band_stiffness_system_t
@@ -18,6 +19,7 @@ module amontons_newton
    use amontons_newton_system, only: newton_system_t
    use amontons_sparse_compliance_system, only: sparse_compliance_system_t
    use amontons_stiffness_system, only: stiffness_system_t
+   use amontons_visited_sets, only: visited_sets_t
    implicit none (type, external)
    private
 
@@ -53,10 +55,11 @@ contains
       type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
       class(newton_system_t), allocatable :: system
       type(active_set_t) :: active_set, last
+      type(visited_sets_t) :: visited
       real(dp), dimension(2*problem%n_points) :: displacement, force, rho
       real(dp) :: scale, regularization, min_regularization, residual, previous, violation, imbalance
       integer :: n_spring_steps, info
-      logical :: may_continue
+      logical :: is_repeated, may_continue
 
       call solution%reset()
       call new_system(system, problem)
@@ -82,13 +85,17 @@ contains
          end if
          last = active_set
          call active_set%update(problem, rho, displacement, force, violation)
-         residual = max(violation, imbalance)/scale
+         residual = max(violation, imbalance)/problem%force_scale(force)
          if (residual <= self%tolerance) then
             call solution%record(problem, displacement, force, self%tolerance, may_continue)
             if (.not. may_continue) return
          else
             call record_best(solution, displacement, force, residual)
          end if
+         call visited%note_residual(residual)
+         call visited%avoid(active_set, last, is_repeated)
+         ! Singular active sets have led the body far away.
+         if (is_repeated .and. .not. problem%is_reduced()) displacement = problem%reference()
          call adapt(regularization, min_regularization, system%min_regularization, self%max_regularization, &
             residual/previous, active_set%equals(last))
          previous = residual
@@ -191,8 +198,10 @@ contains
       real(dp), intent(in) :: most !! the largest that it may be [-]
       real(dp), intent(in) :: ratio !! residual after the step over the one before [-]
       logical, intent(in) :: stays !! whether the step left the active set as it was
+      real(dp), parameter :: travels = 2.0_dp
 
-      if (ratio > 1.0_dp) then
+      ! A singular active set stays, with the same residual, while the body travels to where another one begins.
+      if (ratio > merge(travels, 1.0_dp, stays)) then
          call grow(regularization, most)
       else if (.not. stays) then
          least = first_min

@@ -75,7 +75,6 @@ contains
       tangential = solution%force(m + 1:)
       b = problem%dual_load(solution%displacement)
       force_scale = problem%force_scale()
-      accuracy = half_step_part*self%tolerance*force_scale
       if (self%variant /= 'exact') a11_factor = factor_of_a11(problem)
       call solution%effort%factorize(self%variant /= 'exact')
       if (self%variant == 'printed') then
@@ -85,6 +84,7 @@ contains
       call solution%effort%multiply(1.0_dp)
 
       do iteration = 1, self%max_iterations
+         accuracy = half_step_part*self%tolerance*problem%force_scale([normal, tangential])
          call half_steps(self, problem, b, accuracy, a11_factor, schur, normal, tangential, solution%effort)
          displacement = problem%displacement(b, [normal, tangential])
          call solution%effort%multiply(1.0_dp)

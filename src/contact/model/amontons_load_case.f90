@@ -194,6 +194,7 @@ contains
       problem%load = load_case%condensed%load
       problem%prescribed = max(maxval(abs(load_case%prescribed)), free_expansion(load_case, body%mesh))
       problem%gap = load_case%free_gap
+      problem%anchor = merge(0.0_dp, load_case%anchor, body%zone%is_tangent_fixed)
       ! Tangential displacements are whole, as the anchors are: what is prescribed of them, as at one node of a cell,
       ! becomes a load.
       allocate (slip, source=prescribed_slip(body, load_case))

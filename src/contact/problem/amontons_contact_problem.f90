@@ -250,11 +250,16 @@ contains
    !> interference included; in a reduced problem, if only this point could not. Where all are rounding errors of what
    !> interference and prescribed displacements would do to single points, a small share of this. Where nothing acts,
    !> what would close the smallest gap, or 1 if there is none [F].
-   pure real(dp) function contact_problem_force_scale(self) result(scale)
+   !>
+   !> A loose body does not feel an interference that it moves out of: with the forces of a pair known, it is no more
+   !> than these and the loads, as far as rounding lets forces be known.
+   pure real(dp) function contact_problem_force_scale(self, contact_force) result(scale)
       class(contact_problem_t), intent(in) :: self !! the problem
+      real(dp), intent(in), optional :: contact_force(:) !! lambda (2m) [F]
       ! Some hundred times the relative rounding error of a sum of a few dozen terms, and what that is negligible in.
       real(dp), parameter :: rounding = 1.0e-13_dp, rounding_share = 1.0e-5_dp
       real(dp), dimension(2*self%n_points) :: held, force, uncancelled
+      real(dp) :: acting
 
       if (self%is_reduced()) then
          force = self%augmentation()*self%dual_load(self%free_displacement)
@@ -270,6 +275,10 @@ contains
       end if
       scale = maxval(abs(force))
       if (all(abs(force) <= rounding*uncancelled)) scale = rounding_share*maxval(uncancelled)
+      if (present(contact_force) .and. .not. self%is_reduced()) then
+         acting = max(maxval(abs(self%load)), maxval(abs(contact_force)))
+         if (acting > 0.0_dp) scale = min(scale, max(acting, rounding_share*maxval(uncancelled)))
+      end if
       if (scale > 0.0_dp) return
       force = self%augmentation()
       scale = minval(force(:self%n_points)*self%gap, mask=self%gap > 0.0_dp)
@@ -312,7 +321,7 @@ contains
       ! maxval passes over what is not a number.
       residual = huge(residual)
       if (.not. all(ieee_is_finite(imbalance))) return
-      residual = max(maxval(abs(imbalance)), self%violation(displacement, force))/self%force_scale()
+      residual = max(maxval(abs(imbalance)), self%violation(displacement, force))/self%force_scale(force)
    end function contact_problem_residual
 
    !> The largest violation of the contact law by a pair (v, lambda), with its weight [F].
