@@ -154,7 +154,6 @@ contains
          parts = lengths%quantities()
          computed%quantity(:size(parts)) = parts%value
          call status_runs(runs, case%status, body%zone%set)
-         if (computed%outcome == case_converged) computed%is_warned(2:3) = lacks_points(case%status)
       end if
       text = ''
       call append_row(text, config%sweep, case%number, computed, runs)
@@ -163,6 +162,9 @@ contains
       if (len(fault) == 0 .and. case%result%outcome == case_converged .and. &
          .not. case%result%residual <= config%method%tolerance) fault = &
          'the residual of a converged case is above the tolerance'
+      if (len(fault) == 0 .and. case%result%outcome == case_converged .and. &
+         any(case%result%is_warned(2:3) .neqv. lacks_points(case%status))) fault = &
+         'its warnings do not follow from its statuses'
       if (len(fault) > 0) fault = 'line '//to_text(case%number + 1)//': '//fault
    end subroutine compare_row
 
