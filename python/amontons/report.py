@@ -27,25 +27,19 @@ DIMENSIONS = (("pressure", "stress"), ("shear", "stress"), ("mises", "stress"), 
 
 
 def numbers_of(case):
-    """The numbers of a case that a table can be sorted by, with their labels: pairs by key."""
+    """The numbers of a case that a table can be sorted by; of a sweep, the greatest of its cases."""
     summary = case.summary
-    found = {}
+    found = {key: value["greatest"] for key, value in summary.get("extremes", {}).items()}
     for part in ("key_results", *PARTS):
-        for key, value in summary.get(part, {}).items():
-            add_number(found, key, value)
-    for key in ("iterations", "residual"):
-        add_number(found, key, summary.get(key))
-    add_number(found, "seconds", summary["seconds"]["total"])
+        found.update(summary.get(part, {}))
+    found.update({key: summary[key] for key in ("iterations", "residual") if key in summary})
+    found["seconds"] = summary["seconds"]["total"]
     return found
 
 
-def add_number(found, key, value):
-    """Adds a number, or those of a record, under a key."""
-    if isinstance(value, dict):
-        for part, number in value.items():
-            add_number(found, key if part == "value" else f"{key}_{part}", number)
-    elif value is None or isinstance(value, (int, float)) and not isinstance(value, bool):
-        found[key] = value
+def words_of(key):
+    """The words for the name of a number."""
+    return key.replace("_", " ").replace("von mises", "von Mises stress")
 
 
 def cell_text(value):
@@ -59,7 +53,7 @@ def table_of(cases, smalls):
     """The table of all cases, the choice of what it is sorted by, and the numbers that it is sorted by."""
     numbers = [numbers_of(case) for case in cases]
     keys = list(dict.fromkeys(key for found in numbers for key in found))
-    labels = {"case": "case", "verdict": "verdict", **{key: key.replace("_", " ") for key in keys}}
+    labels = {"case": "case", "verdict": "verdict", **{key: words_of(key) for key in keys}}
     shown = [key for key in SHOWN if key in keys]
     choice = "".join(f'<option value="{html.escape(key)}">{html.escape(label)}</option>'
                      for key, label in labels.items())
@@ -85,17 +79,20 @@ def table_of(cases, smalls):
 
 
 def key_results_of(case):
-    """The key results of a case, with the places of those that have one."""
-    results, text = case.summary.get("key_results", {}), ""
+    """The key results of a case, with the places of those that have one; of a sweep their range, with its cases."""
+    results = case.summary.get("key_results", {})
     places = {f"{key}_{axis}" for key in results for axis in "xy" if f"{key}_x" in results}
-    for key, value in results.items():
-        if key not in places:
-            dimension = next(dimension for part, dimension in DIMENSIONS if part in key)
-            label = html.escape(case.label(key.replace("_", " "), dimension))
-            place = f" at ({cell_text(results[f'{key}_x'])}, {cell_text(results[f'{key}_y'])})" \
-                if f"{key}_x" in places else ""
-            text += f"<div><dt>{label}</dt><dd>{cell_text(value)}{place}</dd></div>"
-    return f"<dl>{text}</dl>\n" if text else ""
+    texts = {key: cell_text(value) + (f" at ({cell_text(results[f'{key}_x'])}, {cell_text(results[f'{key}_y'])})"
+                                      if f"{key}_x" in places else "")
+             for key, value in results.items() if key not in places}
+    for key, ends in case.summary.get("extremes", {}).items():
+        texts[key] = f"{cell_text(ends['least'])} (case {ends['least_case']}) to {cell_text(ends['greatest'])} " \
+            f"(case {ends['greatest_case']})"
+    entries = ""
+    for key, text in texts.items():
+        dimension = next(dimension for part, dimension in DIMENSIONS if part in key)
+        entries += f"<div><dt>{html.escape(case.label(words_of(key), dimension))}</dt><dd>{text}</dd></div>"
+    return f"<dl>{entries}</dl>\n" if entries else ""
 
 
 def size_of(summary):
