@@ -12,7 +12,7 @@ from pathlib import Path
 
 import matplotlib
 
-from amontons.cases import Case, cases_without_equilibrium, find_cases
+from amontons.cases import Case, find_cases
 from amontons.commands import Parser
 from amontons.report_pictures import pictures_of
 from amontons.verdicts import COLORS, verdict_of, violations
@@ -143,14 +143,15 @@ def section_of(case, pictures):
 """
 
 
-def failures_of(folder):
-    """The decks of a batch that failed: pairs of deck and message."""
+def failures_of(folder, known):
+    """The decks of a batch that failed, without cases that are known to have no equilibrium: pairs of deck and
+    message."""
     try:
         with open(folder / "batch.csv", newline="", encoding="utf-8") as text:
             rows = list(csv.DictReader(text))
     except FileNotFoundError:
-        return cases_without_equilibrium(folder)
-    return [(row["deck"], row["message"]) for row in rows if row["message"]]
+        return []
+    return [(row["deck"], row["message"]) for row in rows if row["message"] and row.get("case") not in known]
 
 
 def drawn(numbered):
@@ -160,22 +161,31 @@ def drawn(numbered):
     return pictures_of(Case(path), f"c{number}")
 
 
+def pictures_of_all(paths):
+    """The pictures of all cases, and the small ones."""
+    if len(paths) < MANY:
+        return list(map(drawn, enumerate(paths)))
+    with ProcessPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        return list(pool.map(drawn, enumerate(paths), chunksize=4))
+
+
 def page_of(folder, paths):
     """The page."""
-    cases = [Case(path) for path in paths]
-    if len(paths) < MANY:
-        pictures = list(map(drawn, enumerate(paths)))
-    else:
-        with ProcessPoolExecutor(len(os.sched_getaffinity(0))) as pool:
-            pictures = list(pool.map(drawn, enumerate(paths), chunksize=4))
-    failures = failures_of(folder)
+    found = [Case(path) for path in paths]
+    cases, without = [case for case in found if case.has_equilibrium], \
+        [(case.summary["case"], case.summary["message"]) for case in found if not case.has_equilibrium]
+    pictures = pictures_of_all([case.path for case in cases])
+    failures = failures_of(folder, {name for name, _ in without})
     colors = [verdict_of(case.summary)[0] for case in cases]
-    counted = [f"{colors.count(color)} {color}" for color in COLORS] + [f"{len(failures)} failed"] * bool(failures)
-    versions = ", ".join(sorted({case.summary["version"] for case in cases}))
+    counted = [f"{colors.count(color)} {color}" for color in COLORS]
+    counted += [f"{len(some)} {words}" for some, words in ((without, "without equilibrium"), (failures, "failed"))
+                if some]
+    versions = ", ".join(sorted({case.summary["version"] for case in found}))
     name = html.escape(folder.resolve().name)
     pvd = ' ParaView steps through <a href="cases.pvd">cases.pvd</a>.' if (folder / "cases.pvd").exists() else ""
-    failed = "".join(f'<p class="verdict red"><b>failed: {html.escape(deck)}</b><span>{html.escape(message)}</span>'
-                     "</p>\n" for deck, message in failures)
+    unsolved = "".join(f'<p class="verdict {color}"><b>{words}{html.escape(deck)}</b><span>{html.escape(message)}'
+                       "</span></p>\n" for color, words, some in (("red", "failed: ", failures), ("amber", "", without))
+                       for deck, message in some)
     sections = "".join(section_of(case, large) for case, (large, _) in zip(cases, pictures))
     style, script = (Path(__file__).with_name(f"report.{ending}").read_text(encoding="utf-8")
                      for ending in ("css", "js"))
@@ -185,10 +195,10 @@ def page_of(folder, paths):
 <title>Amontons: {name}</title><style>{style}</style></head>
 <body>
 <h1>Contact results: {name}</h1>
-<p>{len(cases)} {"case" if len(cases) == 1 else "cases"}: {", ".join(counted)}.
+<p>{len(found)} {"case" if len(found) == 1 else "cases"}: {", ".join(counted)}.
 Amontons {versions}; page made on {datetime.date.today().isoformat()}.
 Lengths, forces and stresses are in the units of the decks.{pvd}</p>
-{failed}{table_of(cases, [small for _, small in pictures])}{sections}<script>
+{unsolved}{table_of(cases, [small for _, small in pictures])}{sections}<script>
 {script}</script></body>
 </html>
 """
