@@ -3,6 +3,7 @@
 module amontons_config
    use amontons_case_label, only: case_label_t
    use amontons_condensation, only: condensation_names
+   use amontons_config_accuracy, only: accuracy_group, accuracy_options_t, describe_accuracy
    use amontons_config_body, only: describe_load, describe_material, describe_mesh, describe_support, load_group, &
       material_group, mesh_group, support_group
    use amontons_config_contact, only: contact_group, describe_contact
@@ -45,9 +46,9 @@ module amontons_config
    type(group_t), parameter :: solver_group = group_t('solver')
    !> The group of what is written.
    type(group_t), parameter :: output_group = group_t('output')
-   !> The groups that describe a body, what acts on it, and what varies.
+   !> The groups that describe a body, what acts on it, what varies, and how accurate the results shall be.
    type(group_t), parameter :: body_groups(*) = [mesh_group, material_group, support_group, load_group, contact_group, &
-      sweep_group, history_group, steps_group]
+      sweep_group, history_group, steps_group, accuracy_group]
    !> All groups of a deck.
    type(group_t), parameter :: groups(*) = [case_group, problem_group, body_groups, solver_group, output_group]
 
@@ -55,6 +56,7 @@ module amontons_config
    type, extends(case_label_t) :: config_t
       type(reduced_source_t) :: reduced !! the reduced problem that there is in the place of a body, if one is given
       character(:), allocatable :: mesh_file !! name of the mesh file from the root on; empty for a rectangle
+      integer :: n_refinements = 0 !! how often every element of the mesh is cut in four
       character(:), allocatable :: mesh_origin !! where the mesh was specified, for messages: 'deck.nml:12: '
       type(rectangle_t) :: rectangle !! the rectangle that is the body where there is no mesh file
       logical :: is_used(size(use_names)) = .false. !! which of `use_names` are taken from the mesh file
@@ -66,6 +68,7 @@ module amontons_config
       type(sweep_t) :: sweep !! what varies from case to case; nothing for a single case
       type(history_t) :: history !! what changes from step to step; not given for a single case
       type(method_options_t) :: method !! the contact method
+      type(accuracy_options_t) :: accuracy !! what is asked of the accuracy of the results
       character(:), allocatable :: factorization !! one of `factorization_names`
       character(:), allocatable :: condensation !! one of `condensation_names`
    contains
@@ -221,7 +224,8 @@ contains
       type(config_t), intent(inout) :: config !! the case; who reads it comes without these
       integer :: i
 
-      call describe_mesh(visitor, config%mesh_file, config%is_used, config%rectangle, config%mesh_origin)
+      call describe_mesh(visitor, config%mesh_file, config%is_used, config%rectangle, config%n_refinements, &
+         config%mesh_origin)
       if (.not. allocated(config%materials)) call begin_body(visitor, config)
       do i = config%n_used(use_materials) + 1, size(config%materials)
          call describe_material(visitor, config%materials(i))
@@ -237,6 +241,7 @@ contains
       end do
       call describe_sweep(visitor, config%sweep, config%loads, config%contacts)
       call describe_history(visitor, config%history, config%loads, config%supports, config%contacts)
+      call describe_accuracy(visitor, config%accuracy, config%sweep%is_given() .or. config%history%is_given)
    end subroutine describe_body
 
    !> Makes room for what the groups of a deck say of a body, behind what its mesh file says.
