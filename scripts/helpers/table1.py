@@ -56,7 +56,7 @@ def print_bars(directory):
             value, bar = numbers[part]["values"][-1], numbers[part]["error_bar"]
             cells.append(f"{value:9.4g} +- {bar:5.2g}")
             marks.append(f"{expected:.4g}" + "*"*(abs(value - expected) > bar + SEGMENT))
-        print(f"{row:3} " + " ".join(f"{cell:>18}" for cell in cells) + "   " + " ".join(f"{mark:>8}" for mark in marks))
+        print(f"{row:3}", *(f"{cell:>18}" for cell in cells), " ", *(f"{mark:>8}" for mark in marks))
 
 
 def main(coarse, fine, refined=None):

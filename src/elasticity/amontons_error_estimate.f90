@@ -1,6 +1,6 @@
-!> How far the stresses of a finite element solution are from those of the continuum: the error in the norm of the strain
-!> energy, estimated by a recovered stress field in the place of the true one (Zienkiewicz and Zhu, Int. J. Num. Meth.
-!> Eng. 24, 1987).
+!> How far the stresses of a finite element solution are from those of the continuum: the error in the norm of the
+!> strain energy, estimated by a recovered stress field in the place of the true one (Zienkiewicz and Zhu, Int. J. Num.
+!> Meth. Eng. 24, 1987).
 module amontons_error_estimate
    use amontons_coloring, only: worth_threads
    use amontons_elasticity, only: elastic_strain, element_geometry_t, new_element_geometry, set_thermal_strain

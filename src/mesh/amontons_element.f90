@@ -29,7 +29,7 @@ module amontons_element
    integer, parameter :: n_corners(*) = [3, 4, 3, 4, 4]
    !> Number of quadrature points where the stresses of each kind are most accurate: of the rule one order lower.
    integer, parameter :: n_sampling_points(*) = [1, 1, 3, 4, 4]
-   !> Number of quadrature points that are exact for products of two stresses of one order higher than those of each kind.
+   !> Number of quadrature points that are exact for products of two stresses of one order higher than those of a kind.
    integer, parameter :: n_fine_points(*) = [3, 4, 6, 9, 9]
    !> Most nodes that an element has.
    integer, parameter :: max_nodes = 9

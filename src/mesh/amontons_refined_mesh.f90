@@ -19,7 +19,8 @@ module amontons_refined_mesh
    !> The nodes of a six-node triangle that are the corners of its parts (corner, part). Part i has corner i.
    integer, parameter :: triangle_parts(3, n_parts) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3, 4, 5, 6], [3, n_parts])
    !> The nodes of a nine-node quadrilateral that are the corners of its parts (corner, part).
-   integer, parameter :: quad_parts(4, n_parts) = reshape([1, 5, 9, 8, 5, 2, 6, 9, 9, 6, 3, 7, 8, 9, 7, 4], [4, n_parts])
+   integer, parameter :: quad_parts(4, n_parts) = reshape([1, 5, 9, 8, 5, 2, 6, 9, 9, 6, 3, 7, 8, 9, 7, 4], &
+      [4, n_parts])
 
 contains
 

@@ -32,7 +32,8 @@ contains
                verdict_names(judged%verdict)
          end associate
       end do
-      text = heading('Refined meshes ('//to_text(size(list(1)%convergence%value))//', each of half the element size)')// &
+      text = heading('Refined meshes ('//to_text(size(list(1)%convergence%value))// &
+         ', each of half the element size)')// &
          as_lines(rows)
    end function convergence_text
 

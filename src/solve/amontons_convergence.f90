@@ -1,7 +1,7 @@
 !> How a number of a result changes from mesh to mesh: observed order, extrapolated value and error bar.
 !>
-!> The bar is the grid convergence index of Roache (J. Fluids Eng. 116, 1994; ASME V&V 20) with his factors of safety, as
-!> a length and not as a ratio: 1.25 where three meshes show an order of convergence, 3 where they do not.
+!> The bar is the grid convergence index of Roache (J. Fluids Eng. 116, 1994; ASME V&V 20) with his factors of safety,
+!> not as a ratio: 1.25 where three meshes show an order of convergence, 3 where they do not.
 module amontons_convergence
    use amontons_kinds, only: dp
    use amontons_quantity, only: quantity_t
@@ -34,9 +34,10 @@ contains
 
    !> Judges the last three of the values of a number.
    !>
-   !> Differences of mesh to mesh that fall by 2^p have the order p. Of an order above 2, that of the elements at the best
-   !> for stresses and lengths, the bar believes 2. An order below 0.5 is that of a singular solution: the number may have
-   !> no limit. What a mesh cannot resolve, a length between nodes, moves by no less than a side; the bar is not smaller.
+   !> Differences of mesh to mesh that fall by 2^p have the order p. Of an order above 2, that of the elements at the
+   !> best for stresses and lengths, the bar believes 2. An order below 0.5 is that of a singular solution: the number
+   !> may have no limit. What a mesh cannot resolve, a length between nodes, moves by no less than a side; the bar is
+   !> not smaller.
    pure subroutine new_convergence(convergence, value, resolution, rounding)
       type(convergence_t), intent(out) :: convergence !! the judgment
       real(dp), intent(in) :: value(:) !! the values, three at the least, the coarsest mesh first

@@ -45,7 +45,7 @@ module amontons_result
       logical :: has_reduced_files = .false. !! whether its reduced problem was written
       logical :: wants_error_estimate = .false. !! whether the error of the stresses is to be estimated
       type(error_estimate_t), allocatable :: error_estimate !! the estimate, where it is wanted
-      type(refined_quantity_t), allocatable :: convergence(:) !! its numbers on refined meshes, where they were asked for
+      type(refined_quantity_t), allocatable :: convergence(:) !! its numbers on refined meshes, where asked for
       type(quantity_t), allocatable :: key_results(:) !! largest values with their places, and what contact sets carry
       type(lengths_t) :: lengths !! lengths of the open, slip and stick zones
       real(dp) :: method_error = -1.0_dp

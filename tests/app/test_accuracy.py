@@ -25,7 +25,8 @@ class Accuracy(ProgramTest):
             return {row["quantity"]: row for row in csv.DictReader(file)}
 
     def test_estimate_falls_with_the_mesh(self):
-        found = [self.solve(f"block_{level}", *GROUPS, mesh=f"{COARSE}  refine = {level}")["accuracy"] for level in range(4)]
+        found = [self.solve(f"block_{level}", *GROUPS, mesh=f"{COARSE}  refine = {level}")["accuracy"]
+                 for level in range(4)]
         for coarse, fine in zip(found, found[1:]):
             # First order where the solution is smooth, half of it beside the corner that the support ends at.
             self.assertLess(fine["error_norm"], 0.8*coarse["error_norm"])
