@@ -5,6 +5,7 @@ module amontons_solve_load_case
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t
    use amontons_certificate, only: new_certificate
+   use amontons_components, only: solve_components
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
@@ -68,8 +69,9 @@ contains
       anchor = problem%anchor
       problem%gap = gap - motion(:size(gap))
       problem%anchor = anchor - motion(size(gap) + 1:)
-      solution%displacement = solution%displacement - motion
-      call method%solve(problem, solution, error)
+      ! Nothing has a place before it meets its obstacles: a start at rest is there.
+      if (any(abs(solution%force) > 0.0_dp)) solution%displacement = solution%displacement - motion
+      call solve_components(method, problem, solution, error)
       solution%displacement = solution%displacement + motion
       problem%gap = gap
       problem%anchor = anchor
