@@ -26,7 +26,7 @@ MAY_USE = {
     "deck": ["system"],
     "input": ["deck", "contact/model", "contact/methods", "elasticity", "mesh", "cholesky", "linalg", "system"],
     "solve": ["input", *CONTACT, "elasticity", "mesh", "mesh/io", "linalg", "system"],
-    "output": ["solve", "input", *CONTACT, "elasticity", "mesh", "linalg", "system"],
+    "output": ["solve", *CONTACT, "elasticity", "mesh", "linalg", "system"],
     "study": ["solve", "input", "contact/model"],
     "study/reduced": ["study", "output", "solve", "input", "contact/problem", "contact/methods", "contact/uniqueness",
                       "linalg", "system"],

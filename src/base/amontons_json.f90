@@ -1,11 +1,12 @@
 !> Values as JSON writes them.
 module amontons_json
    use amontons_kinds, only: dp
+   use amontons_quantity, only: expanded, quantity_t
    use amontons_text, only: to_text, utf_8_width
    implicit none (type, external)
    private
 
-   public :: number, number_members, numbers, string, truth
+   public :: number, numbers, quantity_members, string, truth
 
 contains
 
@@ -40,19 +41,20 @@ contains
       text = text(3:length)
    end function numbers
 
-   !> Numbers as the members of a JSON object.
-   pure function number_members(names, values) result(text)
-      character(*), intent(in) :: names(:) !! the names, blank padded
-      real(dp), intent(in) :: values(:) !! the numbers, one for each name
+   !> Quantities as the members of a JSON object.
+   pure function quantity_members(quantities) result(text)
+      type(quantity_t), intent(in) :: quantities(:) !! the quantities
       character(:), allocatable :: text
+      type(quantity_t), allocatable :: list(:)
       integer :: i
 
+      list = expanded(quantities)
       text = ''
-      do i = 1, size(names)
+      do i = 1, size(list)
          if (i > 1) text = text//', '
-         text = text//'"'//trim(names(i))//'": '//number(values(i))
+         text = text//'"'//trim(list(i)%key)//'": '//number(list(i)%value)
       end do
-   end function number_members
+   end function quantity_members
 
    !> A logical as JSON.
    pure function truth(value) result(text)

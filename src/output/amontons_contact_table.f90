@@ -1,80 +1,158 @@
-!> NAME.contact.csv: one row per contact point, in the order of the contact line.
+!> What is known of the contact points, a column each: NAME.contact.csv writes all columns, the listing and the grids
+!> those that are for them.
 module amontons_contact_table
    use amontons_body, only: body_t
-   use amontons_contact_rows, only: contact_rows_t
+   use amontons_document, only: document_t
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
+   use amontons_listing_text, only: columns, heading, right
    use amontons_result, only: result_t
    use amontons_text, only: as_lines, comma_separated, newline, to_text
    implicit none (type, external)
    private
 
-   public :: contact_header, contact_point_t, contact_table_text, new_contact_point
+   public :: add_point_table, column_t, contact_columns, points_text, table_header, table_text
 
-   !> The header of the table.
-   character(*), parameter :: contact_header = 'point,x,y,normal_x,normal_y,weight,gap,slip,normal_force,'// &
-      'tangential_force,contact_pressure,contact_shear,status'
-
-   !> What is known of one contact point, a node or a cell of constant multipliers.
-   type :: contact_point_t
-      real(dp) :: position(2) = 0.0_dp !! coordinates of the node or of the center of the cell [L]
-      real(dp) :: normal(2) = 0.0_dp !! unit outward normal of the body [-]
-      real(dp) :: weight = 0.0_dp !! tributary length, or length of the cell [L]
-      real(dp) :: gap = 0.0_dp !! distance to the obstacle, d - u_N [L]
-      real(dp) :: slip = 0.0_dp !! tangential displacement u_T [L]
-      real(dp) :: normal_force = 0.0_dp !! lambda_N, compression positive [F]
-      real(dp) :: tangential_force = 0.0_dp !! lambda_T, along the slip [F]
-      real(dp) :: pressure = 0.0_dp !! normal force over tributary area, compression positive [F/L^2]
-      real(dp) :: shear = 0.0_dp !! tangential force over tributary area [F/L^2]
-      character(:), allocatable :: status !! 'open', 'stick', 'slip+' or 'slip-'
-   end type contact_point_t
+   !> A number of every contact point, a node or a cell of constant multipliers.
+   type :: column_t
+      character(16) :: key = '' !! its name in files
+      character(12) :: label = '' !! its heading in the listing; blank for what this leaves out
+      logical :: is_field = .false. !! whether the grids show it
+      real(dp) :: scale = 0.0_dp !! what rounding errors of it are measured by, if larger than the numbers themselves
+      real(dp), allocatable :: values(:) !! the numbers (m)
+   end type column_t
 
 contains
 
-   !> Gathers what is known of a contact point.
-   pure subroutine new_contact_point(point, body, result, p)
-      type(contact_point_t), intent(out) :: point !! the point
+   !> Gathers the columns, in the order of the table.
+   subroutine contact_columns(list, body, result)
+      type(column_t), allocatable, intent(out) :: list(:) !! the columns
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
-      integer, intent(in) :: p !! number of the point
-      type(contact_rows_t) :: row
-      real(dp) :: displacement(2)
-      integer :: m
+      real(dp) :: at_points(2*body%zone%n_points), slip(body%zone%n_points), length
+      integer, parameter :: most_columns = 20
+      real(dp), parameter :: no_scale = 0.0_dp
+      integer :: m, n
 
-      m = body%zone%n_points
-      point%position = body%zone%position(:, p)
-      point%normal = body%zone%normal(:, p)
-      point%weight = body%zone%weight(p)
-      point%gap = result%load_case%free_gap(p) - result%solution%displacement(p)
-      point%slip = result%solution%displacement(m + p)
-      if (body%zone%is_tangent_fixed(p)) then
-         row = body%zone%rows%picked([p])
-         displacement = row%displacement(result%displacement)
-         point%slip = displacement(2)
-      end if
-      point%normal_force = result%solution%force(p)
-      point%tangential_force = result%solution%force(m + p)
-      point%pressure = point%normal_force/body%zone%area(p)
-      point%shear = point%tangential_force/body%zone%area(p)
-      point%status = trim(status_names(result%solution%status(p)))
-   end subroutine new_contact_point
+      n = 0
+      allocate (list(most_columns))
+      associate (zone => body%zone, load_case => result%load_case, force => result%solution%force)
+         m = zone%n_points
+         slip = result%solution%displacement(m + 1:)
+         at_points = zone%rows%displacement(result%displacement)
+         where (zone%is_tangent_fixed) slip = at_points(m + 1:)
+         ! A gap is the difference of a gap and a displacement, a slip that of displacements.
+         length = max(maxval(abs(result%displacement)), maxval(abs(load_case%gap)))
+         call add('x', 'x', zone%position(1, :), maxval(abs(zone%position)))
+         call add('y', 'y', zone%position(2, :), maxval(abs(zone%position)))
+         call add('normal_x', '', zone%normal(1, :), 1.0_dp)
+         call add('normal_y', '', zone%normal(2, :), 1.0_dp)
+         call add('weight', '', zone%weight, maxval(zone%weight))
+         call add('gap', 'gap', load_case%free_gap - result%solution%displacement(:m), length, .true.)
+         call add('slip', 'slip', slip, length, .true.)
+         call add('normal_force', 'normal force', force(:m), no_scale)
+         call add('tangential_force', 'tang. force', force(m + 1:), no_scale)
+         call add('contact_pressure', 'pressure', force(:m)/zone%area, no_scale, .true.)
+         call add('contact_shear', 'shear', force(m + 1:)/zone%area, no_scale, .true.)
+         call add('shear_bound', '', shear_bound(force(:m)/zone%area, load_case%friction, load_case%slip_bound, &
+            zone%area), no_scale, .true.)
+      end associate
+      list = list(:n)
 
-   !> The whole table.
-   pure function contact_table_text(body, result) result(text)
-      type(body_t), intent(in) :: body !! the body
-      type(result_t), intent(in) :: result !! the result
+   contains
+
+      !> Appends a column.
+      subroutine add(key, label, values, scale, is_field)
+         character(*), intent(in) :: key !! its name in files
+         character(*), intent(in) :: label !! its heading in the listing
+         real(dp), intent(in) :: values(:) !! its numbers (m)
+         real(dp), intent(in) :: scale !! what rounding errors of it are measured by besides the numbers
+         logical, intent(in), optional :: is_field !! whether the grids show it; default no
+
+         n = n + 1
+         list(n)%key = key
+         list(n)%label = label
+         if (present(is_field)) list(n)%is_field = is_field
+         list(n)%scale = scale
+         if (size(values) > 0) list(n)%scale = max(scale, maxval(abs(values)))
+         list(n)%values = values
+      end subroutine add
+
+   end subroutine contact_columns
+
+   !> The shear stress that friction can bear [F/L^2].
+   elemental real(dp) function shear_bound(pressure, friction, slip_bound, area) result(bound)
+      real(dp), intent(in) :: pressure !! contact pressure [F/L^2]
+      real(dp), intent(in) :: friction !! Coulomb coefficient [-]
+      real(dp), intent(in) :: slip_bound !! given bound of the tangential force [F]
+      real(dp), intent(in) :: area !! tributary area [L^2]
+
+      bound = friction*max(0.0_dp, pressure)
+      if (area > 0.0_dp) bound = bound + slip_bound/area
+   end function shear_bound
+
+   !> The first line of a table of points.
+   pure function table_header(list) result(text)
+      type(column_t), intent(in) :: list(:) !! its columns of numbers
       character(:), allocatable :: text
-      character(300) :: rows(body%zone%n_points)
-      type(contact_point_t) :: point
-      integer :: p
+      integer :: i
 
-      do p = 1, body%zone%n_points
-         call new_contact_point(point, body, result, p)
-         rows(p) = to_text(p)//','//comma_separated([point%position, point%normal, point%weight, point%gap, &
-            point%slip, point%normal_force, point%tangential_force, point%pressure, point%shear]) &
-            //','//point%status
+      text = 'point'
+      do i = 1, size(list)
+         text = text//','//trim(list(i)%key)
       end do
-      text = contact_header//newline//as_lines(rows)
-   end function contact_table_text
+      text = text//',status'
+   end function table_header
+
+   !> A table of points: number of the point, columns of numbers, status.
+   pure function table_text(list, status) result(text)
+      type(column_t), intent(in) :: list(:) !! the columns of numbers
+      integer, intent(in) :: status(:) !! the statuses (m)
+      character(:), allocatable :: text
+      character(26*(size(list) + 1)), allocatable :: rows(:)
+      integer :: p, i
+
+      allocate (rows(size(status)))
+      do p = 1, size(status)
+         rows(p) = to_text(p)//','//comma_separated([(list(i)%values(p), i=1, size(list))])//','// &
+            status_names(status(p))
+      end do
+      text = table_header(list)//newline//as_lines(rows)
+   end function table_text
+
+   !> Makes NAME.contact.csv of a table of points.
+   pure subroutine add_point_table(document, list, status)
+      type(document_t), intent(inout) :: document !! gains the table
+      type(column_t), intent(in) :: list(:) !! the columns of numbers
+      integer, intent(in) :: status(:) !! the statuses (m)
+
+      document%ending = '.contact.csv'
+      call document%add(table_text(list, status), [0.0_dp, list%scale, 0.0_dp])
+   end subroutine add_point_table
+
+   !> The table of points in a listing.
+   pure function points_text(title, list, status) result(text)
+      character(*), intent(in) :: title !! its heading
+      type(column_t), intent(in) :: list(:) !! the columns of numbers
+      integer, intent(in) :: status(:) !! the statuses (m)
+      character(:), allocatable :: text
+      integer, parameter :: width = 13
+      character(20 + 2*width*size(list)), allocatable :: rows(:)
+      integer, allocatable :: shown(:)
+      integer :: p, i
+
+      allocate (rows(0:size(status)))
+      shown = pack([(i, i=1, size(list))], list%label /= '')
+      rows(0) = right('point', 7)
+      do i = 1, size(shown)
+         rows(0) = trim(rows(0))//right(trim(list(shown(i))%label), width)
+      end do
+      rows(0) = trim(rows(0))//'  status'
+      do p = 1, size(status)
+         rows(p) = right(to_text(p), 7)//columns([(list(shown(i))%values(p), i=1, size(shown))])//'  '// &
+            status_names(status(p))
+      end do
+      text = heading(title)//as_lines(rows)
+   end function points_text
 
 end module amontons_contact_table

@@ -1,7 +1,6 @@
 !> The part of a listing that tells what was computed: mesh, materials, supports, contact sets, loads.
 module amontons_listing_model
    use amontons_body, only: body_t
-   use amontons_config, only: config_t
    use amontons_constraints, only: support_t, supported_components
    use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_t
@@ -21,33 +20,26 @@ module amontons_listing_model
 contains
 
    !> Mesh, material, supports and contact sets.
-   function model_text(config, body, load_case) result(text)
-      type(config_t), intent(in) :: config !! the case
+   function model_text(body, load_case) result(text)
       type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! its obstacles
+      type(load_case_t), intent(in) :: load_case !! its supports and obstacles
       character(:), allocatable :: text
       integer :: i
 
-      associate (r => config%rectangle)
-         if (len(config%mesh_file) > 0) then
-            text = heading('Model')//line('Mesh', config%mesh_file)
-         else
-            text = heading('Model')//line('Rectangle', short(r%size(1))//' x '//short(r%size(2))//', ' &
-               //to_text(r%cells(1))//' x '//to_text(r%cells(2))//' cells of '//r%element)
-         end if
-      end associate
+      text = heading('Model')
+      if (allocated(body%mesh%source)) text = text//line('Mesh', body%mesh%source)
       text = text//line('Nodes, elements', to_text(body%mesh%n_nodes)//', '//to_text(body%mesh%n_elements))// &
          line('Unknowns', to_text(body%dof_map%n_dofs)//', of them '//to_text(body%dof_map%n_trailing)// &
          ' on the contact line')
-      do i = 1, size(config%materials)
-         text = text//line('Material', material_text(config%materials(i), any(body%mesh%element_kind == quad4)))
+      do i = 1, size(body%materials%list)
+         text = text//line('Material', material_text(body%materials%list(i), any(body%mesh%element_kind == quad4)))
       end do
-      do i = 1, size(config%supports)
-         text = text//line('Support', support_text(config%supports(i)))
+      do i = 1, size(load_case%supports)
+         text = text//line('Support', support_text(load_case%supports(i)))
       end do
-      do i = 1, size(config%contacts)
-         text = text//line('Contact', contact_text(config%contacts(i)))
-         if (config%contacts(i)%partition%is_constant) text = text//cells_text(body, i)
+      do i = 1, size(load_case%contacts)
+         text = text//line('Contact', contact_text(load_case%contacts(i)))
+         if (load_case%contacts(i)%partition%is_constant) text = text//cells_text(body, i)
       end do
       text = text//line('Contact points', to_text(body%zone%n_points))//mesh_notes_text(body)// &
          notes_text(body, load_case)
@@ -193,14 +185,14 @@ contains
    end function guide_text
 
    !> The loads.
-   pure function loads_text(config) result(text)
-      type(config_t), intent(in) :: config !! the case
+   pure function loads_text(load_case) result(text)
+      type(load_case_t), intent(in) :: load_case !! the load case
       character(:), allocatable :: text
       integer :: i
 
       text = ''
-      do i = 1, size(config%loads)
-         text = text//line('Load', load_text(config%loads(i)))
+      do i = 1, size(load_case%loads)
+         text = text//line('Load', load_text(load_case%loads(i)))
       end do
    end function loads_text
 

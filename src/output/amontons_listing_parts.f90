@@ -1,11 +1,13 @@
 !> What the listings of decks, sweeps and reduced problems have in common: the head, the method and what became of it,
 !> the verdict, the times.
 module amontons_listing_parts
-   use amontons_config, only: config_t
+   use amontons_case_label, only: case_label_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: heading, line, right, scientific, short
+   use amontons_listing_text, only: heading, line, pair, right, scientific, short
+   use amontons_methods, only: method_options_t
+   use amontons_quantity, only: quantity_t
    use amontons_text, only: newline, to_text
    use amontons_timings, only: phase_names, timings_t
    use amontons_version, only: version
@@ -13,39 +15,38 @@ module amontons_listing_parts
    implicit none (type, external)
    private
 
-   public :: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
-      violations_text, warnings_text
+   public :: closed_text, head_text, method_text, outcome_text, quantities_text, residual_text, status_counts, &
+      times_text, violations_text, warnings_text
 
 contains
 
    !> Program, case and deck.
-   pure function head_text(config) result(text)
-      type(config_t), intent(in) :: config !! the case
+   pure function head_text(label) result(text)
+      class(case_label_t), intent(in) :: label !! what the case is called
       character(:), allocatable :: text
 
       text = 'Amontons '//version//': plane contact with Coulomb friction by the dual method'//newline//newline// &
-         line('Case', config%name)//line('Title', config%title)//line('Deck', config%file)
+         line('Case', label%name)//line('Title', label%title)
+      if (allocated(label%file)) text = text//line('Deck', label%file)
    end function head_text
 
    !> The method with the options that it uses.
-   pure function method_text(config) result(text)
-      type(config_t), intent(in) :: config !! the case
+   pure function method_text(method) result(text)
+      type(method_options_t), intent(in) :: method !! the method and its options
       character(:), allocatable :: text
 
-      associate (method => config%method)
-         text = method%method
-         select case (text)
-         case ('splitting')
-            text = text//', variant '//method%variant//', quadratic programs by '//method%box
-         case ('fixed_point')
-            text = text//', quadratic programs by '//method%box
-         case ('psor')
-            text = text//', omega '//short(method%omega)//', '//method%space//' space, local '//method%local// &
-               ', acceleration '//method%acceleration
-         case default
-            continue
-         end select
-      end associate
+      text = method%method
+      select case (text)
+      case ('splitting')
+         text = text//', variant '//method%variant//', quadratic programs by '//method%box
+      case ('fixed_point')
+         text = text//', quadratic programs by '//method%box
+      case ('psor')
+         text = text//', omega '//short(method%omega)//', '//method%space//' space, local '//method%local// &
+            ', acceleration '//method%acceleration
+      case default
+         continue
+      end select
    end function method_text
 
    !> Whether the method converged, and what its answer is worth if it did not.
@@ -89,20 +90,27 @@ contains
          to_text(count(status == slip_minus))//' slip-, '//to_text(count(status == stick_point))//' stick'
    end function status_counts
 
+   !> How many points are closed.
+   pure function closed_text(status) result(text)
+      integer, intent(in) :: status(:) !! statuses of the points
+      character(:), allocatable :: text
+
+      text = to_text(count(status /= open_point))//' of '//to_text(size(status))//' points closed'
+   end function closed_text
+
    !> What a solution must fulfil, a line on each violation, and the verdict.
-   pure function violations_text(names, violations, limit) result(text)
-      character(*), intent(in) :: names(:) !! what may be violated
-      real(dp), intent(in) :: violations(:) !! the violations, each over its natural scale [-]
+   pure function violations_text(violations, limit) result(text)
+      type(quantity_t), intent(in) :: violations(:) !! the violations, each over its natural scale [-]
       real(dp), intent(in) :: limit !! what each may be at most [-]
       character(:), allocatable :: text
       integer :: i
 
       text = ''
       do i = 1, size(violations)
-         text = text//line(names(i), scientific(violations(i))//trim(merge('        ', '  FAILED', &
-            violations(i) <= limit)))
+         text = text//line(violations(i)%label, scientific(violations(i)%value)//trim(merge('        ', '  FAILED', &
+            violations(i)%value <= limit)))
       end do
-      text = text//line('Verdict', trim(merge('passed', 'FAILED', all(violations <= limit)))// &
+      text = text//line('Verdict', trim(merge('passed', 'FAILED', all(violations%value <= limit)))// &
          ': every violation must be at most '//scientific(limit))
    end function violations_text
 
@@ -118,6 +126,22 @@ contains
          text = text//line('Warning', warnings%item(i))
       end do
    end function warnings_text
+
+   !> Quantities, a line each.
+   pure function quantities_text(quantities) result(text)
+      type(quantity_t), intent(in) :: quantities(:) !! the quantities
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(quantities)
+         if (quantities(i)%has_place) then
+            text = text//line(quantities(i)%label, short(quantities(i)%value)//' at '//pair(quantities(i)%place))
+         else
+            text = text//line(quantities(i)%label, short(quantities(i)%value))
+         end if
+      end do
+   end function quantities_text
 
    !> Where the time went, and the end of the listing.
    pure function times_text(timings, phases) result(text)

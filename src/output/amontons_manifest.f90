@@ -3,10 +3,12 @@
 !> even where no number follows from the others. `cksum FILE` prints the same numbers.
 module amontons_manifest
    use amontons_checksum, only: checksum_t, file_checksum, text_checksum
-   use amontons_config, only: config_t
+   use amontons_contact_zone, only: contact_t
    use amontons_error, only: error_t
    use amontons_json, only: string
    use amontons_kinds, only: int64
+   use amontons_loads, only: load_t
+   use amontons_mesh, only: mesh_t
    use amontons_output_file, only: output_file_t
    use amontons_text, only: newline, to_text
    use amontons_text_file, only: read_text_file
@@ -39,6 +41,7 @@ module amontons_manifest
       type(manifest_list_t) :: outputs !! those written
       type(manifest_list_t) :: inputs !! those read: mesh, tables, reduced problem
    contains
+      procedure :: add_input => manifest_add_input
       procedure :: add_inputs => manifest_add_inputs
       procedure :: add_outputs => manifest_add_outputs
       procedure :: add_reduced => manifest_add_reduced
@@ -85,40 +88,34 @@ contains
       call self%add_written(stem//'.reduced.dat', stem//'.reduced.dat', '', error)
    end subroutine manifest_add_reduced
 
-   !> Adds the files that a case was read from; the effective deck holds what its deck said. A file that cannot be read
-   !> again, a pipe or one that is gone, is left out: the results are worth keeping.
-   subroutine manifest_add_inputs(self, config)
+   !> Adds the files that a body was made of; the effective deck holds what its deck said.
+   subroutine manifest_add_inputs(self, mesh, contacts, loads)
       class(manifest_t), intent(inout) :: self !! the manifest
-      type(config_t), intent(in) :: config !! the case
+      type(mesh_t), intent(in) :: mesh !! the mesh of the body
+      type(contact_t), intent(in) :: contacts(:) !! its contact sets
+      type(load_t), intent(in) :: loads(:) !! the loads
       integer :: i
 
-      if (config%reduced%is_given) then
-         call add(config%reduced%path)
-         return
-      end if
-      call add(config%mesh_file)
-      do i = 1, size(config%contacts)
-         associate (contact => config%contacts(i))
-            if (allocated(contact%friction%file)) call add(contact%friction%file)
-            if (allocated(contact%slip_bound%file)) call add(contact%slip_bound%file)
-            if (allocated(contact%obstacle%file)) call add(contact%obstacle%file)
-         end associate
+      if (mesh%is_file) call self%add_input(mesh%source)
+      do i = 1, size(contacts)
+         if (allocated(contacts(i)%friction%file)) call self%add_input(contacts(i)%friction%file)
+         if (allocated(contacts(i)%slip_bound%file)) call self%add_input(contacts(i)%slip_bound%file)
+         if (allocated(contacts(i)%obstacle%file)) call self%add_input(contacts(i)%obstacle%file)
       end do
-      do i = 1, size(config%loads)
-         if (allocated(config%loads(i)%temperature_file)) call add(config%loads(i)%temperature_file)
+      do i = 1, size(loads)
+         if (allocated(loads(i)%temperature_file)) call self%add_input(loads(i)%temperature_file)
       end do
-
-   contains
-
-      !> Adds one of them, if there is one.
-      subroutine add(path)
-         character(*), intent(in) :: path !! its name; empty for none
-         type(error_t), allocatable :: unreadable
-
-         if (len(path) > 0) call self%inputs%append(path, path, unreadable)
-      end subroutine add
-
    end subroutine manifest_add_inputs
+
+   !> Adds a file that was read, if there is one. A file that cannot be read again, a pipe or one that is gone, is left
+   !> out: the results are worth keeping.
+   subroutine manifest_add_input(self, path)
+      class(manifest_t), intent(inout) :: self !! the manifest
+      character(*), intent(in) :: path !! its name; empty for none
+      type(error_t), allocatable :: unreadable
+
+      if (len(path) > 0) call self%inputs%append(path, path, unreadable)
+   end subroutine manifest_add_input
 
    !> Appends a file as it is now.
    subroutine manifest_list_append(self, path, name, error)

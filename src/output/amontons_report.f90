@@ -1,82 +1,104 @@
 !> The files of a solved case: all of them, each whole, or none.
 module amontons_report
    use amontons_body, only: body_t
-   use amontons_config, only: config_t, effective_deck
-   use amontons_contact_table, only: contact_table_text
+   use amontons_case_label, only: case_label_t
+   use amontons_contact_table, only: add_point_table, column_t, contact_columns
    use amontons_contact_vtu, only: write_contact_vtu
    use amontons_directory, only: file_name_t
+   use amontons_document, only: document_t
    use amontons_earlier_files, only: find_earlier_files
    use amontons_error, only: error_t
-   use amontons_listing, only: listing_text
+   use amontons_listing, only: new_listing
    use amontons_manifest, only: manifest_t, with_manifest
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_result, only: result_t
    use amontons_solutions_report, only: solutions_table_text
-   use amontons_summary, only: summary_text
+   use amontons_summary, only: new_summary
    use amontons_system, only: make_directory
    use amontons_timings, only: phase_write
    use amontons_vtu, only: write_vtu
    implicit none (type, external)
    private
 
-   public :: write_report
-
-   !> Number of files that every case leaves.
-   integer, parameter :: n_files = 6
+   public :: case_documents, write_report
 
 contains
 
-   !> Writes NAME.lst, NAME.contact.csv, NAME.vtu, NAME.contact.vtu, NAME.deck.nml and NAME.summary.json, and
-   !> NAME.solutions.csv if all solutions are known. Names change hands only after every file is complete.
-   subroutine write_report(directory, config, body, result, error)
+   !> Writes NAME.lst, NAME.contact.csv, NAME.vtu, NAME.contact.vtu and NAME.summary.json, NAME.deck.nml if there is a
+   !> deck, and NAME.solutions.csv if all solutions are known. The files are renamed when all are complete.
+   subroutine write_report(directory, label, body, result, error)
       character(*), intent(in) :: directory !! output directory, made if it is not there
-      type(config_t), intent(in) :: config !! the case
+      class(case_label_t), intent(in) :: label !! what the case is called: a configuration, or `new_case_label`
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
-      type(output_file_t) :: files(n_files + merge(1, 0, allocated(result%all_solutions)))
+      type(output_file_t), allocatable :: files(:)
       type(file_name_t), allocatable :: earlier(:)
       type(manifest_t) :: manifest
 
       call make_directory(directory, error)
       if (allocated(error)) return
-      call write_files(files, manifest, directory//'/'//config%name, config, body, result, error)
-      if (.not. allocated(error)) call find_earlier_files(earlier, directory, config%name, manifest)
+      call write_files(files, manifest, directory//'/'//label%name, label, body, result, error)
+      if (.not. allocated(error)) call find_earlier_files(earlier, directory, label%name, manifest)
       call commit_files(files, error, earlier)
    end subroutine write_report
 
+   !> Makes the text files of a case, but for the summary.
+   subroutine case_documents(documents, label, body, result)
+      type(document_t), allocatable, intent(out) :: documents(:) !! the files
+      class(case_label_t), intent(in) :: label !! what the case is called
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! the result
+      type(column_t), allocatable :: columns(:)
+      character(:), allocatable :: deck
+
+      deck = label%deck_text()
+      allocate (documents(2 + count([len(deck) > 0, allocated(result%all_solutions)])))
+      call new_listing(documents(1), label, body, result)
+      call contact_columns(columns, body, result)
+      call add_point_table(documents(2), columns, result%solution%status)
+      if (len(deck) > 0) then
+         documents(3)%ending = '.deck.nml'
+         call documents(3)%add(deck)
+      end if
+      if (.not. allocated(result%all_solutions)) return
+      associate (last => documents(size(documents)))
+         last%ending = '.solutions.csv'
+         call last%record(solutions_table_text(result%all_solutions, result%load_case%free_gap))
+      end associate
+   end subroutine case_documents
+
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
-   subroutine write_files(files, manifest, stem, config, body, result, error)
-      type(output_file_t), intent(inout) :: files(:) !! the finished files, the summary last
+   subroutine write_files(files, manifest, stem, label, body, result, error)
+      type(output_file_t), allocatable, intent(out) :: files(:) !! the finished files, the summary last
       type(manifest_t), intent(out) :: manifest !! their manifest
       character(*), intent(in) :: stem !! directory and name of the case
-      type(config_t), intent(in) :: config !! the case
+      class(case_label_t), intent(in) :: label !! what the case is called
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(document_t), allocatable :: documents(:)
+      type(document_t) :: summary
+      integer :: i, n
 
-      call write_text_file(files(1), stem//'.lst', listing_text(config, body, result), error)
-      if (allocated(error)) return
-      call write_text_file(files(2), stem//'.contact.csv', contact_table_text(body, result), error)
-      if (allocated(error)) return
-      call write_vtu(files(3), stem//'.vtu', body, result, error)
-      if (allocated(error)) return
-      call write_contact_vtu(files(4), stem//'.contact.vtu', body, result, error)
-      if (allocated(error)) return
-      call write_text_file(files(5), stem//'.deck.nml', effective_deck(config), error)
-      if (allocated(error)) return
-      if (allocated(result%all_solutions)) then
-         call write_text_file(files(n_files), stem//'.solutions.csv', solutions_table_text(result%all_solutions, &
-            result%load_case%free_gap), error)
+      call case_documents(documents, label, body, result)
+      n = size(documents)
+      allocate (files(n + 3))
+      do i = 1, n
+         call write_text_file(files(i), stem//documents(i)%ending, documents(i)%text(), error)
          if (allocated(error)) return
-      end if
+      end do
+      call write_vtu(files(n + 1), stem//'.vtu', body, result, error)
+      if (allocated(error)) return
+      call write_contact_vtu(files(n + 2), stem//'.contact.vtu', body, result, error)
+      if (allocated(error)) return
       call manifest%add_outputs(files, '', error)
       if (result%has_reduced_files .and. .not. allocated(error)) call manifest%add_reduced(stem, error)
       if (allocated(error)) return
-      call manifest%add_inputs(config)
+      call manifest%add_inputs(body%mesh, result%load_case%contacts, result%load_case%loads)
       call result%timings%begin(phase_write)
-      call write_text_file(files(size(files)), stem//'.summary.json', &
-         with_manifest(summary_text(config, body, result), manifest), error)
+      call new_summary(summary, label, body, result)
+      call write_text_file(files(n + 3), stem//summary%ending, with_manifest(summary%text(), manifest), error)
    end subroutine write_files
 
 end module amontons_report

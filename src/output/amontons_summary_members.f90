@@ -1,11 +1,13 @@
 !> What the summaries of decks, sweeps and reduced problems have in common: members of a JSON object, a line each.
 module amontons_summary_members
    use amontons_body, only: body_t
-   use amontons_config, only: config_t
+   use amontons_case_label, only: case_label_t
    use amontons_contact_solution, only: contact_solution_t
+   use amontons_document, only: document_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
-   use amontons_json, only: number, number_members, numbers, string, truth
+   use amontons_json, only: number, numbers, quantity_members, string, truth
    use amontons_kinds, only: dp
+   use amontons_quantity, only: quantity_t
    use amontons_system, only: peak_memory_mb
    use amontons_text, only: newline, to_text
    use amontons_timings, only: phase_names, timings_t
@@ -15,8 +17,8 @@ module amontons_summary_members
    implicit none (type, external)
    private
 
-   public :: effort_members, head_members, last_members, member, resultants_member, size_counts, status_counts, &
-      uniqueness_member, warnings_array
+   public :: add_head, certificate_member, effort_members, last_members, member, quantities_member, size_counts, &
+      status_counts, uniqueness_member
 
 contains
 
@@ -29,17 +31,21 @@ contains
       text = '  "'//name//'": '//value//','//newline
    end function member
 
-   !> The beginning of the object: which case, and whether it was solved.
-   pure function head_members(config, is_converged, warnings) result(text)
-      type(config_t), intent(in) :: config !! the case
+   !> Adds the beginning of the object: which case, and whether it was solved.
+   pure subroutine add_head(summary, label, method, is_converged, warnings)
+      type(document_t), intent(inout) :: summary !! gains the members
+      class(case_label_t), intent(in) :: label !! what the case is called
+      character(*), intent(in) :: method !! the contact method
       logical, intent(in) :: is_converged !! whether all that was to be solved is solved
       type(warning_list_t), intent(in) :: warnings !! what is doubtful about it
-      character(:), allocatable :: text
 
-      text = '{'//newline//member('case', string(config%name))//member('title', string(config%title)) &
-         //member('version', string(version))//member('method', string(config%method%method)) &
-         //member('converged', truth(is_converged))//member('warnings', warnings_array(warnings))
-   end function head_members
+      summary%ending = '.summary.json'
+      call summary%add('{'//newline//member('case', string(label%name))//member('title', string(label%title)))
+      call summary%record(member('version', string(version)))
+      call summary%add(member('method', string(method)))
+      call summary%add(member('converged', truth(is_converged)))
+      call summary%add(member('warnings', warnings_array(warnings)))
+   end subroutine add_head
 
    !> Warnings as a JSON array of texts.
    pure function warnings_array(warnings) result(text)
@@ -96,23 +102,37 @@ contains
          //', "slip": '//to_text(count(status == slip_plus .or. status == slip_minus))
    end function status_counts
 
-   !> Sums of the contact forces.
-   pure function resultants_member(normal, tangential) result(text)
-      real(dp), intent(in) :: normal(:) !! normal forces [F]
-      real(dp), intent(in) :: tangential(:) !! tangential forces [F]
+   !> Quantities as a member.
+   pure function quantities_member(name, quantities) result(text)
+      character(*), intent(in) :: name !! its name
+      type(quantity_t), intent(in) :: quantities(:) !! the quantities
       character(:), allocatable :: text
 
-      text = member('resultants', '{'//number_members([character(16) :: 'normal_force', 'tangential_force'], &
-         [sum(normal), sum(tangential)])//'}')
-   end function resultants_member
+      text = member(name, '{'//quantity_members(quantities)//'}')
+   end function quantities_member
+
+   !> What a solution must fulfil, as a member: the verdict, the limit, the violations, and numbers that go with them.
+   pure function certificate_member(violations, limit, others, head) result(text)
+      type(quantity_t), intent(in) :: violations(:) !! the violations [-]
+      real(dp), intent(in) :: limit !! what each may be at most [-]
+      type(quantity_t), intent(in) :: others(:) !! the other numbers
+      character(*), intent(in), optional :: head !! members that stand before these
+      character(:), allocatable :: text
+
+      text = ''
+      if (present(head)) text = head
+      text = member('certificate', '{'//text//'"passed": '//truth(all(violations%value <= limit))//', '// &
+         quantity_members([quantity_t('limit', '', limit), violations, others])//'}')
+   end function certificate_member
 
    !> Times and memory, and the end of the object.
    function last_members(timings) result(text)
       type(timings_t), intent(in) :: timings !! the times
       character(:), allocatable :: text
+      integer :: i
 
-      text = member('seconds', '{'//number_members(phase_names, timings%seconds)//', "total": ' &
-         //number(sum(timings%seconds))//'}') &
+      text = quantities_member('seconds', [(quantity_t(phase_names(i), '', timings%seconds(i)), &
+         i=1, size(phase_names)), quantity_t('total', '', sum(timings%seconds))]) &
          //'  "peak_memory_mb": '//number(peak_memory_mb())//newline//'}'//newline
    end function last_members
 

@@ -22,6 +22,8 @@ module amontons_vtk_file
    type :: vtk_file_t
       private
       character(:), allocatable, public :: markup !! what stands between the array before and the next one
+      real(dp), public :: scale = 0.0_dp
+         !! what rounding errors of the next reals are measured by, if larger than they are; only comparisons ask
       character(:), allocatable :: section !! the section that is open
       integer :: state = 0 !! status of the last write statement; nothing is written after a failure
       character(:), allocatable :: not_finite !! the first quantity with a number that is not finite

@@ -3,6 +3,7 @@ module amontons_lengths
    use amontons_contact_zone, only: contact_zone_t
    use amontons_friction_law, only: open_point, stick_point
    use amontons_kinds, only: dp
+   use amontons_quantity, only: quantity_t
    implicit none (type, external)
    private
 
@@ -13,6 +14,8 @@ module amontons_lengths
       real(dp) :: open = 0.0_dp !! where one end of a side at least is open [L]
       real(dp) :: slip = 0.0_dp !! where both ends are closed and one at least slips [L]
       real(dp) :: stick = 0.0_dp !! where both ends stick [L]
+   contains
+      procedure :: quantities => lengths_quantities
    end type lengths_t
 
 contains
@@ -20,14 +23,18 @@ contains
    !> Measures the zones side by side, as Table 1 of the paper reads its separated, sliding and sticking parts: the open
    !> zone ends at the first closed node, the slip zone at the first sticking node. A cell of constant multipliers
    !> belongs to one zone as a whole.
-   pure subroutine new_lengths(lengths, zone, status)
+   pure subroutine new_lengths(lengths, zone, status, set)
       type(lengths_t), intent(out) :: lengths !! the lengths
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: status(:) !! status of each point (m)
+      integer, intent(in), optional :: set !! the contact set that is measured; default all
       real(dp) :: length
       integer :: p, ends(2)
 
       do p = 1, zone%n_points
+         if (present(set)) then
+            if (zone%set(p) /= set) cycle
+         end if
          ends = p
          if (zone%is_cell(p)) then
             length = zone%weight(p)
@@ -45,5 +52,15 @@ contains
          end if
       end do
    end subroutine new_lengths
+
+   !> The lengths under their names [L].
+   pure function lengths_quantities(self) result(list)
+      class(lengths_t), intent(in) :: self !! the lengths
+      type(quantity_t) :: list(3)
+
+      list = [quantity_t('open_length', 'Open length', self%open), &
+         quantity_t('slip_length', 'Slip length', self%slip), &
+         quantity_t('stick_length', 'Stick length', self%stick)]
+   end function lengths_quantities
 
 end module amontons_lengths

@@ -3,24 +3,34 @@ module amontons_result
    use amontons_all_solutions, only: all_solutions_t
    use amontons_certificate, only: certificate_t
    use amontons_contact_solution, only: contact_solution_t
-   use amontons_kinds, only: dp
+   use amontons_kinds, only: dp, int64
    use amontons_lengths, only: lengths_t
    use amontons_load_case, only: load_case_t
+   use amontons_methods, only: method_options_t
+   use amontons_quantity, only: quantity_t
    use amontons_timings, only: timings_t
    use amontons_uniqueness, only: uniqueness_t
    use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 
-   public :: certificate_limit, result_t, status_not_converged
+   public :: certificate_limit, factor_t, result_t, status_not_converged
 
    !> Exit status of a case that did not converge, or whose certificate failed; the others are the kinds of
    !> `amontons_error`.
    integer, parameter :: status_not_converged = 4
 
+   !> The factorization of the body.
+   type :: factor_t
+      character(:), allocatable :: name !! its name
+      integer(int64) :: n_entries = 0_int64 !! stored entries
+      real(dp) :: n_flops = 0.0_dp !! floating-point operations it took
+   end type factor_t
+
    !> Solution, certificate and record of a case.
    type :: result_t
       type(contact_solution_t) :: solution !! forces, displacements and statuses of the contact points
+      type(method_options_t) :: method !! the contact method and its options
       type(load_case_t) :: load_case !! loads, prescribed displacements, obstacles and friction
       real(dp), allocatable :: displacement(:, :) !! displacement of all nodes (2, n_nodes) [L]
       type(certificate_t) :: certificate !! violations on the full model
@@ -30,11 +40,13 @@ module amontons_result
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
       type(all_solutions_t), allocatable :: all_solutions !! all solutions, where they were asked for
       logical :: has_reduced_files = .false. !! whether its reduced problem was written
+      type(quantity_t), allocatable :: key_results(:) !! largest values with their places, and what contact sets carry
       type(lengths_t) :: lengths !! lengths of the open, slip and stick zones
       real(dp) :: method_error = -1.0_dp
          !! largest difference of a contact force from the exact solution, over the largest force; -1 if not asked [-]
       character(:), allocatable :: shared_with !! the case whose factorization was used; not allocated for an own one
       character(:), allocatable :: started_from !! the case whose solution was the start; not allocated for a cold start
+      type(factor_t) :: factor !! the factorization in use
       type(timings_t) :: timings !! where the time went
    end type result_t
 

@@ -57,6 +57,9 @@ contains
       call config%sweep%lower_friction(contacts)
       call new_load_case(result%load_case, cache%body, config%supports, contacts, config%loads, error)
       if (allocated(error)) return
+      ! What is told is the deck's.
+      result%load_case%contacts = config%contacts
+      result%method = config%method
       ! Loads and friction that a sweep varies need not balance as they stand.
       if (.not. config%sweep%is_given()) call check_balance(cache%body, result%load_case, error)
       if (allocated(error)) return

@@ -11,9 +11,10 @@ module amontons_solve_load_case
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
+   use amontons_key_results, only: body_peaks, contact_peaks, set_results
    use amontons_lengths, only: new_lengths
    use amontons_load_case, only: condense_load_case, load_case_t, pose_problem, recover_displacement
-   use amontons_result, only: result_t
+   use amontons_result, only: factor_t, result_t
    use amontons_result_warnings, only: add_result_warnings
    use amontons_rigid_fit, only: fit_rigid_motion
    use amontons_timings, only: phase_condense, phase_recover, phase_solve, phase_write
@@ -21,7 +22,7 @@ module amontons_solve_load_case
    implicit none (type, external)
    private
 
-   public :: certify, solve_load_case
+   public :: certify, judge, set_factor, solve_load_case
 
 contains
 
@@ -36,6 +37,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
 
       call result%timings%begin(phase_condense)
+      call set_factor(result%factor, body)
       call condense_load_case(result%load_case, body)
       call pose_problem(problem, body, result%load_case)
       call result%timings%begin(phase_solve)
@@ -53,6 +55,18 @@ contains
       ! What the caller does with the result is to write it.
       call result%timings%begin(phase_write)
    end subroutine solve_load_case
+
+   !> Notes which factorization is in use.
+   pure subroutine set_factor(factor, body)
+      type(factor_t), intent(out) :: factor !! the factorization
+      type(body_t), intent(in) :: body !! the body, condensed
+
+      associate (condenser => body%condensation%condenser)
+         factor%name = condenser%name
+         factor%n_entries = condenser%n_factor_entries
+         factor%n_flops = condenser%n_flops
+      end associate
+   end subroutine set_factor
 
    !> Solves the contact problem of a load case, its displacements counted from where the body meets its obstacles.
    subroutine solve_from_obstacles(method, body, load_case, problem, solution, error)
@@ -99,8 +113,7 @@ contains
       real(dp) :: condition
 
       call recover_displacement(result%displacement, body, result%load_case, result%solution%displacement)
-      call new_certificate(result%certificate, body, result%load_case, result%displacement, result%solution%force)
-      call new_lengths(result%lengths, body%zone, result%solution%status)
+      call judge(result, body)
       if (.not. (all(ieee_is_finite(result%displacement)) .and. result%certificate%is_finite())) then
          call new_error(error, numerical_failure, 'displacements, forces or energies leave the range of double '// &
             'precision (1.8e308): choose other units')
@@ -110,6 +123,23 @@ contains
       condition = max(body%condensation%condenser%condition(), cancellation(body, result))
       if (condition > explaining) result%condition = min(condition, huge(1.0_dp))
    end subroutine certify
+
+   !> Computes all that follows from displacements, contact forces and statuses: certificate, lengths, key results.
+   subroutine judge(result, body)
+      type(result_t), intent(inout) :: result !! the result: load case, solution and displacements of all nodes
+      type(body_t), intent(in) :: body !! the body
+      integer :: m
+
+      m = body%zone%n_points
+      associate (solution => result%solution)
+         call new_certificate(result%certificate, body, result%load_case, result%displacement, solution%force)
+         call new_lengths(result%lengths, body%zone, solution%status)
+         result%key_results = [contact_peaks(body, solution%displacement(m + 1:), solution%force, solution%status, &
+            maxval(abs(result%displacement))), body_peaks(body, result%displacement, &
+            result%load_case%thermal_strain), &
+            set_results(body, solution%force, solution%status)]
+      end associate
+   end subroutine judge
 
    !> How far the forces of the elements cancel, |K| |u| / |f|: of a body that its supports hold still, a bound from
    !> below of the condition number. It sees what the shift in the factor of a body held by contact alone hides.

@@ -13,10 +13,12 @@ module amontons_csv_table
    type :: csv_table_t
       private
       integer, public :: n_rows = 0 !! number of rows, the header not counted
+      character(:), allocatable, public :: header !! its first line
       character(:), allocatable :: text !! the whole file
       integer, allocatable :: start(:) !! where each row begins in it, and where the file ends (n_rows + 1)
    contains
       procedure, public :: field => csv_table_field
+      procedure, public :: column => csv_table_column
       procedure, public :: get_number => csv_table_get_number
       procedure, public :: row => csv_table_row
    end type csv_table_t
@@ -27,27 +29,35 @@ contains
    subroutine read_csv_table(table, path, header, n_columns, fault)
       type(csv_table_t), intent(out) :: table !! the table
       character(*), intent(in) :: path !! name of the file
-      character(*), intent(in) :: header !! the first line that it should have
-      integer, intent(in) :: n_columns !! number of fields of a row
+      character(*), intent(in), optional :: header !! the first line that it should have; default any
+      integer, intent(in), optional :: n_columns !! number of fields of a row; default that of the first line
       character(:), allocatable, intent(out) :: fault !! why it is no such table; empty if it is
       type(error_t), allocatable :: error
-      integer :: i, n_commas
+      integer :: i, n_commas, n
 
       fault = ''
+      table%header = ''
       call read_text_file(path, table%text, error)
       if (allocated(error)) then
          fault = error%message(len(path) + 3:)
-      else if (index(table%text, header//newline) /= 1) then
-         fault = 'the first line is not the header of this table'
+      else if (len(table%text) == 0) then
+         fault = 'it is empty'
       else if (table%text(len(table%text):) /= newline) then
          fault = 'the last line does not end'
+      else
+         table%header = table%text(:index(table%text, newline) - 1)
+         if (present(header)) then
+            if (table%header /= header) fault = 'the first line is not the header of this table'
+         end if
       end if
       if (len(fault) > 0) return
-      call find_rows(table, len(header) + 2)
+      n = count_commas(table%header) + 1
+      if (present(n_columns)) n = n_columns
+      call find_rows(table, len(table%header) + 2)
       do i = 1, table%n_rows
          n_commas = count_commas(table%row(i))
-         if (n_commas == n_columns - 1) cycle
-         fault = 'line '//to_text(i + 1)//' has '//to_text(n_commas + 1)//' fields, expected '//to_text(n_columns)
+         if (n_commas == n - 1) cycle
+         fault = 'line '//to_text(i + 1)//' has '//to_text(n_commas + 1)//' fields, expected '//to_text(n)
          return
       end do
    end subroutine read_csv_table
@@ -83,6 +93,15 @@ contains
          if (text(i:i) == ',') n = n + 1
       end do
    end function count_commas
+
+   !> Number of the column of a name; 0 if there is none. No name before it may hold a comma.
+   pure integer function csv_table_column(self, name) result(column)
+      class(csv_table_t), intent(in) :: self !! the table
+      character(*), intent(in) :: name !! the name
+
+      column = index(','//self%header//',', ','//name//',')
+      if (column > 0) column = count_commas(self%header(:column - 1)) + 1
+   end function csv_table_column
 
    !> A row, without the end of its line.
    pure function csv_table_row(self, row) result(text)

@@ -7,15 +7,13 @@
 module amontons_verify
    use amontons_agreement, only: fault_text_t
    use amontons_checksum, only: checksum_t, file_checksum
-   use amontons_config, only: config_t, effective_deck, read_config
+   use amontons_config, only: config_t, read_config
    use amontons_directory, only: file_name_t, list_directory
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_json, only: string
    use amontons_manifest, only: read_summary, manifest_t, manifest_file_t
    use amontons_solve_case, only: cache_t
-   use amontons_summary_check, only: summary_check_t
+   use amontons_summary_file, only: summary_file_t
    use amontons_text, only: to_text
-   use amontons_text_file, only: read_text_file
    use amontons_verify_case, only: verify_case
    use amontons_verify_reduced, only: verify_reduced
    use amontons_verify_sweep, only: verify_sweep
@@ -90,7 +88,7 @@ contains
       type(cache_t), intent(inout) :: cache !! the body at hand: cases that agree in it share it
       character(*), intent(in) :: directory !! the directory
       character(*), intent(in) :: name !! name of the case
-      type(summary_check_t) :: summary
+      type(summary_file_t) :: summary
       type(config_t) :: config
       type(error_t), allocatable :: error
       character(:), allocatable :: stem
@@ -102,7 +100,8 @@ contains
       if (allocated(error)) then
          call summary%faults%add(stem//'.deck.nml', error%message)
       else if (allocated(summary%text)) then
-         call check_deck(summary, config, name, stem//'.deck.nml')
+         if (config%name /= name) call summary%faults%add(stem//'.deck.nml', "it is the deck of case '"// &
+            config%name//"'")
          if (config%reduced%is_given) then
             call verify_reduced(summary, config, stem, verdict%is_certified)
          else if (config%sweep%is_given()) then
@@ -117,7 +116,7 @@ contains
 
    !> Reads the summary and compares every file with its manifest.
    subroutine check_manifest(summary, directory)
-      type(summary_check_t), intent(inout) :: summary !! gains the text, if it can be read, and the faults
+      type(summary_file_t), intent(inout) :: summary !! gains the text, if it can be read, and the faults
       character(*), intent(in) :: directory !! the directory of the results
       type(manifest_t) :: manifest
       character(:), allocatable :: fault
@@ -156,24 +155,5 @@ contains
             to_text(listed%checksum)//' when it was written')
       end if
    end subroutine check_file
-
-   !> Checks that the deck is that of the case, as the program writes it, and that the summary tells of it.
-   subroutine check_deck(summary, config, name, path)
-      type(summary_check_t), intent(inout) :: summary !! the summary; gains the faults
-      type(config_t), intent(in) :: config !! the deck as it was read
-      character(*), intent(in) :: name !! name of the case
-      character(*), intent(in) :: path !! name of the deck
-      character(:), allocatable :: text
-      type(error_t), allocatable :: error
-
-      call read_text_file(path, text, error)
-      if (allocated(error)) return
-      if (text /= effective_deck(config)) call summary%faults%add(path, &
-         'it is not written as the program writes what it says')
-      if (config%name /= name) call summary%faults%add(path, "it is the deck of case '"//config%name//"'")
-      call summary%expect_text('', 'case', string(config%name))
-      call summary%expect_text('', 'title', string(config%title))
-      call summary%expect_text('', 'method', string(config%method%method))
-   end subroutine check_deck
 
 end module amontons_verify

@@ -1,121 +1,111 @@
-!> The files of a sweep checked against each other: values, lengths and counts of every row, and what the summary tells
-!> of the rows together. A row holds no displacements: where the fields of its case are not kept, its forces and its
-!> residual cannot be computed again without solving the case, and are only checksummed.
+!> The files of a sweep checked against each other: rows, summary and listing are written again from the values of the
+!> deck and from what the rows state. A row holds no displacements: where the fields of its case are not kept, its
+!> forces and its residual cannot be computed again without solving the case, and are only checksummed.
 module amontons_verify_sweep
-   use amontons_agreement, only: agree, contradiction
+   use amontons_body, only: body_t
    use amontons_config, only: config_t
-   use amontons_contact_zone, only: contact_zone_t
    use amontons_csv_table, only: csv_table_t, read_csv_table
+   use amontons_document, only: document_t
+   use amontons_document_check, only: compare_document, compare_line
    use amontons_error, only: error_t
-   use amontons_json, only: truth
    use amontons_kinds, only: dp
    use amontons_lengths, only: lengths_t, new_lengths
-   use amontons_result, only: result_t
+   use amontons_quantity, only: quantity_t
    use amontons_result_warnings, only: add_conditioning
-   use amontons_solve_case, only: cache_t, prepare_case
-   use amontons_summary_check, only: summary_check_t
-   use amontons_summary_members, only: warnings_array
-   use amontons_sweep_summary, only: extremes_text
+   use amontons_solve_case, only: prepare_case, cache_t
+   use amontons_solve_sweep, only: sweep_result_t
+   use amontons_summary_file, only: summary_file_t
+   use amontons_sweep_report, only: n_documents, sweep_documents
+   use amontons_sweep_summary, only: new_sweep_summary
    use amontons_sweep_table, only: append_row, read_status_runs, status_runs, sweep_header
-   use amontons_sweep_statistics, only: case_converged, case_result_t, outcome_names, quantity_labels, &
-      sweep_statistics_t
-   use amontons_text, only: newline, read_integer, to_text
+   use amontons_sweep_statistics, only: case_converged, case_keys, case_result_t, outcome_names
+   use amontons_text, only: read_integer, to_text
+   use amontons_timings, only: phase_solve
    use amontons_verify_fields, only: field_case_t, verify_fields
    implicit none (type, external)
    private
 
    public :: verify_sweep
 
-   !> Columns behind the values that vary: quantities, residual, iterations, outcome, statuses.
-   integer, parameter :: n_quantities = size(quantity_labels), n_columns = n_quantities + 4
-
 contains
 
    !> Checks the files of a sweep.
    subroutine verify_sweep(summary, cache, config, stem, is_certified)
-      type(summary_check_t), intent(inout) :: summary !! the summary; gains the faults of all files
+      type(summary_file_t), intent(inout) :: summary !! the summary; gains the faults of all files
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: stem !! directory and name of the case
       logical, intent(out) :: is_certified !! whether all cases converged and the certificate passes
-      type(result_t) :: result
-      type(csv_table_t) :: rows
-      type(sweep_statistics_t) :: statistics
+      type(sweep_result_t) :: result
       type(field_case_t), allocatable :: cases(:)
       type(error_t), allocatable :: error
-      character(:), allocatable :: header, fault
       logical, allocatable :: has_converged(:)
-      integer :: certified, i, n
+      character(:), allocatable :: fault
 
       is_certified = .false.
-      call prepare_case(cache, config, result, error)
+      call prepare_case(cache, config, result%certified, error)
       if (allocated(error)) then
          call summary%faults%add(stem//'.deck.nml', error%message)
          return
       end if
-      call summary%take_condition(result%condition)
-      call add_conditioning(result, cache%body)
-      call summary%expect_text('', 'warnings', warnings_array(result%warnings))
-      header = sweep_header(config%sweep)
-      call read_csv_table(rows, stem//'.sweep.csv', header(:len(header) - 1), &
-         1 + size(config%sweep%axes) + n_columns, fault)
-      if (len(fault) == 0 .and. rows%n_rows /= config%sweep%n_cases()) fault = to_text(rows%n_rows)// &
-         ' rows, but the deck has '//to_text(config%sweep%n_cases())//' cases'
-      allocate (cases(config%sweep%n_fields() + 1))
-      allocate (has_converged(rows%n_rows))
-      n = 0
-      do i = 1, merge(rows%n_rows, 0, len(fault) == 0)
-         call check_row(rows, i, config, cache%body%zone, cases(n + 1), fault)
-         if (len(fault) > 0) exit
-         call statistics%add(cases(n + 1)%result)
-         has_converged(i) = cases(n + 1)%result%outcome == case_converged
-         if (config%sweep%has_fields(i, i) .and. has_converged(i)) n = n + 1
-      end do
+      result%certified%condition = summary%number('', 'condition')
+      call add_conditioning(result%certified, cache%body)
+      call restore_rows(result, cases, has_converged, config, cache%body, stem//'.sweep.csv', fault)
       if (len(fault) > 0) then
          call summary%faults%add(stem//'.sweep.csv', fault)
          return
       end if
-      call check_summary(summary, cache, statistics)
-      call find_certified(summary, has_converged, certified)
-      call verify_fields(summary, cache, result%load_case, config, stem, cases(:n), certified)
-      is_certified = statistics%n_outcomes(case_converged) == statistics%n_cases .and. &
-         summary%value('certificate', 'passed') == 'true'
+      result%n_resumed = nint(summary%number('sweep', 'done_earlier'))
+      result%certified%timings%seconds(phase_solve) = summary%number('seconds', 'solve')
+      call find_certified(summary, has_converged, result%statistics%worst_case)
+      call verify_fields(summary, result, cache%body, config, stem, cases)
+      call check_texts(summary, config, cache%body, result, stem)
+      is_certified = all(has_converged) .and. summary%value('certificate', 'passed') == 'true'
    end subroutine verify_sweep
 
-   !> Checks a row: its lengths against its statuses, and that it is written as the program writes what it tells.
-   subroutine check_row(rows, row, config, zone, case, fault)
-      type(csv_table_t), intent(in) :: rows !! the table
-      integer, intent(in) :: row !! which row
+   !> Reads the rows, writes each again and compares.
+   subroutine restore_rows(result, cases, has_converged, config, body, path, fault)
+      type(sweep_result_t), intent(inout) :: result !! gains the statistics
+      type(field_case_t), allocatable, intent(out) :: cases(:) !! the cases that converged and whose fields are kept
+      logical, allocatable, intent(out) :: has_converged(:) !! whether each case has converged
       type(config_t), intent(in) :: config !! the deck
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      type(field_case_t), intent(out) :: case !! the case as the row tells of it
-      character(:), allocatable, intent(inout) :: fault !! what is wrong; empty if nothing is
-      character(:), allocatable :: runs, text
+      type(body_t), intent(in) :: body !! the body
+      character(*), intent(in) :: path !! name of the table
+      character(:), allocatable, intent(out) :: fault !! what is wrong; empty if nothing is
+      type(csv_table_t) :: rows
+      character(:), allocatable :: header
+      integer :: i, n, n_quantities
 
-      case%number = row
-      allocate (case%status(zone%n_points))
-      associate (result => case%result)
-         call read_row(rows, row, size(config%sweep%axes) + 2, result, case%status, fault)
-         if (len(fault) > 0) return
-         runs = ''
-         if (result%has_solution) then
-            call check_lengths(row, result%quantity(:3), zone, case%status, fault)
-            call status_runs(runs, case%status, zone%set)
-         end if
-         if (result%outcome == case_converged .and. .not. result%residual <= config%method%tolerance) fault = &
-            'line '//to_text(row + 1)//': the residual of a converged case is above the tolerance'
-         text = ''
-         call append_row(text, config%sweep, row, result, runs)
-         if (len(fault) == 0 .and. rows%row(row)//newline /= text) fault = 'line '//to_text(row + 1)// &
-            ': its values, or its form, are not those of case '//to_text(row)
-      end associate
-   end subroutine check_row
+      header = sweep_header(config%sweep, case_keys(body))
+      n_quantities = size(case_keys(body))
+      call read_csv_table(rows, path, header(:len(header) - 1), 5 + size(config%sweep%axes) + n_quantities, fault)
+      if (len(fault) == 0 .and. rows%n_rows /= config%sweep%n_cases()) fault = to_text(rows%n_rows)// &
+         ' rows, but the deck has '//to_text(config%sweep%n_cases())//' cases'
+      if (len(fault) > 0) return
+      allocate (cases(config%sweep%n_fields() + 1), has_converged(rows%n_rows))
+      n = 0
+      do i = 1, rows%n_rows
+         associate (case => cases(n + 1))
+            case%number = i
+            if (.not. allocated(case%status)) allocate (case%status(body%zone%n_points))
+            call read_row(rows, i, size(config%sweep%axes) + 2, n_quantities, case%result, case%status, fault)
+            if (len(fault) == 0) call compare_row(rows%row(i), config, body, case, fault)
+            if (len(fault) > 0) return
+            call result%statistics%add(case%result)
+            has_converged(i) = case%result%outcome == case_converged
+            case%row = rows%row(i)
+            if (config%sweep%has_fields(i, i) .and. has_converged(i)) n = n + 1
+         end associate
+      end do
+      cases = cases(:n)
+   end subroutine restore_rows
 
-   !> Reads what a row tells of its case.
-   subroutine read_row(rows, row, first, result, status, fault)
+   !> Reads what a row states of its case.
+   subroutine read_row(rows, row, first, n_quantities, result, status, fault)
       type(csv_table_t), intent(in) :: rows !! the table
       integer, intent(in) :: row !! which row
       integer, intent(in) :: first !! column of the first quantity
+      integer, intent(in) :: n_quantities !! number of quantities
       type(case_result_t), intent(out) :: result !! what is kept of the case
       integer, intent(out) :: status(:) !! statuses of its points, if it has a solution
       character(:), allocatable, intent(inout) :: fault !! what is wrong; empty if nothing is
@@ -123,6 +113,7 @@ contains
       integer :: i
       logical :: ok
 
+      result%quantity = spread(0.0_dp, 1, n_quantities)
       runs = rows%field(row, first + n_quantities + 3)
       associate (at_iterations => first + n_quantities + 1)
          result%has_solution = len(runs) > 0
@@ -140,51 +131,40 @@ contains
       end associate
    end subroutine read_row
 
-   !> Compares the lengths of a row with its statuses.
-   pure subroutine check_lengths(row, stated, zone, status, fault)
-      integer, intent(in) :: row !! which row
-      real(dp), intent(in) :: stated(3) !! lengths open, slip, stick [L]
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      integer, intent(in) :: status(:) !! their statuses
+   !> Compares a row with the values of its case and the lengths that follow from its statuses.
+   subroutine compare_row(stated, config, body, case, fault)
+      character(*), intent(in) :: stated !! the row
+      type(config_t), intent(in) :: config !! the deck
+      type(body_t), intent(in) :: body !! the body
+      type(field_case_t), intent(in) :: case !! the case as the row states it
       character(:), allocatable, intent(inout) :: fault !! gains what is wrong
+      type(case_result_t) :: computed
       type(lengths_t) :: lengths
-      real(dp) :: computed(3)
-      integer :: i
+      type(quantity_t) :: parts(3)
+      character(:), allocatable :: text, runs, header
+      logical :: is_lost
 
-      call new_lengths(lengths, zone, status)
-      computed = [lengths%open, lengths%slip, lengths%stick]
-      do i = 1, 3
-         if (agree(stated(i), computed(i), sum(computed)) .or. len(fault) > 0) cycle
-         fault = 'line '//to_text(row + 1)//': '//contradiction(trim(quantity_labels(i)), stated(i), &
-            computed(i))
-      end do
-   end subroutine check_lengths
-
-   !> Checks what the summary tells of all rows together.
-   subroutine check_summary(summary, cache, statistics)
-      type(summary_check_t), intent(inout) :: summary !! the summary; gains the faults
-      type(cache_t), intent(in) :: cache !! the body
-      type(sweep_statistics_t), intent(in) :: statistics !! what the rows tell together
-      integer :: i
-
-      call summary%expect_text('', 'converged', truth(statistics%n_outcomes(case_converged) == statistics%n_cases))
-      call summary%expect_text('', 'iterations', to_text(statistics%n_iterations))
-      call summary%expect_text('sweep', 'cases', to_text(statistics%n_cases))
-      do i = 1, size(outcome_names)
-         call summary%expect_text('sweep', trim(outcome_names(i)), to_text(statistics%n_outcomes(i)))
-      end do
-      call summary%expect_text('counts', 'nodes', to_text(cache%body%mesh%n_nodes))
-      call summary%expect_text('counts', 'elements', to_text(cache%body%mesh%n_elements))
-      call summary%expect_text('counts', 'dofs', to_text(cache%body%dof_map%n_dofs))
-      call summary%expect_text('counts', 'contact_points', to_text(cache%body%zone%n_points))
-      if (statistics%residual_case == 0) return
-      call summary%expect_number('', 'residual', statistics%residual, 0.0_dp)
-      call summary%expect_text('', 'extremes', '{'//extremes_text(statistics)//'}')
-   end subroutine check_summary
+      computed = case%result
+      runs = ''
+      if (computed%has_solution) then
+         call new_lengths(lengths, body%zone, case%status)
+         parts = lengths%quantities()
+         computed%quantity(:size(parts)) = parts%value
+         call status_runs(runs, case%status, body%zone%set)
+      end if
+      text = ''
+      call append_row(text, config%sweep, case%number, computed, runs)
+      header = sweep_header(config%sweep, case_keys(body))
+      call compare_line(fault, stated, text(:len(text) - 1), header(:len(header) - 1), [0.0_dp], 0.0_dp, is_lost)
+      if (len(fault) == 0 .and. case%result%outcome == case_converged .and. &
+         .not. case%result%residual <= config%method%tolerance) fault = &
+         'the residual of a converged case is above the tolerance'
+      if (len(fault) > 0) fault = 'line '//to_text(case%number + 1)//': '//fault
+   end subroutine compare_row
 
    !> Finds the case that the summary says is certified. No file has the error estimates, but it has converged.
    subroutine find_certified(summary, has_converged, certified)
-      type(summary_check_t), intent(inout) :: summary !! the summary; gains the fault
+      type(summary_file_t), intent(inout) :: summary !! the summary; gains the fault
       logical, intent(in) :: has_converged(:) !! whether each case has converged
       integer, intent(out) :: certified !! number of the case; 0 if none has converged
       logical :: ok
@@ -197,5 +177,23 @@ contains
       if (.not. ok) call summary%faults%add(summary%path, "certificate.case is '"// &
          summary%value('certificate', 'case')//"', which is no case that has converged")
    end subroutine find_certified
+
+   !> Writes the texts again and compares.
+   subroutine check_texts(summary, config, body, result, stem)
+      type(summary_file_t), intent(inout) :: summary !! gains the faults
+      type(config_t), intent(in) :: config !! the deck
+      type(body_t), intent(in) :: body !! the body
+      type(sweep_result_t), intent(in) :: result !! the result as it was restored
+      character(*), intent(in) :: stem !! directory and name of the case
+      type(document_t) :: documents(n_documents), rewritten
+      integer :: i
+
+      call sweep_documents(documents, config, body, result)
+      do i = 1, n_documents
+         call compare_document(summary%faults, stem, documents(i))
+      end do
+      call new_sweep_summary(rewritten, config, body, result)
+      call compare_document(summary%faults, stem, rewritten)
+   end subroutine check_texts
 
 end module amontons_verify_sweep

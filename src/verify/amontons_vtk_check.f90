@@ -82,7 +82,7 @@ contains
       call self%read_array(name, 8_int64*size(values, kind=int64), bytes)
       if (.not. self%is_readable) return
       found = transfer(bytes, values, size(values))
-      place = first_disagreement(found, values)
+      place = first_disagreement(found, values, self%scale)
       if (place == 0) return
       call self%faults%add(self%path, contradiction(name//' of '//place_name(section, place, n_components), &
          found(place), values(place)))

@@ -27,7 +27,7 @@ CAN_MOUNT = shutil.which("unshare") and subprocess.run(
 HAS_SUITESPARSE = "SuiteSparse  none\n" not in subprocess.run(
     [PROGRAM, "--version"], capture_output=True, encoding="utf-8", check=True).stdout
 COLUMNS = ("point", "x", "y", "normal_x", "normal_y", "weight", "gap", "slip", "normal_force", "tangential_force",
-           "contact_pressure", "contact_shear", "status")
+           "contact_pressure", "contact_shear", "shear_bound", "status")
 
 
 def finite(text):

@@ -4,7 +4,8 @@ import unittest
 
 from harness import CONTACT, HAS_SUITESPARSE, PRESSURE, PROGRAM, SOUND, SUPPORT, ProgramTest, block, results_of
 
-SOLVED = r"^case: solved, \d+ iterations, residual \d\.\d+e-\d+; open 0\.0, slip 0\.5, stick 3\.5\n$"
+SOLVED = (r"^case: solved, \d+ iterations, residual \d\.\d+e-\d+; open 0\.0, slip 0\.5, stick 3\.5; "
+          r"9 of 9 points closed, peak pressure \d\.\d+\n$")
 
 
 class Options(ProgramTest):

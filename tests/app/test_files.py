@@ -31,8 +31,13 @@ MEMBERS = {
                     "resultant": float, "moment": float, "energy": float, "strain_energy": float,
                     "dissipation": float},
     "uniqueness": {"guaranteed": bool, "friction_below": float, "exact": bool},
-    "counts": dict.fromkeys(("nodes", "elements", "dofs", "contact_points", "open", "stick", "slip", "factor_entries",
-                             "factor_flops"), int),
+    "key_results": dict.fromkeys((
+        "max_contact_pressure", "max_contact_shear", "max_slip", "max_von_mises", "max_displacement", "contact_width",
+        "contact_centroid_x", "contact_centroid_y", "contact_force_x", "contact_force_y", "contact_moment",
+        *(f"max_{name}_{axis}" for name in ("contact_pressure", "contact_shear", "slip", "von_mises", "displacement")
+          for axis in "xy")), float),
+    "counts": dict.fromkeys(("nodes", "elements", "dofs", "contact_points", "open", "stick", "slip"), int),
+    "factor": {"entries": int, "flops": int},
     "lengths": dict.fromkeys(("open_length", "slip_length", "stick_length"), float),
     "resultants": dict.fromkeys(("normal_force", "tangential_force"), float),
     "seconds": dict.fromkeys(("read", "assemble", "factorize", "condense", "solve", "recover", "write", "total"),

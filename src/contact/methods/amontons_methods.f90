@@ -17,7 +17,7 @@ module amontons_methods
    private
 
    public :: acceleration_names, box_names, local_names, method_names, method_options_t, new_contact_method, &
-      space_names, variant_names
+      set_defaults, space_names, variant_names
 
    !> Names of the methods, as a deck writes them.
    character(13), parameter :: method_names(*) = [character(13) :: 'auto', 'newton', 'splitting', 'fixed_point', &
@@ -41,6 +41,18 @@ module amontons_methods
 
 contains
 
+   !> Gives the options that are not allocated their defaults.
+   subroutine set_defaults(options)
+      type(method_options_t), intent(inout) :: options !! the options
+
+      call set_default(options%method, method_names(1))
+      call set_default(options%variant, variant_names(1))
+      call set_default(options%space, space_names(1))
+      call set_default(options%box, box_names(1))
+      call set_default(options%local, local_names(1))
+      call set_default(options%acceleration, acceleration_names(1))
+   end subroutine set_defaults
+
    !> Makes the method of a name.
    subroutine new_contact_method(method, options, error)
       class(contact_method_t), allocatable, intent(out) :: method !! the method
@@ -49,12 +61,7 @@ contains
       type(method_options_t) :: chosen
 
       chosen = options
-      call set_default(chosen%method, method_names(1))
-      call set_default(chosen%variant, variant_names(1))
-      call set_default(chosen%space, space_names(1))
-      call set_default(chosen%box, box_names(1))
-      call set_default(chosen%local, local_names(1))
-      call set_default(chosen%acceleration, acceleration_names(1))
+      call set_defaults(chosen)
       select case (chosen%method)
       case ('auto')
          allocate (auto_t :: method)

@@ -7,6 +7,7 @@ module amontons_certificate
    use amontons_contact_zone, only: contact_zone_t
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
+   use amontons_quantity, only: quantity_t
    implicit none (type, external)
    private
 
@@ -38,8 +39,10 @@ module amontons_certificate
       real(dp) :: reaction(2) = 0.0_dp !! resultant of the support reactions, x and y [F]
       real(dp) :: contact(2) = 0.0_dp !! resultant of the obstacle's forces on the body, x and y [F]
    contains
+      procedure :: energies => certificate_energies
       procedure :: is_finite => certificate_is_finite
       procedure :: largest => certificate_largest
+      procedure :: violations => certificate_violations
    end type certificate_t
 
    !> The share of |K| |u| that the largest rounding errors are a negligible part of.
@@ -240,21 +243,50 @@ contains
       if (scale > 0.0_dp .and. abs(value) > 0.0_dp) relative = value/scale
    end function relative
 
+   !> The violations, each over its natural scale: what must stay below a limit [-].
+   pure function certificate_violations(self) result(list)
+      class(certificate_t), intent(in) :: self !! the certificate
+      type(quantity_t), allocatable :: list(:)
+
+      list = [quantity_t('equilibrium', 'Equilibrium', self%equilibrium, 1.0_dp), &
+         quantity_t('penetration', 'Penetration', self%penetration, 1.0_dp), &
+         quantity_t('tension', 'Tension', self%tension, 1.0_dp), &
+         quantity_t('friction_excess', 'Friction excess', self%friction_excess, 1.0_dp), &
+         quantity_t('complementarity', 'Complementarity', self%complementarity, 1.0_dp), &
+         quantity_t('slip_below_bound', 'Slip below bound', self%slip_below_bound, 1.0_dp), &
+         quantity_t('wrong_dissipation', 'Wrong dissipation', self%wrong_dissipation, 1.0_dp), &
+         quantity_t('resultant', 'Resultant', self%resultant, 1.0_dp), &
+         quantity_t('moment', 'Moment', self%moment, 1.0_dp), &
+         quantity_t('energy', 'Energy balance', self%energy, 1.0_dp)]
+      if (self%has_duality_gap) list = [list, quantity_t('duality_gap', 'Duality gap', self%duality_gap, 1.0_dp)]
+   end function certificate_violations
+
+   !> The energies; they are no violations [F L].
+   pure function certificate_energies(self) result(list)
+      class(certificate_t), intent(in) :: self !! the certificate
+      type(quantity_t) :: list(2)
+
+      list = [quantity_t('strain_energy', 'Strain energy', self%strain_energy, self%strain_energy), &
+         quantity_t('dissipation', 'Work of friction', self%dissipation, self%strain_energy)]
+   end function certificate_energies
+
    !> The largest of the violations [-].
    pure real(dp) function certificate_largest(self) result(largest)
       class(certificate_t), intent(in) :: self !! the certificate
+      type(quantity_t), allocatable :: list(:)
 
-      largest = max(self%equilibrium, self%penetration, self%tension, self%friction_excess, self%complementarity, &
-         self%slip_below_bound, self%wrong_dissipation, self%resultant, self%moment, self%energy, self%duality_gap)
+      list = self%violations()
+      largest = maxval(list%value)
    end function certificate_largest
 
    !> Whether every number of the certificate is finite.
    pure logical function certificate_is_finite(self) result(is_finite)
       class(certificate_t), intent(in) :: self !! the certificate
+      type(quantity_t), allocatable :: list(:)
 
-      is_finite = all(ieee_is_finite([self%equilibrium, self%penetration, self%tension, self%friction_excess, &
-         self%complementarity, self%slip_below_bound, self%wrong_dissipation, self%resultant, self%moment, &
-         self%energy, self%duality_gap, self%strain_energy, self%dissipation, self%load, self%reaction, self%contact]))
+      list = self%violations()
+      is_finite = all(ieee_is_finite([list%value, self%strain_energy, self%dissipation, self%load, self%reaction, &
+         self%contact]))
    end function certificate_is_finite
 
 end module amontons_certificate

@@ -21,6 +21,8 @@ module amontons_load_case
 
    !> Loads, prescribed displacements, obstacles and friction.
    type :: load_case_t
+      type(support_t), allocatable :: supports(:) !! the supports, with what they prescribe
+      type(load_t), allocatable :: loads(:) !! the loads
       type(contact_t), allocatable :: contacts(:) !! the contact sets, with their obstacles
       real(dp), allocatable :: force(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       real(dp), allocatable :: prescribed(:, :) !! displacements that the supports prescribe (2, n_nodes) [L]
@@ -55,6 +57,8 @@ contains
       type(constraints_t) :: constraints
       real(dp) :: prescribed(2*body%zone%n_points)
 
+      load_case%supports = supports
+      load_case%loads = loads
       call new_constraints(constraints, load_case%prescribed, body%mesh, supports, error)
       if (allocated(error)) return
       if (any(constraints%is_free .neqv. body%constraints%is_free)) then

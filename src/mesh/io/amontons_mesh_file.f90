@@ -38,6 +38,8 @@ contains
       end select
       if (.not. allocated(input%error)) call new_clean_mesh(mesh, draft, input)
       call move_alloc(input%error, error)
+      mesh%source = file
+      mesh%is_file = .true.
       notes = ''
       if (allocated(draft%notes)) notes = draft%notes
    end subroutine read_mesh_file

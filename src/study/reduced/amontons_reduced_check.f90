@@ -1,6 +1,7 @@
 !> The check of a solved reduced problem: every condition of the contact law, contact by contact, on W as it was read.
 module amontons_reduced_check
    use amontons_kinds, only: dp
+   use amontons_quantity, only: quantity_t
    use amontons_reduced_system, only: reduced_system_t
    implicit none (type, external)
    private
@@ -17,6 +18,7 @@ module amontons_reduced_check
       real(dp) :: wrong_dissipation = 0.0_dp !! largest smaller one of |u_T| and |r_T| where r_T does not oppose u_T [-]
    contains
       procedure :: largest => reduced_check_largest
+      procedure :: violations => reduced_check_violations
    end type reduced_check_t
 
 contains
@@ -51,12 +53,26 @@ contains
       if (scale > 0.0_dp) relative = value/scale
    end function relative
 
+   !> The violations: what must stay below a limit [-].
+   pure function reduced_check_violations(self) result(list)
+      class(reduced_check_t), intent(in) :: self !! the check
+      type(quantity_t), allocatable :: list(:)
+
+      list = [quantity_t('penetration', 'Penetration', self%penetration, 1.0_dp), &
+         quantity_t('tension', 'Tension', self%tension, 1.0_dp), &
+         quantity_t('friction_excess', 'Friction excess', self%friction_excess, 1.0_dp), &
+         quantity_t('complementarity', 'Complementarity', self%complementarity, 1.0_dp), &
+         quantity_t('slip_below_bound', 'Slip below bound', self%slip_below_bound, 1.0_dp), &
+         quantity_t('wrong_dissipation', 'Wrong dissipation', self%wrong_dissipation, 1.0_dp)]
+   end function reduced_check_violations
+
    !> The largest of the violations [-].
    pure real(dp) function reduced_check_largest(self) result(largest)
-      class(reduced_check_t), intent(in) :: self !! the violations
+      class(reduced_check_t), intent(in) :: self !! the check
+      type(quantity_t), allocatable :: list(:)
 
-      largest = max(self%penetration, self%tension, self%friction_excess, self%complementarity, self%slip_below_bound, &
-         self%wrong_dissipation)
+      list = self%violations()
+      largest = maxval(list%value)
    end function reduced_check_largest
 
 end module amontons_reduced_check

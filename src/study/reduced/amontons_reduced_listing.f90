@@ -1,35 +1,44 @@
 !> NAME.lst of a reduced problem, in the form of a deck's listing.
 module amontons_reduced_listing
    use amontons_config, only: config_t
-   use amontons_friction_law, only: status_names
+   use amontons_contact_table, only: column_t, points_text
+   use amontons_document, only: document_t
    use amontons_kinds, only: dp
    use amontons_listing_parts, only: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
       violations_text, warnings_text
-   use amontons_listing_text, only: columns, heading, line, right, scientific, short
-   use amontons_reduced_check, only: reduced_check_t
+   use amontons_listing_text, only: heading, line, scientific, short
    use amontons_reduced_system, only: reduced_system_t
    use amontons_result, only: certificate_limit
    use amontons_solutions_report, only: solutions_text, uniqueness_text
    use amontons_solve_reduced, only: reduced_result_t
-   use amontons_text, only: as_lines, to_text
+   use amontons_text, only: to_text
    use amontons_timings, only: phase_read, phase_recover, phase_solve
    implicit none (type, external)
    private
 
-   public :: reduced_listing_text
+   public :: new_reduced_listing, reduced_columns
 
 contains
 
-   !> The whole listing.
-   pure function reduced_listing_text(config, result) result(text)
+   !> Makes the listing.
+   subroutine new_reduced_listing(listing, config, result)
+      type(document_t), intent(out) :: listing !! the listing
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(in) :: result !! the result
-      character(:), allocatable :: text
+      type(column_t), allocatable :: columns(:)
 
-      text = head_text(config)//warnings_text(result%warnings)//problem_text(config, result%system)// &
-         solution_text(config, result)//check_text(config, result%check)//points_text(result)// &
-         times_text(result%timings, [phase_read, phase_solve, phase_recover])
-   end function reduced_listing_text
+      call reduced_columns(columns, result)
+      listing%ending = '.lst'
+      call listing%record(head_text(config))
+      call listing%add(warnings_text(result%warnings))
+      call listing%add(problem_text(config, result%system))
+      call listing%record(solution_text(config, result))
+      call listing%add(heading('Check on the problem as read (violations, each over its natural scale)')// &
+         violations_text(result%check%violations(), certificate_limit(config%method%tolerance)), [1.0_dp])
+      call listing%add(points_text('Contacts (u and r as in the file: a tangential force opposes its slip)', columns, &
+         result%solution%status), [0.0_dp, columns%scale, 0.0_dp])
+      call listing%record(times_text(result%timings, [phase_read, phase_solve, phase_recover]))
+   end subroutine new_reduced_listing
 
    !> What the file holds.
    pure function problem_text(config, system) result(text)
@@ -37,7 +46,7 @@ contains
       type(reduced_system_t), intent(in) :: system !! the reduced problem
       character(:), allocatable :: text
 
-      text = heading('Reduced problem u = W r + q')//line('File', config%reduced%file)//line('Form', system%form)// &
+      text = heading('Reduced problem u = W r + q')//line('File', config%reduced%path)//line('Form', system%form)// &
          line('Contacts', to_text(system%n_contacts))
       if (system%n_contacts == 0) return
       text = text//line('Matrix W', to_text(size(system%entry))//' entries, '// &
@@ -61,7 +70,7 @@ contains
       character(:), allocatable :: text
 
       associate (solution => result%solution)
-         text = heading('Solution')//line('Method', method_text(config))//outcome_text(solution)// &
+         text = heading('Solution')//line('Method', method_text(config%method))//outcome_text(solution)// &
             residual_text(solution, config%method%tolerance)// &
             uniqueness_text(result%uniqueness, result%system%friction)// &
             line('Contacts', status_counts(solution%status))// &
@@ -72,34 +81,24 @@ contains
       end associate
    end function solution_text
 
-   !> The check in words.
-   pure function check_text(config, check) result(text)
-      type(config_t), intent(in) :: config !! the case
-      type(reduced_check_t), intent(in) :: check !! the violations
-      character(:), allocatable :: text
-      character(*), parameter :: names(*) = [character(17) :: 'Penetration', 'Tension', 'Friction excess', &
-         'Complementarity', 'Slip below bound', 'Wrong dissipation']
-
-      text = heading('Check on the problem as read (violations, each over its natural scale)')// &
-         violations_text(names, [check%penetration, check%tension, check%friction_excess, check%complementarity, &
-         check%slip_below_bound, check%wrong_dissipation], certificate_limit(config%method%tolerance))
-   end function check_text
-
-   !> The table of contacts.
-   pure function points_text(result) result(text)
+   !> What is known of the contacts, a column each.
+   subroutine reduced_columns(list, result)
+      type(column_t), allocatable, intent(out) :: list(:) !! the columns
       type(reduced_result_t), intent(in) :: result !! the result
-      character(:), allocatable :: text
-      character(80) :: rows(0:result%system%n_contacts)
-      integer :: p
+      real(dp) :: length, force
 
-      write (rows(0), '(a7, 4a13, 2x, a)') 'point', 'gap', 'slip', 'normal force', 'tang. force', 'status'
       associate (u => result%system%u, r => result%system%r)
-         do p = 1, result%system%n_contacts
-            rows(p) = right(to_text(p), 7)//columns([u(2*p - 1:2*p), r(2*p - 1:2*p)])//'  '// &
-               status_names(result%solution%status(p))
-         end do
+         length = maxval(abs([u, result%system%q]))
+         force = maxval(abs(r))
+         allocate (list(4))
+         list%key = [character(16) :: 'gap', 'slip', 'normal_force', 'tangential_force']
+         list%label = [character(12) :: 'gap', 'slip', 'normal force', 'tang. force']
+         list%scale = [length, length, force, force]
+         list(1)%values = u(1::2)
+         list(2)%values = u(2::2)
+         list(3)%values = r(1::2)
+         list(4)%values = r(2::2)
       end associate
-      text = heading('Contacts (u and r as in the file: a tangential force opposes its slip)')//as_lines(rows)
-   end function points_text
+   end subroutine reduced_columns
 
 end module amontons_reduced_listing

@@ -1,27 +1,24 @@
 !> The files of a solved reduced problem: all of them, each whole, or none.
 module amontons_reduced_report
-   use amontons_config, only: config_t, effective_deck
+   use amontons_config, only: config_t
+   use amontons_contact_table, only: add_point_table, column_t
    use amontons_directory, only: file_name_t
+   use amontons_document, only: document_t
    use amontons_earlier_files, only: find_earlier_files
    use amontons_error, only: error_t
-   use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
    use amontons_manifest, only: manifest_t, with_manifest
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
-   use amontons_reduced_listing, only: reduced_listing_text
-   use amontons_reduced_summary, only: reduced_summary_text
+   use amontons_reduced_listing, only: new_reduced_listing, reduced_columns
+   use amontons_reduced_summary, only: new_reduced_summary
    use amontons_solutions_report, only: solutions_table_text
    use amontons_solve_reduced, only: reduced_result_t
    use amontons_system, only: make_directory
-   use amontons_text, only: as_lines, comma_separated, newline, to_text
    use amontons_timings, only: phase_write
    implicit none (type, external)
    private
 
-   public :: reduced_header, write_reduced_report
-
-   !> The header of the table.
-   character(*), parameter :: reduced_header = 'point,gap,slip,normal_force,tangential_force,status'
+   public :: reduced_documents, write_reduced_report
 
    !> Number of files that every reduced problem leaves.
    integer, parameter :: n_files = 4
@@ -46,6 +43,24 @@ contains
       call commit_files(files, error, earlier)
    end subroutine write_reduced_report
 
+   !> Makes the text files of a reduced problem, but for the summary.
+   subroutine reduced_documents(documents, config, result)
+      type(document_t), allocatable, intent(out) :: documents(:) !! the files
+      type(config_t), intent(in) :: config !! the case
+      type(reduced_result_t), intent(in) :: result !! the result
+      type(column_t), allocatable :: columns(:)
+
+      allocate (documents(3 + merge(1, 0, allocated(result%all_solutions))))
+      call new_reduced_listing(documents(1), config, result)
+      call reduced_columns(columns, result)
+      call add_point_table(documents(2), columns, result%solution%status)
+      documents(3)%ending = '.deck.nml'
+      call documents(3)%add(config%deck_text())
+      if (.not. allocated(result%all_solutions)) return
+      documents(4)%ending = '.solutions.csv'
+      call documents(4)%record(solutions_table_text(result%all_solutions, spread(0.0_dp, 1, result%system%n_contacts)))
+   end subroutine reduced_documents
+
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
    subroutine write_files(files, manifest, stem, config, result, error)
       type(output_file_t), intent(inout) :: files(:) !! the finished files, the summary last
@@ -54,41 +69,22 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(document_t), allocatable :: documents(:)
+      type(document_t) :: summary
+      integer :: i
 
-      call write_text_file(files(1), stem//'.lst', reduced_listing_text(config, result), error)
-      if (allocated(error)) return
-      call write_text_file(files(2), stem//'.contact.csv', table_text(result), error)
-      if (allocated(error)) return
-      call write_text_file(files(3), stem//'.deck.nml', effective_deck(config), error)
-      if (allocated(error)) return
-      if (allocated(result%all_solutions)) then
-         call write_text_file(files(n_files), stem//'.solutions.csv', solutions_table_text(result%all_solutions, &
-            spread(0.0_dp, 1, result%system%n_contacts)), error)
+      call reduced_documents(documents, config, result)
+      do i = 1, size(documents)
+         call write_text_file(files(i), stem//documents(i)%ending, documents(i)%text(), error)
          if (allocated(error)) return
-      end if
+      end do
       call manifest%add_outputs(files, '', error)
       if (result%has_reduced_files .and. .not. allocated(error)) call manifest%add_reduced(stem, error)
       if (allocated(error)) return
-      call manifest%add_inputs(config)
+      call manifest%add_input(config%reduced%path)
       call result%timings%begin(phase_write)
-      call write_text_file(files(size(files)), stem//'.summary.json', with_manifest(reduced_summary_text(config, &
-         result), manifest), error)
+      call new_reduced_summary(summary, config, result)
+      call write_text_file(files(size(files)), stem//summary%ending, with_manifest(summary%text(), manifest), error)
    end subroutine write_files
-
-   !> The table: one row per contact.
-   pure function table_text(result) result(text)
-      type(reduced_result_t), intent(in) :: result !! the result
-      character(:), allocatable :: text
-      character(150) :: rows(result%system%n_contacts)
-      integer :: p
-
-      associate (u => result%system%u, r => result%system%r)
-         do p = 1, result%system%n_contacts
-            rows(p) = to_text(p)//','//comma_separated([u(2*p - 1:2*p), r(2*p - 1:2*p)])//','// &
-               status_names(result%solution%status(p))
-         end do
-      end associate
-      text = reduced_header//newline//as_lines(rows)
-   end function table_text
 
 end module amontons_reduced_report

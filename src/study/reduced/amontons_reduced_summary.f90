@@ -1,49 +1,45 @@
 !> NAME.summary.json of a reduced problem: the members of a deck's summary that it has, and those of the problem.
 module amontons_reduced_summary
    use amontons_config, only: config_t
-   use amontons_json, only: number, number_members, string, truth
+   use amontons_document, only: document_t
+   use amontons_json, only: number, string
+   use amontons_key_results, only: resultants
+   use amontons_kinds, only: dp
+   use amontons_quantity, only: quantity_t, scales
    use amontons_result, only: certificate_limit
    use amontons_solve_reduced, only: reduced_result_t
-   use amontons_summary_members, only: effort_members, head_members, last_members, member, resultants_member, &
-      status_counts, uniqueness_member
+   use amontons_summary_members, only: add_head, certificate_member, effort_members, last_members, member, &
+      quantities_member, status_counts, uniqueness_member
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: reduced_summary_text
+   public :: new_reduced_summary
 
 contains
 
-   !> The whole summary.
-   function reduced_summary_text(config, result) result(text)
+   !> Makes the summary.
+   subroutine new_reduced_summary(summary, config, result)
+      type(document_t), intent(out) :: summary !! the summary
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(in) :: result !! the result
-      character(:), allocatable :: text
+      type(quantity_t) :: no_quantities(0), sums(2)
 
       associate (solution => result%solution, system => result%system)
-         text = head_members(config, solution%is_converged, result%warnings)//effort_members(solution) &
-            //member('problem', '{"file": '//string(config%reduced%file)//', "form": '//string(system%form) &
-            //', "entries": '//to_text(size(system%entry))//', "largest_compliance": '//number(system%largest) &
-            //', "asymmetry": '//number(system%asymmetry)//'}') &
-            //member('certificate', '{'//certificate_text(config, result)//'}') &
-            //uniqueness_member(result%uniqueness) &
-            //member('counts', '{"contact_points": '//to_text(system%n_contacts)//', '//status_counts(solution%status) &
-            //'}')//resultants_member(system%r(1::2), system%r(2::2))//last_members(result%timings)
+         sums = resultants([system%r(1::2), system%r(2::2)])
+         call add_head(summary, config, config%method%method, solution%is_converged, result%warnings)
+         call summary%record(effort_members(solution))
+         call summary%add(member('problem', '{"file": '//string(config%reduced%path)//', "form": '// &
+            string(system%form)//', "entries": '//to_text(size(system%entry))//', "largest_compliance": '// &
+            number(system%largest)//', "asymmetry": '//number(system%asymmetry)//'}'), [system%largest])
+         call summary%add(certificate_member(result%check%violations(), certificate_limit(config%method%tolerance), &
+            no_quantities), [1.0_dp])
+         call summary%record(uniqueness_member(result%uniqueness))
+         call summary%add(member('counts', '{"contact_points": '//to_text(system%n_contacts)//', '// &
+            status_counts(solution%status)//'}'))
+         call summary%add(quantities_member('resultants', sums), scales(sums))
+         call summary%record(last_members(result%timings))
       end associate
-   end function reduced_summary_text
-
-   !> The members of the certificate.
-   pure function certificate_text(config, result) result(text)
-      type(config_t), intent(in) :: config !! the case
-      type(reduced_result_t), intent(in) :: result !! the result
-      character(:), allocatable :: text
-
-      associate (check => result%check, limit => certificate_limit(config%method%tolerance))
-         text = '"passed": '//truth(check%largest() <= limit)//', '// &
-            number_members([character(17) :: 'limit', 'penetration', 'tension', 'friction_excess', 'complementarity', &
-            'slip_below_bound', 'wrong_dissipation'], [limit, check%penetration, check%tension, &
-            check%friction_excess, check%complementarity, check%slip_below_bound, check%wrong_dissipation])
-      end associate
-   end function certificate_text
+   end subroutine new_reduced_summary
 
 end module amontons_reduced_summary

@@ -6,8 +6,10 @@ module amontons_single_study
    use amontons_config, only: config_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_listing_parts, only: closed_text
    use amontons_listing_text, only: scientific, short
    use amontons_outcome, only: judge, outcome_t
+   use amontons_quantity, only: value_of
    use amontons_reduced_file, only: write_reduced_file
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_report, only: write_report
@@ -108,7 +110,9 @@ contains
       text = name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
          to_text(result%solution%n_iterations)//' iterations, residual '//scientific(result%solution%residual)// &
          '; open '//short(result%lengths%open)//', slip '//short(result%lengths%slip)// &
-         ', stick '//short(result%lengths%stick)
+         ', stick '//short(result%lengths%stick)//'; '// &
+         closed_text(result%solution%status)//', peak pressure '// &
+         short(value_of(result%key_results, 'max_contact_pressure'))
    end function solved_text
 
 end module amontons_single_study

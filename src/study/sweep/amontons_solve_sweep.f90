@@ -17,14 +17,14 @@ module amontons_solve_sweep
    use amontons_result, only: result_t
    use amontons_result_warnings, only: add_conditioning
    use amontons_solve_case, only: cache_t, condense_case, prepare_case
-   use amontons_solve_load_case, only: certify
+   use amontons_solve_load_case, only: certify, set_factor
    use amontons_sweep_checkpoint, only: open_sweep_checkpoint, sweep_checkpoint_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
    use amontons_sweep_fields, only: write_sweep_fields
    use amontons_sweep_model, only: new_sweep_model, sweep_model_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep_table, only: sweep_header
-   use amontons_sweep_statistics, only: sweep_statistics_t
+   use amontons_sweep_statistics, only: case_keys, sweep_statistics_t
    use amontons_system, only: make_directory, wall_seconds
    use amontons_text, only: newline
    use amontons_threads, only: n_threads
@@ -47,6 +47,7 @@ module amontons_solve_sweep
       type(manifest_t) :: grids !! the manifest of the fields
       integer :: n_resumed = 0 !! number of cases that an earlier run had done
       logical :: is_interrupted = .false. !! whether cases are left to do
+      logical :: has_certificate = .true. !! whether the certificate is known, not only recorded in files
    contains
       procedure :: cases_per_second => sweep_result_cases_per_second
    end type sweep_result_t
@@ -68,6 +69,8 @@ contains
       if (allocated(error)) return
       call condense_case(cache, config, result%certified, error)
       if (allocated(error)) return
+      call set_factor(result%certified%factor, cache%body)
+      task%n_quantities = size(case_keys(cache%body))
       call new_contact_method(task%method, config%method, error)
       if (allocated(error)) return
       select type (method => task%method)
@@ -82,7 +85,7 @@ contains
       call make_directory(directory, error)
       if (allocated(error)) return
       call open_sweep_checkpoint(result%checkpoint, directory//'/'//config%name, sweep_key(config, task%model), &
-         sweep_header(config%sweep), result%statistics, error)
+         sweep_header(config%sweep, case_keys(cache%body)), result%statistics, error)
       if (allocated(error)) return
       result%n_resumed = result%statistics%n_cases
       call solve_batches(task, cache%body, monitor, result, error)
@@ -219,7 +222,7 @@ contains
       end do
    end subroutine gather_chunks
 
-   !> Solves the case that has the largest error estimate again and certifies it on the full model.
+   !> Solves the case with the largest error estimate again and certifies it on the full model.
    subroutine certify_worst(task, body, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body

@@ -10,7 +10,6 @@ module amontons_sweep_chunk
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_lengths, only: lengths_t, new_lengths
    use amontons_load_case, only: load_case_t
    use amontons_newton, only: newton_t
    use amontons_sweep, only: sweep_t
@@ -31,6 +30,7 @@ module amontons_sweep_chunk
       type(sweep_t) :: sweep !! the cases
       type(sweep_model_t) :: model !! their contact problems
       class(contact_method_t), allocatable :: method !! the deck's method
+      integer :: n_quantities = 0 !! numbers that are kept of a case
       logical :: is_auto = .false. !! whether the deck leaves the method to the program
    end type sweep_task_t
 
@@ -91,7 +91,6 @@ contains
       type(case_result_t), intent(out) :: kept !! what is kept of it
       integer, parameter :: n_newton_steps = 8
       type(newton_t) :: newton
-      type(lengths_t) :: lengths
       type(error_t), allocatable :: error
       integer :: n_iterations
       logical :: is_solved
@@ -114,14 +113,14 @@ contains
          !$omp end critical
          if (allocated(error)) then
             kept%outcome = case_flies_off
+            kept%quantity = spread(0.0_dp, 1, task%n_quantities)
             kept%n_iterations = n_iterations
             return
          end if
          call task%method%solve(problem, solution, error)
          if (allocated(error)) solution%is_converged = .false.
       end if
-      call new_lengths(lengths, body%zone, solution%status)
-      call new_case_result(kept, solution, lengths)
+      call new_case_result(kept, body, solution)
       kept%error_estimate = error_estimate(problem, solution, &
          maxval(abs(task%model%case_forces(task%sweep%values(number)))))
       if (.not. is_solved) kept%n_iterations = kept%n_iterations + n_iterations

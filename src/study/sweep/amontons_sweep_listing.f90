@@ -2,6 +2,7 @@
 module amontons_sweep_listing
    use amontons_body, only: body_t
    use amontons_config, only: config_t
+   use amontons_document, only: document_t
    use amontons_kinds, only: dp
    use amontons_listing, only: certificate_text, factorization_text, listed_phases
    use amontons_listing_model, only: loads_text, model_text
@@ -9,30 +10,50 @@ module amontons_sweep_listing
    use amontons_listing_text, only: heading, line, right, scientific, short
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep, only: sweep_axis_t, swept_load
-   use amontons_sweep_statistics, only: case_converged, outcome_names, quantity_labels, sweep_statistics_t
+   use amontons_sweep_statistics, only: case_converged, outcome_names, ranked_keys, sweep_statistics_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: sweep_listing_text
+   public :: new_sweep_listing
 
 contains
 
-   !> The whole listing.
-   function sweep_listing_text(config, body, result) result(text)
+   !> Makes the listing.
+   subroutine new_sweep_listing(listing, config, body, result)
+      type(document_t), intent(out) :: listing !! the listing
       type(config_t), intent(in) :: config !! the deck
       type(body_t), intent(in) :: body !! the body
       type(sweep_result_t), intent(in) :: result !! the result
+
+      listing%ending = '.lst'
+      call listing%record(head_text(config))
+      associate (certified => result%certified, statistics => result%statistics)
+         call listing%add(warnings_text(certified%warnings))
+         call listing%add(model_text(body, certified%load_case)//loads_text(certified%load_case)//sweep_text(config))
+         call listing%record(solution_text(config, result))
+         if (statistics%residual_case > 0) then
+            call listing%add(extremes_text(body, statistics))
+            call add_certificate(listing, result)
+         end if
+         call listing%record(times_text(certified%timings, listed_phases))
+      end associate
+   end subroutine new_sweep_listing
+
+   !> Adds the certificate of the case with the largest error estimate.
+   subroutine add_certificate(listing, result)
+      type(document_t), intent(inout) :: listing !! the listing
+      type(sweep_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
-      text = head_text(config)//warnings_text(result%certified%warnings)// &
-         model_text(config, body, result%certified%load_case)//loads_text(config)//sweep_text(config)// &
-         solution_text(config, body, result)
-      if (result%statistics%residual_case > 0) text = text//extremes_text(result%statistics) &
-         //certificate_text(config, result%certified%certificate) &
-         //line('Worst case', to_text(result%statistics%worst_case)//', by the estimated error of its forces')
-      text = text//times_text(result%certified%timings, listed_phases)
-   end function sweep_listing_text
+      text = certificate_text(result%certified%certificate, result%certified%method%tolerance)// &
+         line('Worst case', to_text(result%statistics%worst_case)//', by the estimated error of its forces')
+      if (result%has_certificate) then
+         call listing%add(text, [1.0_dp])
+      else
+         call listing%record(text)
+      end if
+   end subroutine add_certificate
 
    !> What varies, and in which combination.
    pure function sweep_text(config) result(text)
@@ -73,16 +94,15 @@ contains
    end function axis_text
 
    !> How the cases were solved.
-   function solution_text(config, body, result) result(text)
+   function solution_text(config, result) result(text)
       type(config_t), intent(in) :: config !! the deck
-      type(body_t), intent(in) :: body !! the body
       type(sweep_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
       integer :: i
 
       associate (statistics => result%statistics)
-         text = heading('Solution')//line('Method', method_text(config))// &
-            line('Factorization', factorization_text(body, result%certified))// &
+         text = heading('Solution')//line('Method', method_text(config%method))// &
+            line('Factorization', factorization_text(result%certified))// &
             line('Converged', to_text(statistics%n_outcomes(case_converged))//' of '//to_text(statistics%n_cases)// &
             ' cases')
          do i = 1, size(outcome_names)
@@ -101,16 +121,19 @@ contains
    end function solution_text
 
    !> Extremes of the cases that converged.
-   pure function extremes_text(statistics) result(text)
+   pure function extremes_text(body, statistics) result(text)
+      type(body_t), intent(in) :: body !! the body
       type(sweep_statistics_t), intent(in) :: statistics !! counts and extremes
       character(:), allocatable :: text
+      character(32), allocatable :: keys(:)
       integer, parameter :: width = 14
       integer :: i
 
+      keys = ranked_keys(body)
       text = heading('Extremes of the cases that converged')//line('', right('least', width)// &
          right('in case', width)//right('greatest', width)//right('in case', width))
-      do i = 1, size(quantity_labels)
-         text = text//line(trim(quantity_labels(i)), right(short(statistics%least(i)), width)// &
+      do i = 1, size(keys)
+         text = text//line(trim(keys(i)), right(short(statistics%least(i)), width)// &
             right(to_text(statistics%least_case(i)), width)//right(short(statistics%greatest(i)), width)// &
             right(to_text(statistics%greatest_case(i)), width))
       end do

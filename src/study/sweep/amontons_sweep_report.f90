@@ -1,24 +1,27 @@
 !> The files of a sweep: all of them, each whole, or none.
 module amontons_sweep_report
    use amontons_body, only: body_t
-   use amontons_config, only: config_t, effective_deck
+   use amontons_config, only: config_t
    use amontons_directory, only: file_name_t
+   use amontons_document, only: document_t
    use amontons_earlier_files, only: find_earlier_files
    use amontons_error, only: error_t
    use amontons_manifest, only: manifest_t, with_manifest
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_solve_sweep, only: sweep_result_t
-   use amontons_sweep_listing, only: sweep_listing_text
-   use amontons_sweep_summary, only: sweep_summary_text
+   use amontons_sweep_listing, only: new_sweep_listing
+   use amontons_sweep_summary, only: new_sweep_summary
    use amontons_temporary_file, only: hold_signals, release_signals
    use amontons_timings, only: phase_write
    implicit none (type, external)
    private
 
-   public :: write_sweep_report
+   public :: n_documents, sweep_documents, write_sweep_report
 
    !> Number of files that every sweep leaves, the table not counted.
    integer, parameter :: n_files = 3
+   !> Number of those that are made of text and are not the summary.
+   integer, parameter :: n_documents = 2
 
 contains
 
@@ -47,6 +50,18 @@ contains
       call release_signals()
    end subroutine write_sweep_report
 
+   !> Makes the text files of a sweep, but for the table and the summary.
+   subroutine sweep_documents(documents, config, body, result)
+      type(document_t), intent(out) :: documents(n_documents) !! the files
+      type(config_t), intent(in) :: config !! the deck
+      type(body_t), intent(in) :: body !! the body
+      type(sweep_result_t), intent(in) :: result !! the result of all cases
+
+      call new_sweep_listing(documents(1), config, body, result)
+      documents(2)%ending = '.deck.nml'
+      call documents(2)%add(config%deck_text())
+   end subroutine sweep_documents
+
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
    subroutine write_files(files, manifest, stem, config, body, result, error)
       type(output_file_t), intent(inout) :: files(:) !! the finished files, the summary last
@@ -56,19 +71,24 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(sweep_result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(document_t) :: documents(n_documents), summary
+      integer :: i
 
-      call write_text_file(files(1), stem//'.lst', sweep_listing_text(config, body, result), error)
-      if (allocated(error)) return
-      call write_text_file(files(2), stem//'.deck.nml', effective_deck(config), error)
-      if (allocated(error)) return
+      call sweep_documents(documents, config, body, result)
+      do i = 1, size(documents)
+         call write_text_file(files(i), stem//documents(i)%ending, documents(i)%text(), error)
+         if (allocated(error)) return
+      end do
       manifest = result%grids
       call manifest%add_outputs(files, '', error)
       if (allocated(error)) return
       call manifest%outputs%append_known(config%name//'.sweep.csv', result%checkpoint%table)
-      call manifest%add_inputs(config)
+      associate (load_case => result%certified%load_case)
+         call manifest%add_inputs(body%mesh, load_case%contacts, load_case%loads)
+      end associate
       call result%certified%timings%begin(phase_write)
-      call write_text_file(files(size(files)), stem//'.summary.json', with_manifest(sweep_summary_text(config, body, &
-         result), manifest), error)
+      call new_sweep_summary(summary, config, body, result)
+      call write_text_file(files(size(files)), stem//summary%ending, with_manifest(summary%text(), manifest), error)
    end subroutine write_files
 
 end module amontons_sweep_report

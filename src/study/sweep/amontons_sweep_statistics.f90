@@ -1,13 +1,16 @@
 !> What is known of the cases of a sweep together: how many converged, and the extremes of their results.
 module amontons_sweep_statistics
-   use amontons_contact_solution, only: contact_solution_t
+   use amontons_body, only: body_t
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_key_results, only: contact_peaks, resultants, set_results
    use amontons_kinds, only: dp, int64
-   use amontons_lengths, only: lengths_t
+   use amontons_lengths, only: lengths_t, new_lengths
+   use amontons_quantity, only: expanded, quantity_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: case_result_t, new_case_result, outcome_names, quantity_labels, sweep_statistics_t
+   public :: case_keys, case_quantities, case_result_t, new_case_result, outcome_names, ranked_keys, sweep_statistics_t
 
    !> Outcome of a case that converged.
    integer, parameter, public :: case_converged = 1
@@ -17,18 +20,11 @@ module amontons_sweep_statistics
    integer, parameter, public :: case_flies_off = 3
    !> Names of the outcomes, as the result files write them.
    character(13), parameter :: outcome_names(3) = [character(13) :: 'converged', 'not_converged', 'flies_off']
-   !> Number of quantities whose extremes are kept.
-   integer, parameter :: n_quantities = 5
-   !> Names of these quantities, as the result files write them.
-   character(16), parameter :: quantity_labels(n_quantities) = [character(16) :: 'open_length', 'slip_length', &
-      'stick_length', 'normal_force', 'tangential_force']
-
    !> What is kept of one case.
    type :: case_result_t
       integer :: outcome = case_not_converged !! what became of it
       logical :: has_solution = .false. !! whether there are numbers to tell, and all are finite
-      real(dp) :: quantity(n_quantities) = 0.0_dp
-         !! lengths open, slip, stick [L]; sums of normal and of tangential forces [F]
+      real(dp), allocatable :: quantity(:) !! the numbers that `case_keys` names
       real(dp) :: residual = 0.0_dp !! residual of the contact problem [-]
       real(dp) :: error_estimate = 0.0_dp !! what residual and rounding errors are of its forces [-]
       integer :: n_iterations = 0 !! iterations, of all attempts
@@ -43,10 +39,10 @@ module amontons_sweep_statistics
       integer :: residual_case = 0 !! the case that has it
       real(dp) :: error_estimate = -1.0_dp !! largest error estimate of a converged case; -1 without a case [-]
       integer :: worst_case = 0 !! the first case that has it
-      real(dp) :: least(n_quantities) = huge(1.0_dp) !! least value of each quantity [L, F]
-      integer :: least_case(n_quantities) = 0 !! the first case that has it
-      real(dp) :: greatest(n_quantities) = -huge(1.0_dp) !! greatest value of each quantity [L, F]
-      integer :: greatest_case(n_quantities) = 0 !! the first case that has it
+      real(dp), allocatable :: least(:) !! least value of each number of a case; not allocated without a case
+      integer, allocatable :: least_case(:) !! the first case that has it
+      real(dp), allocatable :: greatest(:) !! greatest value of each number of a case
+      integer, allocatable :: greatest_case(:) !! the first case that has it
    contains
       procedure :: add => sweep_statistics_add
       procedure :: read => sweep_statistics_read
@@ -55,15 +51,54 @@ module amontons_sweep_statistics
 
 contains
 
-   !> Takes what is kept of a solved case from its solution.
-   pure subroutine new_case_result(result, solution, lengths)
-      type(case_result_t), intent(out) :: result !! what is kept
+   !> What is kept of a case: lengths, sums of forces, key results of the contact points.
+   pure function case_quantities(body, solution) result(list)
+      type(body_t), intent(in) :: body !! the body
       type(contact_solution_t), intent(in) :: solution !! the solution
-      type(lengths_t), intent(in) :: lengths !! its lengths
+      type(quantity_t), allocatable :: list(:)
+      type(lengths_t) :: lengths
 
-      associate (m => size(solution%status), force => solution%force)
-         result%quantity = [lengths%open, lengths%slip, lengths%stick, sum(force(:m)), sum(force(m + 1:))]
+      call new_lengths(lengths, body%zone, solution%status)
+      associate (m => size(solution%status))
+         list = [lengths%quantities(), resultants(solution%force), contact_peaks(body, &
+            solution%displacement(m + 1:), solution%force, solution%status, maxval(abs(solution%displacement))), &
+            set_results(body, solution%force, solution%status)]
       end associate
+   end function case_quantities
+
+   !> The names of the numbers that are kept of a case, in the order of the columns of NAME.sweep.csv.
+   pure function case_keys(body) result(keys)
+      type(body_t), intent(in) :: body !! the body
+      character(32), allocatable :: keys(:)
+      type(contact_solution_t) :: solution
+      type(quantity_t), allocatable :: list(:)
+
+      call new_contact_solution(solution, body%zone%n_points)
+      list = expanded(case_quantities(body, solution))
+      keys = list%key
+   end function case_keys
+
+   !> The first of these names, without those of places: what cases can be ranked by.
+   pure function ranked_keys(body) result(keys)
+      type(body_t), intent(in) :: body !! the body
+      character(32), allocatable :: keys(:)
+      type(contact_solution_t) :: solution
+      type(quantity_t), allocatable :: list(:)
+
+      call new_contact_solution(solution, body%zone%n_points)
+      list = case_quantities(body, solution)
+      keys = list%key
+   end function ranked_keys
+
+   !> Takes what is kept of a solved case from its solution.
+   pure subroutine new_case_result(result, body, solution)
+      type(case_result_t), intent(out) :: result !! what is kept
+      type(body_t), intent(in) :: body !! the body
+      type(contact_solution_t), intent(in) :: solution !! the solution
+      type(quantity_t), allocatable :: list(:)
+
+      list = expanded(case_quantities(body, solution))
+      result%quantity = list%value
       result%residual = solution%residual
       result%n_iterations = solution%n_iterations
       result%has_solution = all(abs(result%quantity) <= huge(1.0_dp)) .and. result%residual < huge(1.0_dp)
@@ -88,7 +123,13 @@ contains
          self%error_estimate = result%error_estimate
          self%worst_case = self%n_cases
       end if
-      do i = 1, n_quantities
+      if (.not. allocated(self%least)) then
+         self%least = result%quantity
+         self%greatest = result%quantity
+         self%least_case = spread(self%n_cases, 1, size(result%quantity))
+         self%greatest_case = self%least_case
+      end if
+      do i = 1, size(self%least)
          if (result%quantity(i) < self%least(i)) then
             self%least(i) = result%quantity(i)
             self%least_case(i) = self%n_cases
@@ -112,7 +153,9 @@ contains
       end do
       text = text//' '//to_text(self%residual_case)//' '//to_text(self%residual) &
          //' '//to_text(self%worst_case)//' '//to_text(self%error_estimate)
-      do i = 1, n_quantities
+      if (.not. allocated(self%least)) return
+      text = text//' '//to_text(size(self%least))
+      do i = 1, size(self%least)
          text = text//' '//to_text(self%least_case(i))//' '//to_text(self%least(i)) &
             //' '//to_text(self%greatest_case(i))//' '//to_text(self%greatest(i))
       end do
@@ -123,11 +166,19 @@ contains
       class(sweep_statistics_t), intent(inout) :: self !! the statistics
       character(*), intent(in) :: text !! the line
       logical, intent(out) :: ok !! whether it is the line of a statistics
-      integer :: status, i
+      integer :: numbers(size(outcome_names) + 4), n, status, i
+      real(dp) :: reals(2)
 
       read (text, *, iostat=status) self%n_cases, self%n_iterations, self%n_outcomes, self%residual_case, &
-         self%residual, self%worst_case, self%error_estimate, &
-         (self%least_case(i), self%least(i), self%greatest_case(i), self%greatest(i), i=1, n_quantities)
+         self%residual, self%worst_case, self%error_estimate
+      ok = status == 0
+      if (.not. ok .or. self%residual_case == 0) return
+      read (text, *, iostat=status) numbers(:size(outcome_names) + 3), reals(1), numbers(size(numbers)), reals(2), n
+      ok = status == 0 .and. n > 0
+      if (.not. ok) return
+      allocate (self%least(n), self%greatest(n), self%least_case(n), self%greatest_case(n))
+      read (text, *, iostat=status) numbers(:size(outcome_names) + 3), reals(1), numbers(size(numbers)), reals(2), n, &
+         (self%least_case(i), self%least(i), self%greatest_case(i), self%greatest(i), i=1, n)
       ok = status == 0
    end subroutine sweep_statistics_read
 

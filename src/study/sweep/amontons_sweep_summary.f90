@@ -2,43 +2,63 @@
 module amontons_sweep_summary
    use amontons_body, only: body_t
    use amontons_config, only: config_t
+   use amontons_document, only: document_t
    use amontons_json, only: number, string, truth
    use amontons_kinds, only: dp
+   use amontons_quantity, only: scales
+   use amontons_result, only: certificate_limit
    use amontons_solve_sweep, only: sweep_result_t
-   use amontons_summary, only: certificate_text
-   use amontons_summary_members, only: head_members, last_members, member, size_counts
+   use amontons_summary_members, only: add_head, certificate_member, last_members, member, size_counts
    use amontons_sweep, only: sweep_t
-   use amontons_sweep_statistics, only: case_converged, outcome_names, quantity_labels, sweep_statistics_t
+   use amontons_sweep_statistics, only: case_converged, ranked_keys, outcome_names, sweep_statistics_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: extremes_text, sweep_summary_text
+   public :: new_sweep_summary
 
 contains
 
-   !> The whole summary.
-   function sweep_summary_text(config, body, result) result(text)
+   !> Makes the summary.
+   subroutine new_sweep_summary(summary, config, body, result)
+      type(document_t), intent(out) :: summary !! the summary
       type(config_t), intent(in) :: config !! the deck
       type(body_t), intent(in) :: body !! the body
       type(sweep_result_t), intent(in) :: result !! the result
+
+      associate (statistics => result%statistics, certified => result%certified)
+         call add_head(summary, config, config%method%method, &
+            statistics%n_outcomes(case_converged) == statistics%n_cases, certified%warnings)
+         call summary%add(member('iterations', to_text(statistics%n_iterations)))
+         call summary%add(member('sweep', '{'//sweep_text(result)//'}'))
+         call summary%add(member('quantities', '['//quantities_text(config%sweep)//']'))
+         if (statistics%residual_case > 0) then
+            call summary%add(member('residual', number(statistics%residual)))
+            call summary%add(member('extremes', '{'//extremes_text(body, statistics)//'}'))
+            call add_certificate(summary, result)
+         end if
+         if (certified%condition > 0.0_dp) call summary%record(member('condition', number(certified%condition)))
+         call summary%add(member('counts', '{'//size_counts(body)//'}'))
+         call summary%record(last_members(certified%timings))
+      end associate
+   end subroutine new_sweep_summary
+
+   !> Adds the certificate of the case with the largest error estimate.
+   subroutine add_certificate(summary, result)
+      type(document_t), intent(inout) :: summary !! the summary
+      type(sweep_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
 
-      associate (statistics => result%statistics)
-         text = head_members(config, statistics%n_outcomes(case_converged) == statistics%n_cases, &
-            result%certified%warnings) &
-            //member('iterations', to_text(statistics%n_iterations)) &
-            //member('sweep', '{'//sweep_text(result)//'}') &
-            //member('quantities', '['//quantities_text(config%sweep)//']')
-         if (statistics%residual_case > 0) text = text//member('residual', number(statistics%residual)) &
-            //member('extremes', '{'//extremes_text(statistics)//'}') &
-            //member('certificate', '{"case": '//to_text(statistics%worst_case)//', ' &
-            //certificate_text(result%certified%certificate, config%method%tolerance)//'}')
-         if (result%certified%condition > 0.0_dp) text = text &
-            //member('condition', number(result%certified%condition))
-         text = text//member('counts', '{'//size_counts(body)//'}')//last_members(result%certified%timings)
+      associate (certificate => result%certified%certificate)
+         text = certificate_member(certificate%violations(), certificate_limit(result%certified%method%tolerance), &
+            certificate%energies(), '"case": '//to_text(result%statistics%worst_case)//', ')
+         if (result%has_certificate) then
+            call summary%add(text, [1.0_dp, 1.0_dp, scales([certificate%violations(), certificate%energies()])])
+         else
+            call summary%record(text)
+         end if
       end associate
-   end function sweep_summary_text
+   end subroutine add_certificate
 
    !> Counts of the cases, and how fast they were solved.
    pure function sweep_text(result) result(text)
@@ -74,16 +94,19 @@ contains
    end function quantities_text
 
    !> Extremes of the cases that converged.
-   pure function extremes_text(statistics) result(text)
+   pure function extremes_text(body, statistics) result(text)
+      type(body_t), intent(in) :: body !! the body
       type(sweep_statistics_t), intent(in) :: statistics !! counts and extremes
       character(:), allocatable :: text
+      character(32), allocatable :: keys(:)
       integer :: i
 
       text = ''
-      do i = 1, size(quantity_labels)
+      keys = ranked_keys(body)
+      do i = 1, size(keys)
          if (i > 1) text = text//', '
-         text = text//'"'//trim(quantity_labels(i))//'": {"least": '//number(statistics%least(i))// &
-            ', "least_case": '//to_text(statistics%least_case(i))//', "greatest": '//number(statistics%greatest(i))// &
+         text = text//'"'//trim(keys(i))//'": {"least": '//number(statistics%least(i))//', "least_case": '// &
+            to_text(statistics%least_case(i))//', "greatest": '//number(statistics%greatest(i))// &
             ', "greatest_case": '//to_text(statistics%greatest_case(i))//'}'
       end do
    end function extremes_text

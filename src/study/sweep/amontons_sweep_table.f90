@@ -5,7 +5,7 @@
 module amontons_sweep_table
    use amontons_decimal, only: longest_decimal
    use amontons_sweep, only: sweep_t
-   use amontons_sweep_statistics, only: case_result_t, outcome_names, quantity_labels
+   use amontons_sweep_statistics, only: case_result_t, outcome_names
    use amontons_text, only: newline, put_decimals, read_integer
    implicit none (type, external)
    private
@@ -18,8 +18,9 @@ module amontons_sweep_table
 contains
 
    !> The header.
-   pure function sweep_header(sweep) result(text)
+   pure function sweep_header(sweep, keys) result(text)
       type(sweep_t), intent(in) :: sweep !! the sweep
+      character(*), intent(in) :: keys(:) !! names of the numbers that are kept of a case
       character(:), allocatable :: text
       integer :: i
 
@@ -27,8 +28,8 @@ contains
       do i = 1, size(sweep%axes)
          text = text//','//field(sweep%axes(i)%label())
       end do
-      do i = 1, size(quantity_labels)
-         text = text//','//trim(quantity_labels(i))
+      do i = 1, size(keys)
+         text = text//','//trim(keys(i))
       end do
       text = text//',residual,iterations,outcome,statuses'//newline
    end function sweep_header

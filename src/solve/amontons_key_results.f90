@@ -1,0 +1,149 @@
+!> What is asked of a result first: its largest values and where they are, and what each contact set carries.
+module amontons_key_results
+   use amontons_body, only: body_t
+   use amontons_contact_rows, only: turned
+   use amontons_friction_law, only: open_point
+   use amontons_kinds, only: dp
+   use amontons_lengths, only: lengths_t, new_lengths
+   use amontons_quantity, only: at_place, quantity_t
+   use amontons_stress_field, only: new_stress_field, stress_field_t, von_mises
+   implicit none (type, external)
+   private
+
+   public :: body_peaks, contact_peaks, resultants, set_results
+
+contains
+
+   !> Sums of the contact forces [F].
+   pure function resultants(force) result(list)
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      type(quantity_t) :: list(2)
+
+      list = [quantity_t('normal_force', 'Normal forces', sum(force(:size(force)/2)), sum(abs(force))), &
+         quantity_t('tangential_force', 'Tangential forces', sum(force(size(force)/2 + 1:)), &
+         sum(abs(force)))]
+   end function resultants
+
+   !> The largest pressure, shear and slip of the contact points. The slip of a point that is open, or whose tangential
+   !> direction a support holds, is left out.
+   pure function contact_peaks(body, slip, force, status, scale) result(list)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: slip(:) !! slip of the points (m) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      integer, intent(in) :: status(:) !! statuses of the points (m)
+      real(dp), intent(in) :: scale !! what rounding errors of displacements are measured by [L]
+      type(quantity_t) :: list(3)
+      real(dp) :: area(size(status))
+      integer :: m
+
+      m = size(status)
+      associate (zone => body%zone)
+         area = merge(zone%area, 1.0_dp, zone%area > 0.0_dp)
+         list(1) = peak('max_contact_pressure', 'Max. pressure', force(:m)/area, zone%position, 0.0_dp)
+         list(2) = peak('max_contact_shear', 'Max. shear', abs(force(m + 1:))/area, zone%position, list(1)%value)
+         list(3) = peak('max_slip', 'Max. slip', merge(abs(slip), 0.0_dp, &
+            status /= open_point .and. .not. zone%is_tangent_fixed), zone%position, scale)
+      end associate
+   end function contact_peaks
+
+   !> What each contact set carries.
+   pure function set_results(body, force, status) result(list)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      integer, intent(in) :: status(:) !! statuses of the points (m)
+      type(quantity_t), allocatable :: list(:)
+      character(12) :: number
+      integer :: i, n_sets
+
+      n_sets = 0
+      if (size(status) > 0) n_sets = maxval(body%zone%set)
+      number = ''
+      allocate (list(0))
+      do i = 1, n_sets
+         if (n_sets > 1) write (number, '(i0)') i
+         list = [list, results_of_set(body, force, status, i, trim(number))]
+      end do
+   end function set_results
+
+   !> What a contact set carries.
+   pure function results_of_set(body, force, status, set, number) result(list)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      integer, intent(in) :: status(:) !! statuses of the points (m)
+      integer, intent(in) :: set !! number of the set
+      character(*), intent(in) :: number !! what tells it from others; empty for the only one
+      type(quantity_t), allocatable :: list(:)
+      type(lengths_t) :: lengths
+      character(:), allocatable :: suffix
+      real(dp) :: sums(2), moment, center(2), acting(2), normal_force, length, scale
+      integer :: p
+
+      sums = 0.0_dp
+      center = 0.0_dp
+      moment = 0.0_dp
+      normal_force = 0.0_dp
+      associate (zone => body%zone)
+         do p = 1, zone%n_points
+            if (zone%set(p) /= set) cycle
+            acting = -force(p)*zone%normal(:, p) - force(zone%n_points + p)*turned(zone%normal(:, p))
+            sums = sums + acting
+            moment = moment + zone%position(1, p)*acting(2) - zone%position(2, p)*acting(1)
+            center = center + force(p)*zone%position(:, p)
+            normal_force = normal_force + force(p)
+         end do
+         if (abs(normal_force) > 0.0_dp) center = center/normal_force
+         call new_lengths(lengths, zone, status, set)
+         length = maxval(abs(zone%position))
+         scale = sum(abs(force))
+      end associate
+      suffix = number
+      if (len(number) > 0) suffix = '_'//number
+      list = [quantity_t('contact_width'//suffix, 'Contact width '//number, lengths%slip + lengths%stick, length), &
+         quantity_t('contact_centroid_x'//suffix, 'Centroid x '//number, center(1), length), &
+         quantity_t('contact_centroid_y'//suffix, 'Centroid y '//number, center(2), length), &
+         quantity_t('contact_force_x'//suffix, 'Force x '//number, sums(1), scale), &
+         quantity_t('contact_force_y'//suffix, 'Force y '//number, sums(2), scale)]
+      ! In a body of revolution the forces around the axis have no moment.
+      if (.not. body%is_axisymmetric) list = [list, quantity_t('contact_moment'//suffix, 'Moment '//number, moment, &
+         length*scale)]
+   end function results_of_set
+
+   !> The largest displacement and von Mises stress of a node.
+   function body_peaks(body, displacement, thermal_strain) result(list)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
+      real(dp), intent(in), optional :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element [-]
+      type(quantity_t) :: list(2)
+      type(stress_field_t) :: stress
+      real(dp) :: mises(body%mesh%n_nodes)
+      integer :: i
+
+      call new_stress_field(stress, body%mesh, body%materials, body%coloring, displacement, thermal_strain)
+      do i = 1, body%mesh%n_nodes
+         mises(i) = von_mises(stress%node(:, i))
+      end do
+      list = [peak('max_von_mises', 'Max. von Mises', mises, body%mesh%coordinates, 0.0_dp), &
+         peak('max_displacement', 'Max. displacement', norm2(displacement, dim=1), body%mesh%coordinates, 0.0_dp)]
+   end function body_peaks
+
+   !> The largest of some values, the first of those that are equal but for rounding; 0 where all are
+   !> rounding errors.
+   pure function peak(key, label, values, places, scale) result(quantity)
+      character(*), intent(in) :: key !! its name in files
+      character(*), intent(in) :: label !! its name in listings
+      real(dp), intent(in) :: values(:) !! the values (any)
+      real(dp), intent(in) :: places(:, :) !! where each is found (2, any) [L]
+      real(dp), intent(in) :: scale !! what rounding errors of it are measured by
+      type(quantity_t) :: quantity
+      real(dp), parameter :: rounding = 1.0e-9_dp
+      integer :: i
+
+      quantity = at_place(key, label, 0.0_dp, [0.0_dp, 0.0_dp], scale)
+      if (.not. any(values > rounding*scale)) return
+      i = findloc(values >= (1.0_dp - rounding)*maxval(values), .true., dim=1)
+      quantity%value = values(i)
+      quantity%place = places(:, i)
+   end function peak
+
+end module amontons_key_results

@@ -1,0 +1,288 @@
+!> Text files as they were written, compared with the documents that follow from the other files: line by line, word by
+!> word, numbers up to rounding. The parts that only the run knew are passed over.
+module amontons_document_check
+   use amontons_agreement, only: agree, fault_text_t
+   use amontons_document, only: document_t, part_t
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_text, only: newline, read_real, to_text
+   use amontons_text_file, only: read_text_file
+   implicit none (type, external)
+   private
+
+   public :: compare_document, compare_line
+
+   !> What stands between words.
+   character(*), parameter :: separators = ' (),;:{}[]'
+   !> Numbers of a listing have seven digits; the last may be rounded up in one listing and down in another [-].
+   real(dp), parameter :: rounding = 2.0e-6_dp
+
+contains
+
+   !> Compares a file with its document.
+   subroutine compare_document(faults, stem, document)
+      type(fault_text_t), intent(inout) :: faults !! gains what does not agree
+      character(*), intent(in) :: stem !! directory and name of the case
+      type(document_t), intent(in) :: document !! what should stand in the file
+      character(:), allocatable :: stated, path
+      type(error_t), allocatable :: error
+      integer :: at, i, k
+      logical :: is_skipping
+
+      path = stem//document%ending
+      call read_text_file(path, stated, error)
+      if (allocated(error)) then
+         call faults%add(path, 'cannot be read')
+         return
+      end if
+      at = 1
+      is_skipping = .false.
+      do i = 1, document%n
+         associate (part => document%parts(i))
+            is_skipping = is_skipping .or. part%is_recorded
+            if (part%is_recorded) cycle
+            if (is_skipping) then
+               k = index(stated(max(1, at - 1):), head_of(part%text))
+               if (k == 0) then
+                  call faults%add(path, "'"//name_of(head_of(part%text))//"' is missing")
+                  cycle
+               end if
+               at = max(1, at - 1) + k - 1
+               ! The line end before a member belongs to the line before it.
+               if (part%text(1:1) /= newline) at = at + 1
+            end if
+            call compare_part(faults, path, stated, at, part, document, is_skipping)
+         end associate
+      end do
+      if (.not. is_skipping .and. at <= len(stated)) call faults%add(path//':'//to_text(line_number(stated, at)), &
+         'nothing follows here from the other files')
+   end subroutine compare_document
+
+   !> Compares the lines of a part. Where they have other words, the rest of it is passed over.
+   subroutine compare_part(faults, path, stated, at, part, document, is_lost)
+      type(fault_text_t), intent(inout) :: faults !! gains what does not agree
+      character(*), intent(in) :: path !! name of the file
+      character(*), intent(in) :: stated !! its text
+      integer, intent(inout) :: at !! where the part begins in it; behind the part on return
+      type(part_t), intent(in) :: part !! what should stand there
+      type(document_t), intent(in) :: document !! the whole document
+      logical, intent(out) :: is_lost !! whether the lines do not belong to each other
+      character(:), allocatable :: fault
+      real(dp) :: least_difference
+      integer :: first, last, last_stated, number
+
+      least_difference = merge(rounding, 0.0_dp, document%ending == '.lst')
+      is_lost = .false.
+      first = 1
+      number = line_number(stated, at)
+      do while (first <= len(part%text))
+         last = first + index(part%text(first:), newline) - 2
+         if (at > len(stated)) then
+            call faults%add(path, 'it ends before the line '''//part%text(first:last)//"'")
+            is_lost = .true.
+            return
+         end if
+         last_stated = at + index(stated(at:)//newline, newline) - 2
+         call compare_line(fault, stated(at:last_stated), part%text(first:last), header_of(document), part%scales, &
+            least_difference, is_lost)
+         if (len(fault) > 0) call faults%add(path//':'//to_text(number), fault)
+         ! A listing says the same thing several times: the first line of a part is enough.
+         is_lost = is_lost .or. (len(fault) > 0 .and. document%ending == '.lst')
+         if (is_lost) return
+         first = last + 2
+         at = last_stated + 2
+         number = number + 1
+      end do
+   end subroutine compare_part
+
+   !> Compares two lines.
+   pure subroutine compare_line(fault, stated, computed, header, scales, least_difference, is_lost)
+      character(:), allocatable, intent(out) :: fault !! what does not agree; empty if all does
+      character(*), intent(in) :: stated !! the line as it was written
+      character(*), intent(in) :: computed !! what should stand there
+      character(*), intent(in) :: header !! of a table, the names of its columns; empty otherwise
+      real(dp), intent(in) :: scales(:) !! what the first, second ... word is measured by besides itself
+      real(dp), intent(in) :: least_difference !! how far numbers may differ, over themselves [-]
+      logical, intent(out) :: is_lost !! whether the lines have other words
+      real(dp) :: a, b
+      integer :: i, j, last_i, last_j
+      logical :: is_a, is_b, is_same
+
+      fault = ''
+      is_lost = .false.
+      if (stated == computed .and. len(stated) == len(computed)) return
+      i = 1
+      j = 1
+      do
+         i = next_sign(stated, i)
+         j = next_sign(computed, j)
+         if (i > len(stated) .or. j > len(computed)) exit
+         last_i = i + max(0, scan(stated(i:)//' ', separators) - 2)
+         last_j = j + max(0, scan(computed(j:)//' ', separators) - 2)
+         if (stated(i:last_i) /= computed(j:last_j)) then
+            call read_real(stated(i:last_i), a, is_a)
+            call read_real(computed(j:last_j), b, is_b)
+            is_same = .false.
+            associate (scale => scales(max(1, min(size(scales), n_numbers(computed(:last_j))))))
+               if (is_a .and. is_b) is_same = agree(a, b, max(abs(a), abs(b), scale)) .or. &
+                  abs(a - b) <= least_difference*max(abs(a), abs(b))
+            end associate
+            ! The rest of the line belongs together only if what differs is a word.
+            if (.not. is_same .and. scan(stated(i:i)//computed(j:j), separators//'"') > 0) exit
+            if (.not. is_same) call add_contradiction(fault, stated(i:last_i), computed(j:last_j), &
+               place_name(computed(:j - 1), header))
+         end if
+         i = last_i + 1
+         j = last_j + 1
+      end do
+      is_lost = i <= len(stated) .or. j <= len(computed)
+      if (is_lost) fault = member_contradiction(stated, computed)
+      if (fault == '?') fault = "'"//trim(adjustl(stated))//"', but '"// &
+         trim(adjustl(computed))//"'"
+      if (len(fault) > 0) fault = fault//' follows from the other files'
+   end subroutine compare_line
+
+   !> Adds what is said of two words; of one that has no name, only that it differs.
+   pure subroutine add_contradiction(fault, stated, computed, name)
+      character(:), allocatable, intent(inout) :: fault !! gains the sentence
+      character(*), intent(in) :: stated !! the word as it was written
+      character(*), intent(in) :: computed !! what should stand there
+      character(*), intent(in) :: name !! what the word is called, or nothing
+
+      if (len(name) == 0) then
+         fault = '?'
+         return
+      end if
+      if (len(fault) > 0) fault = fault//'; '
+      fault = fault//name//' is '//stated//', but '//computed
+   end subroutine add_contradiction
+
+   !> What is said of two members of JSON, or of two lines that are none: only that they differ.
+   pure function member_contradiction(stated, computed) result(sentence)
+      character(*), intent(in) :: stated !! the line as it was written
+      character(*), intent(in) :: computed !! what should stand there
+      character(:), allocatable :: sentence
+      integer :: first
+
+      sentence = '?'
+      if (index(computed, '  "') /= 1) return
+      first = index(computed, '": ') + 3
+      if (index(stated, computed(:first - 1)) == 1) sentence = computed(4:first - 4)//' is '// &
+         without_comma(stated(first:))//', but '//without_comma(computed(first:))
+   end function member_contradiction
+
+   !> A text without the comma at its end.
+   pure function without_comma(text) result(shorter)
+      character(*), intent(in) :: text !! the text
+      character(:), allocatable :: shorter
+
+      shorter = text
+      if (len(text) > 0) then
+         if (text(len(text):) == ',') shorter = text(:len(text) - 1)
+      end if
+   end function without_comma
+
+   !> The place of the next sign that is no blank; behind the end of the line if there is none.
+   pure integer function next_sign(line, first) result(place)
+      character(*), intent(in) :: line !! the line
+      integer, intent(in) :: first !! where to begin
+
+      place = len(line) + 1
+      if (first > len(line)) return
+      if (verify(line(first:), ' ') > 0) place = first + verify(line(first:), ' ') - 1
+   end function next_sign
+
+   !> How many numbers the beginning of a line holds.
+   pure integer function n_numbers(line) result(n)
+      character(*), intent(in) :: line !! the beginning of a line, up to the end of a word
+      real(dp) :: value
+      integer :: first, length
+      logical :: ok
+
+      n = 0
+      first = 1
+      do while (first <= len(line))
+         length = scan(line(first:)//' ', separators) - 1
+         ok = .false.
+         if (length > 0) call read_real(line(first:first + length - 1), value, ok)
+         if (ok) n = n + 1
+         first = first + length + 1
+      end do
+   end function n_numbers
+
+   !> What the word behind the beginning of a line is called: its column in a table, its members in JSON; else nothing.
+   pure function place_name(before, header) result(name)
+      character(*), intent(in) :: before !! the line up to the word
+      character(*), intent(in) :: header !! the header of a table, or nothing
+      character(:), allocatable :: name
+      integer :: first, i, last, outer
+
+      name = ''
+      if (len(header) > 0) then
+         first = 1
+         do i = 1, len(before)
+            if (before(i:i) == ',') first = first + index(header(first:), ',')
+         end do
+         name = header(first:first + index(header(first:)//',', ',') - 2)
+      else if (index(before, '  "') == 1) then
+         name = before(4:index(before, '": ') - 1)
+         outer = 0
+         do i = 1, len(before)
+            if (before(i:i) == '{') outer = i
+            if (before(i:i) == '}') outer = index(before(:i), '{')
+         end do
+         last = index(before, '": ', back=.true.) - 1
+         first = index(before(:last), '"', back=.true.)
+         if (first > 3) then
+            ! The object that it is in, if this is not the member of the line.
+            i = index(before(:max(1, outer - 4)), '"', back=.true.)
+            if (outer > index(before, '{')) name = name//'.'//before(i + 1:outer - 4)
+            name = name//'.'//before(first + 1:last)
+         end if
+      end if
+   end function place_name
+
+   !> The header of a document that is a table; empty for others.
+   pure function header_of(document) result(header)
+      type(document_t), intent(in) :: document !! the document
+      character(:), allocatable :: header
+
+      header = ''
+      if (index(document%ending, '.csv') > 0) header = document%parts(1)%text(:index(document%parts(1)%text, newline) &
+         - 1)
+   end function header_of
+
+   !> What a part is found by: the name of a member, or a heading.
+   pure function head_of(text) result(head)
+      character(*), intent(in) :: text !! the part
+      character(:), allocatable :: head
+
+      if (index(text, '  "') == 1) then
+         head = newline//text(:index(text, '": ') + 2)
+      else
+         head = text(:1 + index(text(2:), newline))
+      end if
+   end function head_of
+
+   !> The head of a part without quotes, blanks and line ends.
+   pure function name_of(head) result(name)
+      character(*), intent(in) :: head !! the head
+      character(:), allocatable :: name
+
+      name = head(2:len(head) - 1)
+      if (index(name, '  "') == 1) name = name(4:index(name, '":') - 1)
+   end function name_of
+
+   !> Number of the line that a place of a text is in.
+   pure integer function line_number(text, place)
+      character(*), intent(in) :: text !! the text
+      integer, intent(in) :: place !! the place
+      integer :: i
+
+      line_number = 1
+      do i = 1, min(place - 1, len(text))
+         if (text(i:i) == newline) line_number = line_number + 1
+      end do
+   end function line_number
+
+end module amontons_document_check
