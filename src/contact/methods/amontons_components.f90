@@ -65,20 +65,15 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem
       integer, allocatable, intent(out) :: component(:) !! number of the part of each point (m)
       integer, intent(out) :: n_components !! number of parts
-      integer :: parent(problem%n_points), i, j, m
+      integer :: parent(problem%n_points), i, m
 
       m = problem%n_points
       parent = [(i, i=1, m)]
-      if (problem%is_reduced() .and. problem%compliance%is_sparse()) then
+      if (problem%is_reduced()) then
          associate (a => problem%compliance)
-            do j = 1, 2*m
-               do i = a%first(j), a%first(j + 1) - 1
-                  if (abs(a%entry(i)) > 0.0_dp) call join(parent, 1 + mod(a%row(i) - 1, m), 1 + mod(j - 1, m))
-               end do
-            end do
+            if (allocated(a%values)) call join_coupled(parent, a%values)
+            if (a%is_sparse()) call join_entries(parent, a)
          end associate
-      else if (problem%is_reduced()) then
-         call join_coupled(parent, problem%compliance%values)
       else if (allocated(problem%band)) then
          parent = 1
       else
@@ -95,6 +90,20 @@ contains
          end if
       end do
    end subroutine component_numbers
+
+   !> Joins the parts of points that a sparse matrix couples.
+   pure subroutine join_entries(parent, matrix)
+      integer, intent(inout) :: parent(:) !! a point of the same part, of a lower number or the same (m)
+      type(symmetric_matrix_t), intent(in) :: matrix !! the matrix (2m, 2m)
+      integer :: i, j, m
+
+      m = size(parent)
+      do j = 1, 2*m
+         do i = matrix%first(j), matrix%first(j + 1) - 1
+            if (abs(matrix%entry(i)) > 0.0_dp) call join(parent, 1 + mod(matrix%row(i) - 1, m), 1 + mod(j - 1, m))
+         end do
+      end do
+   end subroutine join_entries
 
    !> Joins the parts of points that a dense matrix couples.
    pure subroutine join_coupled(parent, matrix)
