@@ -48,6 +48,11 @@ class Case:
         return self.summary.get("title") or self.summary["case"]
 
     @property
+    def has_equilibrium(self):
+        """Whether contact and friction can balance its loads; else its summary has a message and no numbers."""
+        return self.summary.get("outcome") != "no_equilibrium"
+
+    @property
     def kind(self):
         """What it is: 'body', 'sweep' or 'reduced'."""
         return next((kind for kind, key in (("sweep", "sweep"), ("reduced", "problem")) if key in self.summary), "body")

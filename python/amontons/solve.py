@@ -47,7 +47,7 @@ class FileMissing(InputRefused, FileNotFoundError):
 
 
 class NumericalFailure(AmontonsError, ArithmeticError):
-    """The numbers are at fault: not positive definite, a body flies off."""
+    """The numbers are at fault: no equilibrium, a stiffness that is not positive definite."""
 
 
 class SystemFailure(AmontonsError, OSError):

@@ -15,7 +15,7 @@ extern "C" {
 enum {
     AMONTONS_SOLVED = 0,
     AMONTONS_INPUT_REFUSED = 1,     /* a deck, an array or an argument is at fault */
-    AMONTONS_NUMERICAL_FAILURE = 2, /* not positive definite, body flies off, numbers out of range */
+    AMONTONS_NUMERICAL_FAILURE = 2, /* no equilibrium, not positive definite, numbers out of range */
     AMONTONS_SYSTEM_FAILURE = 3,    /* a file cannot be written */
     AMONTONS_NOT_CONVERGED = 4      /* results are there, but not to the tolerance, or their check failed */
 };

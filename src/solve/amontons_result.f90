@@ -35,6 +35,7 @@ module amontons_result
       real(dp), allocatable :: displacement(:, :) !! displacement of all nodes (2, n_nodes) [L]
       type(certificate_t) :: certificate !! violations on the full model
       type(warning_list_t) :: warnings !! what is doubtful about the model and the result
+      logical :: has_no_equilibrium = .false. !! whether contact and friction cannot balance the loads: no solution
       real(dp) :: condition = 0.0_dp
          !! condition number of the stiffness in the 1-norm, estimated where rounding shows; else 0 [-]
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
@@ -44,6 +45,10 @@ module amontons_result
       type(lengths_t) :: lengths !! lengths of the open, slip and stick zones
       real(dp) :: method_error = -1.0_dp
          !! largest difference of a contact force from the exact solution, over the largest force; -1 if not asked [-]
+      real(dp), allocatable :: slip_record(:, :)
+         !! of a load history: slip of its last step [L], accumulated slip [L] and dissipation [F L] of each point (m, 3)
+      character(:), allocatable :: study_listing !! what a study of several steps says of them in the listing
+      character(:), allocatable :: study_members !! what it says in the summary, members of a JSON object
       character(:), allocatable :: shared_with !! the case whose factorization was used; not allocated for an own one
       character(:), allocatable :: started_from !! the case whose solution was the start; not allocated for a cold start
       type(factor_t) :: factor !! the factorization in use
