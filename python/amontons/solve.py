@@ -29,7 +29,7 @@ from amontons.mesh import Mesh
 
 Deck = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 STATUSES = np.array(["", "open", "stick", "slip+", "slip-"])
-WORDS = ("status", "outcome", "statuses")  # columns of tables
+WORDS = ("status", "outcome", "warnings", "statuses")  # columns of tables
 TEXT_SIZE = 65536
 NO_FILE = os.strerror(2)  # what a message ends with where a file is not there
 
@@ -89,6 +89,9 @@ class DeckResult(Case):
         is_sweep = self.kind == "sweep"
         self.contact: Optional[dict[str, np.ndarray]] = None  # columns of NAME.contact.csv, but of a sweep
         self.sweep: Optional[dict[str, np.ndarray]] = None    # columns of NAME.sweep.csv, one row per case
+        self.history: Optional[dict[str, np.ndarray]] = None  # columns of NAME.history.csv, one row per step
+        if "load_history" in self.summary:
+            self.history = _read_table(f"{path}.history.csv")
         if is_sweep:
             self.sweep = _read_table(f"{path}.sweep.csv")
         else:

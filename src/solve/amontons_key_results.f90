@@ -98,7 +98,8 @@ contains
       end associate
       suffix = number
       if (len(number) > 0) suffix = '_'//number
-      list = [quantity_t('contact_width'//suffix, 'Contact width '//number, lengths%slip + lengths%stick, length), &
+      list = [quantity_t('contact_width'//suffix, 'Contact width '//number, lengths%slip + lengths%stick, length, &
+         is_nodal=.true.), &
          quantity_t('contact_centroid_x'//suffix, 'Centroid x '//number, center(1), length), &
          quantity_t('contact_centroid_y'//suffix, 'Centroid y '//number, center(2), length), &
          quantity_t('contact_force_x'//suffix, 'Force x '//number, sums(1), scale), &
