@@ -11,6 +11,7 @@ module amontons_result
    use amontons_timings, only: timings_t
    use amontons_uniqueness, only: uniqueness_t
    use amontons_warning_list, only: warning_list_t
+   use amontons_zone_edges, only: interval_t
    implicit none (type, external)
    private
 
@@ -41,6 +42,8 @@ module amontons_result
       type(all_solutions_t), allocatable :: all_solutions !! all solutions, where they were asked for
       logical :: has_reduced_files = .false. !! whether its reduced problem was written
       type(quantity_t), allocatable :: key_results(:) !! largest values with their places, and what contact sets carry
+      type(interval_t), allocatable :: closed(:) !! the closed parts of the contact line
+      type(interval_t), allocatable :: stuck(:) !! its parts that stick
       type(lengths_t) :: lengths !! lengths of the open, slip and stick zones
       real(dp) :: method_error = -1.0_dp
          !! largest difference of a contact force from the exact solution, over the largest force; -1 if not asked [-]
