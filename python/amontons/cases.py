@@ -22,7 +22,9 @@ def find_cases(names):
     paths = []
     for name in map(str, names):
         if Path(name).is_dir():
-            found = sorted(str(path)[: -len(SUMMARY)] for path in Path(name).glob("*" + SUMMARY))
+            without = {case for case, _ in cases_without_equilibrium(name)}
+            found = sorted(str(path)[: -len(SUMMARY)] for path in Path(name).glob("*" + SUMMARY)
+                           if path.name[: -len(SUMMARY)] not in without)
         else:
             stems = [name[: -len(ending)] for ending in ENDINGS if name.endswith(ending)] + [name]
             found = [stem for stem in stems if Path(stem + SUMMARY).exists()][:1]
@@ -30,6 +32,13 @@ def find_cases(names):
             raise CaseFault(f"{name}: no case found; expected a folder with *{SUMMARY}, or a file of a case")
         paths += found
     return paths
+
+
+def cases_without_equilibrium(folder):
+    """The cases of a folder that have no equilibrium, and so no numbers: pairs of case and message."""
+    texts = (path.read_text(encoding="utf-8") for path in sorted(Path(folder).glob("*" + SUMMARY)))
+    summaries = (json.loads(text) for text in texts if '"outcome": "no_equilibrium"' in text)
+    return [(summary["case"], summary["message"]) for summary in summaries]
 
 
 class Case:

@@ -83,10 +83,16 @@ def magnification(case):
 
 
 def magnification_at(case, points):
-    """The same for the part of the body at some contact points, whose gaps may be stretched up to an eighth of it."""
-    size = np.ptp(case.line.points[points, :2], axis=0).max()
+    """The same for the part of the body at some contact points. If they are on a straight line their gaps may be
+    stretched up to an eighth of it: the obstacle is then seen as it is, but higher."""
+    at = case.line.points[points, :2]
+    size = np.ptp(at, axis=0).max()
     largest = np.abs(case.line.point_data["displacement"][points]).max()
     gap = np.nanmax(np.abs(initial_gaps(case)[points]), initial=0.0)
+    chord = at[-1] - at[0]
+    bow = np.abs((at - at[0]) @ [chord[1], -chord[0]]).max() / max(np.hypot(*chord), 1e-300)
+    if min(bow, gap) > VISIBLE * size:
+        return 1.0
     wanted = size / max(12.0 * largest, 8.0 * gap, 1e-300)
     return round_factor(wanted) if 1.0 < wanted < 1e12 else 1.0
 

@@ -3,6 +3,7 @@ along the contact line; the residuals. Where only a small part of the line is cl
 body there once more. Of a sweep: the zones of the contact line over the swept quantities. Writes CASE.png and CASE.svg
 beside the files of the case."""
 import argparse
+import os
 import sys
 
 import matplotlib
@@ -49,9 +50,11 @@ def draw_panels(case, panels, size, field=FIELD, scale=None, abscissa="s"):
     shown = closed_part(case.line, sets) if sets else sets
     left = [name for name in panels if name in BODY_PANELS and (name != "detail" or has_detail(case, sets, shown))]
     right = [name for name in panels if name not in BODY_PANELS and (sets or name == "history")]
-    figure = plt.figure(figsize=size, layout="constrained")
     columns = [column for column in (left, right) if column]
-    parts = figure.subfigures(1, len(columns), squeeze=False, width_ratios=[1.15, 1.0][:len(columns)])[0]
+    if not columns:
+        raise CaseFault(f"{case.path}: nothing to show in the panels {', '.join(panels)}")
+    drawn = plt.figure(figsize=size, layout="constrained")
+    parts = drawn.subfigures(1, len(columns), squeeze=False, width_ratios=[1.15, 1.0][:len(columns)])[0]
     for part, column in zip(parts, columns):
         axes = part.subplots(len(column), 1, squeeze=False, height_ratios=[HEIGHTS.get(name, 1.0) for name in column])
         axes = dict(zip(column, axes[:, 0]))
@@ -64,7 +67,7 @@ def draw_panels(case, panels, size, field=FIELD, scale=None, abscissa="s"):
                 draw_history(axes[name], case)
         draw_line([(name, axes[name]) for name in column if name in LINE_PANELS], case, shown,
                   abscissa_label(case, abscissa, shown, sets))
-    return figure
+    return drawn
 
 
 def draw_line(panels, case, shown, label):
@@ -78,27 +81,33 @@ def draw_line(panels, case, shown, label):
         panels[-1][1].set_xlabel(label)
 
 
-def draw_case(case, options):
-    """The figure of a case."""
-    def size(kind):
-        return [length / INCH for length in options.size or SIZES[kind]]
+def figure(case, panels=None, field=None, *, scale=None, abscissa=None, size=None):
+    """The figure of a case, which may be given by the path of its files.
 
-    unused = {"sweep": ("scale", "abscissa", "panels"), "reduced": ("field", "scale", "abscissa", "panels")}
-    for name in unused.get(case.kind, ()):
-        if getattr(options, name) is not None:
-            raise CaseFault(f"{case.path}: --{name} is not for a {case.kind.replace('reduced', 'reduced problem')}")
-    if case.kind == "sweep":
-        n_varied = sum(quantity["values"] > 1 for quantity in case.summary["quantities"])
-        figure, title = draw_sweep(case, size("sweep" if n_varied > 1 and options.field is None else "curve"),
-                                   options.field)
-    elif case.kind == "reduced":
-        figure, title = draw_reduced(case, size("reduced"))
-    else:
-        figure = draw_panels(case, options.panels or PANELS, size("body"), options.field or FIELD, options.scale,
-                             options.abscissa or "s")
-        title = case.heading
-    figure.suptitle(plain(title))
-    return figure
+    The panels are some of PANELS, the field is one of `draw_body.fields(case.mesh)` or a column of a sweep, the scale
+    magnifies displacements and gaps, the abscissa is 's', 'x' or 'y', the size is in mm.
+    """
+    case = Case(case) if isinstance(case, (str, os.PathLike)) else case
+    unused = {"scale": scale, "abscissa": abscissa, "panels": panels} if case.kind != "body" else {}
+    if case.kind == "reduced":
+        unused["field"] = field
+    for name, value in unused.items():
+        if value is not None:
+            raise CaseFault(f"{case.path}: {name} is not for a {case.kind.replace('reduced', 'reduced problem')}")
+    kind = case.kind
+    if kind == "sweep" and (field or sum(quantity["values"] > 1 for quantity in case.summary["quantities"]) < 2):
+        kind = "curve"
+    size = [length / INCH for length in size or SIZES[kind]]
+    with plt.rc_context(STYLE):
+        if case.kind == "sweep":
+            drawn, title = draw_sweep(case, size, field)
+        elif case.kind == "reduced":
+            drawn, title = draw_reduced(case, size)
+        else:
+            drawn = draw_panels(case, panels or PANELS, size, field or FIELD, scale, abscissa or "s")
+            title = case.heading
+        drawn.suptitle(plain(title))
+    return drawn
 
 
 def words_of(allowed):
@@ -161,12 +170,13 @@ def main(arguments):
     options = parser().parse_args(arguments)
     try:
         for path in find_cases(options.case):
+            drawn = figure(path, options.panels, options.field, scale=options.scale, abscissa=options.abscissa,
+                           size=options.size)
             with plt.rc_context(STYLE):
-                figure = draw_case(Case(path), options)
                 for ending in options.format:
-                    figure.savefig(f"{path}.{ending}")
+                    drawn.savefig(f"{path}.{ending}")
                     print(f"{path}.{ending}")
-                plt.close(figure)
+            plt.close(drawn)
     except OSError as error:
         sys.exit(f"plot: {error.filename}: {error.strerror}")
     except ValueError as error:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import matplotlib
 
-from amontons.cases import Case, find_cases
+from amontons.cases import Case, cases_without_equilibrium, find_cases
 from amontons.commands import Parser
 from amontons.report_pictures import pictures_of
 from amontons.verdicts import COLORS, verdict_of, violations
@@ -152,7 +152,7 @@ def failures_of(folder):
         with open(folder / "batch.csv", newline="", encoding="utf-8") as text:
             rows = list(csv.DictReader(text))
     except FileNotFoundError:
-        return []
+        return cases_without_equilibrium(folder)
     return [(row["deck"], row["message"]) for row in rows if row["message"]]
 
 

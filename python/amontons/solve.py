@@ -6,22 +6,32 @@ AMONTONS_LIBRARY names, else the one of the wheel, the installation or the build
 the system finds. Calls release Python's lock; from several threads they wait for each other, and each has threads of
 its own inside.
 """
+from __future__ import annotations
+
 import csv
 import ctypes
 import ctypes.util
-import json
 import os
+import re
 import tempfile
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Optional
+from typing import Any, Optional, Union
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from amontons.cases import Case
+from amontons.deck import deck_text, value_text
+from amontons.mesh import Mesh
+
+Deck = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 STATUSES = np.array(["", "open", "stick", "slip+", "slip-"])
 WORDS = ("status", "outcome", "statuses")  # columns of tables
 TEXT_SIZE = 65536
+NO_FILE = os.strerror(2)  # what a message ends with where a file is not there
 
 
 class AmontonsError(Exception):
@@ -32,15 +42,23 @@ class InputRefused(AmontonsError, ValueError):
     """A deck, an array or an argument is at fault."""
 
 
+class FileMissing(InputRefused, FileNotFoundError):
+    """A deck, or a file that it names, is not there."""
+
+
 class NumericalFailure(AmontonsError, ArithmeticError):
-    """The numbers are at fault: not positive definite, a body flies off."""
+    """The numbers are at fault: no equilibrium, a stiffness that is not positive definite."""
 
 
 class SystemFailure(AmontonsError, OSError):
     """The machine is at fault: a file cannot be written."""
 
 
-class NotConverged(UserWarning):
+class DoubtfulResult(UserWarning):
+    """What is doubtful about a model and its result: one of the warnings of its summary."""
+
+
+class NotConverged(DoubtfulResult):
     """A result is there, but not to the tolerance, or its certificate failed."""
 
 
@@ -58,18 +76,53 @@ class ReducedResult:
     is_solved: bool
 
 
-@dataclass(frozen=True)
-class DeckResult:
-    """What a deck left; doc/output.md explains every column and member."""
-    name: str                   # name of the case
-    directory: Optional[Path]   # where its files are; None if they were not to be kept
-    contact: Optional[dict]     # columns of NAME.contact.csv, as arrays; None where there is no such file
-    sweep: Optional[dict]       # columns of NAME.sweep.csv, one row per case; None where there is no such file
-    summary: dict               # NAME.summary.json
-    is_solved: bool
+class DeckResult(Case):
+    """What a deck left; doc/output.md explains every column and member. `mesh` and `line` are the grids of the body and
+    of its contact line; a sweep and a reduced problem have none."""
+
+    def __init__(self, path: Path, is_kept: bool, is_solved: bool) -> None:
+        super().__init__(path)
+        self.name: str = path.name                   # name of the case
+        self.is_solved: bool = is_solved             # whether it converged and is certified
+        self.directory: Optional[Path] = path.parent if is_kept else None  # where its files are, if they are kept
+        # A directory that is kept may hold files of an earlier deck of the same name.
+        is_sweep = self.kind == "sweep"
+        self.contact: Optional[dict[str, np.ndarray]] = None  # columns of NAME.contact.csv, but of a sweep
+        self.sweep: Optional[dict[str, np.ndarray]] = None    # columns of NAME.sweep.csv, one row per case
+        if is_sweep:
+            self.sweep = _read_table(f"{path}.sweep.csv")
+        else:
+            self.contact = _read_table(f"{path}.contact.csv")
+        if self.kind == "body" and not is_kept:
+            self.mesh, self.line, self.contacts  # read while the files are there  # pylint: disable=W0104
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Coordinates of the nodes (n_nodes, 2)."""
+        return self.mesh.points[:, :2]
+
+    @property
+    def cells(self) -> list[tuple[str, np.ndarray]]:
+        """Pairs: the kind of some cells, and their nodes, from 0 (n_cells, n)."""
+        return self.mesh.cells
+
+    @property
+    def displacement(self) -> np.ndarray:
+        """Displacements of the nodes (n_nodes, 2)."""
+        return self.mesh.point_data["displacement"][:, :2]
+
+    @property
+    def stress(self) -> np.ndarray:
+        """Mean stresses of the cells, tension positive: xx, yy, zz, xy, yz, xz (n_cells, 6)."""
+        return self.mesh.cell_data["stress"]
+
+    @property
+    def nodal_stress(self) -> np.ndarray:
+        """Stresses at the nodes, as `stress` (n_nodes, 6)."""
+        return self.mesh.point_data["nodal_stress"]
 
 
-def _library_path():
+def _library_path() -> str:
     """Where the library is: beside the package's files in a wheel, in the folder of the libraries, which the package's
     own folder is in, in an installation or a build tree."""
     named = os.environ.get("AMONTONS_LIBRARY")
@@ -90,6 +143,7 @@ def _load():
     library.amontons_set_threads.restype = None
     library.amontons_set_threads.argtypes = [ctypes.c_int]
     library.amontons_solve_deck.argtypes = [text, text, text, size, text, size]
+    library.amontons_solve_deck_text.argtypes = [text, text, text, text, text, size, text, size]
     library.amontons_solve_reduced_problem.argtypes = [
         ctypes.c_int, numbers, numbers, numbers, text, ctypes.c_double, ctypes.c_int, numbers, numbers,
         np.ctypeslib.ndpointer(np.intc), ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_int), text, size]
@@ -99,28 +153,30 @@ def _load():
 _library = _load()
 
 
-def version():
+def version() -> str:
     """The version, 'major.minor.patch'."""
     return _library.amontons_version_text().decode()
 
 
-def set_threads(n_threads):
+def set_threads(n_threads: int) -> None:
     """Sets the number of threads of the loops inside, and one thread for the BLAS; to be called first, if at all."""
     _library.amontons_set_threads(n_threads)
 
 
-def _judge(code, message, n_callers):
+def _judge(code: int, message: ctypes.Array, n_callers: int) -> bool:
     """Raises what a return code stands for; returns whether the problem is solved. A warning points above the callers
     that are in this module."""
     sentence = message.value.decode(errors="replace")
     if code in ERRORS:
-        raise ERRORS[code](sentence)
+        is_missing = code == 1 and sentence.endswith(NO_FILE)
+        raise (FileMissing if is_missing else ERRORS[code])(sentence)
     if code:
         warnings.warn(sentence, NotConverged, stacklevel=n_callers + 1)
     return code == 0
 
 
-def solve_reduced(W, q, mu, method="auto", tolerance=1e-10, max_iterations=1000):
+def solve_reduced(W: ArrayLike, q: ArrayLike, mu: ArrayLike, method: str = "auto", tolerance: float = 1e-10,
+                  max_iterations: int = 1000) -> ReducedResult:
     """Solves u = W r + q with friction: 0 <= u_N _|_ r_N >= 0, |r_T| <= mu r_N, r_T opposes u_T.
 
     W is symmetric and positive semidefinite (2m x 2m; a sparse matrix of SciPy is made dense), q has 2m numbers, mu m
@@ -146,30 +202,75 @@ def solve_reduced(W, q, mu, method="auto", tolerance=1e-10, max_iterations=1000)
     return ReducedResult(r, u, STATUSES[status], residual.value, iterations.value, is_solved)
 
 
-def solve_deck(deck, output=None):
-    """Solves a deck as the program does; its files go to the directory `output`, or nowhere."""
+def solve_deck(deck: Deck, output: Union[str, os.PathLike[str], None] = None, *, mesh: Optional[Mesh] = None,
+               **settings: Any) -> DeckResult:
+    """Solves a deck as the program does; its files go to the directory `output`, or nowhere.
+
+    The deck is the name of a file, a text (a str that begins with & or !) or a dict of groups (`deck_text`). Files that
+    a text or dict names are seen from the current directory. A mesh of arrays takes the place of its `&mesh`.
+
+    Settings take the place of what the deck says, as the option --set of the program does: `contact__friction=0.3`, or
+    `load__2__traction=(6, 0)` for the second of several groups; `**{"load(2).traction": (6, 0)}` is the same.
+    """
     if output is None:
         with tempfile.TemporaryDirectory(prefix="amontons_") as scratch:
-            return _solve_deck(deck, scratch, is_kept=False)
-    return _solve_deck(deck, output, is_kept=True)
+            return _solve_deck(deck, Path(scratch), mesh, settings, is_kept=False)
+    return _solve_deck(deck, Path(output), mesh, settings, is_kept=True)
 
 
-def _solve_deck(deck, output, is_kept):
+def _solve_deck(deck: Deck, output: Path, mesh: Optional[Mesh], settings: Mapping[str, Any],
+                is_kept: bool) -> DeckResult:
     """Solves a deck and reads the files it leaves in a directory."""
+    if mesh is not None:
+        try:
+            output.mkdir(parents=True, exist_ok=True)
+            file = mesh.write(output).absolute()
+        except OSError as error:
+            raise SystemFailure(f"{error.filename}: cannot write the mesh there: {error.strerror}") from None
+        settings = {"mesh.kind": "file", "mesh.file": file, **settings}
     name, message = ctypes.create_string_buffer(TEXT_SIZE), ctypes.create_string_buffer(TEXT_SIZE)
-    code = _library.amontons_solve_deck(os.fsencode(deck), os.fsencode(output), name, TEXT_SIZE, message, TEXT_SIZE)
+    tail = (os.fsencode(output), name, TEXT_SIZE, message, TEXT_SIZE)
+    text, file = _text_of(deck)
+    if text is None and not settings:
+        code = _library.amontons_solve_deck(os.fsencode(file), *tail)
+    else:
+        if text is None:
+            text = _bytes_of(file)
+        lines = "\n".join(f"{_key(key)}={value_text(value)}" for key, value in settings.items())
+        code = _library.amontons_solve_deck_text(text, os.fsencode(file), os.fsencode(lines), *tail)
     is_solved = _judge(code, message, n_callers=3)
-    name = os.fsdecode(name.value)
-    directory = Path(output)
-    summary = json.loads((directory / f"{name}.summary.json").read_text(encoding="utf-8"))
-    # A directory that is kept may hold files of an earlier deck of the same name.
-    is_sweep = "sweep" in summary
-    contact = None if is_sweep else _read_table(directory / f"{name}.contact.csv")
-    sweep = _read_table(directory / f"{name}.sweep.csv") if is_sweep else None
-    return DeckResult(name, directory if is_kept else None, contact, sweep, summary, is_solved)
+    result = DeckResult(output / os.fsdecode(name.value), is_kept, is_solved)
+    for sentence in result.summary.get("warnings", []):
+        warnings.warn(sentence, DoubtfulResult, stacklevel=3)
+    return result
 
 
-def _read_table(path):
+def _text_of(deck: Deck) -> tuple[Optional[bytes], Union[str, os.PathLike[str]]]:
+    """The text of a deck, None if it is in a file, and its name."""
+    if isinstance(deck, Mapping):
+        deck = deck_text(deck)
+    elif not (isinstance(deck, str) and deck.lstrip()[:1] in ("&", "!")):
+        return None, deck
+    if "\0" in deck:
+        raise InputRefused("deck: a character of code 0")
+    return os.fsencode(deck), "deck"
+
+
+def _bytes_of(file: Union[str, os.PathLike[str]]) -> bytes:
+    """The bytes of a deck in a file."""
+    try:
+        return Path(file).read_bytes()
+    except OSError as error:
+        kind = FileMissing if isinstance(error, FileNotFoundError) else InputRefused
+        raise kind(f"{os.fspath(file)}: cannot read this file: {error.strerror}") from None
+
+
+def _key(key: str) -> str:
+    """A keyword as the option --set has it: `load__2__traction` is `load(2).traction`."""
+    return re.sub(r"^([a-z]+)__(\d+)__", r"\1(\2).", key, flags=re.IGNORECASE).replace("__", ".", 1)
+
+
+def _read_table(path: str) -> dict[str, np.ndarray]:
     """Reads a table: a column of numbers as an array of them (not a number where a case has none), any other as an
     array of words."""
     with open(path, newline="", encoding="utf-8") as file:
@@ -178,7 +279,7 @@ def _read_table(path):
     return {key: np.array(column) if key in WORDS else _numbers(column) for key, column in zip(header, columns)}
 
 
-def _numbers(cells):
+def _numbers(cells) -> np.ndarray:
     """Turns the cells of a column of numbers into an array, of whole numbers where they are."""
     try:
         return np.array([int(cell) for cell in cells], dtype=int)

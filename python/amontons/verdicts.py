@@ -33,7 +33,7 @@ def verdict_of(summary):
     is_certified = bool(found_violations) and summary["certificate"]["passed"]
     faults = [VIOLATIONS[name] for name, value in found_violations.items() if value > summary["certificate"]["limit"]]
     found = f"On {what}: {'; '.join(faults)}. " if faults else ""
-    if "sweep" in summary and not (summary["converged"] and is_certified):
+    if "sweep" in summary and not (is_certified and summary["sweep"]["converged"] == summary["sweep"]["cases"]):
         return _verdict_of_sweep(summary["sweep"], is_certified, found)
     if summary["converged"] and is_certified:
         which = f"; checked for the worst case, {summary['certificate']['case']}" if "sweep" in summary else ""
@@ -59,8 +59,8 @@ def _verdict_of_sweep(counts, is_certified, found):
     left = []
     if counts["not_converged"]:
         left.append(f"{counts['not_converged']} did not converge: use method = 'auto', or raise max_iterations")
-    if counts["flies_off"]:
-        left.append(f"{counts['flies_off']} have no equilibrium: contact and friction cannot balance their loads")
+    if counts["no_equilibrium"]:
+        left.append(f"{counts['no_equilibrium']} have no equilibrium: contact and friction cannot balance their loads")
     found = f"Of {counts['cases']} cases, " + "; ".join(left) + " (column outcome). " + found if left else found
     if not counts["converged"]:
         return "red", found + "No case is solved."

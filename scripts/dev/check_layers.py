@@ -30,12 +30,12 @@ MAY_USE = {
     "study": ["solve", "input", "contact/model"],
     "study/reduced": ["study", "output", "solve", "input", "contact/problem", "contact/methods", "contact/uniqueness",
                       "linalg", "system"],
-    "study/single": ["study", "study/reduced", "output", "solve", "input", "contact/uniqueness", "elasticity",
-                     "system"],
+    "study/single": ["study", "study/reduced", "output", "solve", "input", "contact/uniqueness", "contact/model",
+                     "elasticity", "system"],
     "study/sweep": ["study", "output", "solve", "input", *CONTACT, "elasticity", "linalg", "system"],
     "run": ["study", "study/reduced", "study/single", "study/sweep", "input"],
-    "verify": ["study/sweep", "study/reduced", "output", "solve", "input", "contact/problem", "contact/model",
-               "system"],
+    "verify": ["study/sweep", "study/single", "study/reduced", "output", "solve", "input", "contact/problem",
+               "contact/model", "system"],
     "binding": ["run", "study", "study/reduced", "solve", "input", "contact/methods", "linalg"],
 }
 # The facade src/amontons.f90 and the program may use all; only the program may use the facade.

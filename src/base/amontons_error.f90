@@ -10,7 +10,7 @@ module amontons_error
 
    !> The input is at fault: a deck, a mesh, an argument.
    integer, parameter :: input_refused = 1
-   !> The numbers are at fault: a matrix is not positive definite, a body flies off.
+   !> The numbers are at fault: a matrix is not positive definite, no contact forces balance the loads.
    integer, parameter :: numerical_failure = 2
    !> The machine is at fault: a file cannot be written, memory ran out.
    integer, parameter :: system_failure = 3

@@ -15,7 +15,7 @@ extern "C" {
 enum {
     AMONTONS_SOLVED = 0,
     AMONTONS_INPUT_REFUSED = 1,     /* a deck, an array or an argument is at fault */
-    AMONTONS_NUMERICAL_FAILURE = 2, /* not positive definite, body flies off, numbers out of range */
+    AMONTONS_NUMERICAL_FAILURE = 2, /* no equilibrium, not positive definite, numbers out of range */
     AMONTONS_SYSTEM_FAILURE = 3,    /* a file cannot be written */
     AMONTONS_NOT_CONVERGED = 4      /* results are there, but not to the tolerance, or their check failed */
 };
@@ -60,6 +60,19 @@ int amontons_solve_deck(
     int name_size,         /* room in name */
     char *message,         /* what went wrong, one line per fault; empty if nothing did */
     int message_size);     /* room in message */
+
+/* Does the same with a deck that is a text. */
+int amontons_solve_deck_text(
+    const char *text,      /* the deck */
+    const char *deck,      /* name of the deck in messages; names of files in it are seen from the folder of this name,
+                              and the case has its name unless `&case` gives one */
+    const char *settings,  /* lines `GROUP.KEY=VALUE` or `GROUP(2).KEY=VALUE`, which take the place of what the deck
+                              says, as the option --set of the program does; empty for none */
+    const char *directory, /* as above, and so are the others */
+    char *name,
+    int name_size,
+    char *message,
+    int message_size);
 
 #ifdef __cplusplus
 }

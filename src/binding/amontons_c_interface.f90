@@ -5,7 +5,7 @@
 module amontons_c_interface
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_loc, c_null_char, c_ptr
    use amontons_c_text, only: put_c_text, text_of_c
-   use amontons_config, only: config_t, read_config
+   use amontons_config, only: config_t, read_config, read_config_text
    use amontons_dense_system, only: new_dense_system
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_methods, only: method_options_t
@@ -140,27 +140,59 @@ contains
       integer(c_int) :: code
       type(outcome_t) :: outcome
 
+      type(config_t) :: config
+      type(error_t), allocatable :: error
+
       !$omp critical (amontons_call)
-      call run_deck(text_of_c(deck), text_of_c(directory), outcome)
+      call read_config(config, text_of_c(deck), error)
+      call run_deck(config, error, text_of_c(deck), text_of_c(directory), outcome)
       code = int(outcome%status, c_int)
       call put_c_text(outcome%name, name_size, name)
       call put_c_text(outcome%message, message_size, message)
       !$omp end critical (amontons_call)
    end function amontons_solve_deck
 
-   !> Solves a deck and writes its files, as the program does.
-   subroutine run_deck(deck, directory, outcome)
+   !> Solves a deck that is a text and writes its files.
+   function amontons_solve_deck_text(text, deck, settings, directory, name, name_size, message, message_size) &
+      bind(c, name='amontons_solve_deck_text') result(code)
+      ! allow(assumed-size): C passes an address and no length
+      character(c_char), intent(in) :: text(*) !! the deck
+      ! allow(assumed-size): C passes an address and no length
+      character(c_char), intent(in) :: deck(*) !! name of the deck
+      ! allow(assumed-size): C passes an address and no length
+      character(c_char), intent(in) :: settings(*) !! settings, one a line
+      ! allow(assumed-size): C passes an address and no length
+      character(c_char), intent(in) :: directory(*) !! output directory
+      integer(c_int), value, intent(in) :: name_size !! room in name
+      character(c_char), intent(inout) :: name(name_size) !! name of the case
+      integer(c_int), value, intent(in) :: message_size !! room in message
+      character(c_char), intent(inout) :: message(message_size) !! what went wrong
+      integer(c_int) :: code
+      type(outcome_t) :: outcome
+      type(config_t) :: config
+      type(error_t), allocatable :: error
+
+      !$omp critical (amontons_call)
+      call read_config_text(config, text_of_c(deck), text_of_c(text), text_of_c(settings), error)
+      call run_deck(config, error, text_of_c(deck), text_of_c(directory), outcome)
+      code = int(outcome%status, c_int)
+      call put_c_text(outcome%name, name_size, name)
+      call put_c_text(outcome%message, message_size, message)
+      !$omp end critical (amontons_call)
+   end function amontons_solve_deck_text
+
+   !> Solves a case and writes its files, as the program does.
+   subroutine run_deck(config, error, deck, directory, outcome)
+      type(config_t), intent(in) :: config !! the case
+      type(error_t), allocatable, intent(in) :: error !! what is wrong with its deck
       character(*), intent(in) :: deck !! name of the deck
       character(*), intent(in) :: directory !! output directory, made if it is not there
       type(outcome_t), intent(out) :: outcome !! what became of it
-      type(config_t) :: config
       class(study_t), allocatable :: study
       type(cache_t) :: cache
       type(study_options_t) :: options
       type(study_monitor_t) :: monitor
-      type(error_t), allocatable :: error
 
-      call read_config(config, deck, error)
       if (allocated(error)) then
          call outcome%begin(deck, '')
          call outcome%fail(error)

@@ -9,7 +9,7 @@ module amontons_deck_setting
    implicit none (type, external)
    private
 
-   public :: apply_settings, new_setting, setting_t
+   public :: apply_settings, new_setting, read_settings, setting_t
 
    !> The value of a key.
    type :: setting_t
@@ -54,6 +54,28 @@ contains
       if (.not. is_literal(value)) value = quoted(value)
       setting%assignment = setting%key//' = '//value
    end subroutine new_setting
+
+   !> Takes settings apart, one a line.
+   subroutine read_settings(settings, text, error)
+      type(setting_t), allocatable, intent(out) :: settings(:) !! the settings
+      character(*), intent(in) :: text !! the lines
+      type(error_t), allocatable, intent(out) :: error !! one has not the form of a setting
+      type(setting_t), allocatable :: longer(:)
+      integer :: first, length, n
+
+      allocate (settings(0))
+      first = 1
+      do while (first <= len(text))
+         length = index(text(first:)//newline, newline) - 1
+         n = size(settings)
+         allocate (longer(n + 1))
+         longer(:n) = settings
+         call new_setting(longer(n + 1), text(first:first + length - 1), error)
+         call move_alloc(longer, settings)
+         if (allocated(error)) return
+         first = first + length + 1
+      end do
+   end subroutine read_settings
 
    !> Whether a value stands in quotes, or looks like numbers.
    pure logical function is_literal(value)

@@ -155,14 +155,15 @@ contains
 
       motion = matmul(self%mode, amounts)
       motion = motion/maxval(abs(motion))
-      text = ''
-      if (norm2(motion(1:2)) > 1.0e-6_dp) text = 'translation along ('//short(motion(1))//', '//short(motion(2))//')'
+      text = 'the body'
+      if (.not. self%is_whole) text = 'the piece around '//to_text(self%center(1))//', '//to_text(self%center(2))
+      text = text//' is free to'
+      if (norm2(motion(1:2)) > 1.0e-6_dp) text = text//' translate along ('//short(motion(1))//', '// &
+         short(motion(2))//')'
       if (abs(motion(3)) > 1.0e-6_dp) then
-         if (len(text) > 0) text = text//' with '
-         text = text//trim(merge('counter-clockwise', 'clockwise        ', motion(3) > 0.0_dp))//' rotation'
+         if (norm2(motion(1:2)) > 1.0e-6_dp) text = text//' and'
+         text = text//' rotate '//trim(merge('counter-clockwise', 'clockwise        ', motion(3) > 0.0_dp))
       end if
-      if (.not. self%is_whole) text = text//' of the piece around '//to_text(self%center(1))//', '// &
-         to_text(self%center(2))
    end function rigid_motions_describe
 
    !> A number rounded to four decimals, for reading.

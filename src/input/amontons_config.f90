@@ -14,7 +14,7 @@ module amontons_config
    use amontons_deck_documenter, only: deck_documenter_t
    use amontons_deck_reader, only: deck_reader_t
    use amontons_deck_scanner, only: suggestion
-   use amontons_deck_setting, only: apply_settings, setting_t
+   use amontons_deck_setting, only: apply_settings, read_settings, setting_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t
    use amontons_deck_writer, only: deck_writer_t
    use amontons_error, only: error_t, input_refused, new_error
@@ -31,7 +31,8 @@ module amontons_config
    implicit none (type, external)
    private
 
-   public :: body_text, config_t, effective_deck, new_reduced_config, read_config, read_set_config, reference_text
+   public :: body_text, config_t, effective_deck, new_reduced_config, read_config, read_config_text, &
+      read_set_config, reference_text
 
    !> The group of the case.
    type(group_t), parameter :: case_group = group_t('case')
@@ -101,15 +102,41 @@ contains
          call read_deck(reader%deck, file, error)
          if (allocated(error)) return
       end if
+      call read_groups(config, reader, settings, error)
+      if (.not. is_reduced) return
+      config%reduced%file = file
+      config%reduced%origin = ''
+   end subroutine read_set_config
+
+   !> Reads a case from the text of a deck, in which settings take the place of what it says.
+   subroutine read_config_text(config, file, text, settings, error)
+      type(config_t), intent(out) :: config !! the case
+      character(*), intent(in) :: file !! name of the deck; names of files in it are seen from its folder
+      character(*), intent(in) :: text !! the deck
+      character(*), intent(in) :: settings !! the settings, one a line
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(deck_reader_t) :: reader
+      type(setting_t), allocatable :: list(:)
+
+      call read_settings(list, settings, error)
+      if (allocated(error)) return
+      call read_deck_text(reader%deck, file, text)
+      call read_groups(config, reader, list, error)
+   end subroutine read_config_text
+
+   !> Reads the groups of a deck, in which settings take the place of what it says.
+   subroutine read_groups(config, reader, settings, error)
+      type(config_t), intent(inout) :: config !! the case
+      type(deck_reader_t), intent(inout) :: reader !! the reader, with its deck
+      type(setting_t), intent(in) :: settings(:) !! the settings
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+
       config%file = reader%deck%file
       call apply_settings(reader%deck, settings)
       call reader%deck%refuse_unknown_groups(groups%name, pack(groups%name, groups%is_repeatable))
       call describe_config(reader, config)
       call reader%deck%finish(error)
-      if (.not. is_reduced) return
-      config%reduced%file = file
-      config%reduced%origin = ''
-   end subroutine read_set_config
+   end subroutine read_groups
 
    !> The effective deck: the case as a deck, every default in place. Reading it gives the same case.
    function effective_deck(self) result(text)

@@ -32,18 +32,18 @@ contains
    end function member
 
    !> Adds the beginning of the object: which case, and whether it was solved.
-   pure subroutine add_head(summary, label, method, is_converged, warnings)
+   pure subroutine add_head(summary, label, method, outcome, warnings)
       type(document_t), intent(inout) :: summary !! gains the members
       class(case_label_t), intent(in) :: label !! what the case is called
       character(*), intent(in) :: method !! the contact method
-      logical, intent(in) :: is_converged !! whether all that was to be solved is solved
+      character(*), intent(in) :: outcome !! 'converged', 'not_converged' or 'no_equilibrium'
       type(warning_list_t), intent(in) :: warnings !! what is doubtful about it
 
       summary%ending = '.summary.json'
       call summary%add('{'//newline//member('case', string(label%name))//member('title', string(label%title)))
       call summary%record(member('version', string(version)))
       call summary%add(member('method', string(method)))
-      call summary%add(member('converged', truth(is_converged)))
+      call summary%add(member('outcome', string(outcome))//member('converged', truth(outcome == 'converged')))
       call summary%add(member('warnings', warnings_array(warnings)))
    end subroutine add_head
 

@@ -36,6 +36,7 @@ module amontons_result
       real(dp), allocatable :: displacement(:, :) !! displacement of all nodes (2, n_nodes) [L]
       type(certificate_t) :: certificate !! violations on the full model
       type(warning_list_t) :: warnings !! what is doubtful about the model and the result
+      logical :: has_no_equilibrium = .false. !! whether contact and friction cannot balance the loads: no solution
       real(dp) :: condition = 0.0_dp
          !! condition number of the stiffness in the 1-norm, estimated where rounding shows; else 0 [-]
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one

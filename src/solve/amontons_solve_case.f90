@@ -42,7 +42,8 @@ contains
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
       type(config_t), intent(in) :: config !! the case
       type(result_t), intent(out) :: result !! gains the load case, and the warnings on the model
-      type(error_t), allocatable, intent(out) :: error !! mesh, sets, supports, contacts or loads are at fault
+      type(error_t), allocatable, intent(out) :: error
+         !! mesh, sets, supports, contacts or loads are at fault, or there is no equilibrium
       type(contact_t), allocatable :: contacts(:)
 
       call new_timings(result%timings)
@@ -61,10 +62,13 @@ contains
       result%load_case%contacts = config%contacts
       result%method = config%method
       ! Loads and friction that a sweep varies need not balance as they stand.
-      if (.not. config%sweep%is_given()) call check_balance(cache%body, result%load_case, error)
-      if (allocated(error)) return
       call add_model_warnings(result%warnings, cache%body, result%load_case)
-      if (config%sweep%is_given()) call add_sweep_warnings(result%warnings, config%sweep, config%contacts)
+      if (config%sweep%is_given()) then
+         call add_sweep_warnings(result%warnings, config%sweep, config%contacts)
+      else
+         call check_balance(cache%body, result%load_case, error)
+         result%has_no_equilibrium = allocated(error)
+      end if
    end subroutine prepare_case
 
    !> Makes the body of a case.

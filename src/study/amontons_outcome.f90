@@ -18,6 +18,7 @@ module amontons_outcome
       character(:), allocatable :: deck !! name of the deck
       character(:), allocatable :: name !! name of its case; empty where the deck could not be read
       integer :: status = 0 !! exit status that the deck alone would give
+      character(:), allocatable :: word !! what became of it in a word, as batch.csv has it
       character(:), allocatable :: text !! the line on its result; empty without a result
       character(:), allocatable :: message !! what went wrong, beginning with the name of the deck; empty if nothing did
       type(warning_list_t) :: warnings !! what is doubtful about model and result
@@ -25,6 +26,7 @@ module amontons_outcome
    contains
       procedure :: begin => outcome_begin
       procedure :: fail => outcome_fail
+      procedure :: judge => outcome_judge
    end type outcome_t
 
 contains
@@ -37,6 +39,7 @@ contains
 
       self%deck = deck
       self%name = name
+      self%word = 'solved'
       self%text = ''
       self%message = ''
    end subroutine outcome_begin
@@ -45,10 +48,24 @@ contains
    pure subroutine outcome_fail(self, error)
       class(outcome_t), intent(inout) :: self !! the outcome
       type(error_t), intent(in) :: error !! the error
+      character(*), parameter :: words(3) = [character(17) :: 'refused', 'numerical_failure', 'system_failure']
 
+      self%word = trim(words(error%kind))
       self%status = error%kind
       self%message = error%message
    end subroutine outcome_fail
+
+   !> Takes over the judgment of a solution.
+   pure subroutine outcome_judge(self, is_converged, residual, violation, tolerance)
+      class(outcome_t), intent(inout) :: self !! the outcome
+      logical, intent(in) :: is_converged !! whether the method converged
+      real(dp), intent(in) :: residual !! its residual [-]
+      real(dp), intent(in) :: violation !! largest violation found on the full model, or on the problem as read [-]
+      real(dp), intent(in) :: tolerance !! tolerance of the method [-]
+
+      call judge(is_converged, residual, violation, tolerance, self%status, self%message)
+      if (self%status /= 0) self%word = merge('not_certified', 'not_converged', is_converged)
+   end subroutine outcome_judge
 
    !> Judges a solution: exit status, and what it lacks.
    pure subroutine judge(is_converged, residual, violation, tolerance, status, fault)

@@ -2,10 +2,11 @@
 !> displacements in NAME.vtu and the forces and statuses in NAME.contact.csv, and written again: every file must say the
 !> same.
 !>
-!> No matrix is assembled and none factorised, and no method runs: the forces of the elements come from their
+!> No matrix is assembled and none factorized, and no method runs: the forces of the elements come from their
 !> displacements, one by one.
 module amontons_verify_case
    use amontons_agreement, only: fault_text_t
+   use amontons_answer_report, only: answer_documents
    use amontons_body, only: body_t
    use amontons_config, only: config_t
    use amontons_contact_check, only: check_statuses, contact_state_t, new_law_scales, read_points
@@ -38,11 +39,19 @@ contains
       character(*), intent(in) :: stem !! directory and name of the case
       logical, intent(out) :: is_certified !! whether it converged and its certificate passes
       type(result_t) :: result
+      type(document_t) :: listing, answer
       type(error_t), allocatable :: error
       character(:), allocatable :: fault
 
       is_certified = .false.
       call prepare_case(cache, config, result, error)
+      if (result%has_no_equilibrium) then
+         call answer_documents(listing, answer, config, cache%body, result, error%message)
+         call compare_document(summary%faults, stem, answer)
+         call compare_document(summary%faults, stem, listing)
+         is_certified = .true.
+         return
+      end if
       if (allocated(error)) then
          call summary%faults%add(stem//'.deck.nml', error%message)
          return

@@ -139,16 +139,16 @@ class Sweeps(CollectionTest):
     def test_cases_without_a_solution_are_left_out(self):
         pulls = block(SUPPORT, "load name = 'press'  set = 'top'  pressure = 1.0", CONTACT,
                       "sweep load = 'press'  factor = 1.0, -1.0, 2.0", "output fields_every = 1")
-        self.run_program(self.write("case.nml", pulls), status=4)
+        self.run_program(self.write("case.nml", pulls))
         with open(self.directory / "case.sweep.csv", newline="", encoding="utf-8") as table:
             outcomes = [row["outcome"] for row in csv.DictReader(table)]
-        self.assertEqual(outcomes, ["converged", "flies_off", "converged"])
+        self.assertEqual(outcomes, ["converged", "no_equilibrium", "converged"])
         self.assertEqual([time for time, *_ in self.open_all("case.sweep.pvd")], [1.0, 3.0])
 
     def test_without_a_solution_there_is_no_collection(self):
         pulls = block(SUPPORT, "load name = 'pull'  set = 'top'  pressure = -1.0", CONTACT,
                       "sweep load = 'pull'  factor = 1.0, 2.0", "output fields_every = 1")
-        self.run_program(self.write("case.nml", pulls), status=4)
+        self.run_program(self.write("case.nml", pulls))
         self.assertEqual([name for name in self.files() if name.endswith((".pvd", ".vtu", ".tmp"))], [])
 
     def test_effective_deck_keeps_the_key(self):

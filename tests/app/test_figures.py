@@ -158,6 +158,16 @@ class Figures(ProgramTest):
         self.assertLessEqual({"nodal stress xy", "displacements and gaps × 30"}, {*words})
         self.plot("block", "--field", "displacement", "--scale", "0", "--format", "svg")
 
+    def test_figures_in_python(self):
+        from amontons import figure  # pylint: disable=import-outside-toplevel
+        case = self.solve(SUPPORT, PRESSURE, CONTACT)
+        drawn = figure(case, ["stress"], size=(80, 40))
+        np.testing.assert_allclose(drawn.get_size_inches(), [80/25.4, 40/25.4])
+        pressure, = [line for line in drawn.subfigs[0].axes[0].lines if line.get_label() == "pressure"]
+        np.testing.assert_array_equal(pressure.get_ydata(), case.line.point_data["contact_pressure"])
+        with self.assertRaisesRegex(ValueError, "nothing to show in the panels detail"):
+            figure(case.path, ["detail"])
+
     def test_faults_are_sentences(self):
         self.solve(SUPPORT, PRESSURE, CONTACT)
         for arguments, sentence in {
@@ -187,7 +197,7 @@ class Figures(ProgramTest):
         self.assertLessEqual({"normal force", "factor of push"}, {*text_of(self.directory / "block.svg")})
         run = self.plot("block", "--field", "peak", status=1)
         self.assertIn("no column 'peak'; the columns are: case, ", run.stderr)
-        self.assertIn("--scale is not for a sweep", self.plot("block", "--scale", "2", status=1).stderr)
+        self.assertIn("scale is not for a sweep", self.plot("block", "--scale", "2", status=1).stderr)
 
 
 if __name__ == "__main__":

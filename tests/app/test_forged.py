@@ -55,6 +55,12 @@ class Forged(Verification):
             with self.subTest(file=file, expected=expected):
                 self.assert_forgery_is_found(f"case_0.{file}", change, expected)
 
+    def test_listing_of_a_case_without_equilibrium(self):
+        self.solve_into_results(block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0"), status=2)
+        for old, new in ((b"free to translate", b"free to rotate"), (b"traction (0.0, 1.0)", b"traction (0.0, 1.5)")):
+            self.assert_forgery_is_found("case_0.lst", lambda content, old=old, new=new: content.replace(old, new),
+                                         "case_0.lst:")
+
     def test_structure_of_the_table(self):
         def changed_row(old, new):
             return lambda content: content.replace(old, new, 1)
@@ -159,7 +165,7 @@ class Forged(Verification):
                 text = rows[3][column]
                 rows[3][column] = re.sub(r"\d", lambda match: str((int(match[0]) + 1) % 10), text, count=1)
                 if text == rows[3][column]:
-                    rows[3][column] = "flies_off"
+                    rows[3][column] = "no_equilibrium"
                 return "\n".join(map(",".join, rows)).encode()
             with self.subTest(column=column):
                 self.assert_forgery_is_found("case_0.sweep.csv", change, "NOT VERIFIED")

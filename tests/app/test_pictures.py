@@ -110,7 +110,7 @@ class Pictures(ProgramTest):
                              "map": ("sweep load = 'press'  factor = 1.0, -1.0, 2.0", "sweep friction = 0.1, 0.3"),
                              "none": ("sweep load = 'press'  factor = -1.0, -2.0", )}.items():
             self.write(f"{name}.nml", block(*swept, *groups))
-        self.run_program("--quiet", "--output", "swept", "off.nml", "map.nml", "none.nml", status=4)
+        self.run_program("--quiet", "--output", "swept", "off.nml", "map.nml", "none.nml")
         self.script("plot", "swept")
         self.script("report", "swept")
         page = (self.directory / "swept" / "report.html").read_text(encoding="utf-8")
@@ -129,6 +129,17 @@ class Pictures(ProgramTest):
         self.assertIn("2 cases: 1 green, 1 amber, 0 red.", page)
         warning = '<p class="verdict amber"><b>warning</b><span>contact set &#x27;bottom&#x27;: friction of 2.5'
         self.assertEqual(page.count(warning), 1)
+
+    def test_case_without_equilibrium_is_red_with_its_message(self):
+        self.write("fine.nml", block(SUPPORT, PRESSURE, CONTACT))
+        self.write("lifted.nml", block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0"))
+        self.run_program("--quiet", "--output", "free", "lifted.nml", "fine.nml", status=2)
+        (self.directory / "free" / "batch.csv").unlink(missing_ok=True)
+        self.script("plot", "free")
+        self.script("report", "free")
+        page = (self.directory / "free" / "report.html").read_text(encoding="utf-8")
+        self.assertRegex(page, "1 cases?: 1 green, 0 amber, 0 red, 1 failed")
+        self.assertIn("<b>failed: lifted</b><span>no equilibrium: contact and friction cannot balance the loads;", page)
 
     def test_failed_decks_are_red_with_their_message(self):
         self.write("some results/batch.csv",

@@ -5,6 +5,7 @@ PREFIX is where the library is installed, LIBRARY_DIRECTORY its libraries' place
 built.
 """
 import importlib.util
+import math
 import os
 import re
 import sys
@@ -98,6 +99,18 @@ eval "cc -std=c11 -Wall -Wextra -pedantic -Werror '{SOURCES}/from_c.c' -o from_c
         files = self.contents("out")
         self.assertTrue(files["long_bar.png"].startswith(b"\x89PNG"))
         self.assertIn(b"<svg", files["long_bar.svg"])
+        self.assertTrue(files["friction.png"].startswith(b"\x89PNG"))
+
+    @unittest.skipUnless(HAS_PYTHON, "NumPy and Matplotlib are needed")
+    def test_roller_of_arrays(self):
+        printed = self.run_command(["env", "-u", "AMONTONS_LIBRARY", f"PYTHONPATH={LIBRARIES / 'amontons'}",
+                                    f"MPLCONFIGDIR={self.directory}", "MPLBACKEND=agg", sys.executable, "-B",
+                                    str(SOURCES / "roller.py"), "out"]).stdout
+        width, force = map(float, re.fullmatch(r"contact width (.*) mm, force (.*) N/mm\n", printed).groups())
+        # Hertz's force of this width on a half space, E/(1 - nu^2) = 6.27. A layer on its hub is stiffer, not by half.
+        hertz = 6.27*math.pi*(width/2)**2/(4*40)
+        self.assertTrue(hertz < force < 1.5*hertz, force/hertz)
+        self.assertTrue(self.contents("out")["roller.png"].startswith(b"\x89PNG"))
 
     @unittest.skipUnless(HAS_PYTHON, "NumPy and Matplotlib are needed")
     def test_installed_commands_run_on_the_python_of_the_search_path(self):

@@ -153,8 +153,8 @@ contains
       do i = 1, size(body%motions)
          associate (motions => body%motions(i))
             if (motions%n_free == 0 .or. any(may_touch(motions%node))) cycle
-            call new_error(error, numerical_failure, 'nothing holds the body against a '//motions%describe( &
-               [1.0_dp, spread(0.0_dp, 1, motions%n_free - 1)])//'; add a support or a contact set')
+            call new_error(error, numerical_failure, motions%describe([1.0_dp, &
+               spread(0.0_dp, 1, motions%n_free - 1)])//': nothing holds it; add a support or a contact set')
             return
          end associate
       end do

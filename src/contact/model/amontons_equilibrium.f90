@@ -3,7 +3,7 @@
 !> The load's work on the free rigid motions must be a combination, with factors at least 0, of the works of the extreme
 !> forces n + phi t and n - phi t of the contact points (a cone), and of n between them, which large friction leaves to
 !> rounding otherwise. If it is none, the part that is left over is, by Farkas' lemma, a rigid motion that the loads
-!> drive and no contact force opposes: along it the body flies off.
+!> drive and no contact force opposes: there is no equilibrium, and along it the body is free.
 module amontons_equilibrium
    use amontons_body, only: body_t
    use amontons_contact_rows, only: turned
@@ -25,7 +25,7 @@ contains
    pure subroutine check_balance(body, load_case, error)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
-      type(error_t), allocatable, intent(out) :: error !! the body flies off; names the motion
+      type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
       integer :: i
 
       ! A given slip bound can bear any small shear of any sign: what it holds is left to the method to find.
@@ -41,7 +41,7 @@ contains
       type(rigid_motions_t), intent(in) :: motions !! the motions of the piece that the supports leave free
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
-      type(error_t), allocatable, intent(out) :: error !! the piece flies off; names the motion
+      type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
       real(dp), parameter :: unbalanced = 1.0e-9_dp
       real(dp) :: cone(motions%n_free, 3*body%zone%n_points), work(motions%n_free), remainder(motions%n_free)
       real(dp) :: motion(2, motions%n_free), shear(2), scale
@@ -79,11 +79,11 @@ contains
       remainder = nonnegative_remainder(cone, work)
       if (norm2(remainder) <= unbalanced*scale) return
       if (body%zone%n_points == 0) then
-         call new_error(error, numerical_failure, 'nothing holds the body against a '//motions%describe(remainder)// &
-            '; add a support or a contact set')
+         call new_error(error, numerical_failure, 'no equilibrium: nothing balances the loads; '// &
+            motions%describe(remainder)//'; add a support or a contact set')
       else
          call new_error(error, numerical_failure, &
-            'the body flies off: no contact forces can balance the loads against a '//motions%describe(remainder)// &
+            'no equilibrium: contact and friction cannot balance the loads; '//motions%describe(remainder)// &
             '; add a support, or a load that presses the body on its obstacle')
       end if
    end subroutine check_piece

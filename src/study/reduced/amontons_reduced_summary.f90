@@ -27,7 +27,8 @@ contains
 
       associate (solution => result%solution, system => result%system)
          sums = resultants([system%r(1::2), system%r(2::2)])
-         call add_head(summary, config, config%method%method, solution%is_converged, result%warnings)
+         call add_head(summary, config, config%method%method, trim(merge('converged    ', 'not_converged', &
+            solution%is_converged)), result%warnings)
          call summary%record(effort_members(solution))
          call summary%add(member('problem', '{"file": '//string(config%reduced%path)//', "form": '// &
             string(system%form)//', "entries": '//to_text(size(system%entry))//', "largest_compliance": '// &

@@ -1,6 +1,7 @@
 !> The study of a single case.
 module amontons_single_study
    use amontons_all_solutions, only: find_all_solutions
+   use amontons_answer_report, only: write_answer
    use amontons_check_body, only: check_body
    use amontons_conditioning, only: rounded
    use amontons_config, only: config_t
@@ -8,7 +9,7 @@ module amontons_single_study
    use amontons_kinds, only: dp
    use amontons_listing_parts, only: closed_text
    use amontons_listing_text, only: scientific, short
-   use amontons_outcome, only: judge, outcome_t
+   use amontons_outcome, only: outcome_t
    use amontons_quantity, only: value_of
    use amontons_reduced_file, only: write_reduced_file
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
@@ -64,19 +65,40 @@ contains
       type(result_t) :: result
 
       call solve_case(cache, self%config, result, error)
+      if (result%has_no_equilibrium) then
+         call report_no_equilibrium(self%config, cache, options%directory, result, outcome, error)
+         return
+      end if
       if (.not. allocated(error)) call add_extras(self%config, cache, options, result, error)
       if (.not. allocated(error)) call write_report(options%directory, self%config, cache%body, result, error)
       if (allocated(error)) return
       outcome%text = solved_text(self%config%name, result)
       outcome%warnings = result%warnings
       outcome%has_grids = result%solution%is_converged
-      call judge(result%solution%is_converged, result%solution%residual, result%certificate%largest(), &
-         self%config%method%tolerance, outcome%status, outcome%message)
+      call outcome%judge(result%solution%is_converged, result%solution%residual, result%certificate%largest(), &
+         self%config%method%tolerance)
       if (result%solution%is_converged .and. outcome%status /= 0 .and. result%condition > 0.0_dp) outcome%message = &
          outcome%message//'; the condition number of the stiffness is about '//rounded(result%condition)
       associate (unused => monitor)
       end associate
    end subroutine single_study_solve
+
+   !> Writes that a case has no equilibrium. This is its answer, not a failure: it has files.
+   subroutine report_no_equilibrium(config, cache, directory, result, outcome, error)
+      type(config_t), intent(in) :: config !! the case
+      type(cache_t), intent(in) :: cache !! its body
+      character(*), intent(in) :: directory !! output directory
+      type(result_t), intent(in) :: result !! the load case and its warnings
+      type(outcome_t), intent(inout) :: outcome !! gains status, line, message and warnings
+      type(error_t), allocatable, intent(inout) :: error
+         !! on entry that there is no equilibrium; on return that files cannot be written
+
+      outcome%status = error%kind
+      outcome%message = error%message
+      outcome%word = 'no_equilibrium'
+      outcome%warnings = result%warnings
+      call write_answer(directory, config, cache%body, result, outcome%message, error)
+   end subroutine report_no_equilibrium
 
    !> Adds what the options ask for: the reduced problem in a file, all solutions.
    subroutine add_extras(config, cache, options, result, error)

@@ -15,7 +15,7 @@ module amontons_sweep_chunk
    use amontons_sweep, only: sweep_t
    use amontons_sweep_model, only: sweep_model_t
    use amontons_sweep_table, only: append_row, status_runs
-   use amontons_sweep_statistics, only: case_flies_off, case_result_t, new_case_result
+   use amontons_sweep_statistics, only: case_no_equilibrium, case_result_t, new_case_result
    implicit none (type, external)
    private
 
@@ -112,7 +112,7 @@ contains
          call check_balance_of(task, body, number, error)
          !$omp end critical
          if (allocated(error)) then
-            kept%outcome = case_flies_off
+            kept%outcome = case_no_equilibrium
             kept%quantity = spread(0.0_dp, 1, task%n_quantities)
             kept%n_iterations = n_iterations
             return
@@ -148,7 +148,7 @@ contains
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: number !! number of the case
-      type(error_t), allocatable, intent(out) :: error !! the body flies off
+      type(error_t), allocatable, intent(out) :: error !! there is no equilibrium
       type(load_case_t) :: load_case
 
       call task%model%load_case(task%sweep%values(number), load_case)

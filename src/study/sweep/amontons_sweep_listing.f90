@@ -10,7 +10,7 @@ module amontons_sweep_listing
    use amontons_listing_text, only: heading, line, right, scientific, short
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep, only: sweep_axis_t, swept_load
-   use amontons_sweep_statistics, only: case_converged, outcome_names, ranked_keys, sweep_statistics_t
+   use amontons_sweep_statistics, only: case_converged, outcome_labels, ranked_keys, sweep_statistics_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -105,9 +105,9 @@ contains
             line('Factorization', factorization_text(result%certified))// &
             line('Converged', to_text(statistics%n_outcomes(case_converged))//' of '//to_text(statistics%n_cases)// &
             ' cases')
-         do i = 1, size(outcome_names)
-            if (i == case_converged .or. statistics%n_outcomes(i) == 0) cycle
-            text = text//line('NOT SOLVED', to_text(statistics%n_outcomes(i))//' cases: '//trim(outcome_names(i)))
+         do i = 1, size(outcome_labels)
+            if (i /= case_converged .and. statistics%n_outcomes(i) > 0) text = text// &
+               line(trim(outcome_labels(i)), to_text(statistics%n_outcomes(i))//' cases')
          end do
          text = text//line('Iterations', to_text(statistics%n_iterations)//', '// &
             short(real(statistics%n_iterations, dp)/max(1, statistics%n_cases))//' a case')

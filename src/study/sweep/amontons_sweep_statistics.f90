@@ -11,16 +11,20 @@ module amontons_sweep_statistics
    implicit none (type, external)
    private
 
-   public :: case_keys, case_quantities, case_result_t, new_case_result, outcome_names, ranked_keys, sweep_statistics_t
+   public :: case_keys, case_quantities, case_result_t, new_case_result, outcome_labels, outcome_names, ranked_keys, &
+      sweep_statistics_t
 
    !> Outcome of a case that converged.
    integer, parameter, public :: case_converged = 1
    !> Outcome of a case whose residual stayed above the tolerance.
    integer, parameter, public :: case_not_converged = 2
    !> Outcome of a case whose loads no contact forces can balance.
-   integer, parameter, public :: case_flies_off = 3
+   integer, parameter, public :: case_no_equilibrium = 3
    !> Names of the outcomes, as the result files write them.
-   character(13), parameter :: outcome_names(3) = [character(13) :: 'converged', 'not_converged', 'flies_off']
+   character(14), parameter :: outcome_names(3) = [character(14) :: 'converged', 'not_converged', 'no_equilibrium']
+   !> Names of the outcomes, as listings have them.
+   character(14), parameter :: outcome_labels(3) = [character(14) :: 'Converged', 'NOT CONVERGED', 'No equilibrium']
+
    !> What is kept of one case.
    type :: case_result_t
       integer :: outcome = case_not_converged !! what became of it
@@ -46,6 +50,7 @@ module amontons_sweep_statistics
       integer, allocatable :: greatest_case(:) !! the first case that has it
    contains
       procedure :: add => sweep_statistics_add
+      procedure :: is_answered => sweep_statistics_is_answered
       procedure :: read => sweep_statistics_read
       procedure :: text => sweep_statistics_text
    end type sweep_statistics_t
@@ -155,6 +160,13 @@ contains
          end if
       end do
    end subroutine sweep_statistics_add
+
+   !> Whether every case has its answer: a solution, or that there is no equilibrium.
+   pure logical function sweep_statistics_is_answered(self) result(is_answered)
+      class(sweep_statistics_t), intent(in) :: self !! the statistics
+
+      is_answered = self%n_outcomes(case_not_converged) == 0
+   end function sweep_statistics_is_answered
 
    !> The statistics as a line that `read` understands.
    pure function sweep_statistics_text(self) result(text)

@@ -5,14 +5,14 @@ module amontons_sweep_study
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_listing_text, only: scientific
-   use amontons_outcome, only: judge, outcome_t, status_interrupted
+   use amontons_outcome, only: outcome_t, status_interrupted
    use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t
    use amontons_solve_sweep, only: solve_sweep, sweep_result_t
    use amontons_study, only: study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep_report, only: write_sweep_report
-   use amontons_sweep_statistics, only: case_converged
+   use amontons_sweep_statistics, only: case_converged, case_no_equilibrium, case_not_converged
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -70,6 +70,7 @@ contains
       if (allocated(error)) return
       if (result%is_interrupted) then
          outcome%status = status_interrupted
+         outcome%word = 'interrupted'
          outcome%message = 'interrupted after '//to_text(result%statistics%n_cases)//' of '// &
             to_text(self%config%sweep%n_cases())//' cases; the same command goes on from there'
          return
@@ -86,17 +87,17 @@ contains
       type(sweep_result_t), intent(in) :: result !! the result
       real(dp), intent(in) :: tolerance !! tolerance of the method [-]
       type(outcome_t), intent(inout) :: outcome !! gains status, and what the solutions lack
-      integer :: n_left
 
-      n_left = result%statistics%n_cases - result%statistics%n_outcomes(case_converged)
-      if (n_left > 0) then
+      if (.not. result%statistics%is_answered()) then
          outcome%status = status_not_converged
-         outcome%message = to_text(n_left)//' of '//to_text(result%statistics%n_cases)// &
-            ' cases of the sweep are not solved'
+         outcome%word = 'not_converged'
+         outcome%message = to_text(result%statistics%n_outcomes(case_not_converged))//' of '// &
+            to_text(result%statistics%n_cases)//' cases of the sweep did not converge'
          return
       end if
-      call judge(.true., result%statistics%residual, result%certified%certificate%largest(), tolerance, &
-         outcome%status, outcome%message)
+      ! Where no case has an equilibrium there is nothing to certify.
+      if (result%statistics%worst_case == 0) return
+      call outcome%judge(.true., result%statistics%residual, result%certified%certificate%largest(), tolerance)
       if (outcome%status /= 0 .and. result%certified%condition > 0.0_dp) outcome%message = outcome%message// &
          '; the condition number of the stiffness is about '//rounded(result%certified%condition)
    end subroutine judge_sweep
@@ -112,8 +113,12 @@ contains
          if (statistics%n_outcomes(case_converged) == statistics%n_cases) then
             text = text//'all solved'
          else
-            text = text//to_text(statistics%n_cases - statistics%n_outcomes(case_converged))//' of them NOT SOLVED'
+            text = text//to_text(statistics%n_outcomes(case_converged))//' solved'
          end if
+         if (statistics%n_outcomes(case_no_equilibrium) > 0) text = text//', '// &
+            to_text(statistics%n_outcomes(case_no_equilibrium))//' without equilibrium'
+         if (.not. statistics%is_answered()) text = text//', '// &
+            to_text(statistics%n_outcomes(case_not_converged))//' NOT CONVERGED'
          if (statistics%residual_case == 0) return
          text = text//', residual at most '//scientific(statistics%residual)
       end associate

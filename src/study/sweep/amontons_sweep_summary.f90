@@ -10,7 +10,7 @@ module amontons_sweep_summary
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_summary_members, only: add_head, certificate_member, last_members, member, size_counts
    use amontons_sweep, only: sweep_t
-   use amontons_sweep_statistics, only: case_converged, ranked_keys, outcome_names, sweep_statistics_t
+   use amontons_sweep_statistics, only: ranked_keys, outcome_names, sweep_statistics_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -27,8 +27,8 @@ contains
       type(sweep_result_t), intent(in) :: result !! the result
 
       associate (statistics => result%statistics, certified => result%certified)
-         call add_head(summary, config, config%method%method, &
-            statistics%n_outcomes(case_converged) == statistics%n_cases, certified%warnings)
+         call add_head(summary, config, config%method%method, trim(merge('converged    ', 'not_converged', &
+            statistics%is_answered())), certified%warnings)
          call summary%add(member('iterations', to_text(statistics%n_iterations)))
          call summary%add(member('sweep', '{'//sweep_text(result)//'}'))
          call summary%add(member('quantities', '['//quantities_text(config%sweep)//']'))

@@ -1,0 +1,210 @@
+"""Decks in Python: texts and dicts, with settings; meshes of arrays, fields as arrays, warnings and missing files."""
+import os
+import sys
+import unittest
+import warnings
+from pathlib import Path
+
+from harness import CONTACT, PRESSURE, SOUND, SUPPORT, ProgramTest, block
+
+try:
+    import numpy as np
+except ImportError:
+    print("skipped: there is no NumPy")
+    sys.exit(0)
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "python"))
+import amontons  # noqa: E402  pylint: disable=wrong-import-position
+
+BLOCK = {"mesh": {"size": (4.0, 2.0), "cells": [4, 2], "element": "tri6"},
+         "material": {"young": 100, "poisson": np.float64(0.2)},
+         "support": [{"set": "left", "ux": 0.0}],
+         "load": [{"set": "top", "pressure": 1.0}, {"set": "right", "traction": np.array([0.1, 0.0])}],
+         "contact": {"set": "bottom", "friction": 0.3}}
+TEXT = """! The same as a text.
+&mesh size = 4.0, 2.0  cells = 4, 2  element = 'tri6' /
+&material young = 100  poisson = 0.2 /
+&support set = 'left'  ux = 0.0 /
+&load set = 'top'  pressure = 1.0 /
+&load set = 'right'  traction = 0.1, 0.0 /
+&contact set = 'bottom'  friction = 0.3 /
+"""
+
+
+class Decks(ProgramTest):
+    """Decks that are no files."""
+
+    def same(self, one, other):
+        """Checks that two results have the same tables."""
+        for key, values in one.contact.items():
+            np.testing.assert_array_equal(values, other.contact[key], err_msg=key)
+
+    def test_text_dict_and_file_are_the_same_deck(self):
+        expected = amontons.solve_deck(self.directory / self.write("deck.nml", TEXT))
+        self.assertEqual(expected.name, "deck")
+        for deck in (TEXT, BLOCK):
+            result = amontons.solve_deck(deck)
+            self.assertEqual((result.name, result.directory), ("deck", None))
+            self.same(result, expected)
+        self.assertEqual(self.files(), ["deck.nml"])
+
+    def test_words_and_logicals_of_a_dict(self):
+        text = amontons.deck_text({"case": {"title": "it's", "a": Path("b c")},
+                                   "sweep": [{"factor": range(3)}, {"x": True}]})
+        self.assertEqual(text, "&case title = 'it''s'  a = 'b c' /\n&sweep factor = 0, 1, 2 /\n&sweep x = .true. /\n")
+        self.assertEqual(amontons.read_deck(text), [("case", {"title": "it's", "a": "b c"}),
+                                                    ("sweep", {"factor": [0, 1, 2]}), ("sweep", {"x": ".true."})])
+        # any double comes back to the last bit
+        value = 0.1 + 0.2
+        self.assertEqual(amontons.read_deck(amontons.deck_text({"g": {"k": value}})), [("g", {"k": value})])
+
+    def test_an_effective_deck_is_read_and_solved_again(self):
+        expected = amontons.solve_deck(TEXT, self.directory / "out")
+        text = (self.directory / "out" / "deck.deck.nml").read_text(encoding="utf-8")
+        groups = {}
+        for name, keys in amontons.read_deck(text):
+            groups.setdefault(name, []).append(keys)
+        self.same(amontons.solve_deck(groups), expected)
+
+    def test_settings_take_the_place_of_what_a_deck_says(self):
+        name = self.directory / self.write("deck.nml", TEXT)
+        expected = amontons.solve_deck(TEXT.replace("0.3", "0.5").replace("0.1, 0.0", "0.2, 0.1"))
+        for deck in (TEXT, BLOCK, name, str(name)):
+            result = amontons.solve_deck(deck, contact__friction=0.5, load__2__traction=(0.2, 0.1), case__name="other",
+                                         case__title="10 % more, it's")
+            self.same(result, expected)
+            self.assertEqual((result.name, result.summary["title"]), ("other", "10 % more, it's"))
+        self.same(amontons.solve_deck(TEXT, **{"contact.friction": 0.5, "load(2).traction": [0.2, 0.1]}), expected)
+
+    def test_faults_of_texts_and_settings_are_sentences(self):
+        for deck, settings, sentence in (
+                (TEXT.replace("friction", "frction"), {}, "^deck:7: unknown key 'frction' in &contact"),
+                (TEXT, {"contact__frction": 1}, "unknown key 'frction' in &contact"),
+                (TEXT, {"load__traction": (1, 0)}, r"the deck has 2 &load; write load\(1\).traction for the first"),
+                (TEXT, {"friction": 1}, "expected GROUP.KEY=VALUE, such as contact.friction=0.3, found 'friction=1'"),
+                (TEXT + "\0", {}, "a character of code 0")):
+            with self.subTest(sentence), self.assertRaisesRegex(amontons.InputRefused, sentence):
+                amontons.solve_deck(deck, **settings)
+
+    def test_files_of_a_text_are_seen_from_the_current_directory(self):
+        text = block(SUPPORT, PRESSURE, "contact set = 'bottom'  obstacle = 'polyline'  line = 'no such line.csv'")
+        with self.assertRaisesRegex(FileNotFoundError, "^deck:5: line: no such line.csv: cannot read this file: "):
+            amontons.solve_deck(text)
+        here = os.path.relpath(self.directory / self.write("line.csv", "-1 0\n9 0\n"))
+        self.assertTrue(amontons.solve_deck(text, contact__line=here).is_solved)
+
+    def test_missing_files_are_missing_files(self):
+        for settings in ({}, {"contact__friction": 0.1}):
+            with self.assertRaisesRegex(amontons.FileMissing, "nowhere.nml: cannot read this file") as caught:
+                amontons.solve_deck(self.directory / "nowhere.nml", **settings)
+            self.assertIsInstance(caught.exception, FileNotFoundError)
+            self.assertIsInstance(caught.exception, amontons.InputRefused)
+            with self.assertRaises(amontons.InputRefused) as caught:
+                amontons.solve_deck(self.directory, **settings)
+            self.assertNotIsInstance(caught.exception, FileNotFoundError)
+
+    def test_warnings_are_warnings(self):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            result = amontons.solve_deck(SOUND, contact__friction=2.5)
+        self.assertTrue(result.is_solved)
+        self.assertEqual([str(warning.message) for warning in caught], result.summary["warnings"])
+        self.assertIn("friction of 2.5", str(caught[0].message))
+        self.assertEqual({(warning.category, warning.filename) for warning in caught},
+                         {(amontons.DoubtfulResult, __file__)})
+
+    def test_fields_are_arrays(self):
+        for output in (None, self.directory / "out"):
+            result = amontons.solve_deck(TEXT, output)
+            (kind, cells), = result.cells
+            n, m = len(result.nodes), len(cells)
+            self.assertEqual((kind, cells.shape[1], n, m), ("triangle6", 6, 45, 16))
+            self.assertEqual([values.shape for values in (result.displacement, result.stress, result.nodal_stress)],
+                             [(n, 2), (m, 6), (n, 6)])
+            # On the floor gap and slip are the displacements; at the top the pressure is on the body.
+            at = np.array([np.argmin(np.hypot(*(result.nodes - [x, 0.0]).T)) for x in result.contact["x"]])
+            np.testing.assert_allclose(result.displacement[at, 0], result.contact["slip"], atol=1e-15)
+            np.testing.assert_allclose(result.displacement[at, 1], result.contact["gap"], atol=1e-15)
+            areas = np.abs(np.cross(*(result.nodes[cells[:, i]] - result.nodes[cells[:, 0]] for i in (1, 2))))/2
+            # Without body forces the mean stress yy of a block is the load over its width: the forces on its ends act
+            # along x.
+            self.assertAlmostEqual((areas*result.stress[:, 1]).sum()/8.0, -1.0, delta=1e-9)
+
+    def test_results_are_drawn(self):
+        try:
+            import matplotlib  # pylint: disable=import-outside-toplevel
+        except ImportError:
+            self.skipTest("matplotlib is not installed")
+        matplotlib.use("Agg")
+        figure = amontons.figure(amontons.solve_deck(TEXT), ["body", "stress"], "nodal_von_mises")
+        self.assertEqual([len(part.axes) for part in figure.subfigs], [1, 1])
+
+
+class Meshes(ProgramTest):
+    """Meshes of arrays."""
+
+    CONTACT = "&material young = 100  poisson = 0.2 /\n&support set = 'left'  ux = 0.0 /\n" \
+        "&load set = 'top'  pressure = 1.0 /\n&contact set = 'bottom'  friction = 0.3 /\n"
+
+    @staticmethod
+    def rectangle(quadratic=False):
+        """The mesh of a rectangle of 4 x 2 with 4 x 2 cells, its nodes in another order than the program's."""
+        grid = amontons.solve_deck(TEXT, mesh__element="quad8" if quadratic else "quad4", load__2__traction=(0, 0))
+        (kind, cells), = grid.cells
+        order = np.random.default_rng(1).permutation(len(grid.nodes))
+        nodes, place = grid.nodes[order], np.argsort(order)
+        cells = place[cells]
+        loops = np.concatenate([cells[:, [i, (i + 1) % 4, *([4 + i]*quadratic)]] for i in range(4)])
+        sides = {name: loops[(np.abs(nodes[loops][:, :, axis] - value) < 1e-12).all(axis=1)]
+                 for name, axis, value in (("left", 0, 0.0), ("bottom", 1, 0.0), ("top", 1, 2.0))}
+        return grid, amontons.Mesh(nodes, [(kind, cells)], sides)
+
+    def test_a_mesh_of_arrays_is_the_mesh(self):
+        for quadratic in (False, True):
+            expected, mesh = self.rectangle(quadratic)
+            result = amontons.solve_deck(self.CONTACT, mesh=mesh)
+            np.testing.assert_array_equal(result.nodes, mesh.nodes)
+            self.assertEqual(len(mesh.sides["bottom"]), 4)
+            # another numbering, another order of sums
+            np.testing.assert_allclose(result.contact["contact_pressure"], expected.contact["contact_pressure"],
+                                       rtol=1e-9)
+            np.testing.assert_array_equal(result.contact["x"], expected.contact["x"])
+
+    def test_kept_results_can_be_verified(self):
+        _, mesh = self.rectangle()
+        amontons.solve_deck({"case": {"name": "part"}}, self.directory / "out", mesh=mesh,
+                            **{"material.young": 100, "material.poisson": 0.2, "support.set": "left", "support.ux": 0,
+                               "support.uy": 0})
+        self.assertEqual(len(list((self.directory / "out").glob("mesh_*.msh"))), 1)
+        self.run_program("--verify", "out")
+
+    def test_regions_and_points(self):
+        nodes = [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1], [3, 0]]
+        mesh = amontons.Mesh(nodes, [("quad", [[0, 1, 4, 3]]), ("triangle", [[1, 2, 5], [1, 5, 4], [2, 6, 5]])],
+                             points={"ends": [0, 3]}, regions={"stiff": [1, 2]})
+        deck = {
+            "material": [{"young": 1.0, "poisson": 0.0}, {"young": 1e3, "poisson": 0.0, "region": "stiff"}],
+            "support": [{"point": node, "ux": 0.0, "uy": 0.0} for node in nodes[:4:3]],
+            "load": [{"set": "ends", "force": (1.0, 0.0)}, {"point": nodes[6], "force": (0.0, 1e-6)}]}
+        result = amontons.solve_deck(deck, mesh=mesh)
+        self.assertEqual(result.mesh.cell_data["material"].tolist(), [1, 2, 2, 1])
+
+    def test_faults_of_meshes(self):
+        nodes, cells = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], [("triangle", [[0, 1, 2]])]
+        for arguments, sentence in (
+                (([[0.0], [1.0]], cells), r"expected nodes of n x 2 numbers, found \(2, 1\)"),
+                ((nodes, [("triangle", [[0, 1, 3]])]), "'triangle': expected numbers from 0 to 2, found 0 to 3"),
+                ((nodes, [("tri", [[0, 1, 2]])]), "cells 'tri' of 3 nodes: expected one of 'triangle' of 3, "),
+                ((nodes, [("triangle", [[0.0, 1.0, 2.0]])]), "'triangle': expected whole numbers, found float64"),
+                ((nodes, cells, {"left": [[0, 1, 2, 0]]}), "sides 'left': expected 2 or 3 nodes a side, found 4"),
+                ((nodes, cells, {'a"b': [[0, 1]]}), "a name with a quote or a line end"),
+                ((nodes, cells, {}, {}, {"core": [1]}), "region 'core': expected numbers from 0 to 0, found 1 to 1")):
+            with self.subTest(sentence), self.assertRaisesRegex(ValueError, sentence):
+                amontons.Mesh(*arguments).text()
+        with self.assertRaisesRegex(amontons.SystemFailure, "cannot write the mesh there"):
+            amontons.solve_deck({}, self.directory / self.write("file", "") / "out", mesh=amontons.Mesh(nodes, cells))
+
+
+if __name__ == "__main__":
+    unittest.main()
