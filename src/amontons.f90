@@ -56,7 +56,8 @@ module amontons
    ! Values
    public :: dp, error_t, input_refused, numerical_failure, system_failure, version
    ! Cases
-   public :: cache_t, case_label_t, config_t, new_case_label, prepare_case, read_config, result_t, solve_case, write_report
+   public :: cache_t, case_label_t, config_t, new_case_label, prepare_case, read_config, result_t, solve_case, &
+      write_report
    ! Results in files
    public :: file_name_t, find_cases, verdict_t, verify_files
    ! Studies of any kind

@@ -238,16 +238,17 @@ contains
       if (self%place > 0 .and. .not. holds) call self%deck%fault(self%place, key, sentence)
    end subroutine visitor_require
 
-   !> Reads the table of two columns in a file that a key of the group names.
-   subroutine visitor_table(self, key, file, table)
+   !> Reads the table in a file that a key of the group names.
+   subroutine visitor_table(self, key, file, table, n_columns)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       character(*), intent(in) :: key !! name of the key
       character(:), allocatable, intent(in) :: file !! name of the file from the root on; empty without one
-      real(dp), allocatable, intent(inout) :: table(:, :) !! the table (2, rows)
+      real(dp), allocatable, intent(inout) :: table(:, :) !! the table (columns, rows)
+      integer, intent(in), optional :: n_columns !! number of columns, 2 where it is not present
       type(error_t), allocatable :: error
 
       if (.not. (self%has(key) .and. is_filled(file))) return
-      call read_number_table(table, file, error)
+      call read_number_table(table, file, error, n_columns)
       if (allocated(error)) call self%require(.false., key, key//': '//error%message)
    end subroutine visitor_table
 

@@ -16,6 +16,7 @@ module amontons_constraints
    !> A prescribed displacement or an elastic foundation of a boundary set, or a prescribed displacement of the node at
    !> a point.
    type :: support_t
+      character(:), allocatable :: name !! its name, by which a load history knows it; empty without one
       character(:), allocatable :: set !! name of the boundary set; empty for a support at a point
       real(dp) :: point(2) = 0.0_dp !! coordinates of the node [L]; read when `set` is empty
       logical :: is_held(size(supported_components)) = .false. !! which components are prescribed
@@ -46,6 +47,7 @@ contains
       type(support_t), intent(out) :: support !! the support
       character(*), intent(in) :: set !! name of the boundary set
 
+      support%name = ''
       support%set = set
       support%origin = ''
    end subroutine new_support

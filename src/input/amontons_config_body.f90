@@ -126,13 +126,16 @@ contains
    subroutine describe_support(visitor, support)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(support_t), intent(inout) :: support !! the support
-      logical :: has_set, has_point, has_spring(2)
+      logical :: has_name, has_set, has_point, has_spring(2)
       integer :: k
 
+      has_name = is_filled(support%name)
       has_set = is_filled(support%set)
       has_point = allocated(support%set) .and. .not. has_set
       has_spring = any(support%spring > 0.0_dp)
       call visitor%open_group(support_group)
+      call visitor%text(key_t('name', 'by which `&steps` know it; several supports may share a name', default='none', &
+         is_filled=.true., is_free=.true., also='label'), support%name, has_name)
       call visitor%text(key_t('set', 'the nodes of a boundary set; this or `point` is required', is_filled=.true., &
          also='nset boundary'), support%set, has_set)
       call visitor%reals(key_t('point', 'the node at these coordinates', 'L', also='node'), support%point, has_point)
@@ -166,7 +169,7 @@ contains
       on_nodes = load%target == load_on_nodes
       has_point = on_nodes .and. .not. has_set
       call visitor%open_group(load_group)
-      call visitor%text(key_t('name', 'by which a `&sweep` knows it; several loads may share a name', default='none', &
+      call visitor%text(key_t('name', 'by which `&sweep` and `&steps` know it; several loads may share a name', default='none', &
          is_filled=.true., also='label'), load%name, has_name)
       call visitor%text(key_t('set', 'the boundary set of a traction or pressure; the node set or boundary set of'// &
          ' point forces', is_filled=.true., also='nset surface'), load%set, has_set)

@@ -61,11 +61,11 @@ contains
       ! What is told is the deck's.
       result%load_case%contacts = config%contacts
       result%method = config%method
-      ! Loads and friction that a sweep varies need not balance as they stand.
       call add_model_warnings(result%warnings, cache%body, result%load_case)
+      ! Loads and friction that a sweep or a history varies need not balance as they stand.
       if (config%sweep%is_given()) then
          call add_sweep_warnings(result%warnings, config%sweep, config%contacts)
-      else
+      else if (.not. config%history%is_given) then
          call check_balance(cache%body, result%load_case, error)
          result%has_no_equilibrium = allocated(error)
       end if

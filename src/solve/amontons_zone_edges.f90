@@ -2,8 +2,8 @@
 !>
 !> The sum T of the forces from a place s of a zone to its end a is proportional to (a - s)^(3/2) where the stress falls
 !> to zero like a square root, as the pressure of Hertz and, at the end of a stick zone, what the shear lacks to its
-!> bound; to (a - s)^(1/2) where it grows without bound, as at the corner of a punch. So T^(2/3), or T^2, is linear in s,
-!> and two sums give a. Sums are taken at the ends of tributary lengths: those the forces of the nodes belong to.
+!> bound; to (a - s)^(1/2) where it grows without bound, as at the corner of a punch. So T^(2/3), or T^2, is linear in
+!> s, and two sums give a. Sums are taken at the ends of the tributary lengths of nodes.
 module amontons_zone_edges
    use amontons_contact_zone, only: contact_zone_t
    use amontons_kinds, only: dp

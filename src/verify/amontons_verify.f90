@@ -126,6 +126,9 @@ contains
       if (config%name /= name) call summary%faults%add(stem//'.deck.nml', "it is the deck of case '"//config%name//"'")
       if (config%reduced%is_given) then
          call verify_reduced(summary, config, stem, is_certified)
+      else if (config%history%is_given) then
+         call summary%faults%add(stem//'.history.csv', 'the steps of a history cannot be computed again from its '// &
+            'files; only whether a file was changed is checked')
       else if (config%sweep%is_given()) then
          call verify_sweep(summary, cache, config, stem, is_certified)
       else

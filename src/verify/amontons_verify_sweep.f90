@@ -17,7 +17,8 @@ module amontons_verify_sweep
    use amontons_summary_file, only: summary_file_t
    use amontons_sweep_report, only: n_documents, sweep_documents
    use amontons_sweep_summary, only: new_sweep_summary
-   use amontons_sweep_table, only: append_row, read_status_runs, status_runs, sweep_header
+   use amontons_row_text, only: read_status_runs, status_runs
+   use amontons_sweep_table, only: append_row, sweep_header
    use amontons_sweep_statistics, only: case_converged, case_keys, case_result_t, outcome_names
    use amontons_text, only: read_integer, to_text
    use amontons_timings, only: phase_solve

@@ -26,9 +26,22 @@ COMPANIONS = {
     ("contact", "cells"): {"set": "'bottom'", "multipliers": "'constant'"},
     ("contact", "cell_ends"): {"set": "'bottom'", "multipliers": "'constant'"},
     ("problem", "friction"): {"kind": "'reduced'", "file": "'none.dat'"},
+    **{("history", key): {"times": "0.0, 1.0"}
+       for key in ("times", "name", "substeps", "step_tolerance", "min_step")},
+    **{("steps", key): {"load": "'push'", "factor": "1.0"} for key in ("load", "factor")},
+    **{("steps", key): {"obstacle": "'bottom'", "shift_x": "0.0", "turn": "0.0"}
+       for key in ("obstacle", "shift_x", "shift_y", "turn", "pivot")},
+    ("steps", "friction_factor"): {"contact": "'bottom'"},
 }
 # What a deck needs besides, for a key to stand in it.
-BESIDES = {("output", "fields_every"): {"sweep": {"friction": "0.1, 0.2"}}}
+HISTORY = {"history": {"times": "0.0"}}
+BESIDES = {
+    ("output", "fields_every"): {"sweep": {"friction": "0.1, 0.2"}},
+    ("output", "points_every"): HISTORY,
+    ("output", "probe"): HISTORY,
+    **{("steps", key): HISTORY for key in ("load", "factor", "obstacle", "shift_x", "shift_y", "turn", "pivot",
+                                          "friction_factor")},
+}
 WORD = re.compile(r"`('[^`]*')`")
 NOUNS = {"text": "quoted text", "number": "number", "numbers": "number", "whole": "whole number"}
 

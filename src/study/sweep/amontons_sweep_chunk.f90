@@ -14,7 +14,8 @@ module amontons_sweep_chunk
    use amontons_newton, only: newton_t
    use amontons_sweep, only: sweep_t
    use amontons_sweep_model, only: sweep_model_t
-   use amontons_sweep_table, only: append_row, status_runs
+   use amontons_row_text, only: status_runs
+   use amontons_sweep_table, only: append_row
    use amontons_sweep_statistics, only: case_no_equilibrium, case_result_t, new_case_result
    implicit none (type, external)
    private
