@@ -65,6 +65,7 @@ module amontons_deck_visitor
       procedure(close_group), deferred :: close_group
       procedure(visit_reals), deferred :: reals
       procedure(visit_text), deferred :: text
+      procedure(visit_words), deferred :: words
       procedure :: real => visitor_real
       procedure :: list => visitor_list
       procedure :: whole => visitor_whole
@@ -117,6 +118,16 @@ module amontons_deck_visitor
          logical, intent(inout), optional :: is_given !! as for reals
          character(*), intent(in), optional :: choices(:) !! the words it can be, in lower case, blank padded
       end subroutine visit_text
+
+      !> Visits a list of words.
+      subroutine visit_words(self, key, choices, is_chosen)
+         import :: deck_visitor_t, key_t
+         implicit none (type, external)
+         class(deck_visitor_t), intent(inout) :: self !! the visitor
+         type(key_t), intent(in) :: key !! the key
+         character(*), intent(in) :: choices(:) !! the words it can have, in lower case, blank padded
+         logical, intent(inout) :: is_chosen(:) !! which of them it has
+      end subroutine visit_words
    end interface
 
 contains

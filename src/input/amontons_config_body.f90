@@ -4,6 +4,7 @@ module amontons_config_body
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_element, only: element_names
    use amontons_error, only: error_t
+   use amontons_file_model, only: use_names
    use amontons_kinds, only: dp
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_on_sides, load_t
    use amontons_material, only: formulation_names, hypothesis_names, material_t, new_material
@@ -34,10 +35,12 @@ module amontons_config_body
 contains
 
    !> Describes `&mesh`: a rectangle and its cells, or a file.
-   subroutine describe_mesh(visitor, file, rectangle, origin)
+   subroutine describe_mesh(visitor, file, is_used, rectangle, n_refinements, origin)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       character(:), allocatable, intent(inout) :: file !! name of the mesh file from the root on; empty for a rectangle
+      logical, intent(inout) :: is_used(:) !! which of `use_names` are taken from the file, too
       type(rectangle_t), intent(inout) :: rectangle !! the rectangle that is the body where there is no file
+      integer, intent(inout) :: n_refinements !! how often every element is cut in four
       character(:), allocatable, intent(inout) :: origin !! where the mesh is specified
       character(4), parameter :: kind_of_file = 'file'
       character(:), allocatable :: kind
@@ -59,6 +62,8 @@ contains
       has_grading = is_rectangle
       call visitor%text(key_t('file', "with `kind = 'file'`, where it is required: name of the mesh file, seen from"// &
          " the deck's folder", is_file=.true., is_filled=.true., also='filename path'), file, has_file)
+      call visitor%words(key_t('use', 'what the body takes from an Abaqus or CalculiX file besides the mesh', &
+         default='none', also='read import'), use_names, is_used)
       call visitor%reals(key_t('size', 'of the rectangle: width and height', 'L', above=0.0_dp, &
          is_required=needs_size, also='length lengths dimensions'), rectangle%size, has_size)
       call visitor%wholes(key_t('cells', 'of the rectangle: number of cells along x and y', at_least=1.0_dp, &
@@ -69,10 +74,13 @@ contains
          ' quadrilaterals'), rectangle%diagonal, diagonal_names, has_diagonal)
       call visitor%real(key_t('grading', 'height of the top row of cells over that of the bottom row; the rows'// &
          ' between follow a geometric series', above=0.0_dp, also='bias ratio'), rectangle%grading, has_grading)
+      call visitor%whole(key_t('refine', 'how often every element is cut in four, curved sides along their curve;'// &
+         ' sets and regions follow', at_least=0.0_dp, also='refinement refinements'), n_refinements)
       call visitor%close_group()
       call visitor%locate(trim(merge('cells', 'file ', is_rectangle)), origin)
       if (.not. visitor%is_judging()) return
       call visitor%only('file', .not. is_rectangle, "kind = 'file'")
+      call visitor%only('use', .not. is_rectangle, "kind = 'file'")
       call visitor%only('size', is_rectangle, "kind = 'rectangle'")
       call visitor%only('cells', is_rectangle, "kind = 'rectangle'")
       call visitor%only('element', is_rectangle, "kind = 'rectangle'")

@@ -1,5 +1,6 @@
 !> NAME.lst: the listing, which an engineer reads top to bottom and needs nothing else.
 module amontons_listing
+   use amontons_accuracy_text, only: convergence_text
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
    use amontons_certificate, only: certificate_t
@@ -45,9 +46,12 @@ contains
          call listing%add(model_text(body, result%load_case)//loads_text(result%load_case))
          if (allocated(result%study_listing)) call listing%record(result%study_listing)
          call listing%record(solution_text(body, result))
+         if (allocated(result%convergence)) call listing%record(convergence_text(result%convergence))
          call listing%add(zones_text(body, result), [line_scale(body)])
          call listing%add(resultants_text(result), [force_scale(result)])
          call listing%add(certificate_text(result%certificate, result%method%tolerance), [1.0_dp])
+         if (allocated(result%error_estimate)) call listing%add(heading('Accuracy (energy norm of the stress error)')// &
+            quantities_text(result%error_estimate%quantities()))
          call listing%add(points_text('Contact points (forces and stresses: compression and shear along the slip '// &
             'positive)', columns, solution%status), [0.0_dp, pack(columns%scale, columns%label /= ''), 0.0_dp])
       end associate

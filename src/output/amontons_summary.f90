@@ -1,5 +1,6 @@
 !> NAME.summary.json: the result in numbers that a script reads.
 module amontons_summary
+   use amontons_accuracy_text, only: convergence_member
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
    use amontons_document, only: document_t
@@ -47,6 +48,9 @@ contains
          call summary%add(intervals_member('stick_zones', result%stuck), [maxval(abs(body%zone%position))])
          call summary%add(quantities_member('resultants', resultants(solution%force)), &
             scales(resultants(solution%force)))
+         if (allocated(result%error_estimate)) call summary%add(quantities_member('accuracy', &
+            result%error_estimate%quantities()))
+         if (allocated(result%convergence)) call summary%record(convergence_member(result%convergence))
          call summary%record(last_members(result%timings))
       end associate
    end subroutine new_summary

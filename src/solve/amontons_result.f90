@@ -3,6 +3,8 @@ module amontons_result
    use amontons_all_solutions, only: all_solutions_t
    use amontons_certificate, only: certificate_t
    use amontons_contact_solution, only: contact_solution_t
+   use amontons_convergence, only: refined_quantity_t
+   use amontons_error_estimate, only: error_estimate_t
    use amontons_kinds, only: dp, int64
    use amontons_lengths, only: lengths_t
    use amontons_load_case, only: load_case_t
@@ -42,6 +44,9 @@ module amontons_result
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
       type(all_solutions_t), allocatable :: all_solutions !! all solutions, where they were asked for
       logical :: has_reduced_files = .false. !! whether its reduced problem was written
+      logical :: wants_error_estimate = .false. !! whether the error of the stresses is to be estimated
+      type(error_estimate_t), allocatable :: error_estimate !! the estimate, where it is wanted
+      type(refined_quantity_t), allocatable :: convergence(:) !! its numbers on refined meshes, where they were asked for
       type(quantity_t), allocatable :: key_results(:) !! largest values with their places, and what contact sets carry
       type(interval_t), allocatable :: closed(:) !! the closed parts of the contact line
       type(interval_t), allocatable :: stuck(:) !! its parts that stick

@@ -11,11 +11,12 @@ module amontons_solve_case
    use amontons_error, only: error_t
    use amontons_load_case, only: new_load_case
    use amontons_mesh, only: mesh_t
-   use amontons_mesh_file, only: read_mesh_file
+   use amontons_mesh_file, only: read_used_mesh
    use amontons_methods, only: new_contact_method
    use amontons_model_warnings, only: add_model_warnings, add_sweep_warnings
    use amontons_name_check, only: check_names
    use amontons_rectangle, only: new_rectangle_mesh
+   use amontons_refined_mesh, only: refine_mesh
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_load_case
    use amontons_state, only: new_state, state_t
@@ -47,6 +48,8 @@ contains
       type(contact_t), allocatable :: contacts(:)
 
       call new_timings(result%timings)
+      result%wants_error_estimate = config%accuracy%wants_estimate() .and. &
+         .not. (config%sweep%is_given() .or. config%history%is_given)
       if (has_body(cache, config)) then
          call check_names(config, cache%body%mesh, error)
       else
@@ -104,10 +107,11 @@ contains
 
       notes = ''
       if (len(config%mesh_file) > 0) then
-         call read_mesh_file(mesh, config%mesh_file, notes, error)
+         call read_used_mesh(mesh, config%mesh_file, config%is_used, notes, error)
       else
          call new_rectangle_mesh(mesh, config%rectangle, error)
       end if
+      if (.not. allocated(error)) call refine_mesh(mesh, config%n_refinements, error)
       if (allocated(error)) error%message = config%mesh_origin//error%message
    end subroutine new_mesh
 

@@ -9,6 +9,7 @@ module amontons_solve_load_case
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_estimate_error, only: estimate_error
    use amontons_kinds, only: dp
    use amontons_key_results, only: body_peaks, contact_peaks, find_zones, set_results
    use amontons_lengths, only: new_lengths
@@ -122,7 +123,7 @@ contains
       if (condition > explaining) result%condition = min(condition, huge(1.0_dp))
    end subroutine certify
 
-   !> Computes all that follows from displacements, contact forces and statuses: certificate, lengths, key results.
+   !> Computes all that follows from displacements, contact forces and statuses: certificate, lengths, key results, error estimate.
    subroutine judge(result, body)
       type(result_t), intent(inout) :: result !! the result: load case, solution and displacements of all nodes
       type(body_t), intent(in) :: body !! the body
@@ -139,6 +140,10 @@ contains
             result%load_case%thermal_strain), &
             set_results(body, solution%force, result%closed, result%stuck)]
       end associate
+      if (result%wants_error_estimate) then
+         allocate (result%error_estimate)
+         call estimate_error(result%error_estimate, body, result%load_case, result%displacement, result%solution%force)
+      end if
    end subroutine judge
 
    !> How far the forces of the elements cancel, |K| |u| / |f|: of a body that its supports hold still, a bound from

@@ -42,6 +42,7 @@ MEMBERS = {
     "lengths": dict.fromkeys(("open_length", "slip_length", "stick_length"), float),
     "closed_zones": list, "stick_zones": list,
     "resultants": dict.fromkeys(("normal_force", "tangential_force"), float),
+    "accuracy": {"error_norm": float, "relative_error": float},
     "seconds": dict.fromkeys(("read", "assemble", "factorize", "condense", "solve", "recover", "write", "total"),
                              float),
     "peak_memory_mb": float, "files": list, "inputs": list, "checksum": int,

@@ -54,7 +54,7 @@ class Key:
         self.group, self.name, self.is_required = group, name.strip("*`"), name.startswith("*")
         self.words = WORD.findall(self.values)
         n_values, noun = re.match(r"(\d+ )?(\w+)", "text" if self.words else self.values).groups()
-        self.is_list = noun == "numbers" and not n_values
+        self.is_list = noun == "numbers" and not n_values or self.values.startswith("texts")
         self.n_values, self.noun = int(n_values or 1), NOUNS[noun]
 
     def out_of_range(self):
@@ -125,7 +125,8 @@ class Reference(ProgramTest):
     def test_number_and_type_of_values_are_those_of_the_reader(self):
         for key in self.keys:
             if key.is_list:
-                value, fault = "'x'", f"{key.name}: expected a {key.noun}, found 'x'"
+                value, fault = ("1", f"{key.name}: expected {key.noun}, found 1") if key.words else (
+                    "'x'", f"{key.name}: expected a {key.noun}, found 'x'")
             else:
                 value, fault = f"{key.n_values + 1}*1", f"{key.name}: expected {key.n_values} {key.noun}" \
                     f"{'s' if key.n_values > 1 else ''}, found {key.n_values + 1}"

@@ -4,6 +4,7 @@
 !> in a place that all threads share.
 module amontons_sweep_table
    use amontons_decimal, only: longest_decimal
+   use amontons_result_warnings, only: case_warning_names
    use amontons_row_text, only: field
    use amontons_sweep, only: sweep_t
    use amontons_sweep_statistics, only: case_result_t, outcome_names
@@ -11,7 +12,7 @@ module amontons_sweep_table
    implicit none (type, external)
    private
 
-   public :: append_row, sweep_header
+   public :: append_row, read_warnings, sweep_header
 
 contains
 
@@ -29,7 +30,7 @@ contains
       do i = 1, size(keys)
          text = text//','//trim(keys(i))
       end do
-      text = text//',residual,iterations,outcome,statuses'//newline
+      text = text//',residual,iterations,outcome,warnings,statuses'//newline
    end function sweep_header
 
    !> Appends the row of a case; what a case without a solution has no number for is left empty.
@@ -49,12 +50,40 @@ contains
       call put_decimals(numbers, length, sweep%values(number))
       if (result%has_solution) then
          call put_decimals(numbers, length, [result%quantity, result%residual])
-         rows = rows//numbers(:length)//','//trim(iterations)//','//trim(outcome_names(result%outcome))//','//runs &
-            //newline
+         rows = rows//numbers(:length)//','//trim(iterations)//','//trim(outcome_names(result%outcome))//','
+         call append_warnings(rows, result%is_warned)
+         rows = rows//','//runs//newline
       else
          rows = rows//numbers(:length)//repeat(',', size(result%quantity) + 2)//trim(iterations)//','// &
-            trim(outcome_names(result%outcome))//','//newline
+            trim(outcome_names(result%outcome))//',,'//newline
       end if
    end subroutine append_row
+
+   !> Appends the names of warnings, blanks between them.
+   pure subroutine append_warnings(rows, is_warned)
+      character(:), allocatable, intent(inout) :: rows !! the rows so far
+      logical, intent(in) :: is_warned(:) !! which of `case_warning_names`
+      integer :: i
+      logical :: is_first
+
+      is_first = .true.
+      do i = 1, size(is_warned)
+         if (.not. is_warned(i)) cycle
+         if (.not. is_first) rows = rows//' '
+         rows = rows//trim(case_warning_names(i))
+         is_first = .false.
+      end do
+   end subroutine append_warnings
+
+   !> Reads warnings from their names; others are passed over.
+   pure subroutine read_warnings(is_warned, names)
+      logical, intent(out) :: is_warned(size(case_warning_names)) !! which of `case_warning_names`
+      character(*), intent(in) :: names !! the names, blanks between them
+      integer :: i
+
+      do i = 1, size(is_warned)
+         is_warned(i) = index(' '//names//' ', ' '//trim(case_warning_names(i))//' ') > 0
+      end do
+   end subroutine read_warnings
 
 end module amontons_sweep_table
