@@ -119,6 +119,12 @@ class Figures(ProgramTest):
         drawn, = surfaces(case, 100.0, WINDOW)
         np.testing.assert_allclose(drawn[:, 1], 0.0, atol=1e-15)
 
+    def test_an_obstacle_that_has_moved_is_drawn_where_it_is(self):
+        case = self.solve(SUPPORT, PRESSURE, CONTACT)
+        case.line.point_data["gap"] = case.line.point_data["gap"] + 0.5
+        drawn, = surfaces(case, 1.0, WINDOW)
+        np.testing.assert_allclose(drawn[:, 1], -0.5, atol=1e-12)
+
     def test_an_obstacle_whose_file_is_gone_is_drawn_at_the_contact_points(self):
         self.write("line.csv", "-1 0\n9 0\n")
         case = self.solve(SUPPORT, PRESSURE, "contact set = 'bottom'  obstacle = 'polyline'  line = 'line.csv'")

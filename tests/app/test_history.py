@@ -118,6 +118,7 @@ class History(ProgramTest):
         # Friction bears 1.2, the push on the side of 2 is twice the factor; the shortest step is 1/1024.
         self.assertAlmostEqual(float(rows[-1]["factor_push"]), 0.6, delta=2.0 / 1024.0)
         self.assertFalse(self.summary("block")["load_history"]["complete"])
+        self.assertEqual(self.summary("block")["outcome"], "not_converged")
         self.assertIn("INCOMPLETE", self.text("block.lst"))
 
     def test_history_without_a_first_step_is_an_error(self):
