@@ -18,7 +18,7 @@ module amontons_config
    use amontons_deck_reader, only: deck_reader_t
    use amontons_deck_scanner, only: suggestion
    use amontons_deck_setting, only: apply_settings, read_settings, setting_t
-   use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t
+   use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_deck_writer, only: deck_writer_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_file_model, only: file_model_t, use_loads, use_materials, use_names, use_supports
@@ -284,6 +284,7 @@ contains
       ! File names end at 255 characters; temporary ones add up to 30 to the name.
       integer, parameter :: longest_name = 200
       integer :: last_point
+      logical :: has_units
 
       if (.not. allocated(config%name)) then
          config%name = config%file(index(config%file, '/', back=.true.) + 1:)
@@ -295,12 +296,33 @@ contains
          default="name of the deck's file without its folder and last extension", also='job id'), config%name)
       call visitor%text(key_t('title', 'what the case is about, for the listing', also='heading description'), &
          config%title)
+      has_units = is_filled(config%units)
+      call visitor%text(key_t('units', "names of the units of length, force and stress, as `'mm, N, MPa'`, to label"// &
+         ' listing, figures and report; nothing is converted', default='none', is_filled=.true., also='unit'), &
+         config%units, has_units)
       call visitor%close_group()
+      call visitor%require(.not. has_units .or. are_units(config%units), 'units', &
+         "units must name a length, a force and, if you like, a stress: 'mm, N, MPa'")
       if (len_trim(config%name) == 0 .or. len(config%name) > longest_name .or. has_unusable_character(config%name)) then
          call visitor%deck%fault(visitor%place, 'name', 'name must be usable as a file name: 1 to '// &
             to_text(longest_name)//" characters without '/' and control characters")
       end if
    end subroutine describe_case
+
+   !> Whether a text is two or three names of units, commas between them.
+   pure logical function are_units(text)
+      character(*), intent(in) :: text !! the text
+      integer :: i, n_commas
+
+      n_commas = 0
+      are_units = .true.
+      do i = 1, len(text)
+         if (text(i:i) /= ',') cycle
+         n_commas = n_commas + 1
+         are_units = are_units .and. len_trim(text(:i - 1)) > scan(text(:i - 1), ',', back=.true.)
+      end do
+      are_units = are_units .and. len_trim(text) > scan(text, ',', back=.true.) .and. (n_commas == 1 .or. n_commas == 2)
+   end function are_units
 
    !> Whether a name has a character that file names or decks cannot have.
    pure logical function has_unusable_character(name)
