@@ -32,18 +32,19 @@ contains
       real(dp), parameter :: most_nodes = 2.0_dp**27
       ! Mesh and assembled stiffness alone.
       real(dp), parameter :: node_bytes = 500.0_dp
-      real(dp) :: n_nodes, megabytes
+      real(dp) :: n_nodes, megabytes, available
       integer :: i
 
       n_nodes = mesh%n_nodes*real(n_parts, dp)**n_times
       megabytes = 1.0e-6_dp*node_bytes*n_nodes
+      available = available_memory_mb()
       if (n_nodes > most_nodes) then
          call new_error(error, input_refused, 'refined '//to_text(n_times)//' times, the mesh has more nodes than '// &
             'node numbers allow (about 134 million)')
-      else if (n_times > 0 .and. megabytes > available_memory_mb()) then
+      else if (n_times > 0 .and. megabytes > available) then
          call new_error(error, system_failure, 'memory does not suffice: '//to_text(nint(n_nodes, int64))// &
             ' nodes need at least '//to_text(nint(megabytes, int64))//' MB, and '// &
-            to_text(nint(available_memory_mb(), int64))//' MB are available')
+            to_text(nint(available, int64))//' MB are available')
       end if
       if (allocated(error)) return
       do i = 1, n_times

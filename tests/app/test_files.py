@@ -41,6 +41,7 @@ MEMBERS = {
     "factor": {"entries": int, "flops": int},
     "lengths": dict.fromkeys(("open_length", "slip_length", "stick_length"), float),
     "resultants": dict.fromkeys(("normal_force", "tangential_force"), float),
+    "accuracy": {"error_norm": float, "relative_error": float},
     "seconds": dict.fromkeys(("read", "assemble", "factorize", "condense", "solve", "recover", "write", "total"),
                              float),
     "peak_memory_mb": float, "files": list, "inputs": list, "checksum": int,
