@@ -85,7 +85,8 @@ contains
             associate (node => mesh%node(k))
                row = map%find(tag_of(mesh, node))
                if (row == 0) then
-                  call new_error(error, input_refused, load%temperature_file//': no temperature of '//name_of(mesh, node))
+                  call new_error(error, input_refused, load%temperature_file//': no temperature of '// &
+                     name_of(mesh, node))
                   return
                end if
                temperature(node) = load%temperature_table(2, row)
