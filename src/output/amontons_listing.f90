@@ -50,7 +50,8 @@ contains
          call listing%add(zones_text(body, result), [line_scale(body)])
          call listing%add(resultants_text(result), [force_scale(result)])
          call listing%add(certificate_text(result%certificate, result%method%tolerance), [1.0_dp])
-         if (allocated(result%error_estimate)) call listing%add(heading('Accuracy (energy norm of the stress error)')// &
+         if (allocated(result%error_estimate)) call listing%add( &
+            heading('Accuracy (energy norm of the stress error)')// &
             quantities_text(result%error_estimate%quantities()))
          call listing%add(points_text('Contact points (forces and stresses: compression and shear along the slip '// &
             'positive)', columns, solution%status), [0.0_dp, pack(columns%scale, columns%label /= ''), 0.0_dp])

@@ -46,7 +46,8 @@ module amontons_result
       logical :: has_reduced_files = .false. !! whether its reduced problem was written
       logical :: wants_error_estimate = .false. !! whether the error of the stresses is to be estimated
       type(error_estimate_t), allocatable :: error_estimate !! the estimate, where it is wanted
-      type(refined_quantity_t), allocatable :: convergence(:) !! its numbers on refined meshes, where they were asked for
+      type(refined_quantity_t), allocatable :: convergence(:)
+         !! its numbers on refined meshes, where they were asked for
       type(quantity_t), allocatable :: key_results(:) !! largest values with their places, and what contact sets carry
       type(interval_t), allocatable :: closed(:) !! the closed parts of the contact line
       type(interval_t), allocatable :: stuck(:) !! its parts that stick
@@ -54,7 +55,8 @@ module amontons_result
       real(dp) :: method_error = -1.0_dp
          !! largest difference of a contact force from the exact solution, over the largest force; -1 if not asked [-]
       real(dp), allocatable :: slip_record(:, :)
-         !! of a load history: slip of its last step [L], accumulated slip [L] and dissipation [F L] of each point (m, 3)
+         !! of a load history: slip of its last step [L], accumulated slip [L] and dissipation [F L] of
+         !! each point (m, 3)
       logical :: is_complete = .true. !! whether a study of several steps has come to its end
       character(:), allocatable :: study_listing !! what a study of several steps says of them in the listing
       character(:), allocatable :: study_members !! what it says in the summary, members of a JSON object

@@ -125,7 +125,8 @@ contains
       if (condition > explaining) result%condition = min(condition, huge(1.0_dp))
    end subroutine certify
 
-   !> Computes all that follows from displacements, contact forces and statuses: certificate, lengths, key results, error estimate.
+   !> Computes all that follows from displacements, contact forces and statuses: certificate, lengths, key results,
+   !> error estimate.
    subroutine judge(result, body)
       type(result_t), intent(inout) :: result !! the result: load case, solution and displacements of all nodes
       type(body_t), intent(in) :: body !! the body
