@@ -177,8 +177,8 @@ contains
       on_nodes = load%target == load_on_nodes
       has_point = on_nodes .and. .not. has_set
       call visitor%open_group(load_group)
-      call visitor%text(key_t('name', 'by which `&sweep` and `&steps` know it; several loads may share a name', default='none', &
-         is_filled=.true., also='label'), load%name, has_name)
+      call visitor%text(key_t('name', 'by which `&sweep` and `&steps` know it; several loads may share a name', &
+         default='none', is_filled=.true., also='label'), load%name, has_name)
       call visitor%text(key_t('set', 'the boundary set of a traction or pressure; the node set or boundary set of'// &
          ' point forces', is_filled=.true., also='nset surface'), load%set, has_set)
       call visitor%reals(key_t('point', 'coordinates of the node of a `force`', 'L', also='node'), load%point, &

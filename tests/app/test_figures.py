@@ -1,5 +1,4 @@
 """What figures of cases show: obstacles, magnified gaps, uniform fields, units; and the options of the command."""
-import json
 import re
 import struct
 import sys
@@ -134,10 +133,7 @@ class Figures(ProgramTest):
 
     def test_texts_units_and_uniform_fields(self):
         case = self.solve("support set = 'left'  ux = 0.0", PRESSURE, "contact set = 'bottom'",
-                          "case title = 'of $5 & <b>'")
-        summary = Path(case.path + ".summary.json")
-        content = json.loads(summary.read_text(encoding="utf-8"))
-        summary.write_text(json.dumps({**content, "units": "mm, N, MPa"}), encoding="utf-8")
+                          "case title = 'of $5 & <b>'  units = 'mm, N, MPa'")
         self.plot("block", "--format", "svg,pdf")
         words = text_of(self.directory / "block.svg")
         self.assertLessEqual({"of $5 &amp; &lt;b&gt;", "slip [mm]", "gap [mm]", "contact stress [MPa]", "x [mm]",

@@ -34,12 +34,14 @@ MEMBERS = {
     "uniqueness": {"guaranteed": bool, "friction_below": float, "exact": bool},
     "key_results": dict.fromkeys((
         "max_contact_pressure", "max_contact_shear", "max_slip", "max_von_mises", "max_displacement", "contact_width",
+        "stick_width",
         "contact_centroid_x", "contact_centroid_y", "contact_force_x", "contact_force_y", "contact_moment",
         *(f"max_{name}_{axis}" for name in ("contact_pressure", "contact_shear", "slip", "von_mises", "displacement")
           for axis in "xy")), float),
     "counts": dict.fromkeys(("nodes", "elements", "dofs", "contact_points", "open", "stick", "slip"), int),
     "factor": {"entries": int, "flops": int},
     "lengths": dict.fromkeys(("open_length", "slip_length", "stick_length"), float),
+    "closed_zones": list, "stick_zones": list,
     "resultants": dict.fromkeys(("normal_force", "tangential_force"), float),
     "accuracy": {"error_norm": float, "relative_error": float},
     "seconds": dict.fromkeys(("read", "assemble", "factorize", "condense", "solve", "recover", "write", "total"),
