@@ -6,6 +6,7 @@ module amontons_config
    use amontons_config_accuracy, only: accuracy_group, accuracy_options_t, describe_accuracy
    use amontons_config_body, only: describe_load, describe_material, describe_mesh, describe_support, load_group, &
       material_group, mesh_group, support_group
+   use amontons_config_case, only: case_group, describe_case
    use amontons_config_contact, only: contact_group, describe_contact
    use amontons_config_file, only: take_file_loads, take_file_materials, take_file_supports
    use amontons_config_history, only: describe_history, history_group, steps_group
@@ -40,8 +41,6 @@ module amontons_config
    public :: body_text, config_t, effective_deck, new_reduced_config, read_config, read_config_text, &
       read_set_config, reference_text
 
-   !> The group of the case.
-   type(group_t), parameter :: case_group = group_t('case')
    !> The group of the solver.
    type(group_t), parameter :: solver_group = group_t('solver')
    !> The group of what is written.
@@ -277,62 +276,6 @@ contains
       end associate
    end subroutine begin_body
 
-   !> Describes `&case`: name and title.
-   subroutine describe_case(visitor, config)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(config_t), intent(inout) :: config !! the case
-      ! File names end at 255 characters; temporary ones add up to 30 to the name.
-      integer, parameter :: longest_name = 200
-      integer :: last_point
-      logical :: has_units
-
-      if (.not. allocated(config%name)) then
-         config%name = config%file(index(config%file, '/', back=.true.) + 1:)
-         last_point = index(config%name, '.', back=.true.)
-         if (last_point > 1) config%name = config%name(:last_point - 1)
-      end if
-      call visitor%open_group(case_group)
-      call visitor%text(key_t('name', 'name of the case and of its files; 1 to 200 characters, without `/`', &
-         default="name of the deck's file without its folder and last extension", also='job id'), config%name)
-      call visitor%text(key_t('title', 'what the case is about, for the listing', also='heading description'), &
-         config%title)
-      has_units = is_filled(config%units)
-      call visitor%text(key_t('units', "names of the units of length, force and stress, as `'mm, N, MPa'`, to label"// &
-         ' listing, figures and report; nothing is converted', default='none', is_filled=.true., also='unit'), &
-         config%units, has_units)
-      call visitor%close_group()
-      call visitor%require(.not. has_units .or. are_units(config%units), 'units', &
-         "units must name a length, a force and, if you like, a stress: 'mm, N, MPa'")
-      if (len_trim(config%name) == 0 .or. len(config%name) > longest_name .or. has_unusable_character(config%name)) then
-         call visitor%deck%fault(visitor%place, 'name', 'name must be usable as a file name: 1 to '// &
-            to_text(longest_name)//" characters without '/' and control characters")
-      end if
-   end subroutine describe_case
-
-   !> Whether a text is two or three names of units, commas between them.
-   pure logical function are_units(text)
-      character(*), intent(in) :: text !! the text
-      integer :: i, n_commas
-
-      n_commas = 0
-      are_units = .true.
-      do i = 1, len(text)
-         if (text(i:i) /= ',') cycle
-         n_commas = n_commas + 1
-         are_units = are_units .and. len_trim(text(:i - 1)) > scan(text(:i - 1), ',', back=.true.)
-      end do
-      are_units = are_units .and. len_trim(text) > scan(text, ',', back=.true.) .and. (n_commas == 1 .or. n_commas == 2)
-   end function are_units
-
-   !> Whether a name has a character that file names or decks cannot have.
-   pure logical function has_unusable_character(name)
-      character(*), intent(in) :: name !! the name
-      character, parameter :: blank = ' '
-      integer :: i
-
-      has_unusable_character = any([(name(i:i) < blank .or. name(i:i) == '/', i=1, len(name))])
-   end function has_unusable_character
-
    !> Refuses the groups that describe a body.
    subroutine refuse_body(visitor)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
@@ -404,8 +347,8 @@ contains
       has_points = history%points_every > 0
       has_probes = history%n_probes() > 0
       call visitor%open_group(output_group)
-      call visitor%whole(key_t('fields_every', 'with `&sweep` or `&history`: the fields of case or step 1 and of every'// &
-         ' so-many-th behind it are written as `.vtu`', default='none', at_least=1.0_dp, also='out every frequency'), &
+      call visitor%whole(key_t('fields_every', 'with `&sweep` or `&history`: the fields of case or step 1 and of'// &
+         ' every so-many-th behind it are written as `.vtu`', default='none', at_least=1.0_dp, also='out every frequency'), &
          fields_every, has_fields)
       call visitor%whole(key_t('points_every', 'with `&history`: the contact points of step 1 and of every'// &
          ' so-many-th step behind it are written as a table', default='none', at_least=1.0_dp), history%points_every, &

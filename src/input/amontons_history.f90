@@ -50,7 +50,7 @@ module amontons_history
       type(steps_t), allocatable :: steps(:) !! what changes
       integer :: fields_every = 0 !! the fields of the first step and of every so many behind it are written; 0 for none
       integer :: points_every = 0 !! the same of the contact points
-      real(dp), allocatable :: probes(:) !! coordinates of the nodes whose displacements are written, x and y in turn [L]
+      real(dp), allocatable :: probes(:) !! coordinates of the nodes whose displacements are shown, x and y in turn [L]
    contains
       procedure :: n_probes => history_n_probes
       procedure :: n_steps => history_n_steps

@@ -107,8 +107,8 @@ class Decks(HostileTest):
             self.assertRegex(found, r"^deck\.nml:1: rectangle: memory does not suffice: \d+ nodes need at least \d+ "
                              r"MB, and \d+ MB are available\n$")
         found = self.refuse("deck.nml", SOUND.replace("8, 4", "8, 4  refine = 10"), status=3)
-        self.assertRegex(found, r"^deck\.nml:1: memory does not suffice: \d+ nodes need at least \d+ MB, and \d+ MB are "
-                         r"available\n$")
+        self.assertRegex(found, r"^deck\.nml:1: memory does not suffice: \d+ nodes need at least \d+ MB, and \d+ MB "
+                         r"are available\n$")
 
     def test_numerals(self):
         for word in ("1d400", "1e400", "1e-400", "-1d-400"):

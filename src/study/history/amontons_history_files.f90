@@ -48,7 +48,8 @@ contains
       files%directory = directory//'/'
       files%folder = name//'.history/'
       call make_directory(directory, error)
-      if (.not. allocated(error)) call new_output_file(files%table, files%directory//name//'.history.csv', .true., error)
+      if (.not. allocated(error)) call new_output_file(files%table, files%directory//name//'.history.csv', .true., &
+         error)
       if (allocated(error)) return
       write (files%table%unit, iostat=files%state) history_header(model%history)
       if (model%history%points_every > 0) then

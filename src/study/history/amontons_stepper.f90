@@ -1,8 +1,8 @@
 !> One step of a load history: from the state at its beginning to the state at its end.
 !>
 !> The step is a contact problem whose slips count from the anchors: where the points were when it began, moved along
-!> with the obstacle (backward Euler; section 10 of doc/theory.md). Nothing of the state before is changed, so that a step
-!> can be given up and taken again with another length.
+!> with the obstacle (backward Euler; section 10 of doc/theory.md). Nothing of the state before is changed, so that a
+!> step can be given up and taken again with another length.
 module amontons_stepper
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t
@@ -167,7 +167,7 @@ contains
       call check_identities(after, model, problem, before, change, v_change, mean_force, load_work + support_work)
    end subroutine add_works
 
-   !> Checks the two identities that hold exactly for a step in equilibrium at both ends: the work of loads and supports,
+   !> Checks the two identities that hold exactly for a step in equilibrium at both ends: the work of loads, supports,
    !> by their means over the step, is the change of strain energy and the mean contact forces' work; by their values at
    !> the end, it is that and the strain energy of the step's own displacements more.
    pure subroutine check_identities(after, model, problem, before, change, v_change, mean_force, mean_work)
