@@ -348,8 +348,8 @@ contains
       has_probes = history%n_probes() > 0
       call visitor%open_group(output_group)
       call visitor%whole(key_t('fields_every', 'with `&sweep` or `&history`: the fields of case or step 1 and of'// &
-         ' every so-many-th behind it are written as `.vtu`', default='none', at_least=1.0_dp, also='out every frequency'), &
-         fields_every, has_fields)
+         ' every so-many-th behind it are written as `.vtu`', default='none', at_least=1.0_dp, &
+         also='out every frequency'), fields_every, has_fields)
       call visitor%whole(key_t('points_every', 'with `&history`: the contact points of step 1 and of every'// &
          ' so-many-th step behind it are written as a table', default='none', at_least=1.0_dp), history%points_every, &
          has_points)

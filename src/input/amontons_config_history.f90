@@ -92,7 +92,8 @@ contains
       call visitor%require(visitor%deck%count_groups('sweep') == 0, '', &
          'a deck has either &history or &sweep; give each a deck of its own')
       call visitor%require( &
-         verify(history%name, 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_') == 0 .and. len(history%name) > 0, 'name', 'name must consist of letters, digits and _')
+         verify(history%name, 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_') == 0 .and. &
+         len(history%name) > 0, 'name', 'name must consist of letters, digits and _')
    end subroutine describe_times
 
    !> Describes one `&steps`.
