@@ -1,15 +1,15 @@
 !> One run of the program: every deck of the command line, one after the other.
 module amontons_run_decks
-   use amontons_reservations, only: reservation_t, reserve_files
    use amontons_collection, only: collection_t, new_collection
    use amontons_command_line, only: command_line_t
    use amontons_config, only: config_t, read_set_config
    use amontons_error, only: error_t
+   use amontons_messages, only: print_error, print_outcome
    use amontons_new_study, only: new_study
    use amontons_outcome, only: outcome_t, status_interrupted
    use amontons_output_file, only: commit_files, output_file_t
    use amontons_progress, only: progress_t
-   use amontons_messages, only: print_error, print_outcome
+   use amontons_reservations, only: reservation_t, reserve_files
    use amontons_solve_case, only: cache_t
    use amontons_status_line, only: close_status_line, open_status_line
    use amontons_study, only: check_study, solve_study, study_options_t, study_t

@@ -5,8 +5,8 @@ module amontons_run_verify
    use amontons_command_line, only: command_line_t
    use amontons_directory, only: file_name_t
    use amontons_error, only: error_t
-   use amontons_result, only: status_not_converged
    use amontons_messages, only: print_error, print_info
+   use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t
    use amontons_text, only: newline
    use amontons_verify, only: find_cases, verdict_t, verify_files

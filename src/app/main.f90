@@ -4,10 +4,10 @@ program main
    use amontons_command_line, only: command_line_t, read_command_line
    use amontons_error, only: error_t
    use amontons_help, only: help_text, version_text
+   use amontons_messages, only: print_error
    use amontons_reference, only: print_reference
    use amontons_run_decks, only: run_decks
    use amontons_run_verify, only: verify_directories
-   use amontons_messages, only: print_error
    use amontons_system, only: return_large_arrays
    use amontons_terminal, only: prepare_process, print_line, standard_output
    use amontons_threads, only: n_threads, set_threads

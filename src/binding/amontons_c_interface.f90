@@ -12,8 +12,8 @@ module amontons_c_interface
    use amontons_new_study, only: new_study
    use amontons_outcome, only: judge, outcome_t
    use amontons_reduced_system, only: reduced_system_t
-   use amontons_solve_reduced, only: reduced_result_t, solve_reduced_system
    use amontons_solve_case, only: cache_t
+   use amontons_solve_reduced, only: reduced_result_t, solve_reduced_system
    use amontons_study, only: solve_study, study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_text, only: to_text

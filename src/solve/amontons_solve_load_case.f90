@@ -11,8 +11,8 @@ module amontons_solve_load_case
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_estimate_error, only: estimate_error
-   use amontons_kinds, only: dp
    use amontons_key_results, only: body_peaks, contact_peaks, find_zones, set_results
+   use amontons_kinds, only: dp
    use amontons_lengths, only: new_lengths
    use amontons_load_case, only: condense_load_case, load_case_t, pose_problem, recover_displacement
    use amontons_result, only: factor_t, result_t

@@ -78,7 +78,7 @@ contains
       do while (first <= len(part%text))
          last = first + index(part%text(first:), newline) - 2
          if (at > len(stated)) then
-            call faults%add(path, 'it ends before the line '''//part%text(first:last)//"'")
+            call faults%add(path, "it ends before the line '"//part%text(first:last)//"'")
             is_lost = .true.
             return
          end if

@@ -11,13 +11,13 @@ module amontons_verify_fields
    use amontons_kinds, only: dp
    use amontons_quantity, only: expanded, quantity_t, scales
    use amontons_result, only: certificate_limit, result_t
+   use amontons_row_text, only: status_runs
    use amontons_solve_load_case, only: judge
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_summary_file, only: summary_file_t
    use amontons_sweep_model, only: new_sweep_loads, sweep_model_t
-   use amontons_row_text, only: status_runs
-   use amontons_sweep_table, only: append_row, sweep_header
    use amontons_sweep_statistics, only: case_keys, case_quantities, case_result_t
+   use amontons_sweep_table, only: append_row, sweep_header
    use amontons_text, only: read_integer, to_text
    use amontons_verify_case, only: check_grids, check_law, restore_displacement
    use amontons_vtk_check, only: read_array

@@ -12,14 +12,14 @@ module amontons_verify_sweep
    use amontons_lengths, only: lengths_t, new_lengths
    use amontons_quantity, only: quantity_t
    use amontons_result_warnings, only: add_conditioning, lacks_points
+   use amontons_row_text, only: read_status_runs, status_runs
    use amontons_solve_case, only: prepare_case, cache_t
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_summary_file, only: summary_file_t
    use amontons_sweep_report, only: n_documents, sweep_documents
-   use amontons_sweep_summary, only: new_sweep_summary
-   use amontons_row_text, only: read_status_runs, status_runs
-   use amontons_sweep_table, only: append_row, read_warnings, sweep_header
    use amontons_sweep_statistics, only: case_converged, case_keys, case_result_t, outcome_names
+   use amontons_sweep_summary, only: new_sweep_summary
+   use amontons_sweep_table, only: append_row, read_warnings, sweep_header
    use amontons_text, only: read_integer, to_text
    use amontons_timings, only: phase_solve
    use amontons_verify_fields, only: field_case_t, verify_fields

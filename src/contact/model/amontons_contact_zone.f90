@@ -5,8 +5,8 @@ module amontons_contact_zone
    use amontons_cell_partition, only: cell_partition_t
    use amontons_constraints, only: constraints_t
    use amontons_contact_cells, only: contact_cells_t, new_contact_cells
-   use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_quadrature, only: contact_quadrature_t
+   use amontons_contact_rows, only: contact_rows_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t

@@ -7,9 +7,9 @@ module amontons_abaqus
    use amontons_abaqus_model, only: read_model_keyword
    use amontons_abaqus_sets, only: abaqus_scope_t, get_set, read_set, read_surface, resolve_elements
    use amontons_element, only: quad4, quad8, tri3, tri6
+   use amontons_file_model, only: use_materials
    use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
-   use amontons_file_model, only: use_materials
    use amontons_mesh_draft, only: line2, line3, mesh_draft_t, n_cell_nodes, no_cell
    use amontons_text, only: lower_case
    implicit none (type, external)

@@ -229,7 +229,7 @@ contains
          call gather_sides(draft, input, trim(fields(1)), group, side, load)
          return
       end if
-      if (group == 0 .and. fields(1) /= '') call input%refuse("*"//keyword//": there is no set '"// &
+      if (group == 0 .and. fields(1) /= '') call input%refuse('*'//keyword//": there is no set '"// &
          trim(fields(1))//"' above", input%position - 1)
       select case (kind)
       case ('bx')
@@ -246,7 +246,7 @@ contains
          load%kind = file_rotation
          call find_axis(input, draft%hypothesis, values, load)
       case default
-         call input%refuse("*"//keyword//": loads of the kind '"//trim(fields(2))//"' cannot be used", &
+         call input%refuse('*'//keyword//": loads of the kind '"//trim(fields(2))//"' cannot be used", &
             input%position - 1)
       end select
    end subroutine interpret_dload

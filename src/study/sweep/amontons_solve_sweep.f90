@@ -18,13 +18,13 @@ module amontons_solve_sweep
    use amontons_result_warnings, only: add_conditioning
    use amontons_solve_case, only: cache_t, condense_case, prepare_case
    use amontons_solve_load_case, only: certify, set_factor
+   use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep_checkpoint, only: open_sweep_checkpoint, sweep_checkpoint_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
    use amontons_sweep_fields, only: write_sweep_fields
    use amontons_sweep_model, only: new_sweep_model, sweep_model_t
-   use amontons_study_monitor, only: study_monitor_t
-   use amontons_sweep_table, only: sweep_header
    use amontons_sweep_statistics, only: case_keys, sweep_statistics_t
+   use amontons_sweep_table, only: sweep_header
    use amontons_system, only: make_directory, wall_seconds
    use amontons_text, only: newline
    use amontons_threads, only: n_threads

@@ -13,11 +13,11 @@ module amontons_sweep_chunk
    use amontons_load_case, only: load_case_t
    use amontons_newton, only: newton_t
    use amontons_result_warnings, only: find_case_warnings
+   use amontons_row_text, only: status_runs
    use amontons_sweep, only: sweep_t
    use amontons_sweep_model, only: sweep_model_t
-   use amontons_row_text, only: status_runs
-   use amontons_sweep_table, only: append_row
    use amontons_sweep_statistics, only: case_no_equilibrium, case_result_t, new_case_result
+   use amontons_sweep_table, only: append_row
    implicit none (type, external)
    private
 

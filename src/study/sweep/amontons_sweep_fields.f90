@@ -13,8 +13,8 @@ module amontons_sweep_fields
    use amontons_manifest, only: manifest_t
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
-   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
    use amontons_study_monitor, only: study_monitor_t
+   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
    use amontons_sweep_statistics, only: case_converged
    use amontons_system, only: make_directory
    use amontons_text, only: to_text
