@@ -78,6 +78,9 @@ contains
             call add_point_forces(forces, mesh, loads(i), error)
          case (load_on_region)
             call add_body_force(forces, mesh, materials, loads(i), error)
+         case default
+            ! A temperature strains the body; it is no force.
+            cycle
          end select
          if (.not. allocated(error)) cycle
          error%message = loads(i)%origin//error%message

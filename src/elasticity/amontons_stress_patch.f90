@@ -97,8 +97,34 @@ contains
       ! The samples of a regular patch leave pivots of a few hundredths of their number, a row too few of them leaves 0.
       real(dp), parameter :: least_pivot = 1.0e-4_dp
       real(dp), dimension(patch%n_terms, patch%n_terms) :: normal, factor
-      real(dp) :: right(patch%n_terms, 4), p(max_terms), weight
-      integer :: i, j, k, n, n_samples, info
+      real(dp) :: right(patch%n_terms, 4)
+      integer :: i, n, n_samples, info
+
+      n = patch%n_terms
+      call sum_samples(normal, right, n_samples, patch, samples, elements, n_near)
+      is_determined = .false.
+      if (n > 1 .and. n_samples <= n) return
+      factor = normal
+      call cholesky_factor(factor, info)
+      if (info == 0) is_determined = minval([(factor(i, i)**2, i=1, n)]) > least_pivot*normal(1, 1)
+      if (.not. is_determined) return
+      if (size(tractions) > 0) call fit_tractions(patch, normal, right, tractions, node)
+      call cholesky_solve(factor, right)
+      if (size(tractions) > 0) right(:, :3) = transpose(patch%coefficient(:3, :n))
+      patch%coefficient(:, :n) = transpose(right)
+   end subroutine fit_polynomial
+
+   !> Sums the normal equations of the samples of a patch.
+   pure subroutine sum_samples(normal, right, n_samples, patch, samples, elements, n_near)
+      type(patch_t), intent(in) :: patch !! the patch
+      real(dp), intent(out) :: normal(patch%n_terms, patch%n_terms) !! their matrix
+      real(dp), intent(out) :: right(patch%n_terms, 4) !! their right-hand sides (term, component)
+      integer, intent(out) :: n_samples !! number of samples
+      type(samples_t), intent(in) :: samples !! the stresses
+      integer, intent(in) :: elements(:) !! the elements of the patch
+      integer, intent(in) :: n_near !! how many of them meet at its node
+      real(dp) :: p(max_terms), weight
+      integer :: i, j, k, n
 
       n = patch%n_terms
       normal = 0.0_dp
@@ -118,17 +144,7 @@ contains
             end do
          end do
       end do
-      is_determined = .false.
-      if (n > 1 .and. n_samples <= n) return
-      factor = normal
-      call cholesky_factor(factor, info)
-      if (info == 0) is_determined = minval([(factor(i, i)**2, i=1, n)]) > least_pivot*normal(1, 1)
-      if (.not. is_determined) return
-      if (size(tractions) > 0) call fit_tractions(patch, normal, right, tractions, node)
-      call cholesky_solve(factor, right)
-      if (size(tractions) > 0) right(:, :3) = transpose(patch%coefficient(:3, :n))
-      patch%coefficient(:, :n) = transpose(right)
-   end subroutine fit_polynomial
+   end subroutine sum_samples
 
    !> Fits the stresses xx, yy and xy to the samples and, with a large weight, to known tractions.
    pure subroutine fit_tractions(patch, normal, right, tractions, node)

@@ -31,7 +31,8 @@ contains
 
       if (allocated(self%key) .and. .not. residual < decrease*self%residual) return
       self%residual = min(residual, self%residual)
-      self%key = [integer(int64) :: ]
+      if (allocated(self%key)) deallocate (self%key)
+      allocate (self%key(0))
    end subroutine visited_sets_note_residual
 
    !> Adds the active set that a step leads to; changes it if it is there already. If the change of no single point
