@@ -22,7 +22,8 @@ MESH = "size = 4.0, 2.0  cells = 8, 4"
 PUSH = "load set = 'right'  traction = -1.5, 0.3"  # part of the floor sticks, part slides, part opens
 NUMBER = re.compile(r"-?\d+\.\d+(e-?\d+)?")
 MEMBERS = {
-    "case": str, "title": str, "version": str, "method": str, "converged": bool, "warnings": list,
+    "case": str, "title": str, "version": str, "method": str, "outcome": str, "converged": bool,
+    "warnings": list,
     "iterations": int, "products": float,
     "factorizations": int, "residual": float, "history": list,
     "certificate": {"passed": bool, "limit": float, "equilibrium": float, "penetration": float, "tension": float,

@@ -6,7 +6,7 @@ module amontons_sweep_table
    use amontons_decimal, only: longest_decimal
    use amontons_sweep, only: sweep_t
    use amontons_sweep_statistics, only: case_result_t, outcome_names
-   use amontons_text, only: newline, put_decimals, read_integer
+   use amontons_text, only: csv_field, newline, put_decimals, read_integer
    implicit none (type, external)
    private
 
@@ -26,7 +26,7 @@ contains
 
       text = 'case'
       do i = 1, size(sweep%axes)
-         text = text//','//field(sweep%axes(i)%label())
+         text = text//','//csv_field(sweep%axes(i)%label())
       end do
       do i = 1, size(keys)
          text = text//','//trim(keys(i))
@@ -107,21 +107,5 @@ contains
       end do
       ok = ok .and. n == size(status)
    end subroutine read_status_runs
-
-   !> A text as a field of the table, in quotes where it needs them.
-   pure function field(value) result(text)
-      character(*), intent(in) :: value !! the text
-      character(:), allocatable :: text
-      integer :: i
-
-      text = value
-      if (scan(value, ',"') == 0) return
-      text = '"'
-      do i = 1, len(value)
-         if (value(i:i) == '"') text = text//'"'
-         text = text//value(i:i)
-      end do
-      text = text//'"'
-   end function field
 
 end module amontons_sweep_table
