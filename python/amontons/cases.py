@@ -22,9 +22,7 @@ def find_cases(names):
     paths = []
     for name in map(str, names):
         if Path(name).is_dir():
-            without = {case for case, _ in cases_without_equilibrium(name)}
-            found = sorted(str(path)[: -len(SUMMARY)] for path in Path(name).glob("*" + SUMMARY)
-                           if path.name[: -len(SUMMARY)] not in without)
+            found = sorted(str(path)[: -len(SUMMARY)] for path in Path(name).glob("*" + SUMMARY))
         else:
             stems = [name[: -len(ending)] for ending in ENDINGS if name.endswith(ending)] + [name]
             found = [stem for stem in stems if Path(stem + SUMMARY).exists()][:1]
@@ -32,13 +30,6 @@ def find_cases(names):
             raise CaseFault(f"{name}: no case found; expected a folder with *{SUMMARY}, or a file of a case")
         paths += found
     return paths
-
-
-def cases_without_equilibrium(folder):
-    """The cases of a folder that have no equilibrium, and so no numbers: pairs of case and message."""
-    texts = (path.read_text(encoding="utf-8") for path in sorted(Path(folder).glob("*" + SUMMARY)))
-    summaries = (json.loads(text) for text in texts if '"outcome": "no_equilibrium"' in text)
-    return [(summary["case"], summary["message"]) for summary in summaries]
 
 
 class Case:
@@ -55,6 +46,11 @@ class Case:
     def heading(self):
         """Its title, or its name where it has none."""
         return self.summary.get("title") or self.summary["case"]
+
+    @property
+    def has_equilibrium(self):
+        """Whether contact and friction can balance its loads; else its summary has a message and no numbers."""
+        return self.summary.get("outcome") != "no_equilibrium"
 
     @property
     def kind(self):

@@ -170,7 +170,11 @@ def main(arguments):
     options = parser().parse_args(arguments)
     try:
         for path in find_cases(options.case):
-            drawn = figure(path, options.panels, options.field, scale=options.scale, abscissa=options.abscissa,
+            case = Case(path)
+            if not case.has_equilibrium:
+                print(f"plot: {path}: no equilibrium, nothing to draw", file=sys.stderr)
+                continue
+            drawn = figure(case, options.panels, options.field, scale=options.scale, abscissa=options.abscissa,
                            size=options.size)
             with plt.rc_context(STYLE):
                 for ending in options.format:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import matplotlib
 
-from amontons.cases import Case, cases_without_equilibrium, find_cases
+from amontons.cases import Case, find_cases
 from amontons.commands import Parser
 from amontons.report_pictures import pictures_of
 from amontons.verdicts import COLORS, verdict_of, violations
@@ -27,25 +27,19 @@ DIMENSIONS = (("pressure", "stress"), ("shear", "stress"), ("mises", "stress"), 
 
 
 def numbers_of(case):
-    """The numbers of a case that a table can be sorted by, with their labels: pairs by key."""
+    """The numbers of a case that a table can be sorted by; of a sweep, the greatest of its cases."""
     summary = case.summary
-    found = {}
+    found = {key: value["greatest"] for key, value in summary.get("extremes", {}).items()}
     for part in ("key_results", *PARTS):
-        for key, value in summary.get(part, {}).items():
-            add_number(found, key, value)
-    for key in ("iterations", "residual"):
-        add_number(found, key, summary.get(key))
-    add_number(found, "seconds", summary["seconds"]["total"])
+        found.update(summary.get(part, {}))
+    found.update({key: summary[key] for key in ("iterations", "residual") if key in summary})
+    found["seconds"] = summary["seconds"]["total"]
     return found
 
 
-def add_number(found, key, value):
-    """Adds a number, or those of a record, under a key."""
-    if isinstance(value, dict):
-        for part, number in value.items():
-            add_number(found, key if part == "value" else f"{key}_{part}", number)
-    elif value is None or isinstance(value, (int, float)) and not isinstance(value, bool):
-        found[key] = value
+def words_of(key):
+    """The words for the name of a number."""
+    return key.replace("_", " ").replace("von mises", "von Mises stress")
 
 
 def cell_text(value):
@@ -59,7 +53,7 @@ def table_of(cases, smalls):
     """The table of all cases, the choice of what it is sorted by, and the numbers that it is sorted by."""
     numbers = [numbers_of(case) for case in cases]
     keys = list(dict.fromkeys(key for found in numbers for key in found))
-    labels = {"case": "case", "verdict": "verdict", **{key: key.replace("_", " ") for key in keys}}
+    labels = {"case": "case", "verdict": "verdict", **{key: words_of(key) for key in keys}}
     shown = [key for key in SHOWN if key in keys]
     choice = "".join(f'<option value="{html.escape(key)}">{html.escape(label)}</option>'
                      for key, label in labels.items())
@@ -85,17 +79,20 @@ def table_of(cases, smalls):
 
 
 def key_results_of(case):
-    """The key results of a case, with the places of those that have one."""
-    results, text = case.summary.get("key_results", {}), ""
+    """The key results of a case, with the places of those that have one; of a sweep their range, with its cases."""
+    results = case.summary.get("key_results", {})
     places = {f"{key}_{axis}" for key in results for axis in "xy" if f"{key}_x" in results}
-    for key, value in results.items():
-        if key not in places:
-            dimension = next(dimension for part, dimension in DIMENSIONS if part in key)
-            label = html.escape(case.label(key.replace("_", " "), dimension))
-            place = f" at ({cell_text(results[f'{key}_x'])}, {cell_text(results[f'{key}_y'])})" \
-                if f"{key}_x" in places else ""
-            text += f"<div><dt>{label}</dt><dd>{cell_text(value)}{place}</dd></div>"
-    return f"<dl>{text}</dl>\n" if text else ""
+    texts = {key: cell_text(value) + (f" at ({cell_text(results[f'{key}_x'])}, {cell_text(results[f'{key}_y'])})"
+                                      if f"{key}_x" in places else "")
+             for key, value in results.items() if key not in places}
+    for key, ends in case.summary.get("extremes", {}).items():
+        texts[key] = f"{cell_text(ends['least'])} (case {ends['least_case']}) to {cell_text(ends['greatest'])} " \
+            f"(case {ends['greatest_case']})"
+    entries = ""
+    for key, text in texts.items():
+        dimension = next(dimension for part, dimension in DIMENSIONS if part in key)
+        entries += f"<div><dt>{html.escape(case.label(words_of(key), dimension))}</dt><dd>{text}</dd></div>"
+    return f"<dl>{entries}</dl>\n" if entries else ""
 
 
 def size_of(summary):
@@ -146,14 +143,15 @@ def section_of(case, pictures):
 """
 
 
-def failures_of(folder):
-    """The decks of a batch that failed: pairs of deck and message."""
+def failures_of(folder, known):
+    """The decks of a batch that failed, without cases that are known to have no equilibrium: pairs of deck and
+    message."""
     try:
         with open(folder / "batch.csv", newline="", encoding="utf-8") as text:
             rows = list(csv.DictReader(text))
     except FileNotFoundError:
-        return cases_without_equilibrium(folder)
-    return [(row["deck"], row["message"]) for row in rows if row["message"]]
+        return []
+    return [(row["deck"], row["message"]) for row in rows if row["message"] and row.get("case") not in known]
 
 
 def drawn(numbered):
@@ -163,22 +161,31 @@ def drawn(numbered):
     return pictures_of(Case(path), f"c{number}")
 
 
+def pictures_of_all(paths):
+    """The pictures of all cases, and the small ones."""
+    if len(paths) < MANY:
+        return list(map(drawn, enumerate(paths)))
+    with ProcessPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        return list(pool.map(drawn, enumerate(paths), chunksize=4))
+
+
 def page_of(folder, paths):
     """The page."""
-    cases = [Case(path) for path in paths]
-    if len(paths) < MANY:
-        pictures = list(map(drawn, enumerate(paths)))
-    else:
-        with ProcessPoolExecutor(len(os.sched_getaffinity(0))) as pool:
-            pictures = list(pool.map(drawn, enumerate(paths), chunksize=4))
-    failures = failures_of(folder)
+    found = [Case(path) for path in paths]
+    cases, without = [case for case in found if case.has_equilibrium], \
+        [(case.summary["case"], case.summary["message"]) for case in found if not case.has_equilibrium]
+    pictures = pictures_of_all([case.path for case in cases])
+    failures = failures_of(folder, {name for name, _ in without})
     colors = [verdict_of(case.summary)[0] for case in cases]
-    counted = [f"{colors.count(color)} {color}" for color in COLORS] + [f"{len(failures)} failed"] * bool(failures)
-    versions = ", ".join(sorted({case.summary["version"] for case in cases}))
+    counted = [f"{colors.count(color)} {color}" for color in COLORS]
+    counted += [f"{len(some)} {words}" for some, words in ((without, "without equilibrium"), (failures, "failed"))
+                if some]
+    versions = ", ".join(sorted({case.summary["version"] for case in found}))
     name = html.escape(folder.resolve().name)
     pvd = ' ParaView steps through <a href="cases.pvd">cases.pvd</a>.' if (folder / "cases.pvd").exists() else ""
-    failed = "".join(f'<p class="verdict red"><b>failed: {html.escape(deck)}</b><span>{html.escape(message)}</span>'
-                     "</p>\n" for deck, message in failures)
+    unsolved = "".join(f'<p class="verdict {color}"><b>{words}{html.escape(deck)}</b><span>{html.escape(message)}'
+                       "</span></p>\n" for color, words, some in (("red", "failed: ", failures), ("amber", "", without))
+                       for deck, message in some)
     sections = "".join(section_of(case, large) for case, (large, _) in zip(cases, pictures))
     style, script = (Path(__file__).with_name(f"report.{ending}").read_text(encoding="utf-8")
                      for ending in ("css", "js"))
@@ -188,10 +195,10 @@ def page_of(folder, paths):
 <title>Amontons: {name}</title><style>{style}</style></head>
 <body>
 <h1>Contact results: {name}</h1>
-<p>{len(cases)} {"case" if len(cases) == 1 else "cases"}: {", ".join(counted)}.
+<p>{len(found)} {"case" if len(found) == 1 else "cases"}: {", ".join(counted)}.
 Amontons {versions}; page made on {datetime.date.today().isoformat()}.
 Lengths, forces and stresses are in the units of the decks.{pvd}</p>
-{failed}{table_of(cases, [small for _, small in pictures])}{sections}<script>
+{unsolved}{table_of(cases, [small for _, small in pictures])}{sections}<script>
 {script}</script></body>
 </html>
 """

@@ -29,7 +29,7 @@ from amontons.mesh import Mesh
 
 Deck = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 STATUSES = np.array(["", "open", "stick", "slip+", "slip-"])
-WORDS = ("status", "outcome", "statuses")  # columns of tables
+WORDS = ("status", "outcome", "warnings", "statuses")  # columns of tables
 TEXT_SIZE = 65536
 NO_FILE = os.strerror(2)  # what a message ends with where a file is not there
 

@@ -202,7 +202,7 @@ class Fuzzer:
 
     def is_worth(self, k, output, data):
         """Whether a case that is in order is small enough to be solved."""
-        line = re.search(rb"^m%d: in order; .*" % k, output, re.MULTILINE)
+        line = re.search(rb"^m%d: deck OK; .*" % k, output, re.MULTILINE)
         return (line is not None and not PATIENT.search(data)
                 and all(int(match[1]) <= LARGEST[match[2]] for match in SIZES.finditer(line[0])))
 

@@ -38,6 +38,10 @@ contains
          'A deck with a sweep leaves a listing, a summary, its deck and', &
          '  NAME.sweep.csv     one row for each case', &
          '  NAME.sweep.pvd     the cases whose fields it asks for, for ParaView', &
+         'A deck with a history leaves the files of its last step and', &
+         '  NAME.history.csv   one row for each step', &
+         '  NAME.history.pvd   the steps whose fields it asks for, for ParaView', &
+         '  NAME.points.csv    the contact points of the steps it asks for', &
          'and several decks leave', &
          '  cases.pvd          all their cases, for ParaView', &
          '  batch.csv          a row for each deck: outcome, message, key numbers', &

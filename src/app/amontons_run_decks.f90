@@ -16,7 +16,7 @@ module amontons_run_decks
    use amontons_status_line, only: close_status_line, open_status_line
    use amontons_study, only: check_study, solve_study, study_options_t, study_t
    use amontons_system, only: wall_seconds
-   use amontons_text, only: newline
+   use amontons_text, only: newline, to_text
    use amontons_unchanged, only: is_unchanged
    implicit none (type, external)
    private
@@ -95,7 +95,7 @@ contains
       call new_collection(collection, directory//'/cases.pvd', error)
       if (allocated(error)) return
       do i = 1, size(outcomes)
-         if (outcomes(i)%has_grids) call collection%add(i, outcomes(i)%name)
+         if (outcomes(i)%has_grids) call collection%add(to_text(i), outcomes(i)%name)
       end do
       call collection%finish(files(1), error)
       call commit_files(files, error)

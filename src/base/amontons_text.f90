@@ -6,8 +6,8 @@ module amontons_text
    implicit none (type, external)
    private
 
-   public :: as_lines, comma_separated, csv_field, lower_case, nearest_word, newline, put_decimals, quoted, &
-      read_integer, read_real, to_short_text, to_text, utf_8_width
+   public :: as_lines, comma_separated, lower_case, nearest_word, newline, put_decimals, quoted, read_integer, &
+      read_real, to_short_text, to_text, utf_8_width
 
    !> The end of a line.
    character(*), parameter :: newline = new_line('a')
@@ -314,21 +314,5 @@ contains
          bytes(i:i) = achar(127 + i)
       end do
    end function continuations
-
-   !> A text as a field of the table, in quotes where it needs them.
-   pure function csv_field(value) result(text)
-      character(*), intent(in) :: value !! the text
-      character(:), allocatable :: text
-      integer :: i
-
-      text = value
-      if (scan(value, ',"') == 0) return
-      text = '"'
-      do i = 1, len(value)
-         if (value(i:i) == '"') text = text//'"'
-         text = text//value(i:i)
-      end do
-      text = text//'"'
-   end function csv_field
 
 end module amontons_text

@@ -18,6 +18,7 @@ module amontons_deck_documenter
       procedure :: close_group => documenter_close_group
       procedure :: reals => documenter_reals
       procedure :: text => documenter_text
+      procedure :: words => documenter_words
       procedure, private :: write => documenter_write
       procedure, private :: write_row => documenter_write_row
    end type deck_documenter_t
@@ -77,6 +78,18 @@ contains
          call self%write_row(key, 'text', quoted(value), is_given)
       end if
    end subroutine documenter_text
+
+   !> Writes the row of a list of words.
+   subroutine documenter_words(self, key, choices, is_chosen)
+      class(deck_documenter_t), intent(inout) :: self !! the documenter
+      type(key_t), intent(in) :: key !! the key
+      character(*), intent(in) :: choices(:) !! the words it can have
+      logical, intent(inout) :: is_chosen(:) !! which of them it has
+      logical :: is_default
+
+      is_default = any(is_chosen)
+      call self%write_row(key, 'texts: one or more of '//joined(choices, "`'", "'`"), '', is_default)
+   end subroutine documenter_words
 
    !> Writes a row.
    subroutine documenter_write_row(self, key, values, default, is_given)

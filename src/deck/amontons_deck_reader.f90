@@ -2,7 +2,7 @@
 module amontons_deck_reader
    use amontons_deck_contents, only: bare_value, find_values, mark_faulty, refuse_value, unquoted_value
    use amontons_deck_scanner, only: excerpt, joined, suggestion
-   use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t, set_default
+   use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t, most_values, set_default
    use amontons_kinds, only: dp
    use amontons_number_table, only: beside
    use amontons_system, only: absolute_path
@@ -21,6 +21,7 @@ module amontons_deck_reader
       procedure :: close_group => reader_close_group
       procedure :: reals => reader_reals
       procedure :: text => reader_text
+      procedure :: words => reader_words
       procedure, private :: find => reader_find
       procedure, private :: judge => reader_judge
       procedure, private :: refuse_unknown_keys => reader_refuse_unknown_keys
@@ -124,6 +125,33 @@ contains
          if (key%is_file .and. len_trim(text) > 0) value = absolute_path(beside(self%deck%file, text))
       end if
    end subroutine reader_text
+
+   !> Reads a list of words.
+   subroutine reader_words(self, key, choices, is_chosen)
+      class(deck_reader_t), intent(inout) :: self !! the reader
+      type(key_t), intent(in) :: key !! the key
+      character(*), intent(in) :: choices(:) !! the words it can have, in lower case, blank padded
+      logical, intent(inout) :: is_chosen(:) !! which of them it has
+      character(:), allocatable :: text
+      integer, allocatable :: source(:)
+      integer :: i
+
+      allocate (source(self%deck%count_values(self%place, key%name, most_values)))
+      call self%find(key, 'quoted text', source)
+      is_chosen = .false.
+      do i = 1, size(source)
+         if (source(i) == 0) cycle
+         if (.not. self%deck%contents%values(source(i))%is_text) then
+            call refuse_value(self%deck%contents, self%place, key%name, source(i), 'quoted text')
+            return
+         end if
+         text = unquoted_value(self%deck%contents, source(i))
+         is_chosen = is_chosen .or. choices == lower_case(text)
+         if (any(choices == lower_case(text))) cycle
+         call refuse_word(self, key, text, choices)
+         return
+      end do
+   end subroutine reader_words
 
    !> Finds the values of a key, and notes it as one of the group.
    subroutine reader_find(self, key, noun, source, is_given)

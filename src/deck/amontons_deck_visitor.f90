@@ -65,6 +65,7 @@ module amontons_deck_visitor
       procedure(close_group), deferred :: close_group
       procedure(visit_reals), deferred :: reals
       procedure(visit_text), deferred :: text
+      procedure(visit_words), deferred :: words
       procedure :: real => visitor_real
       procedure :: list => visitor_list
       procedure :: whole => visitor_whole
@@ -117,6 +118,16 @@ module amontons_deck_visitor
          logical, intent(inout), optional :: is_given !! as for reals
          character(*), intent(in), optional :: choices(:) !! the words it can be, in lower case, blank padded
       end subroutine visit_text
+
+      !> Visits a list of words.
+      subroutine visit_words(self, key, choices, is_chosen)
+         import :: deck_visitor_t, key_t
+         implicit none (type, external)
+         class(deck_visitor_t), intent(inout) :: self !! the visitor
+         type(key_t), intent(in) :: key !! the key
+         character(*), intent(in) :: choices(:) !! the words it can have, in lower case, blank padded
+         logical, intent(inout) :: is_chosen(:) !! which of them it has
+      end subroutine visit_words
    end interface
 
 contains
@@ -238,16 +249,17 @@ contains
       if (self%place > 0 .and. .not. holds) call self%deck%fault(self%place, key, sentence)
    end subroutine visitor_require
 
-   !> Reads the table of two columns in a file that a key of the group names.
-   subroutine visitor_table(self, key, file, table)
+   !> Reads the table in a file that a key of the group names.
+   subroutine visitor_table(self, key, file, table, n_columns)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       character(*), intent(in) :: key !! name of the key
       character(:), allocatable, intent(in) :: file !! name of the file from the root on; empty without one
-      real(dp), allocatable, intent(inout) :: table(:, :) !! the table (2, rows)
+      real(dp), allocatable, intent(inout) :: table(:, :) !! the table (columns, rows)
+      integer, intent(in), optional :: n_columns !! number of columns, 2 where it is not present
       type(error_t), allocatable :: error
 
       if (.not. (self%has(key) .and. is_filled(file))) return
-      call read_number_table(table, file, error)
+      call read_number_table(table, file, error, n_columns)
       if (allocated(error)) call self%require(.false., key, key//': '//error%message)
    end subroutine visitor_table
 

@@ -21,6 +21,7 @@ module amontons_deck_writer
       procedure :: close_group => writer_close_group
       procedure :: reals => writer_reals
       procedure :: text => writer_text
+      procedure :: words => writer_words
       procedure, private :: write_key => writer_write_key
    end type deck_writer_t
 
@@ -64,6 +65,22 @@ contains
       call set_default(value, choices)
       call self%write_key(key, quoted(value), is_given)
    end subroutine writer_text
+
+   !> Writes a list of words; nothing without any.
+   subroutine writer_words(self, key, choices, is_chosen)
+      class(deck_writer_t), intent(inout) :: self !! the writer
+      type(key_t), intent(in) :: key !! the key
+      character(*), intent(in) :: choices(:) !! the words it can have
+      logical, intent(inout) :: is_chosen(:) !! which of them it has
+      character(:), allocatable :: list
+      integer :: i
+
+      list = ''
+      do i = 1, size(choices)
+         if (is_chosen(i)) list = list//', '//quoted(trim(choices(i)))
+      end do
+      call self%write_key(key, list(min(3, len(list) + 1):), any(is_chosen))
+   end subroutine writer_words
 
    !> Writes a key and its value, on a new line where it would not fit.
    subroutine writer_write_key(self, key, value, is_given)

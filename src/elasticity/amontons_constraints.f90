@@ -16,6 +16,7 @@ module amontons_constraints
    !> A prescribed displacement or an elastic foundation of a boundary set, or a prescribed displacement of the node at
    !> a point.
    type :: support_t
+      character(:), allocatable :: name !! its name, by which a load history knows it; empty without one
       character(:), allocatable :: set !! name of the boundary set; empty for a support at a point
       real(dp) :: point(2) = 0.0_dp !! coordinates of the node [L]; read when `set` is empty
       logical :: is_held(size(supported_components)) = .false. !! which components are prescribed
@@ -46,6 +47,7 @@ contains
       type(support_t), intent(out) :: support !! the support
       character(*), intent(in) :: set !! name of the boundary set
 
+      support%name = ''
       support%set = set
       support%origin = ''
    end subroutine new_support
@@ -94,7 +96,7 @@ contains
          error)
    end subroutine hold_point
 
-   !> Applies a support to all nodes of its boundary set.
+   !> Applies a support to all nodes of its set. Of a set of nodes all are held, where the support asks for no normal.
    subroutine hold_set(constraints, prescribed, mesh, support, error)
       type(constraints_t), intent(inout) :: constraints !! the constraints
       real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements (2, n_nodes) [L]
@@ -102,8 +104,19 @@ contains
       type(support_t), intent(in) :: support !! the support
       type(error_t), allocatable, intent(out) :: error !! no such set, or the supports contradict each other
       type(boundary_line_t) :: line
-      integer :: i
+      integer :: i, set
 
+      set = mesh%find_node_set(support%set)
+      if (set > 0 .and. .not. any(support%is_held(3:)) .and. any(support%is_held)) then
+         do i = 1, size(mesh%node_sets(set)%node)
+            associate (node => mesh%node_sets(set)%node(i))
+               call hold_node(constraints, prescribed(:, node), node, [0.0_dp, 0.0_dp], support, &
+                  mesh%coordinates(:, node), error)
+            end associate
+            if (allocated(error)) return
+         end do
+         return
+      end if
       call new_boundary_line(line, mesh, support%set, error)
       if (allocated(error)) return
       do i = 1, line%n_nodes

@@ -214,8 +214,8 @@ contains
    end function element_stress
 
    !> Elastic strain at a quadrature point, which makes the stress: xx, yy, the engineering shear 2 xy, and zz or the
-   !> hoop strain. It is that of the displacements less the thermal strain. Without thermal strain zz is 0 in the plane, but
-   !> with a mean dilatation, where the trace is the element's mean. In plane stress zz is left at 0 [-].
+   !> hoop strain. It is that of the displacements less the thermal strain. Without thermal strain zz is 0 in the plane,
+   !> but with a mean dilatation, where the trace is the element's mean. In plane stress zz is left at 0 [-].
    pure function elastic_strain(geometry, material, displacement, point) result(strain)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material

@@ -6,6 +6,8 @@ module amontons_config
    use amontons_config_body, only: describe_load, describe_material, describe_mesh, describe_support, load_group, &
       material_group, mesh_group, support_group
    use amontons_config_contact, only: contact_group, describe_contact
+   use amontons_config_file, only: take_file_loads, take_file_materials, take_file_supports
+   use amontons_config_history, only: describe_history, history_group, steps_group
    use amontons_config_reduced, only: describe_problem, problem_group, reduced_source_t
    use amontons_config_sweep, only: describe_sweep, sweep_group
    use amontons_constraints, only: support_t
@@ -18,9 +20,12 @@ module amontons_config
    use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t
    use amontons_deck_writer, only: deck_writer_t
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_file_model, only: file_model_t, use_loads, use_materials, use_names, use_supports
+   use amontons_history, only: history_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_t
    use amontons_material, only: material_t
+   use amontons_mesh_file, only: read_file_model
    use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
       space_names, variant_names
    use amontons_new_cholesky, only: factorization_names
@@ -42,7 +47,7 @@ module amontons_config
    type(group_t), parameter :: output_group = group_t('output')
    !> The groups that describe a body, what acts on it, and what varies.
    type(group_t), parameter :: body_groups(*) = [mesh_group, material_group, support_group, load_group, contact_group, &
-      sweep_group]
+      sweep_group, history_group, steps_group]
    !> All groups of a deck.
    type(group_t), parameter :: groups(*) = [case_group, problem_group, body_groups, solver_group, output_group]
 
@@ -52,11 +57,14 @@ module amontons_config
       character(:), allocatable :: mesh_file !! name of the mesh file from the root on; empty for a rectangle
       character(:), allocatable :: mesh_origin !! where the mesh was specified, for messages: 'deck.nml:12: '
       type(rectangle_t) :: rectangle !! the rectangle that is the body where there is no mesh file
+      logical :: is_used(size(use_names)) = .false. !! which of `use_names` are taken from the mesh file
+      integer :: n_used(size(use_names)) = 0 !! how many of materials, supports and loads, the first ones, come from it
       type(material_t), allocatable :: materials(:) !! its materials
       type(support_t), allocatable :: supports(:) !! its supports
       type(load_t), allocatable :: loads(:) !! its loads
       type(contact_t), allocatable :: contacts(:) !! its contact sets
       type(sweep_t) :: sweep !! what varies from case to case; nothing for a single case
+      type(history_t) :: history !! what changes from step to step; not given for a single case
       type(method_options_t) :: method !! the contact method
       character(:), allocatable :: factorization !! one of `factorization_names`
       character(:), allocatable :: condensation !! one of `condensation_names`
@@ -163,6 +171,8 @@ contains
       type(config_t) :: copy
 
       copy = config
+      ! The mesh file says them again; what it says is part of the body.
+      if (is_shared_only) copy%n_used = 0
       writer%is_shared_only = is_shared_only
       call describe_config(writer, copy)
       call move_alloc(writer%written, text)
@@ -180,7 +190,9 @@ contains
       if (index(documenter%wanted, '&') == 1) documenter%wanted = documenter%wanted(2:)
       documenter%written = ''
       config%file = ''
-      allocate (config%materials(1), config%supports(1), config%loads(1), config%contacts(1), config%sweep%axes(1))
+      allocate (config%materials(1), config%supports(1), config%loads(1), config%contacts(1), config%sweep%axes(1), &
+         config%history%steps(1))
+      config%history%is_given = .true.
       call describe_config(documenter, config)
       text = documenter%written
       if (len(text) == 0) call new_error(error, input_refused, 'unknown group &'//documenter%wanted// &
@@ -200,7 +212,7 @@ contains
          call describe_body(visitor, config)
       end if
       call describe_solver(visitor, config)
-      call describe_output(visitor, config%sweep)
+      call describe_output(visitor, config%sweep, config%history)
    end subroutine describe_config
 
    !> Describes the groups of a body, of what acts on it and of what varies.
@@ -209,29 +221,56 @@ contains
       type(config_t), intent(inout) :: config !! the case; who reads it comes without these
       integer :: i
 
-      if (.not. allocated(config%materials)) then
-         ! Of a body without a material, the required keys are missed.
-         allocate (config%materials(max(1, visitor%deck%count_groups('material'))))
-         allocate (config%supports(visitor%deck%count_groups('support')))
-         allocate (config%loads(visitor%deck%count_groups('load')))
-         allocate (config%contacts(visitor%deck%count_groups('contact')))
-         allocate (config%sweep%axes(visitor%deck%count_groups('sweep')))
-      end if
-      call describe_mesh(visitor, config%mesh_file, config%rectangle, config%mesh_origin)
-      do i = 1, size(config%materials)
+      call describe_mesh(visitor, config%mesh_file, config%is_used, config%rectangle, config%mesh_origin)
+      if (.not. allocated(config%materials)) call begin_body(visitor, config)
+      do i = config%n_used(use_materials) + 1, size(config%materials)
          call describe_material(visitor, config%materials(i))
       end do
-      do i = 1, size(config%supports)
+      do i = config%n_used(use_supports) + 1, size(config%supports)
          call describe_support(visitor, config%supports(i))
       end do
-      do i = 1, size(config%loads)
+      do i = config%n_used(use_loads) + 1, size(config%loads)
          call describe_load(visitor, config%loads(i))
       end do
       do i = 1, size(config%contacts)
          call describe_contact(visitor, config%contacts(i))
       end do
       call describe_sweep(visitor, config%sweep, config%loads, config%contacts)
+      call describe_history(visitor, config%history, config%loads, config%supports, config%contacts)
    end subroutine describe_body
+
+   !> Makes room for what the groups of a deck say of a body, behind what its mesh file says.
+   subroutine begin_body(visitor, config)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor, behind `&mesh`
+      type(config_t), intent(inout) :: config !! the case; gains materials, supports and loads of the file
+      type(file_model_t) :: model
+      type(error_t), allocatable :: error
+      type(material_t), allocatable :: materials(:)
+      type(support_t), allocatable :: supports(:)
+      type(load_t), allocatable :: loads(:)
+
+      if (any(config%is_used) .and. visitor%is_judging()) call read_file_model(model, config%mesh_file, &
+         config%is_used, error)
+      if (.not. allocated(error)) call take_file_materials(materials, model, config%mesh_file, error)
+      if (allocated(error)) call visitor%require(.false., 'use', error%message)
+      ! Of a body without a material, the required keys are missed; where the file is at fault, that is told.
+      if (.not. allocated(materials)) allocate (materials(0))
+      call take_file_supports(supports, model, config%mesh_file)
+      call take_file_loads(loads, model, config%mesh_file)
+      config%n_used = [size(materials), size(supports), size(loads)]
+      associate (deck => visitor%deck, n_used => config%n_used)
+         allocate (config%materials(max(merge(0, 1, allocated(error)), n_used(1) + deck%count_groups('material'))))
+         allocate (config%supports(n_used(2) + deck%count_groups('support')))
+         allocate (config%loads(n_used(3) + deck%count_groups('load')))
+         config%materials(:n_used(1)) = materials
+         config%supports(:n_used(2)) = supports
+         config%loads(:n_used(3)) = loads
+         allocate (config%contacts(deck%count_groups('contact')))
+         allocate (config%sweep%axes(deck%count_groups('sweep')))
+         allocate (config%history%steps(deck%count_groups('steps')))
+         config%history%is_given = deck%count_groups('history') > 0
+      end associate
+   end subroutine begin_body
 
    !> Describes `&case`: name and title.
    subroutine describe_case(visitor, config)
@@ -325,19 +364,35 @@ contains
       end associate
    end subroutine describe_solver
 
-   !> Describes `&output`: the fields that a sweep shall leave.
-   subroutine describe_output(visitor, sweep)
+   !> Describes `&output`: what a sweep or a history leaves besides its table.
+   subroutine describe_output(visitor, sweep, history)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(sweep_t), intent(inout) :: sweep !! the sweep
-      logical :: is_given
+      type(history_t), intent(inout) :: history !! the history
+      integer :: fields_every
+      logical :: has_fields, has_points, has_probes
 
-      is_given = sweep%fields_every > 0
+      fields_every = max(sweep%fields_every, history%fields_every)
+      has_fields = fields_every > 0
+      has_points = history%points_every > 0
+      has_probes = history%n_probes() > 0
       call visitor%open_group(output_group)
-      call visitor%whole(key_t('fields_every', 'with `&sweep`: the fields of case 1 and of every so-many-th case'// &
-         ' behind it are written as `.vtu`', default='none', at_least=1.0_dp, also='out every frequency'), &
-         sweep%fields_every, is_given)
+      call visitor%whole(key_t('fields_every', 'with `&sweep` or `&history`: the fields of case or step 1 and of every'// &
+         ' so-many-th behind it are written as `.vtu`', default='none', at_least=1.0_dp, also='out every frequency'), &
+         fields_every, has_fields)
+      call visitor%whole(key_t('points_every', 'with `&history`: the contact points of step 1 and of every'// &
+         ' so-many-th step behind it are written as a table', default='none', at_least=1.0_dp), history%points_every, &
+         has_points)
+      call visitor%list(key_t('probe', 'with `&history`: coordinates of nodes, x and y in turn, whose displacements'// &
+         ' the table of the history shows', 'L', default='none', also='probes'), history%probes, has_probes)
       call visitor%close_group()
-      call visitor%only('fields_every', sweep%is_given(), 'a deck with &sweep')
+      if (sweep%is_given()) sweep%fields_every = fields_every
+      if (history%is_given) history%fields_every = fields_every
+      call visitor%only('fields_every', sweep%is_given() .or. history%is_given, 'a deck with &sweep or &history')
+      call visitor%only('points_every', history%is_given, 'a deck with &history')
+      call visitor%only('probe', history%is_given, 'a deck with &history')
+      if (has_probes) call visitor%require(modulo(size(history%probes), 2) == 0, 'probe', &
+         'probe needs two coordinates for each node, found '//to_text(size(history%probes))//' numbers')
    end subroutine describe_output
 
 end module amontons_config

@@ -4,6 +4,7 @@ module amontons_config_body
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_element, only: element_names
    use amontons_error, only: error_t
+   use amontons_file_model, only: use_names
    use amontons_kinds, only: dp
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_on_sides, load_t
    use amontons_material, only: formulation_names, hypothesis_names, material_t, new_material
@@ -34,9 +35,10 @@ module amontons_config_body
 contains
 
    !> Describes `&mesh`: a rectangle and its cells, or a file.
-   subroutine describe_mesh(visitor, file, rectangle, origin)
+   subroutine describe_mesh(visitor, file, is_used, rectangle, origin)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       character(:), allocatable, intent(inout) :: file !! name of the mesh file from the root on; empty for a rectangle
+      logical, intent(inout) :: is_used(:) !! which of `use_names` are taken from the file, too
       type(rectangle_t), intent(inout) :: rectangle !! the rectangle that is the body where there is no file
       character(:), allocatable, intent(inout) :: origin !! where the mesh is specified
       character(4), parameter :: kind_of_file = 'file'
@@ -59,6 +61,8 @@ contains
       has_grading = is_rectangle
       call visitor%text(key_t('file', "with `kind = 'file'`, where it is required: name of the mesh file, seen from"// &
          " the deck's folder", is_file=.true., is_filled=.true., also='filename path'), file, has_file)
+      call visitor%words(key_t('use', 'what the body takes from an Abaqus or CalculiX file besides the mesh', &
+         default='none', also='read import'), use_names, is_used)
       call visitor%reals(key_t('size', 'of the rectangle: width and height', 'L', above=0.0_dp, &
          is_required=needs_size, also='length lengths dimensions'), rectangle%size, has_size)
       call visitor%wholes(key_t('cells', 'of the rectangle: number of cells along x and y', at_least=1.0_dp, &
@@ -73,6 +77,7 @@ contains
       call visitor%locate(trim(merge('cells', 'file ', is_rectangle)), origin)
       if (.not. visitor%is_judging()) return
       call visitor%only('file', .not. is_rectangle, "kind = 'file'")
+      call visitor%only('use', .not. is_rectangle, "kind = 'file'")
       call visitor%only('size', is_rectangle, "kind = 'rectangle'")
       call visitor%only('cells', is_rectangle, "kind = 'rectangle'")
       call visitor%only('element', is_rectangle, "kind = 'rectangle'")
@@ -126,13 +131,16 @@ contains
    subroutine describe_support(visitor, support)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(support_t), intent(inout) :: support !! the support
-      logical :: has_set, has_point, has_spring(2)
+      logical :: has_name, has_set, has_point, has_spring(2)
       integer :: k
 
+      has_name = is_filled(support%name)
       has_set = is_filled(support%set)
       has_point = allocated(support%set) .and. .not. has_set
       has_spring = any(support%spring > 0.0_dp)
       call visitor%open_group(support_group)
+      call visitor%text(key_t('name', 'by which `&steps` know it; several supports may share a name', default='none', &
+         is_filled=.true., is_free=.true., also='label'), support%name, has_name)
       call visitor%text(key_t('set', 'the nodes of a boundary set; this or `point` is required', is_filled=.true., &
          also='nset boundary'), support%set, has_set)
       call visitor%reals(key_t('point', 'the node at these coordinates', 'L', also='node'), support%point, has_point)
@@ -166,7 +174,7 @@ contains
       on_nodes = load%target == load_on_nodes
       has_point = on_nodes .and. .not. has_set
       call visitor%open_group(load_group)
-      call visitor%text(key_t('name', 'by which a `&sweep` knows it; several loads may share a name', default='none', &
+      call visitor%text(key_t('name', 'by which `&sweep` and `&steps` know it; several loads may share a name', default='none', &
          is_filled=.true., also='label'), load%name, has_name)
       call visitor%text(key_t('set', 'the boundary set of a traction or pressure; the node set or boundary set of'// &
          ' point forces', is_filled=.true., also='nset surface'), load%set, has_set)

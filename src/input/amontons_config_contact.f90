@@ -33,8 +33,12 @@ contains
    subroutine describe_contact(visitor, contact)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(contact_t), intent(inout) :: contact !! the contact set
+      logical :: has_name
 
+      has_name = is_filled(contact%name)
       call visitor%open_group(contact_group)
+      call visitor%text(key_t('name', 'by which `&steps` know it, besides its `set`', default='none', &
+         is_filled=.true., also='label'), contact%name, has_name)
       call visitor%text(key_t('set', 'the boundary set that may touch the obstacle', is_filled=.true., &
          is_required=.true., is_shared=.true., also='surface side'), contact%set)
       call describe_field(visitor, friction_keys, contact%friction)

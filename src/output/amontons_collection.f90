@@ -1,11 +1,11 @@
 !> Collections for ParaView: the grids of several cases in one file, to be stepped through.
 !>
-!> A case is a step of the collection, its time the number of the case; body and contact line are parts of the step.
+!> A case is a step of the collection, its time the number of the case, or the pseudo-time of a history; body and contact line are parts of the step.
 module amontons_collection
    use amontons_error, only: error_t
    use amontons_manifest, only: manifest_t
    use amontons_output_file, only: new_output_file, output_file_t
-   use amontons_text, only: newline, to_text
+   use amontons_text, only: newline
    implicit none (type, external)
    private
 
@@ -45,23 +45,23 @@ contains
    end subroutine new_collection
 
    !> Adds a case: STEM.vtu and STEM.contact.vtu.
-   subroutine collection_add(self, number, stem)
+   subroutine collection_add(self, time, stem)
       class(collection_t), intent(inout) :: self !! the collection
-      integer, intent(in) :: number !! number of the case
+      character(*), intent(in) :: time !! its time: the number of the case, or the pseudo-time of a step
       character(*), intent(in) :: stem !! name of its files without endings, seen from the folder of the collection
 
       self%n_cases = self%n_cases + 1
       ! allow(C181): `finish` checks the state
-      if (self%state == 0) write (self%file%unit, iostat=self%state) case_entries(number, stem)
+      if (self%state == 0) write (self%file%unit, iostat=self%state) case_entries(time, stem)
    end subroutine collection_add
 
    !> The lines of a case.
-   pure function case_entries(number, stem) result(lines)
-      integer, intent(in) :: number !! number of the case
+   pure function case_entries(time, stem) result(lines)
+      character(*), intent(in) :: time !! its time
       character(*), intent(in) :: stem !! name of its files without endings, seen from the folder of the collection
       character(:), allocatable :: lines, head
 
-      head = '    <DataSet timestep="'//to_text(number)//'" part="'
+      head = '    <DataSet timestep="'//time//'" part="'
       lines = head//'0" name="body" file="'//escaped(stem)//'.vtu"/>'//newline// &
          head//'1" name="contact line" file="'//escaped(stem)//'.contact.vtu"/>'//newline
    end function case_entries

@@ -57,6 +57,11 @@ contains
          call add('shear_bound', '', shear_bound(force(:m)/zone%area, load_case%friction, load_case%slip_bound, &
             zone%area), no_scale, .true.)
       end associate
+      if (allocated(result%slip_record)) then
+         call add('slip_step', '', result%slip_record(:, 1), length, .true.)
+         call add('slip_accumulated', '', result%slip_record(:, 2), length, .true.)
+         call add('dissipation', '', result%slip_record(:, 3), no_scale, .true.)
+      end if
       list = list(:n)
 
    contains

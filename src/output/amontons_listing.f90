@@ -42,6 +42,7 @@ contains
             line('Points', status_counts(solution%status)), [maxval([force_scale(result), result%key_results%scale])])
          call listing%add(warnings_text(result%warnings))
          call listing%add(model_text(body, result%load_case)//loads_text(result%load_case))
+         if (allocated(result%study_listing)) call listing%record(result%study_listing)
          call listing%record(solution_text(body, result))
          call listing%add(zones_text(body, result))
          call listing%add(resultants_text(result), [force_scale(result)])

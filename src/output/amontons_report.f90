@@ -20,25 +20,35 @@ module amontons_report
    implicit none (type, external)
    private
 
-   public :: case_documents, write_report
+   public :: case_documents, study_files_t, write_report
+
+   !> The files that a study of several steps adds to those of the last one.
+   type :: study_files_t
+      type(output_file_t), allocatable :: files(:) !! the finished files
+      type(manifest_t) :: manifest !! what it has in a folder of its own, and what it has read
+   end type study_files_t
 
 contains
 
    !> Writes NAME.lst, NAME.contact.csv, NAME.vtu, NAME.contact.vtu and NAME.summary.json, NAME.deck.nml if there is a
    !> deck, and NAME.solutions.csv if all solutions are known. The files are renamed when all are complete.
-   subroutine write_report(directory, label, body, result, error)
+   subroutine write_report(directory, label, body, result, error, study)
       character(*), intent(in) :: directory !! output directory, made if it is not there
       class(case_label_t), intent(in) :: label !! what the case is called: a configuration, or `new_case_label`
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(study_files_t), intent(in), optional :: study !! the files of a study of several steps
       type(output_file_t), allocatable :: files(:)
+      type(study_files_t) :: added
       type(file_name_t), allocatable :: earlier(:)
       type(manifest_t) :: manifest
 
       call make_directory(directory, error)
       if (allocated(error)) return
-      call write_files(files, manifest, directory//'/'//label%name, label, body, result, error)
+      if (present(study)) added = study
+      if (.not. allocated(added%files)) allocate (added%files(0))
+      call write_files(files, manifest, directory//'/'//label%name, label, body, result, added, error)
       if (.not. allocated(error)) call find_earlier_files(earlier, directory, label%name, manifest)
       call commit_files(files, error, earlier)
    end subroutine write_report
@@ -69,13 +79,14 @@ contains
    end subroutine case_documents
 
    !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
-   subroutine write_files(files, manifest, stem, label, body, result, error)
+   subroutine write_files(files, manifest, stem, label, body, result, study, error)
       type(output_file_t), allocatable, intent(out) :: files(:) !! the finished files, the summary last
       type(manifest_t), intent(out) :: manifest !! their manifest
       character(*), intent(in) :: stem !! directory and name of the case
       class(case_label_t), intent(in) :: label !! what the case is called
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(inout) :: result !! the result; gains the time of writing
+      type(study_files_t), intent(in) :: study !! the files of a study of several steps
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(document_t), allocatable :: documents(:)
       type(document_t) :: summary
@@ -83,7 +94,9 @@ contains
 
       call case_documents(documents, label, body, result)
       n = size(documents)
-      allocate (files(n + 3))
+      allocate (files(n + size(study%files) + 3))
+      files(n + 3:size(files) - 1) = study%files
+      manifest = study%manifest
       do i = 1, n
          call write_text_file(files(i), stem//documents(i)%ending, documents(i)%text(), error)
          if (allocated(error)) return
@@ -98,7 +111,7 @@ contains
       call manifest%add_inputs(body%mesh, result%load_case%contacts, result%load_case%loads)
       call result%timings%begin(phase_write)
       call new_summary(summary, label, body, result)
-      call write_text_file(files(n + 3), stem//summary%ending, with_manifest(summary%text(), manifest), error)
+      call write_text_file(files(size(files)), stem//summary%ending, with_manifest(summary%text(), manifest), error)
    end subroutine write_files
 
 end module amontons_report

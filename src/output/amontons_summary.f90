@@ -28,6 +28,7 @@ contains
       associate (solution => result%solution, certificate => result%certificate)
          call add_head(summary, label, result%method%method, trim(merge('converged    ', 'not_converged', &
             solution%is_converged)), result%warnings)
+         if (allocated(result%study_members)) call summary%record(result%study_members)
          call summary%record(effort_members(solution))
          if (result%method_error >= 0.0_dp) call summary%record(member('method_error', number(result%method_error)))
          if (any(result%load_case%contacts%partition%is_constant)) call summary%add(member('inf_sup', &

@@ -9,8 +9,9 @@ module amontons_batch_table
    use amontons_outcome, only: outcome_t
    use amontons_output_file, only: output_file_t, write_text_file
    use amontons_quantity, only: value_of
+   use amontons_row_text, only: field
    use amontons_system, only: make_directory
-   use amontons_text, only: csv_field, newline, to_text
+   use amontons_text, only: newline, to_text
    use amontons_text_file, only: read_text_file
    implicit none (type, external)
    private
@@ -21,8 +22,9 @@ module amontons_batch_table
    character(20), parameter :: number_keys(*) = [character(20) :: 'iterations', 'residual', 'max_contact_pressure', &
       'max_von_mises', 'max_displacement', 'normal_force', 'tangential_force']
    !> Outcomes, as the table has them.
-   character(17), parameter :: outcome_words(*) = [character(17) :: 'solved', 'checked', 'unchanged', 'no_equilibrium', &
-      'not_converged', 'not_certified', 'refused', 'numerical_failure', 'system_failure', 'interrupted']
+   character(17), parameter :: outcome_words(*) = [character(17) :: 'solved', 'checked', 'unchanged', &
+      'no_equilibrium', 'not_converged', 'not_certified', 'refused', 'numerical_failure', 'system_failure', &
+      'interrupted']
    !> Outcomes, as the tally has them.
    character(19), parameter :: outcome_labels(*) = [character(19) :: 'solved', 'OK', 'unchanged', &
       'without equilibrium', 'not converged', 'not certified', 'refused', 'failed numerically', 'not written', &
@@ -106,12 +108,12 @@ contains
       character(:), allocatable :: start
       integer :: first, last
 
-      start = newline//csv_field(outcome%deck)//','
-      if (outcome%word == 'unchanged') start = start//csv_field(outcome%name)//',solved,'
+      start = newline//field(outcome%deck)//','
+      if (outcome%word == 'unchanged') start = start//field(outcome%name)//',solved,'
       first = index(newline//rows, start)
       if (first == 0) then
          if (outcome%word == 'unchanged') then
-            start = newline//csv_field(outcome%deck)//','
+            start = newline//field(outcome%deck)//','
             first = index(newline//rows, start)
          end if
       else if (outcome%word == 'unchanged') then
@@ -131,7 +133,7 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = csv_field(outcome%deck)//','//csv_field(outcome%name)//','
+      text = field(outcome%deck)//','//field(outcome%name)//','
       if (outcome%word == 'unchanged') then
          text = text//'solved'
       else
@@ -145,7 +147,7 @@ contains
          if (i > 1 .and. any(outcome%numbers%key == number_keys(i))) text = text// &
             to_text(value_of(outcome%numbers, number_keys(i)))
       end do
-      text = text//','//scientific(outcome%seconds)//','//csv_field(one_line(outcome%message))//newline
+      text = text//','//scientific(outcome%seconds)//','//field(one_line(outcome%message))//newline
    end function row_text
 
    !> A text of several lines as one.

@@ -1,6 +1,7 @@
 !> Which kind of study a deck asks for.
 module amontons_new_study
    use amontons_config, only: config_t
+   use amontons_history_study, only: history_study_t
    use amontons_reduced_study, only: reduced_study_t
    use amontons_single_study, only: single_study_t
    use amontons_study, only: study_t
@@ -19,6 +20,8 @@ contains
 
       if (config%reduced%is_given) then
          allocate (reduced_study_t :: study)
+      else if (config%history%is_given) then
+         allocate (history_study_t :: study)
       else if (config%sweep%is_given()) then
          allocate (sweep_study_t :: study)
       else

@@ -61,6 +61,10 @@ contains
       do i = 1, size(config%loads)
          if (allocated(config%loads(i)%temperature_file)) call check(config%loads(i)%temperature_file)
       end do
+      if (.not. allocated(config%history%steps)) return
+      do i = 1, size(config%history%steps)
+         if (allocated(config%history%steps(i)%file)) call check(config%history%steps(i)%file)
+      end do
 
    contains
 

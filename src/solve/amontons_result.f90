@@ -45,6 +45,10 @@ module amontons_result
       type(lengths_t) :: lengths !! lengths of the open, slip and stick zones
       real(dp) :: method_error = -1.0_dp
          !! largest difference of a contact force from the exact solution, over the largest force; -1 if not asked [-]
+      real(dp), allocatable :: slip_record(:, :)
+         !! of a load history: slip of its last step [L], accumulated slip [L] and dissipation [F L] of each point (m, 3)
+      character(:), allocatable :: study_listing !! what a study of several steps says of them in the listing
+      character(:), allocatable :: study_members !! what it says in the summary, members of a JSON object
       character(:), allocatable :: shared_with !! the case whose factorization was used; not allocated for an own one
       character(:), allocatable :: started_from !! the case whose solution was the start; not allocated for a cold start
       type(factor_t) :: factor !! the factorization in use

@@ -3,6 +3,7 @@ module amontons_result_warnings
    use amontons_body, only: body_t
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_contact_rows, only: turned
+   use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: n_corners
    use amontons_friction_law, only: open_point
@@ -17,7 +18,17 @@ module amontons_result_warnings
    implicit none (type, external)
    private
 
-   public :: add_conditioning, add_result_warnings
+   public :: add_conditioning, add_result_warnings, find_case_warnings, lacks_points
+
+   !> What is doubtful about a case of a sweep, as its row names it.
+   character(18), parameter, public :: case_warning_names(4) = [character(18) :: 'large_displacement', 'no_contact', &
+      'few_points', 'pressure_jump']
+   !> The same as a sentence.
+   character(99), parameter, public :: case_warning_sentences(4) = [character(99) :: &
+      "displacement of contact points above 5 % of the body's size; the theory is for small displacements", &
+      'nothing touches the obstacle', &
+      'fewer than 3 contact points closed: the mesh is too coarse for the pressure there', &
+      'the largest pressure is more than twice that of the points beside it: the mesh is too coarse for it']
 
    !> Largest displacement, as a share of the body's size, and largest strain that pass for small [-].
    real(dp), parameter :: large_displacement = 0.05_dp, large_strain = 0.02_dp
@@ -32,10 +43,11 @@ contains
       call add_conditioning(result, body)
       if (.not. result%solution%is_converged) return
       call add_size_warnings(result%warnings, body, result%displacement)
-      associate (is_closed => result%solution%status /= open_point, zone => body%zone)
-         if (zone%n_points > 0 .and. .not. any(is_closed)) then
+      associate (is_closed => result%solution%status /= open_point, zone => body%zone, &
+         lacks => lacks_points(result%solution%status))
+         if (lacks(1)) then
             call result%warnings%add('nothing touches the obstacle')
-         else if (zone%n_points > 2 .and. count(is_closed) < 3) then
+         else if (lacks(2)) then
             call result%warnings%add('only '//to_text(count(is_closed))// &
                ' contact point(s) closed: the mesh is too coarse for the pressure there')
          else if (zone%n_points > 2) then
@@ -45,6 +57,34 @@ contains
       end associate
       call add_passed_points(result%warnings, body, result%load_case, result%displacement)
    end subroutine add_result_warnings
+
+   !> Finds what is doubtful about the solution of a contact problem, without the displacements of the body.
+   pure subroutine find_case_warnings(is_raised, zone, size_of_body, solution)
+      logical, intent(out) :: is_raised(size(case_warning_names)) !! which of the warnings it deserves
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      real(dp), intent(in) :: size_of_body !! the larger side of the box around the mesh [L]
+      type(contact_solution_t), intent(in) :: solution !! the solution
+      integer :: m
+
+      m = zone%n_points
+      is_raised = .false.
+      if (m == 0) return
+      is_raised(1) = maxval(hypot(solution%displacement(:m), solution%displacement(m + 1:))) &
+         > large_displacement*size_of_body
+      is_raised(2:3) = lacks_points(solution%status)
+      if (m > 2 .and. .not. any(is_raised(2:3))) is_raised(4) = jump_at(zone, solution%force(:m)/zone%area) > 0
+   end subroutine find_case_warnings
+
+   !> Whether of contact points none is closed, and whether too few of them are for a pressure.
+   pure function lacks_points(status) result(lacks)
+      integer, intent(in) :: status(:) !! their statuses (m)
+      logical :: lacks(2)
+
+      associate (n_closed => count(status /= open_point))
+         lacks(1) = size(status) > 0 .and. n_closed == 0
+         lacks(2) = size(status) > 2 .and. n_closed > 0 .and. n_closed < 3
+      end associate
+   end function lacks_points
 
    !> Warns of a stiffness so ill-conditioned that rounding shows in the certificate.
    pure subroutine add_conditioning(result, body)
@@ -117,17 +157,26 @@ contains
       type(warning_list_t), intent(inout) :: warnings !! gains the warning
       type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: pressure(:) !! their pressures (m) [F/L^2]
+      integer :: peak
+
+      peak = jump_at(zone, pressure)
+      if (peak > 0) call warnings%add('the largest pressure '// &
+         short(pressure(peak))//' at '//pair(zone%position(:, peak))//' is more than twice that of the points '// &
+         'beside it: the mesh is too coarse for it, or it grows without bound at an edge')
+   end subroutine add_pressure_jump
+
+   !> The point of the largest pressure, if that is more than twice that of each of its neighbors; else 0.
+   pure integer function jump_at(zone, pressure) result(peak)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      real(dp), intent(in) :: pressure(:) !! their pressures (m) [F/L^2]
       real(dp), parameter :: large_jump = 2.0_dp
       real(dp) :: neighbor
-      integer :: peak
 
       peak = maxloc(pressure, dim=1)
       neighbor = maxval(pressure, mask=zone%next == peak)
       if (zone%next(peak) > 0) neighbor = max(neighbor, pressure(zone%next(peak)))
-      if (pressure(peak) > large_jump*max(neighbor, 0.0_dp)) call warnings%add('the largest pressure '// &
-         short(pressure(peak))//' at '//pair(zone%position(:, peak))//' is more than twice that of the points '// &
-         'beside it: the mesh is too coarse for it, or it grows without bound at an edge')
-   end subroutine add_pressure_jump
+      if (.not. pressure(peak) > large_jump*max(neighbor, 0.0_dp)) peak = 0
+   end function jump_at
 
    !> Warns of closed points whose normals are far from that of the obstacle.
    pure subroutine add_aslant_points(warnings, zone, cosine, is_closed)

@@ -11,7 +11,7 @@ module amontons_solve_case
    use amontons_error, only: error_t
    use amontons_load_case, only: new_load_case
    use amontons_mesh, only: mesh_t
-   use amontons_mesh_file, only: read_mesh_file
+   use amontons_mesh_file, only: read_used_mesh
    use amontons_methods, only: new_contact_method
    use amontons_model_warnings, only: add_model_warnings, add_sweep_warnings
    use amontons_name_check, only: check_names
@@ -61,11 +61,11 @@ contains
       ! What is told is the deck's.
       result%load_case%contacts = config%contacts
       result%method = config%method
-      ! Loads and friction that a sweep varies need not balance as they stand.
       call add_model_warnings(result%warnings, cache%body, result%load_case)
+      ! Loads and friction that a sweep or a history varies need not balance as they stand.
       if (config%sweep%is_given()) then
          call add_sweep_warnings(result%warnings, config%sweep, config%contacts)
-      else
+      else if (.not. config%history%is_given) then
          call check_balance(cache%body, result%load_case, error)
          result%has_no_equilibrium = allocated(error)
       end if
@@ -104,7 +104,7 @@ contains
 
       notes = ''
       if (len(config%mesh_file) > 0) then
-         call read_mesh_file(mesh, config%mesh_file, notes, error)
+         call read_used_mesh(mesh, config%mesh_file, config%is_used, notes, error)
       else
          call new_rectangle_mesh(mesh, config%rectangle, error)
       end if

@@ -1,4 +1,4 @@
-!> Tables of two columns in text files: a row a line, numbers separated by blanks, commas, semicolons or tabs.
+!> Tables of numbers in text files: a row a line, numbers separated by blanks, commas, semicolons or tabs.
 module amontons_number_table
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
@@ -23,19 +23,24 @@ contains
 
    !> Reads a table. Empty lines, and lines that begin with `#`, are passed over; so is one line of headings above the
    !> numbers, which does not begin as a number does.
-   subroutine read_number_table(table, file, error)
-      real(dp), allocatable, intent(out) :: table(:, :) !! the table (2, rows), two rows at the least
+   subroutine read_number_table(table, file, error, n_columns)
+      real(dp), allocatable, intent(out) :: table(:, :) !! the table (columns, rows), two rows at the least
       character(*), intent(in) :: file !! name of the file
-      type(error_t), allocatable, intent(out) :: error !! the file cannot be read, or a row is no pair of numbers
-      character(:), allocatable :: text
-      real(dp), allocatable :: rows(:, :)
-      real(dp) :: pair(2)
+      type(error_t), allocatable, intent(out) :: error
+         !! the file cannot be read, or a row does not hold as many numbers as there are columns
+      integer, intent(in), optional :: n_columns !! number of columns, 2 where it is not present
+      character(6), parameter :: counts(4) = [character(6) :: 'one', 'two', 'three', 'four']
+      character(:), allocatable :: text, numbers
+      real(dp), allocatable :: rows(:, :), row(:)
       integer :: first, last, line, n_rows, start
-      logical :: is_empty, is_pair, may_be_headings
+      logical :: is_empty, is_row, may_be_headings
 
       call read_text_file(file, text, error)
       if (allocated(error)) return
-      allocate (rows(2, count_lines(text)))
+      allocate (row(2))
+      if (present(n_columns)) row = spread(0.0_dp, 1, n_columns)
+      numbers = trim(counts(size(row)))//' numbers'
+      allocate (rows(size(row), count_lines(text)))
       n_rows = 0
       first = 1
       line = 0
@@ -44,19 +49,19 @@ contains
          line = line + 1
          last = first + index(text(first:)//newline, newline) - 2
          start = first
-         call read_pair(text(first:min(last, len(text))), pair, is_pair, is_empty)
+         call read_row(text(first:min(last, len(text))), row, is_row, is_empty)
          first = last + 2
-         if (is_pair) then
+         if (is_row) then
             n_rows = n_rows + 1
-            rows(:, n_rows) = pair
+            rows(:, n_rows) = row
          else if (.not. (is_empty .or. may_be_headings .and. is_word(text(start:)))) then
-            call new_error(error, input_refused, file//':'//to_text(line)//': expected two numbers')
+            call new_error(error, input_refused, file//':'//to_text(line)//': expected '//numbers)
             return
          end if
          may_be_headings = may_be_headings .and. is_empty
       end do
       table = rows(:, :n_rows)
-      if (n_rows < 2) call new_error(error, input_refused, file//': expected two rows of two numbers at the least')
+      if (n_rows < 2) call new_error(error, input_refused, file//': expected two rows of '//numbers//' at the least')
    end subroutine read_number_table
 
    !> Whether a text begins as no number does.
@@ -77,31 +82,31 @@ contains
       end do
    end function count_lines
 
-   !> Reads a line of two numbers.
-   pure subroutine read_pair(line, pair, is_pair, is_empty)
+   !> Reads a line of numbers.
+   pure subroutine read_row(line, row, is_row, is_empty)
       character(*), intent(in) :: line !! the line
-      real(dp), intent(out) :: pair(2) !! the numbers
-      logical, intent(out) :: is_pair !! whether it holds two numbers and nothing else
+      real(dp), intent(out) :: row(:) !! the numbers
+      logical, intent(out) :: is_row !! whether it holds so many numbers and nothing else
       logical, intent(out) :: is_empty !! whether it holds nothing, or a comment
       character(*), parameter :: separators = ' ,;'//achar(9)//achar(13)
       integer :: first, last, n_words
 
-      pair = 0.0_dp
-      is_pair = .true.
+      row = 0.0_dp
+      is_row = .true.
       n_words = 0
       first = verify(line, separators)
       is_empty = first == 0
       if (first > 0) is_empty = line(first:first) == '#'
-      do while (first > 0 .and. is_pair .and. .not. is_empty)
+      do while (first > 0 .and. is_row .and. .not. is_empty)
          last = first + scan(line(first:)//' ', separators) - 2
          n_words = n_words + 1
-         is_pair = n_words <= 2
-         if (is_pair) call read_real(line(first:last), pair(n_words), is_pair)
+         is_row = n_words <= size(row)
+         if (is_row) call read_real(line(first:last), row(n_words), is_row)
          first = 0
          if (last < len(line)) first = verify(line(last + 1:), separators)
          if (first > 0) first = first + last
       end do
-      is_pair = is_pair .and. n_words == 2
-   end subroutine read_pair
+      is_row = is_row .and. n_words == size(row)
+   end subroutine read_row
 
 end module amontons_number_table

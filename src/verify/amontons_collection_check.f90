@@ -34,7 +34,7 @@ contains
          if (len(stem) == 0 .or. number <= last_number) exit
          call expect_file(stem//'.vtu')
          call expect_file(stem//'.contact.vtu')
-         at = at + len(case_entries(number, stem))
+         at = at + len(case_entries(to_text(number), stem))
          last_number = number
       end do
       if (allocated(text)) call faults%add(path, foreign//to_text(at)//' on')
@@ -63,7 +63,7 @@ contains
       call open_collection(faults, path, text, at)
       if (.not. allocated(text)) return
       do i = 1, size(numbers)
-         entries = case_entries(numbers(i), folder//to_text(numbers(i)))
+         entries = case_entries(to_text(numbers(i)), folder//to_text(numbers(i)))
          if (index(text(at:min(len(text), at + len(entries) - 1)), entries) /= 1) then
             call faults%add(path, 'the files of case '//to_text(numbers(i))//' do not stand where they should')
             return
@@ -113,7 +113,7 @@ contains
       call read_integer(text(first:middle - 1), number, ok)
       if (.not. ok .or. last <= middle) return
       stem = unescaped(text(middle + len(behind_number):last - 1))
-      entries = case_entries(number, stem)
+      entries = case_entries(to_text(number), stem)
       if (index(text(at:min(len(text), at + len(entries) - 1)), entries) /= 1) stem = ''
    end subroutine read_case
 

@@ -104,6 +104,9 @@ contains
             config%name//"'")
          if (config%reduced%is_given) then
             call verify_reduced(summary, config, stem, verdict%is_certified)
+         else if (config%history%is_given) then
+            call summary%faults%add(stem//'.history.csv', 'the steps of a history cannot be computed again from its '// &
+               'files; only whether a file was changed is checked')
          else if (config%sweep%is_given()) then
             call verify_sweep(summary, cache, config, stem, verdict%is_certified)
          else

@@ -15,7 +15,8 @@ module amontons_verify_fields
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_summary_file, only: summary_file_t
    use amontons_sweep_model, only: new_sweep_loads, sweep_model_t
-   use amontons_sweep_table, only: append_row, status_runs, sweep_header
+   use amontons_row_text, only: status_runs
+   use amontons_sweep_table, only: append_row, sweep_header
    use amontons_sweep_statistics, only: case_keys, case_quantities, case_result_t
    use amontons_text, only: read_integer, to_text
    use amontons_verify_case, only: check_grids, check_law, restore_displacement

@@ -11,13 +11,14 @@ module amontons_verify_sweep
    use amontons_kinds, only: dp
    use amontons_lengths, only: lengths_t, new_lengths
    use amontons_quantity, only: quantity_t
-   use amontons_result_warnings, only: add_conditioning
+   use amontons_result_warnings, only: add_conditioning, lacks_points
    use amontons_solve_case, only: prepare_case, cache_t
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_summary_file, only: summary_file_t
    use amontons_sweep_report, only: n_documents, sweep_documents
    use amontons_sweep_summary, only: new_sweep_summary
-   use amontons_sweep_table, only: append_row, read_status_runs, status_runs, sweep_header
+   use amontons_row_text, only: read_status_runs, status_runs
+   use amontons_sweep_table, only: append_row, read_warnings, sweep_header
    use amontons_sweep_statistics, only: case_converged, case_keys, case_result_t, outcome_names
    use amontons_text, only: read_integer, to_text
    use amontons_timings, only: phase_solve
@@ -51,6 +52,7 @@ contains
       result%certified%condition = summary%number('', 'condition')
       call add_conditioning(result%certified, cache%body)
       call restore_rows(result, cases, has_converged, config, cache%body, stem//'.sweep.csv', fault)
+      call result%statistics%add_warnings(result%certified%warnings)
       if (len(fault) > 0) then
          call summary%faults%add(stem//'.sweep.csv', fault)
          return
@@ -79,7 +81,7 @@ contains
 
       header = sweep_header(config%sweep, case_keys(body))
       n_quantities = size(case_keys(body))
-      call read_csv_table(rows, path, header(:len(header) - 1), 5 + size(config%sweep%axes) + n_quantities, fault)
+      call read_csv_table(rows, path, header(:len(header) - 1), 6 + size(config%sweep%axes) + n_quantities, fault)
       if (len(fault) == 0 .and. rows%n_rows /= config%sweep%n_cases()) fault = to_text(rows%n_rows)// &
          ' rows, but the deck has '//to_text(config%sweep%n_cases())//' cases'
       if (len(fault) > 0) return
@@ -115,7 +117,8 @@ contains
       logical :: ok
 
       result%quantity = spread(0.0_dp, 1, n_quantities)
-      runs = rows%field(row, first + n_quantities + 3)
+      runs = rows%field(row, first + n_quantities + 4)
+      call read_warnings(result%is_warned, rows%field(row, first + n_quantities + 3))
       associate (at_iterations => first + n_quantities + 1)
          result%has_solution = len(runs) > 0
          result%outcome = findloc(outcome_names == rows%field(row, at_iterations + 1), .true., dim=1)
@@ -160,6 +163,9 @@ contains
       if (len(fault) == 0 .and. case%result%outcome == case_converged .and. &
          .not. case%result%residual <= config%method%tolerance) fault = &
          'the residual of a converged case is above the tolerance'
+      if (len(fault) == 0 .and. case%result%outcome == case_converged .and. &
+         any(case%result%is_warned(2:3) .neqv. lacks_points(case%status))) fault = &
+         'its warnings do not follow from its statuses'
       if (len(fault) > 0) fault = 'line '//to_text(case%number + 1)//': '//fault
    end subroutine compare_row
 

@@ -287,7 +287,8 @@ class SeveralDecks(ProgramTest):
     def test_every_deck_is_tried(self):
         decks = ["refused.nml", "sound.nml", "lifted.nml", "slow.nml", "none.nml", "other.nml"]
         run = self.run_program("--output", "results", *decks, status=4)
-        self.assertEqual([line.split(":")[0] for line in run.stdout.splitlines()], ["sound", "slow", "other", "6 decks"])
+        self.assertEqual([line.split(":")[0] for line in run.stdout.splitlines()], ["sound", "slow", "other",
+                                                                                     "6 decks"])
         self.assertEqual([line.split(":")[0] for line in run.stderr.splitlines()],
                          ["refused.nml", "lifted.nml", "slow.nml", "none.nml"])
         self.assertEqual(sorted(self.contents("results")),

@@ -159,7 +159,7 @@ class Forged(Verification):
         header = (self.results/"case_0.sweep.csv").read_text(encoding="utf-8").split("\n")[0].split(",")
         # Of a row its forces, its residual and its iterations are only checksummed; the summary tells their extremes.
         for column in ("case", "factor_push", "open_length", "slip_length", "stick_length", "iterations", "outcome",
-                       "statuses"):
+                       "warnings", "statuses"):
             def change(content, column=header.index(column)):
                 rows = [line.split(",") for line in content.decode().split("\n")]
                 text = rows[3][column]
@@ -180,6 +180,7 @@ class Forged(Verification):
                 (changed_field("outcome", "solved"), "line 4: no iterations or no outcome"),
                 (changed_field("iterations", "x"), "line 4: no iterations or no outcome"),
                 (changed_field("residual", "0.001"), "line 4: the residual of a converged case is above the"),
+                (changed_field("warnings", "no_contact"), "line 4: its warnings do not follow from its statuses"),
                 (changed_field("statuses", "8o"), "line 4: '8o' are not the statuses of 9 contact points"),
                 (changed_field("statuses", "9o"), "line 4: open_length is .*, but 4.0"),
                 (changed_field("factor_push", "0.51"), "line 4: factor_push is 0.51, but 0.5"),

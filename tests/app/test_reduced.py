@@ -172,7 +172,7 @@ class Input(ReducedTest):
     def test_check_writes_nothing(self):
         before = self.files()
         run = self.run_program("--check", "--write-reduced", "--reduced", "columns.dat")
-        self.assertEqual(run.stdout, "columns: in order; Siconos text, CSparse columns, 2 contacts, 12 entries of W\n")
+        self.assertEqual(run.stdout, "columns: deck OK; Siconos text, CSparse columns, 2 contacts, 12 entries of W\n")
         self.assertEqual(self.files(), before)
 
     def test_reduced_expects_a_file(self):

@@ -26,9 +26,22 @@ COMPANIONS = {
     ("contact", "cells"): {"set": "'bottom'", "multipliers": "'constant'"},
     ("contact", "cell_ends"): {"set": "'bottom'", "multipliers": "'constant'"},
     ("problem", "friction"): {"kind": "'reduced'", "file": "'none.dat'"},
+    **{("history", key): {"times": "0.0, 1.0"}
+       for key in ("times", "name", "substeps", "step_tolerance", "min_step")},
+    **{("steps", key): {"load": "'push'", "factor": "1.0"} for key in ("load", "factor")},
+    **{("steps", key): {"obstacle": "'bottom'", "shift_x": "0.0", "turn": "0.0"}
+       for key in ("obstacle", "shift_x", "shift_y", "turn", "pivot")},
+    ("steps", "friction_factor"): {"contact": "'bottom'"},
 }
 # What a deck needs besides, for a key to stand in it.
-BESIDES = {("output", "fields_every"): {"sweep": {"friction": "0.1, 0.2"}}}
+HISTORY = {"history": {"times": "0.0"}}
+BESIDES = {
+    ("output", "fields_every"): {"sweep": {"friction": "0.1, 0.2"}},
+    ("output", "points_every"): HISTORY,
+    ("output", "probe"): HISTORY,
+    **{("steps", key): HISTORY for key in ("load", "factor", "obstacle", "shift_x", "shift_y", "turn", "pivot",
+                                          "friction_factor")},
+}
 WORD = re.compile(r"`('[^`]*')`")
 NOUNS = {"text": "quoted text", "number": "number", "numbers": "number", "whole": "whole number"}
 
@@ -41,7 +54,7 @@ class Key:
         self.group, self.name, self.is_required = group, name.strip("*`"), name.startswith("*")
         self.words = WORD.findall(self.values)
         n_values, noun = re.match(r"(\d+ )?(\w+)", "text" if self.words else self.values).groups()
-        self.is_list = noun == "numbers" and not n_values
+        self.is_list = noun == "numbers" and not n_values or self.values.startswith("texts")
         self.n_values, self.noun = int(n_values or 1), NOUNS[noun]
 
     def out_of_range(self):
@@ -112,7 +125,8 @@ class Reference(ProgramTest):
     def test_number_and_type_of_values_are_those_of_the_reader(self):
         for key in self.keys:
             if key.is_list:
-                value, fault = "'x'", f"{key.name}: expected a {key.noun}, found 'x'"
+                value, fault = ("1", f"{key.name}: expected {key.noun}, found 1") if key.words else (
+                    "'x'", f"{key.name}: expected a {key.noun}, found 'x'")
             else:
                 value, fault = f"{key.n_values + 1}*1", f"{key.name}: expected {key.n_values} {key.noun}" \
                     f"{'s' if key.n_values > 1 else ''}, found {key.n_values + 1}"

@@ -185,7 +185,7 @@ class Unchanged(Runs):
         for option in ("--write-reduced", "--all-solutions"):
             self.assertEqual(self.skip(option, "case.nml", status=1).stderr,
                              "amontons: --skip-unchanged does not go with --write-reduced or --all-solutions\n")
-        self.assertEqual(self.skip("--check", "case.nml").stdout[:9], "case: in ")
+        self.assertEqual(self.skip("--check", "case.nml").stdout[:15], "case: deck OK; ")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ QUANTITIES = ["open_length", "slip_length", "stick_length", "normal_force", "tan
 KEY_RESULTS = ["max_contact_pressure", "max_contact_shear", "max_slip", "contact_width", "contact_centroid_x",
                "contact_centroid_y", "contact_force_x", "contact_force_y", "contact_moment",
                *(f"max_{name}_{axis}" for name in ("contact_pressure", "contact_shear", "slip") for axis in "xy")]
-BEHIND = QUANTITIES + KEY_RESULTS + ["residual", "iterations", "outcome", "statuses"]
+BEHIND = QUANTITIES + KEY_RESULTS + ["residual", "iterations", "outcome", "warnings", "statuses"]
 LETTERS = {"open": "o", "stick": "s", "slip+": "+", "slip-": "-"}
 # Both runs stop at a residual of 1e-10 of a force of about 100; the body divides it by its condition.
 SOLVED = 1e-6
@@ -159,7 +159,8 @@ class Files(SweepTest):
     def test_files_and_what_is_told(self):
         self.write("sweep.nml", map_of_states(3))
         run = self.run_program("--output", "results", "sweep.nml")
-        self.assertRegex(run.stdout, r"^sweep: 600 cases, all solved, residual at most \S+\n$")
+        self.assertRegex(run.stdout, r"^sweep: 600 cases, all solved, residual at most \S+\n"
+                         r"sweep: warning: 55 of 600 cases, case 201 the first: the largest pressure .*\n$")
         self.assertEqual(run.stderr, "")
         self.assertEqual(sorted(self.contents("results")),
                          [f"sweep.{name}" for name in ("deck.nml", "lst", "summary.json", "sweep.csv")])

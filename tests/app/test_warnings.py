@@ -162,6 +162,29 @@ class Warnings(ProgramTest):
         self.assert_warnings(block(SUPPORT, load, CONTACT, "sweep friction = 0.5, 0.5  count = 3"),
                              "sweep of friction: the value 0.5 is given twice")
 
+    def test_cases_of_a_sweep(self):
+        # A spring lets the block slide; it touches the floor below it where the pressure bends it down.
+        self.assert_warnings(
+            block("support set = 'left'  uy = 0.0  spring_n = 2.0", PRESSURE + "  name = 'press'", CONTACT,
+                  "load name = 'push'  set = 'right'  traction = 1.0, 0.0",
+                  "sweep load = 'press'  factor = 0.0, 3.0", "sweep load = 'push'  factor = 0.0, 1.0").replace(
+                      CONTACT, "contact set = 'bottom'  friction = 0.1  extra_gap = 0.02"),
+            "2 of 4 cases, case 2 the first: displacement of contact points above 5 % of the body",
+            "2 of 4 cases, case 1 the first: nothing touches the obstacle")
+        self.assertEqual(self.row_warnings(),
+                         ["warnings", "no_contact", "large_displacement no_contact", "", "large_displacement"])
+        self.assert_warnings(
+            block("support set = 'left'  ux = 0.0  uy = 0.0", PRESSURE + "  name = 'press'",
+                  "contact set = 'bottom'  friction = 0.2  extra_gap = 0.05",
+                  "sweep load = 'press'  factor = 0.1, 0.4, 1.0"),
+            "2 of 3 cases, case 1 the first: fewer than 3 contact points closed")
+        self.assertEqual(self.row_warnings(), ["warnings", "few_points", "few_points", ""])
+
+    def row_warnings(self):
+        """The warnings in the rows of the sweep, below their heading."""
+        table = (self.directory/"results"/"case.sweep.csv").read_text(encoding="utf-8")
+        return [row.split(",")[-2] for row in table.splitlines()]
+
     def test_check_warns_of_the_model(self):
         groups, changes, expected = CASES["tri3"]
         run = self.run_program("--check", self.write("case.nml", block(*groups, **changes)))

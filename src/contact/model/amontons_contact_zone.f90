@@ -20,6 +20,8 @@ module amontons_contact_zone
 
    !> A boundary set that may touch a rigid obstacle, and the friction there: |lambda_T| <= g + phi lambda_N.
    type :: contact_t
+      character(:), allocatable :: name
+         !! its name, by which a load history knows it besides its set; empty or not allocated without one
       character(:), allocatable :: set !! name of the boundary set
       type(obstacle_t) :: obstacle !! the obstacle
       real(dp) :: direction(2) = 0.0_dp !! along which gaps count, towards the obstacle; 0, 0 for the body's normal [-]

@@ -1,11 +1,16 @@
-!> Meshes in the input format of Abaqus and CalculiX: nodes, plane elements and sets; everything else is skipped.
+!> Meshes in the input format of Abaqus and CalculiX: nodes, plane elements and sets, and on demand materials, supports
+!> and loads; everything else is ignored.
 module amontons_abaqus
+   use amontons_abaqus_keywords, only: ignored_keywords_t
    use amontons_abaqus_line, only: find_parameter, is_at_line_end, next_data_line, next_keyword, take_comma
+   use amontons_abaqus_material, only: finish_materials
+   use amontons_abaqus_model, only: read_model_keyword
    use amontons_abaqus_sets, only: abaqus_scope_t, get_set, read_set, read_surface, resolve_elements
    use amontons_element, only: quad4, quad8, tri3, tri6
    use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
-   use amontons_mesh_draft, only: counted, line2, line3, mesh_draft_t, n_cell_nodes, no_cell
+   use amontons_file_model, only: use_materials
+   use amontons_mesh_draft, only: line2, line3, mesh_draft_t, n_cell_nodes, no_cell
    use amontons_text, only: lower_case
    implicit none (type, external)
    private
@@ -20,17 +25,17 @@ contains
       type(input_file_t), intent(inout) :: input !! the file, at its first keyword
       type(abaqus_scope_t) :: scope
       character(:), allocatable :: keyword, line
-      integer :: n_skipped
+      type(ignored_keywords_t) :: ignored
+      logical :: is_read
 
       draft%nodes_name_sides = .true.
       draft%ignores_case = .true.
-      n_skipped = 0
       do
          call next_keyword(input, keyword, line)
          if (keyword == '' .or. allocated(input%error)) exit
          select case (keyword)
          case ('node')
-            if (scope%in_assembly) n_skipped = n_skipped + 1
+            if (scope%in_assembly) call ignored%add(keyword, line)
             if (.not. scope%in_assembly) call read_nodes(draft, input, scope, line)
          case ('element')
             call read_elements(draft, input, scope, line)
@@ -43,11 +48,13 @@ contains
          case ('include', 'system', 'ngen', 'nfill', 'nmap', 'ncopy', 'elgen', 'elcopy')
             call input%refuse('*'//keyword//' is not read: write the nodes and elements out', input%position - 1)
          case default
-            n_skipped = n_skipped + 1
+            call read_model_keyword(draft, input, keyword, line, is_read)
+            if (.not. is_read) call ignored%add(keyword, line)
          end select
       end do
-      if (n_skipped > 0) call draft%add_note(counted(n_skipped, 'keyword')//' of no matter to the mesh skipped')
+      call ignored%tell(draft)
       if (.not. allocated(input%error)) call resolve_elements(draft, input)
+      if (.not. allocated(input%error)) call finish_materials(draft, input)
    end subroutine read_abaqus
 
    !> Enters a part, an instance or the assembly, or leaves the assembly. There may be one part, in one instance, not
@@ -144,7 +151,7 @@ contains
          ' are taken for names of the boundary, not for bars')
       if (kind > 0 .and. len(value) > 4) call draft%add_note('elements of type '//value// &
          ' are taken for '//value(:4)//': compatible and fully integrated')
-      draft%hypothesis = hypothesis_of(value, kind, draft%hypothesis)
+      call find_hypothesis(draft, input, value, kind)
       call get_set(draft, input, scope, line, 'elset', group)
       do
          call next_data_line(input, is_there)
@@ -159,24 +166,28 @@ contains
       end do
    end subroutine read_elements
 
-   !> The hypothesis that elements of a type are of, as a deck writes it; that of others before, if these are lines.
-   pure function hypothesis_of(type, kind, before) result(hypothesis)
+   !> Notes the hypothesis that elements of a type are of; lines are of none.
+   pure subroutine find_hypothesis(draft, input, type, kind)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says; gains the hypothesis
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: type !! name of the type
       integer, intent(in) :: kind !! kind of the elements
-      character(12), intent(in) :: before !! the hypothesis of the elements before, empty for none
-      character(12) :: hypothesis
+      character(12) :: before
 
-      hypothesis = before
       if (kind <= 0) return
+      before = draft%hypothesis
       select case (lower_case(type(:3)))
       case ('cps')
-         hypothesis = 'plane stress'
+         draft%hypothesis = 'plane stress'
       case ('cax')
-         hypothesis = 'axisymmetric'
+         draft%hypothesis = 'axisymmetric'
       case default
-         hypothesis = 'plane strain'
+         draft%hypothesis = 'plane strain'
       end select
-   end function hypothesis_of
+      if (draft%model%is_used(use_materials) .and. before /= '' .and. before /= draft%hypothesis) call input%refuse( &
+         'materials cannot be used: some elements are of type '//trim(before)//', others of '// &
+         trim(draft%hypothesis), input%position - 1)
+   end subroutine find_hypothesis
 
    !> Takes the nodes of an element; a comma at the end of a line continues it on the next one.
    pure subroutine take_nodes(draft, input, kind, tag, place)
@@ -229,10 +240,9 @@ contains
       if (verify(trim(name(5:)), 'rhimt') > 0) kind = no_cell
       if (kind /= no_cell) return
       if (name(:3) == 'c3d') then
-         call input%refuse('elements of type '//type//': a 3-D mesh, where a plane one is expected', &
-            input%position - 1)
+         call input%refuse('3-D mesh: found elements of type '//type//', expected plane elements', input%position - 1)
       else
-         call input%refuse("elements of type '"//type//"', which are not read: expected CPE3, CPE4, CPE6, CPE8 or "// &
+         call input%refuse("elements of type '"//type//"' are not supported: expected CPE3, CPE4, CPE6, CPE8 or "// &
             'the same of CPS and CAX', input%position - 1)
       end if
    end subroutine find_kind

@@ -1,11 +1,13 @@
 !> Lines of the input format of Abaqus and CalculiX: keywords with parameters, data lines with fields.
 module amontons_abaqus_line
    use amontons_input_file, only: input_file_t
-   use amontons_text, only: lower_case, to_text
+   use amontons_kinds, only: dp
+   use amontons_text, only: lower_case, read_real, to_text
    implicit none (type, external)
    private
 
-   public :: find_parameter, is_at_line_end, next_data_line, next_keyword, take_comma, take_field
+   public :: find_parameter, is_at_line_end, next_data_line, next_keyword, refuse_parameters, take_comma, take_field, &
+      take_fields, take_number
 
    character, parameter :: line_feed = achar(10)
    !> Longer keyword lines are refused.
@@ -168,5 +170,59 @@ contains
       if (field(len(field):) == achar(13)) field = field(:len(field) - 1)
       field = unquoted(trim(field))
    end subroutine take_field
+
+   !> Takes all fields of a data line.
+   pure subroutine take_fields(input, fields, n)
+      type(input_file_t), intent(inout) :: input !! the file, at the beginning of the line
+      character(*), intent(out) :: fields(:) !! the fields, empty behind the last
+      integer, intent(out) :: n !! number of fields; those at the end that are empty count
+      character(:), allocatable :: field
+      logical :: is_there
+
+      fields = ''
+      n = 0
+      do
+         call input%skip_blanks()
+         call take_field(input, field)
+         if (n == size(fields) .and. field /= '') call input%refuse('more than '//to_text(n)//' fields on a line')
+         if (len(field) > len(fields)) call input%refuse('a field of more than '//to_text(len(fields))//' characters')
+         if (allocated(input%error)) exit
+         n = min(n + 1, size(fields))
+         if (field /= '') fields(n) = field
+         call take_comma(input, is_there)
+         if (.not. is_there) exit
+      end do
+      call input%end_line()
+   end subroutine take_fields
+
+   !> Takes a field as a number.
+   pure subroutine take_number(input, field, value)
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
+      character(*), intent(in) :: field !! the field
+      real(dp), intent(out) :: value !! the number
+      logical :: ok
+
+      call read_real(trim(field), value, ok)
+      if (.not. ok) call input%refuse("expected a number, found '"//trim(field)//"'", input%position - 1)
+   end subroutine take_number
+
+   !> Refuses parameters of a keyword that change what its lines mean.
+   pure subroutine refuse_parameters(input, line)
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: line !! the keyword line
+      character(10), parameter :: names(*) = [character(10) :: 'amplitude', 'op', 'type', 'fixed', 'user', 'submodel', &
+         'load case', 'time delay', 'omega0', 'definition']
+      character(12), parameter :: harmless(*) = [character(12) :: 'mod', 'displacement', 'iso', 'isotropic']
+      character(:), allocatable :: value
+      integer :: i
+      logical :: is_there
+
+      do i = 1, size(names)
+         call find_parameter(line, trim(names(i)), value, is_there)
+         if (.not. is_there .or. any(harmless == lower_case(value))) cycle
+         call input%refuse('*'//line(:index(line//',', ',') - 1)//' with '//trim(names(i))//'='//value// &
+            ' cannot be used', input%position - 1)
+      end do
+   end subroutine refuse_parameters
 
 end module amontons_abaqus_line

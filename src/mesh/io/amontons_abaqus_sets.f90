@@ -10,7 +10,7 @@ module amontons_abaqus_sets
    implicit none (type, external)
    private
 
-   public :: abaqus_scope_t, get_set, read_set, read_surface, resolve_elements
+   public :: abaqus_scope_t, get_set, named_group, read_set, read_surface, resolve_elements
 
    !> Where in the file a keyword stands. Names in the assembly are others than those in the part.
    type :: abaqus_scope_t
@@ -141,6 +141,17 @@ contains
       end do
    end subroutine take_members
 
+   !> The set that a field names, 0 for none: that of the assembly, if there is one.
+   pure integer function named_group(draft, field) result(group)
+      type(mesh_draft_t), intent(in) :: draft !! what the file says
+      character(*), intent(in) :: field !! the name, perhaps with the name of an instance and a point before
+
+      associate (name => field(index(field, '.', back=.true.) + 1:))
+         group = draft%find_group(assembly_prefix//name)
+         if (group == 0) group = draft%find_group(name)
+      end associate
+   end function named_group
+
    !> Adds what a field names: one thing by its number, or the things of a set.
    pure subroutine add_members(draft, input, of_nodes, field, members)
       type(mesh_draft_t), intent(inout) :: draft !! what the file says
@@ -148,21 +159,18 @@ contains
       logical, intent(in) :: of_nodes !! whether the things are nodes rather than elements
       character(*), intent(in) :: field !! the field, perhaps with the name of an instance and a point before
       type(integer_list_t), intent(inout) :: members !! numbers of the things
-      character(:), allocatable :: name
       integer :: group, number
       logical :: is_number
 
       if (len(field) == 0) return
-      name = field(index(field, '.', back=.true.) + 1:)
-      call read_integer(name, number, is_number)
+      call read_integer(field(index(field, '.', back=.true.) + 1:), number, is_number)
       if (is_number) then
          call members%append(number)
          return
       end if
-      group = draft%find_group(assembly_prefix//name)
-      if (group == 0) group = draft%find_group(name)
+      group = named_group(draft, field)
       if (group == 0) then
-         call input%refuse("there is no set '"//name//"' above")
+         call input%refuse("there is no set '"//field(index(field, '.', back=.true.) + 1:)//"' above")
       else if (of_nodes) then
          call draft%expect_members(input, draft%groups(group)%node%n)
          if (.not. allocated(input%error)) call members%append_all(draft%groups(group)%node%items())

@@ -8,6 +8,7 @@ module amontons_gmsh
    use amontons_mesh_draft, only: mesh_draft_t
    use amontons_numeral, only: ends_word
    use amontons_tag_map, only: new_tag_map, tag_map_t
+   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
@@ -147,7 +148,8 @@ contains
       version = 0
       if (nint(10*full_version) == 22) version = 2
       if (nint(10*full_version) == 41) version = 4
-      if (version == 0) call input%refuse('a version of the format that is not read; save the mesh as 2.2 or 4.1')
+      if (version == 0) call input%refuse('unsupported MSH version '//to_text(full_version)// &
+         ' (supported: 2.2, 4.1)')
       call input%take_numeral(binary, 'the type of the file')
       call input%take_numeral(n_bytes, 'the number of bytes of a number')
       if (binary < 0 .or. binary > 1) call input%refuse('the type of the file must be 0 (text) or 1 (binary)')

@@ -38,13 +38,35 @@ contains
       case (16)
          kind = quad8
       case (4:7, 11:14, 17:19, 29:33)
-         call input%refuse('an element of type '//to_text(type)//': a 3-D mesh, where a plane one is expected', place)
+         call input%refuse('3-D mesh: found a '//solid_name(type)//' (Gmsh type '//to_text(type)// &
+            '), expected plane elements', place)
+      case (20:28, 36:40)
+         call input%refuse('elements of third or higher order (Gmsh type '//to_text(type)//') are not supported; '// &
+            'mesh with -order 1 or 2', place)
       case default
-         call input%refuse('an element of type '//to_text(type)// &
-            ', which is not read: expected points (15), lines (1, 8), triangles (2, 9), quadrilaterals (3, 10, 16)', &
-            place)
+         call input%refuse('elements of Gmsh type '//to_text(type)//' are not supported: expected points (15), '// &
+            'lines (1, 8), triangles (2, 9), quadrilaterals (3, 10, 16)', place)
       end select
    end subroutine take_cell_kind
+
+   !> What a type of solid elements is called.
+   pure function solid_name(type) result(name)
+      integer, intent(in) :: type !! number of the type
+      character(:), allocatable :: name
+
+      select case (type)
+      case (4, 11, 29:31)
+         name = 'tetrahedron'
+      case (5, 12, 17)
+         name = 'hexahedron'
+      case (6, 13, 18)
+         name = 'prism'
+      case (7, 14, 19)
+         name = 'pyramid'
+      case default
+         name = 'solid element'
+      end select
+   end function solid_name
 
    !> Dimension of a kind of cell: 0 for points, 1 for lines, 2 for elements.
    elemental integer function dimension_of(kind)

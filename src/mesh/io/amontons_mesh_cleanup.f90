@@ -53,6 +53,7 @@ contains
       translation%element(cell_of) = [(element, element=1, mesh%n_elements)]
       call name_sets(mesh, draft, input, table, translation)
       mesh%hypothesis = draft%hypothesis
+      if (allocated(draft%warning)) call mesh%warnings%add(draft%warning)
    end subroutine new_clean_mesh
 
    !> Refuses numbers of nodes or of cells that are not positive or given twice.

@@ -1,6 +1,7 @@
 !> What a mesh file says, before it is checked and made a mesh: nodes and cells by their numbers in the file.
 module amontons_mesh_draft
    use amontons_element, only: n_element_nodes
+   use amontons_file_model, only: file_model_t
    use amontons_input_file, only: input_file_t, printable
    use amontons_integer_list, only: integer_list_t
    use amontons_kinds, only: dp
@@ -55,6 +56,8 @@ module amontons_mesh_draft
       logical :: ignores_case = .false. !! whether capital letters do not tell names apart
       logical :: nodes_name_sides = .false. !! whether a set of nodes also names the boundary sides between them
       character(12) :: hypothesis = '' !! the hypothesis that the elements are of; empty if the file says none
+      type(file_model_t) :: model !! what is read beside the mesh
+      character(:), allocatable :: warning !! what the file says that matters and is not read; not allocated if nothing
       integer, private :: n_notes = 0 !! number of notes
       character(:), allocatable :: notes !! what was put right or left out, a line of text for each
    contains

@@ -2,6 +2,7 @@
 module amontons_mesh_file
    use amontons_abaqus, only: read_abaqus
    use amontons_error, only: error_t
+   use amontons_file_model, only: file_model_t, use_names
    use amontons_gmsh, only: read_gmsh
    use amontons_input_file, only: input_file_t, new_input_file
    use amontons_mesh, only: mesh_t
@@ -10,7 +11,7 @@ module amontons_mesh_file
    implicit none (type, external)
    private
 
-   public :: read_mesh_file
+   public :: read_file_model, read_mesh_file, read_used_mesh
 
 contains
 
@@ -21,14 +22,64 @@ contains
       character(:), allocatable, intent(out) :: notes
          !! what was put right or left out, a line of text for each
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
+      logical :: nothing(size(use_names))
+
+      nothing = .false.
+      call read_used_mesh(mesh, file, nothing, notes, error)
+   end subroutine read_mesh_file
+
+   !> Reads a mesh file of which more than the mesh is used. The mesh has the sets that `read_file_model` names.
+   subroutine read_used_mesh(mesh, file, is_used, notes, error)
+      type(mesh_t), intent(out) :: mesh !! the mesh; quadratic elements still need `mesh%check`
+      character(*), intent(in) :: file !! name of the file
+      logical, intent(in) :: is_used(:) !! which of `use_names` are used
+      character(:), allocatable, intent(out) :: notes
+         !! what was put right or left out, a line of text for each
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
       type(input_file_t) :: input
       type(mesh_draft_t) :: draft
 
+      call read_draft(draft, input, file, is_used, error)
+      if (allocated(error)) return
+      if (.not. allocated(input%error)) call new_clean_mesh(mesh, draft, input)
+      call move_alloc(input%error, error)
+      mesh%source = file
+      mesh%is_file = .true.
+      notes = ''
+      if (allocated(draft%notes)) notes = draft%notes
+   end subroutine read_used_mesh
+
+   !> Reads what a mesh file says beside the mesh.
+   subroutine read_file_model(model, file, is_used, error)
+      type(file_model_t), intent(out) :: model !! materials, supports and loads
+      character(*), intent(in) :: file !! name of the file
+      logical, intent(in) :: is_used(:) !! which of `use_names` are used
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
+      type(input_file_t) :: input
+      type(mesh_draft_t) :: draft
+
+      call read_draft(draft, input, file, is_used, error)
+      if (allocated(error)) return
+      call move_alloc(input%error, error)
+      model = draft%model
+   end subroutine read_file_model
+
+   !> Reads a mesh file as it is.
+   subroutine read_draft(draft, input, file, is_used, error)
+      type(mesh_draft_t), intent(out) :: draft !! what it says
+      type(input_file_t), intent(out) :: input !! the file, with the first fault in it
+      character(*), intent(in) :: file !! its name
+      logical, intent(in) :: is_used(:) !! which of `use_names` are used
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be read
+
       call new_input_file(input, file, error)
       if (allocated(error)) return
+      draft%model%is_used = is_used
       call input%skip_white()
       select case (input%text(min(input%position, len(input%text)):min(input%position, len(input%text))))
       case ('$')
+         if (any(is_used)) call input%refuse( &
+            'materials, supports and loads can be used of Abaqus and CalculiX files only')
          call read_gmsh(draft, input)
       case ('*')
          call read_abaqus(draft, input)
@@ -36,12 +87,6 @@ contains
          call input%refuse('neither a Gmsh mesh, which begins with $MeshFormat, nor an Abaqus one, which begins '// &
             'with a keyword such as *NODE; a .geo file is to be meshed first: gmsh -2')
       end select
-      if (.not. allocated(input%error)) call new_clean_mesh(mesh, draft, input)
-      call move_alloc(input%error, error)
-      mesh%source = file
-      mesh%is_file = .true.
-      notes = ''
-      if (allocated(draft%notes)) notes = draft%notes
-   end subroutine read_mesh_file
+   end subroutine read_draft
 
 end module amontons_mesh_file

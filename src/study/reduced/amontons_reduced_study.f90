@@ -36,7 +36,7 @@ contains
       call prepare_reduced(self%config, result, error)
       if (allocated(error)) return
       outcome%warnings = result%warnings
-      outcome%text = self%config%name//': in order; '//result%system%form//', '//to_text(result%system%n_contacts)// &
+      outcome%text = self%config%name//': deck OK; '//result%system%form//', '//to_text(result%system%n_contacts)// &
          ' contacts, '//to_text(size(result%system%entry))//' entries of W'
       associate (unused => cache)
       end associate

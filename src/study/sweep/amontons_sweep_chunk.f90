@@ -12,9 +12,11 @@ module amontons_sweep_chunk
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_newton, only: newton_t
+   use amontons_result_warnings, only: find_case_warnings
    use amontons_sweep, only: sweep_t
    use amontons_sweep_model, only: sweep_model_t
-   use amontons_sweep_table, only: append_row, status_runs
+   use amontons_row_text, only: status_runs
+   use amontons_sweep_table, only: append_row
    use amontons_sweep_statistics, only: case_no_equilibrium, case_result_t, new_case_result
    implicit none (type, external)
    private
@@ -124,6 +126,7 @@ contains
       kept%error_estimate = error_estimate(problem, solution, &
          maxval(abs(task%model%case_forces(task%sweep%values(number)))))
       if (.not. is_solved) kept%n_iterations = kept%n_iterations + n_iterations
+      if (solution%is_converged) call find_case_warnings(kept%is_warned, body%zone, task%model%size_of_body, solution)
    end subroutine solve_one
 
    !> What residual and rounding errors, as forces, are of the largest force that acts in a case [-].

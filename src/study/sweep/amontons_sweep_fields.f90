@@ -7,18 +7,17 @@ module amontons_sweep_fields
    use amontons_collection, only: collection_t, new_collection
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
-   use amontons_contact_vtu, only: write_contact_vtu
    use amontons_error, only: error_t
+   use amontons_grids, only: write_grids
    use amontons_load_case, only: condense_load_case, recover_displacement
    use amontons_manifest, only: manifest_t
-   use amontons_output_file, only: commit_files, output_file_t
+   use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep_statistics, only: case_converged
    use amontons_system, only: make_directory
    use amontons_text, only: to_text
-   use amontons_vtu, only: write_vtu
    implicit none (type, external)
    private
 
@@ -92,26 +91,8 @@ contains
          call recover_displacement(result%displacement, body, result%load_case, result%solution%displacement)
          call write_grids(collection%grids, directory, folder, to_text(number), body, result, error)
          if (allocated(error)) return
-         call collection%add(number, folder//to_text(number))
+         call collection%add(to_text(number), folder//to_text(number))
       end do
    end subroutine write_chunk
-
-   !> Writes the two grids of a case.
-   subroutine write_grids(manifest, directory, folder, name, body, result, error)
-      type(manifest_t), intent(inout) :: manifest !! gains them
-      character(*), intent(in) :: directory !! output directory, a slash behind it
-      character(*), intent(in) :: folder !! folder of the grids in it, a slash behind it
-      character(*), intent(in) :: name !! name of the files without endings
-      type(body_t), intent(in) :: body !! the body
-      type(result_t), intent(in) :: result !! the result
-      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
-      type(output_file_t) :: files(2)
-
-      call write_vtu(files(1), directory//folder//name//'.vtu', body, result, error)
-      if (.not. allocated(error)) call write_contact_vtu(files(2), directory//folder//name//'.contact.vtu', body, &
-         result, error)
-      if (.not. allocated(error)) call manifest%add_outputs(files, folder, error)
-      call commit_files(files, error)
-   end subroutine write_grids
 
 end module amontons_sweep_fields

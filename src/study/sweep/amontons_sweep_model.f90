@@ -11,6 +11,7 @@ module amontons_sweep_model
    use amontons_kinds, only: dp
    use amontons_load_case, only: condense_load_case, free_expansion, load_case_t, pose_problem
    use amontons_loads, only: load_t, load_vector
+   use amontons_model_warnings, only: body_size
    use amontons_sweep, only: sweep_axis_t, swept_friction, swept_load
    use amontons_text, only: to_text
    use amontons_thermal_strain, only: sum_thermal_strain
@@ -27,6 +28,7 @@ module amontons_sweep_model
       real(dp), allocatable :: friction(:, :) !! friction of each quantity at 1 (m, quantities) [-]
       logical, allocatable :: is_tangent_fixed(:) !! whether a support bears the shear of a point (m)
       type(load_case_t) :: fixed !! the load case of what does not vary
+      real(dp) :: size_of_body = 0.0_dp !! the larger side of the box around the mesh [L]
       type(load_case_t), allocatable :: parts(:)
          !! what each quantity adds to it at 1: forces and thermal strain, of loads only (quantities)
    contains
@@ -77,6 +79,7 @@ contains
       allocate (model%friction(body%zone%n_points, n), source=0.0_dp)
       allocate (model%parts(n))
       model%fixed = prepared
+      model%size_of_body = body_size(body)
       call sum_loads(model%fixed, body, config, 0, error)
       if (allocated(error)) return
       model%is_tangent_fixed = body%zone%is_tangent_fixed

@@ -6,7 +6,9 @@ module amontons_sweep_statistics
    use amontons_kinds, only: dp, int64
    use amontons_lengths, only: lengths_t, new_lengths
    use amontons_quantity, only: expanded, quantity_t
+   use amontons_result_warnings, only: case_warning_names, case_warning_sentences
    use amontons_text, only: to_text
+   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 
@@ -32,6 +34,7 @@ module amontons_sweep_statistics
       real(dp) :: residual = 0.0_dp !! residual of the contact problem [-]
       real(dp) :: error_estimate = 0.0_dp !! what residual and rounding errors are of its forces [-]
       integer :: n_iterations = 0 !! iterations, of all attempts
+      logical :: is_warned(size(case_warning_names)) = .false. !! what is doubtful about it, if it converged
    end type case_result_t
 
    !> Counts and extremes of the first cases of a sweep. Extremes are those of converged cases.
@@ -47,8 +50,11 @@ module amontons_sweep_statistics
       integer, allocatable :: least_case(:) !! the first case that has it
       real(dp), allocatable :: greatest(:) !! greatest value of each number of a case
       integer, allocatable :: greatest_case(:) !! the first case that has it
+      integer :: n_warned(size(case_warning_names)) = 0 !! number of cases that each warning is about
+      integer :: warned_case(size(case_warning_names)) = 0 !! the first of them
    contains
       procedure :: add => sweep_statistics_add
+      procedure :: add_warnings => sweep_statistics_add_warnings
       procedure :: is_answered => sweep_statistics_is_answered
       procedure :: read => sweep_statistics_read
       procedure :: text => sweep_statistics_text
@@ -124,6 +130,8 @@ contains
          self%residual = result%residual
          self%residual_case = self%n_cases
       end if
+      where (result%is_warned .and. self%n_warned == 0) self%warned_case = self%n_cases
+      where (result%is_warned) self%n_warned = self%n_warned + 1
       if (result%error_estimate > self%error_estimate) then
          self%error_estimate = result%error_estimate
          self%worst_case = self%n_cases
@@ -146,6 +154,18 @@ contains
       end do
    end subroutine sweep_statistics_add
 
+   !> Adds a warning for each that cases of the sweep deserve.
+   pure subroutine sweep_statistics_add_warnings(self, warnings)
+      class(sweep_statistics_t), intent(in) :: self !! the statistics
+      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
+      integer :: i
+
+      do i = 1, size(case_warning_names)
+         if (self%n_warned(i) > 0) call warnings%add(to_text(self%n_warned(i))//' of '//to_text(self%n_cases)// &
+            ' cases, case '//to_text(self%warned_case(i))//' the first: '//trim(case_warning_sentences(i)))
+      end do
+   end subroutine sweep_statistics_add_warnings
+
    !> Whether every case has its answer: a solution, or that there is no equilibrium.
    pure logical function sweep_statistics_is_answered(self) result(is_answered)
       class(sweep_statistics_t), intent(in) :: self !! the statistics
@@ -165,6 +185,9 @@ contains
       end do
       text = text//' '//to_text(self%residual_case)//' '//to_text(self%residual) &
          //' '//to_text(self%worst_case)//' '//to_text(self%error_estimate)
+      do i = 1, size(case_warning_names)
+         text = text//' '//to_text(self%n_warned(i))//' '//to_text(self%warned_case(i))
+      end do
       if (.not. allocated(self%least)) return
       text = text//' '//to_text(size(self%least))
       do i = 1, size(self%least)
@@ -182,14 +205,17 @@ contains
       real(dp) :: reals(2)
 
       read (text, *, iostat=status) self%n_cases, self%n_iterations, self%n_outcomes, self%residual_case, &
-         self%residual, self%worst_case, self%error_estimate
+         self%residual, self%worst_case, self%error_estimate, &
+         (self%n_warned(i), self%warned_case(i), i=1, size(case_warning_names))
       ok = status == 0
       if (.not. ok .or. self%residual_case == 0) return
-      read (text, *, iostat=status) numbers(:size(outcome_names) + 3), reals(1), numbers(size(numbers)), reals(2), n
+      read (text, *, iostat=status) numbers(:size(outcome_names) + 3), reals(1), numbers(size(numbers)), reals(2), &
+         (self%n_warned(i), self%warned_case(i), i=1, size(case_warning_names)), n
       ok = status == 0 .and. n > 0
       if (.not. ok) return
       allocate (self%least(n), self%greatest(n), self%least_case(n), self%greatest_case(n))
-      read (text, *, iostat=status) numbers(:size(outcome_names) + 3), reals(1), numbers(size(numbers)), reals(2), n, &
+      read (text, *, iostat=status) numbers(:size(outcome_names) + 3), reals(1), numbers(size(numbers)), reals(2), &
+         (self%n_warned(i), self%warned_case(i), i=1, size(case_warning_names)), n, &
          (self%least_case(i), self%least(i), self%greatest_case(i), self%greatest(i), i=1, n)
       ok = status == 0
    end subroutine sweep_statistics_read

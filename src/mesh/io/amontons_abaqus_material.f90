@@ -1,0 +1,144 @@
+!> Materials in the input format of Abaqus and CalculiX, and the sections that put them into sets of elements.
+module amontons_abaqus_material
+   use amontons_abaqus_line, only: find_parameter, next_data_line, refuse_parameters, take_fields, take_number
+   use amontons_abaqus_sets, only: named_group
+   use amontons_file_model, only: file_material_t, longest_name, use_materials
+   use amontons_input_file, only: input_file_t
+   use amontons_kinds, only: dp
+   use amontons_mesh_draft, only: mesh_draft_t
+   use amontons_text, only: lower_case, to_text
+   implicit none (type, external)
+   private
+
+   public :: finish_materials, read_material_keyword
+
+   !> Most fields of a data line that is read here.
+   integer, parameter :: most_fields = 9
+
+contains
+
+   !> Reads a keyword of a material, or the section that says where it is.
+   pure subroutine read_material_keyword(draft, input, keyword, line)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: keyword !! the keyword in small letters
+      character(*), intent(in) :: line !! the keyword line
+      character(:), allocatable :: name
+      real(dp) :: values(2)
+      logical :: is_there
+      integer :: n, place
+
+      if (.not. allocated(draft%model%definitions)) allocate (draft%model%definitions(0), draft%model%materials(0))
+      place = input%position - 1
+      select case (keyword)
+      case ('material')
+         call find_parameter(line, 'name', name, is_there)
+         if (name == '' .or. len(name) > longest_name) call input%refuse('expected NAME= and the name of a material', &
+            place)
+         draft%model%definitions = [draft%model%definitions, file_material_t(name=name)]
+         return
+      case ('solidsection')
+         call read_section(draft, input, line)
+         return
+      end select
+      call refuse_parameters(input, line)
+      n = size(draft%model%definitions)
+      if (n == 0) call input%refuse('*'//keyword//' before any *MATERIAL', place)
+      call take_constants(input, keyword, values(:merge(2, 1, keyword == 'elastic')))
+      if (allocated(input%error)) return
+      associate (material => draft%model%definitions(n))
+         select case (keyword)
+         case ('elastic')
+            material%young = values(1)
+            material%poisson = values(2)
+         case ('density')
+            material%density = values(1)
+         case default
+            material%expansion = values(1)
+         end select
+      end associate
+   end subroutine read_material_keyword
+
+   !> Takes the constants of a material, which must not depend on the temperature.
+   pure subroutine take_constants(input, keyword, values)
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: keyword !! the keyword
+      real(dp), intent(out) :: values(:) !! the constants
+      character(longest_name) :: fields(most_fields)
+      integer :: i, n
+      logical :: is_there
+
+      values = 0.0_dp
+      call next_data_line(input, is_there)
+      n = 0
+      if (is_there) call take_fields(input, fields, n)
+      if (n < size(values)) call input%refuse('*'//keyword//': expected '//to_text(size(values))//' number(s)', &
+         input%position - 1)
+      do i = 1, min(n, size(values))
+         call take_number(input, fields(i), values(i))
+      end do
+      call next_data_line(input, is_there)
+      if (is_there) call input%refuse('*'//keyword//' that depends on the temperature cannot be used')
+   end subroutine take_constants
+
+   !> Reads a section: the region of a material, and its thickness.
+   pure subroutine read_section(draft, input, line)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: line !! the keyword line
+      type(file_material_t) :: section
+      character(:), allocatable :: region, material
+      character(longest_name) :: fields(most_fields)
+      integer :: group, n
+      logical :: is_there
+
+      call find_parameter(line, 'elset', region, is_there)
+      call find_parameter(line, 'material', material, is_there)
+      group = named_group(draft, region)
+      if (group == 0) call input%refuse("*SOLID SECTION: there is no set '"//region//"' above", input%position - 1)
+      if (material == '' .or. len(material) > longest_name) call input%refuse( &
+         '*SOLID SECTION: expected MATERIAL= and the name of a material', input%position - 1)
+      if (allocated(input%error)) return
+      section%name = material
+      section%region = draft%groups(group)%name
+      call draft%model%line_at(input%text, input%position - 1, section%line)
+      call next_data_line(input, is_there)
+      if (is_there) then
+         call take_fields(input, fields, n)
+         if (n > 0 .and. fields(1) /= '') call take_number(input, fields(1), section%thickness)
+         if (.not. section%thickness > 0.0_dp) section%thickness = 1.0_dp
+      end if
+      draft%model%materials = [draft%model%materials, section]
+   end subroutine read_section
+
+   !> Gives each section its material, once the file is read.
+   pure subroutine finish_materials(draft, input)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, at its end
+      integer :: i, k
+
+      associate (model => draft%model)
+         model%hypothesis = draft%hypothesis
+         if (.not. model%is_used(use_materials)) return
+         if (.not. allocated(model%materials)) allocate (model%definitions(0), model%materials(0))
+         do i = 1, size(model%materials)
+            associate (section => model%materials(i))
+               do k = 1, size(model%definitions)
+                  if (lower_case(model%definitions(k)%name) == lower_case(section%name)) exit
+               end do
+               if (k > size(model%definitions)) then
+                  call input%refuse("*SOLID SECTION: there is no material '"//trim(section%name)//"'")
+               else if (.not. model%definitions(k)%young > 0.0_dp) then
+                  call input%refuse("the material '"//trim(section%name)//"' has no *ELASTIC")
+               end if
+               if (allocated(input%error)) return
+               section%young = model%definitions(k)%young
+               section%poisson = model%definitions(k)%poisson
+               section%density = model%definitions(k)%density
+               section%expansion = model%definitions(k)%expansion
+            end associate
+         end do
+      end associate
+   end subroutine finish_materials
+
+end module amontons_abaqus_material

@@ -1,0 +1,304 @@
+!> Supports and loads in the input format of Abaqus and CalculiX.
+module amontons_abaqus_model
+   use amontons_abaqus_line, only: next_data_line, refuse_parameters, take_fields, take_number
+   use amontons_abaqus_material, only: read_material_keyword
+   use amontons_abaqus_sets, only: named_group
+   use amontons_file_model, only: file_body_force, file_force, file_gravity, file_load_t, file_rotation, &
+      file_support_t, longest_name, use_loads, use_materials, use_supports
+   use amontons_input_file, only: input_file_t
+   use amontons_kinds, only: dp
+   use amontons_mesh_draft, only: mesh_draft_t
+   use amontons_text, only: lower_case, read_integer, to_text
+   implicit none (type, external)
+   private
+
+   public :: read_model_keyword
+
+   !> Most fields of a data line that is read here.
+   integer, parameter :: most_fields = 9
+
+contains
+
+   !> Reads a keyword with its data lines if it is one of those that are to be used.
+   pure subroutine read_model_keyword(draft, input, keyword, line, is_read)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says; gains materials, supports, loads and their sets
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: keyword !! the keyword in small letters
+      character(*), intent(in) :: line !! the keyword line
+      logical, intent(out) :: is_read !! whether it was one
+
+      associate (is_used => draft%model%is_used)
+         select case (keyword)
+         case ('material', 'elastic', 'density', 'expansion', 'solidsection')
+            is_read = is_used(use_materials)
+            if (is_read) call read_material_keyword(draft, input, keyword, line)
+         case ('boundary')
+            is_read = is_used(use_supports)
+            if (is_read) call read_boundary(draft, input, line)
+         case ('cload')
+            is_read = is_used(use_loads)
+            if (is_read) call read_cload(draft, input, line)
+         case ('dload', 'dsload')
+            is_read = is_used(use_loads)
+            if (is_read) call read_dload(draft, input, keyword, line)
+         case ('step')
+            is_read = is_used(use_supports) .or. is_used(use_loads)
+            draft%model%n_steps = draft%model%n_steps + 1
+            if (is_read .and. draft%model%n_steps > 1) call input%refuse( &
+               'a second *STEP: the supports and loads of one step can be used', input%position - 1)
+         case ('transform')
+            is_read = is_used(use_supports) .or. is_used(use_loads)
+            if (is_read) call input%refuse('supports and loads in the directions of a *TRANSFORM cannot be used', &
+               input%position - 1)
+         case default
+            is_read = .false.
+         end select
+      end associate
+   end subroutine read_model_keyword
+
+   !> Reads prescribed displacements: nodes, first and last component, value.
+   pure subroutine read_boundary(draft, input, line)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: line !! the keyword line
+      character(longest_name) :: fields(most_fields)
+      type(file_support_t) :: support, before
+      integer :: n, ends(2)
+      logical :: is_there
+
+      call refuse_parameters(input, line)
+      do
+         call next_data_line(input, is_there)
+         if (.not. is_there) exit
+         call draft%model%line_at(input%text, input%position, support%line)
+         call take_fields(input, fields, n)
+         if (allocated(input%error)) return
+         support%value = 0.0_dp
+         call find_components(input, fields(2:3), ends, support%is_held)
+         if (n > 3) call take_number(input, fields(4), support%value)
+         if (.not. any(support%is_held)) cycle
+         ! Numbers of nodes that follow each other are one set, if the same holds for them.
+         call take_nodes(draft, input, '*BOUNDARY', fields(1), support%line, &
+            all(support%is_held .eqv. before%is_held) .and. .not. abs(support%value - before%value) > 0.0_dp, &
+            before%set, support%set)
+         if (allocated(input%error)) return
+         if (support%set /= before%set) call draft%model%add_support(support)
+         before = support
+         if (support%set(1:1) /= '*') before%set = ''
+      end do
+   end subroutine read_boundary
+
+   !> Finds which components a support holds: numbers of the first and the last, or a word.
+   pure subroutine find_components(input, fields, ends, is_held)
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
+      character(*), intent(in) :: fields(2) !! the fields of the components
+      integer, intent(out) :: ends(2) !! numbers of the first and the last
+      logical, intent(out) :: is_held(2) !! whether x and y are among them
+      integer :: i
+      logical :: ok
+
+      select case (lower_case(fields(1)))
+      case ('encastre', 'pinned')
+         is_held = .true.
+      case ('xsymm')
+         is_held = [.true., .false.]
+      case ('ysymm')
+         is_held = [.false., .true.]
+      case default
+         do i = 1, 2
+            call read_integer(trim(fields(i)), ends(i), ok)
+            if (i == 2 .and. fields(2) == '') ends(2) = ends(1)
+            if (.not. ok .and. fields(i) == '' .and. i == 2) ok = .true.
+            if (.not. ok) call input%refuse("*BOUNDARY: expected the number of a component, found '"// &
+               trim(fields(i))//"'", input%position - 1)
+         end do
+         is_held = [ends(1) <= 1 .and. ends(2) >= 1, ends(1) <= 2 .and. ends(2) >= 2]
+      end select
+   end subroutine find_components
+
+   !> Reads forces on nodes: nodes, component, value.
+   pure subroutine read_cload(draft, input, line)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: line !! the keyword line
+      character(longest_name) :: fields(most_fields)
+      type(file_load_t) :: load, before
+      integer :: n, component
+      real(dp) :: value
+      logical :: is_there, ok
+
+      call refuse_parameters(input, line)
+      load%kind = file_force
+      do
+         call next_data_line(input, is_there)
+         if (.not. is_there) exit
+         call draft%model%line_at(input%text, input%position, load%line)
+         call take_fields(input, fields, n)
+         call read_integer(trim(fields(2)), component, ok)
+         if (.not. ok .or. component < 1 .or. component > 2) call input%refuse( &
+            "*CLOAD: expected the component 1 or 2, found '"//trim(fields(2))//"'", input%position - 1)
+         call take_number(input, fields(3), value)
+         if (allocated(input%error)) return
+         load%value = 0.0_dp
+         load%value(component) = value
+         call take_nodes(draft, input, '*CLOAD', fields(1), load%line, all(abs(load%value - before%value) <= 0.0_dp), &
+            before%set, load%set)
+         if (allocated(input%error)) return
+         if (load%set /= before%set) call draft%model%add_load(load)
+         before = load
+         if (load%set(1:1) /= '*') before%set = ''
+      end do
+   end subroutine read_cload
+
+   !> Takes the nodes of a line: those of a set, or one by its number, which goes into a set of the line or into that of
+   !> the line before.
+   pure subroutine take_nodes(draft, input, keyword, field, line, is_same, set_before, set)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
+      character(*), intent(in) :: keyword !! the keyword, in capitals with its `*`
+      character(*), intent(in) :: field !! the field of the nodes
+      integer, intent(in) :: line !! number of the line
+      logical, intent(in) :: is_same !! whether the line says the same as that before
+      character(*), intent(in) :: set_before !! the set that the line before made; empty if it made none
+      character(longest_name), intent(out) :: set !! name of the set
+      integer :: group, node
+      logical :: is_number
+
+      call read_integer(trim(field), node, is_number)
+      if (is_number) then
+         set = keyword//':'//to_text(line)
+         if (is_same .and. set_before /= '') set = set_before
+         call draft%get_group(input, trim(set), group)
+         if (.not. allocated(input%error)) call draft%groups(group)%node%append(node)
+      else
+         group = named_group(draft, trim(field))
+         if (group == 0) call input%refuse(keyword//": there is no set '"//trim(field)//"' above", input%position - 1)
+         if (group > 0) set = draft%groups(group)%name
+      end if
+   end subroutine take_nodes
+
+   !> Reads distributed loads: elements or a surface, kind, value.
+   pure subroutine read_dload(draft, input, keyword, line)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: keyword !! 'dload' or 'dsload'
+      character(*), intent(in) :: line !! the keyword line
+      character(longest_name) :: fields(most_fields)
+      type(file_load_t) :: load
+      real(dp) :: values(most_fields - 2)
+      integer :: i, n
+      logical :: is_there
+
+      call refuse_parameters(input, line)
+      do
+         call next_data_line(input, is_there)
+         if (.not. is_there) exit
+         load = file_load_t()
+         call draft%model%line_at(input%text, input%position, load%line)
+         call take_fields(input, fields, n)
+         values = 0.0_dp
+         do i = 3, n
+            if (fields(i) /= '') call take_number(input, fields(i), values(i - 2))
+         end do
+         if (allocated(input%error)) return
+         call interpret_dload(draft, input, keyword, fields, values, load)
+         if (allocated(input%error)) return
+         call draft%model%add_load(load)
+      end do
+   end subroutine read_dload
+
+   !> Finds what a line of distributed loads means.
+   pure subroutine interpret_dload(draft, input, keyword, fields, values, load)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
+      character(*), intent(in) :: keyword !! 'dload' or 'dsload'
+      character(*), intent(in) :: fields(:) !! the fields of the line
+      real(dp), intent(in) :: values(:) !! its numbers, from the third field on
+      type(file_load_t), intent(inout) :: load !! the load, its line known
+      character(2), parameter :: side_labels(4) = ['p1', 'p2', 'p3', 'p4']
+      character(longest_name) :: kind
+      integer :: group, side
+
+      kind = lower_case(fields(2))
+      load%value(1) = values(1)
+      group = named_group(draft, trim(fields(1)))
+      if (group > 0) load%set = draft%groups(group)%name
+      side = findloc(side_labels, kind, dim=1)
+      if (keyword == 'dsload' .and. kind == 'p' .and. group > 0) return
+      if (keyword == 'dload' .and. side > 0) then
+         call gather_sides(draft, input, trim(fields(1)), group, side, load)
+         return
+      end if
+      if (group == 0 .and. fields(1) /= '') call input%refuse("*"//keyword//": there is no set '"// &
+         trim(fields(1))//"' above", input%position - 1)
+      select case (kind)
+      case ('bx')
+         load%kind = file_body_force
+      case ('by')
+         load%kind = file_body_force
+         load%value = [0.0_dp, values(1)]
+      case ('grav')
+         load%kind = file_gravity
+         if (.not. norm2(values(2:4)) > 0.0_dp .or. abs(values(4)) > 0.0_dp) call input%refuse( &
+            'GRAV: expected a direction in the plane', input%position - 1)
+         if (.not. allocated(input%error)) load%value = values(1)*values(2:3)/norm2(values(2:3))
+      case ('centrif')
+         load%kind = file_rotation
+         call find_axis(input, draft%hypothesis, values, load)
+      case default
+         call input%refuse("*"//keyword//": loads of the kind '"//trim(fields(2))//"' cannot be used", &
+            input%position - 1)
+      end select
+   end subroutine interpret_dload
+
+   !> Gathers the sides that a pressure acts on in a set of its own.
+   pure subroutine gather_sides(draft, input, field, from, side, load)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
+      character(*), intent(in) :: field !! the field of the elements
+      integer, intent(in) :: from !! the set that it names, 0 for none
+      integer, intent(in) :: side !! number of the side in each element
+      type(file_load_t), intent(inout) :: load !! the load; gains the set
+      integer, allocatable :: elements(:)
+      integer :: element, group
+      logical :: is_number
+
+      call read_integer(field, element, is_number)
+      if (is_number) then
+         elements = [element]
+      else if (from > 0) then
+         elements = pack(draft%groups(from)%cell%items(), draft%groups(from)%side%items() == 0)
+      else
+         call input%refuse("*DLOAD: there is no set '"//field//"' above", input%position - 1)
+      end if
+      if (.not. allocated(input%error)) call draft%expect_members(input, size(elements))
+      if (allocated(input%error)) return
+      load%set = '*DLOAD:'//to_text(load%line)
+      call draft%get_group(input, trim(load%set), group)
+      if (allocated(input%error)) return
+      call draft%groups(group)%cell%append_all(elements)
+      call draft%groups(group)%side%append_all(spread(side, 1, size(elements)))
+   end subroutine gather_sides
+
+   !> Finds the axis of a rotation: a point and a direction. A body of revolution has its own.
+   pure subroutine find_axis(input, hypothesis, values, load)
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
+      character(*), intent(in) :: hypothesis !! hypothesis of the elements
+      real(dp), intent(in) :: values(:) !! the numbers of the line: square of the angular speed, a point, a direction
+      type(file_load_t), intent(inout) :: load !! the load
+
+      if (values(1) < 0.0_dp) call input%refuse('CENTRIF: the square of the angular speed is negative', &
+         input%position - 1)
+      load%value = [sqrt(max(0.0_dp, values(1))), 0.0_dp]
+      if (hypothesis == 'axisymmetric') then
+         if (abs(values(2)) > 0.0_dp .or. abs(values(5)) > 0.0_dp) call input%refuse( &
+            'CENTRIF: a body of revolution spins about its own axis', input%position - 1)
+         return
+      end if
+      load%center = values(2:3)
+      load%axis = values(5:6)
+      if (any(abs(load%axis) > 0.0_dp) .and. abs(values(7)) > 0.0_dp) call input%refuse( &
+         'CENTRIF: expected an axis in the plane or normal to it', input%position - 1)
+   end subroutine find_axis
+
+end module amontons_abaqus_model

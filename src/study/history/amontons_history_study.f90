@@ -1,0 +1,114 @@
+!> The study of a load history: all steps of a deck with `&history`.
+module amontons_history_study
+   use amontons_check_body, only: check_body
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_history_model, only: find_probes
+   use amontons_history_report, only: history_listing, history_members
+   use amontons_listing_text, only: scientific, short
+   use amontons_outcome, only: outcome_t, status_interrupted
+   use amontons_report, only: write_report
+   use amontons_result, only: status_not_converged
+   use amontons_solve_case, only: cache_t
+   use amontons_solve_history, only: history_result_t, solve_history
+   use amontons_study, only: study_options_t, study_t
+   use amontons_study_monitor, only: study_monitor_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: history_study_t
+
+   !> The study of a history.
+   type, extends(study_t) :: history_study_t
+   contains
+      procedure :: check => history_study_check
+      procedure :: has_grids => history_study_has_grids
+      procedure :: refuse_options => history_study_refuse_options
+      procedure :: solve => history_study_solve
+   end type history_study_t
+
+contains
+
+   !> Refuses what is there for single cases only.
+   pure subroutine history_study_refuse_options(self, options, error)
+      class(history_study_t), intent(in) :: self !! the study
+      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
+      type(error_t), allocatable, intent(out) :: error !! an option is for single cases
+
+      if (options%writes_reduced .or. options%wants_all_solutions) call new_error(error, input_refused, &
+         '--write-reduced and --all-solutions take single cases, found a deck with &history')
+      associate (unused => self)
+      end associate
+   end subroutine history_study_refuse_options
+
+   !> The last step leaves its grids.
+   pure logical function history_study_has_grids(self) result(has_grids)
+      class(history_study_t), intent(in) :: self !! the study
+
+      has_grids = .true.
+      associate (unused => self)
+      end associate
+   end function history_study_has_grids
+
+   !> Checks the history and reports its size.
+   subroutine history_study_check(self, cache, outcome, error)
+      class(history_study_t), intent(in) :: self !! the study
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
+      type(outcome_t), intent(inout) :: outcome !! gains the size, and the warnings on the model
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      integer, allocatable :: probes(:)
+
+      call check_body(self%config, ', '//to_text(self%config%history%n_steps())//' steps', cache, outcome, error)
+      if (.not. allocated(error)) call find_probes(probes, self%config%history, cache%body, error)
+      if (allocated(error)) outcome%text = ''
+   end subroutine history_study_check
+
+   !> Takes the steps and writes their files.
+   subroutine history_study_solve(self, cache, options, monitor, outcome, error)
+      class(history_study_t), intent(in) :: self !! the study
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
+      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
+      class(study_monitor_t), intent(inout) :: monitor !! learns how far the history is, and may stop it
+      type(outcome_t), intent(inout) :: outcome !! gains status, line, what is lacking, and the warnings
+      type(error_t), allocatable, intent(out) :: error !! the history cannot be solved or written
+      type(history_result_t) :: result
+
+      call solve_history(cache, self%config, options%directory, monitor, result, error)
+      if (allocated(error)) return
+      if (result%is_interrupted) then
+         outcome%status = status_interrupted
+         outcome%word = 'interrupted'
+         outcome%message = 'interrupted after step '//to_text(result%walk%n_steps)//'; no files of the history are'// &
+            ' left, and the same command begins anew'
+         return
+      end if
+      result%last%study_listing = history_listing(self%config, cache%body, result)
+      result%last%study_members = history_members(self%config, result)
+      call write_report(options%directory, self%config, cache%body, result%last, error, result%files)
+      if (allocated(error)) return
+      outcome%text = solved_text(self%config%name, result)
+      outcome%warnings = result%last%warnings
+      outcome%has_grids = len(result%walk%fault) == 0
+      if (len(result%walk%fault) > 0) then
+         outcome%status = status_not_converged
+         outcome%message = result%walk%fault
+         outcome%word = 'not_converged'
+      else
+         call outcome%judge(.true., result%residual%value, result%violation%value, self%config%method%tolerance)
+      end if
+   end subroutine history_study_solve
+
+   !> The line on the result of a history.
+   pure function solved_text(name, result) result(text)
+      character(*), intent(in) :: name !! name of the case
+      type(history_result_t), intent(in) :: result !! the result
+      character(:), allocatable :: text
+
+      associate (walk => result%walk)
+         text = name//': '//to_text(walk%n_steps)//' steps, '//trim(merge('all solved', 'INCOMPLETE', &
+            len(walk%fault) == 0))//', residual at most '//scientific(result%residual%value)//'; dissipation '// &
+            short(sum(walk%state%dissipation))//', energy error '//short(walk%state%energy_error())
+      end associate
+   end function solved_text
+
+end module amontons_history_study

@@ -1,0 +1,158 @@
+!> The way through a history: step after step, halved where a step does not converge or its energies do not balance.
+!>
+!> The way from one of the planned times to the next is divided by halves, so that a step always begins and ends at a
+!> multiple of its own length. What decides is computed numbers alone, rounded so that their last digits have no say:
+!> the steps are the same on every machine.
+module amontons_history_walk
+   use amontons_body, only: body_t
+   use amontons_contact_method, only: contact_method_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_error, only: error_t
+   use amontons_history, only: history_t
+   use amontons_history_model, only: history_model_t, instant_t
+   use amontons_kinds, only: dp
+   use amontons_stepper, only: new_step_state, step_state_t, take_step
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: history_walk_t, new_history_walk
+
+   !> A planned step can be halved this many times at the most.
+   integer, parameter :: most_halvings = 10
+   !> Its length in the smallest steps.
+   integer, parameter :: n_ticks = 2**most_halvings
+
+   !> Where the way has come to.
+   type :: history_walk_t
+      type(step_state_t) :: state !! the state at the end of the last step that was kept
+      integer :: n_planned = 0 !! number of planned times reached
+      integer :: n_steps = 0 !! number of steps kept
+      integer :: n_given_up = 0 !! number of steps given up for shorter ones
+      integer :: n_iterations = 0 !! iterations of all steps, those given up included
+      logical :: is_ended = .false. !! whether there is no way on: all times are reached, or a step cannot be taken
+      character(:), allocatable :: fault !! why a step cannot be taken; empty as long as all could
+      character(:), allocatable :: notes !! of the last step: that its energies do not balance; empty else
+      integer, private :: tick = 0 !! how far it is on the way to the next planned time, in smallest steps
+      integer, private :: length = n_ticks !! length of the next step in smallest steps
+   contains
+      procedure :: advance => history_walk_advance
+      procedure, private :: can_halve => history_walk_can_halve
+      procedure, private :: plan => history_walk_plan
+   end type history_walk_t
+
+contains
+
+   !> Begins before the first time.
+   pure subroutine new_history_walk(walk, model, body)
+      type(history_walk_t), intent(out) :: walk !! the way
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+
+      call new_step_state(walk%state, model, body)
+      walk%fault = ''
+      walk%notes = ''
+   end subroutine new_history_walk
+
+   !> Takes the next step, as short as it must be. At the end of all times, or where there is no way on, it stays.
+   subroutine history_walk_advance(self, model, body, problem, method)
+      class(history_walk_t), intent(inout) :: self !! the way
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem
+      class(contact_method_t), intent(in) :: method !! the deck's method
+      type(step_state_t) :: next
+      type(instant_t) :: instant
+      type(error_t), allocatable :: error
+      logical :: is_balanced
+      real(dp) :: time
+
+      self%notes = ''
+      do while (.not. self%is_ended)
+         time = self%plan(model%history)
+         call model%at(body, time, instant, error)
+         if (.not. allocated(error)) call take_step(next, model, body, problem, method, self%state, instant, error)
+         self%n_iterations = self%n_iterations + next%solution%n_iterations
+         is_balanced = .false.
+         if (.not. allocated(error)) is_balanced = next%solution%is_converged
+         if (is_balanced) is_balanced = rounded(next%indicator) <= model%history%step_tolerance
+         if (is_balanced .or. .not. self%can_halve(model%history)) exit
+         self%n_given_up = self%n_given_up + 1
+         self%length = self%length/2
+      end do
+      if (self%is_ended) return
+      if (allocated(error)) then
+         call give_up(self, time, error%message)
+      else if (.not. next%solution%is_converged) then
+         call give_up(self, time, 'not converged with the smallest step')
+      else
+         if (.not. is_balanced) self%notes = 'step '//to_text(self%n_steps + 1)//' (to '//to_text(time)// &
+            ') cannot be made shorter, and its energy error is '//to_text(rounded(next%indicator))// &
+            ' of its energies: the state jumps there'
+         call keep(self, model%history, next)
+      end if
+   end subroutine history_walk_advance
+
+   !> Ends the way at the last step that was kept.
+   pure subroutine give_up(walk, time, reason)
+      type(history_walk_t), intent(inout) :: walk !! the way
+      real(dp), intent(in) :: time !! the time that the step would have led to [-]
+      character(*), intent(in) :: reason !! why it cannot be taken
+
+      walk%is_ended = .true.
+      walk%fault = 'step '//to_text(walk%n_steps + 1)//' (to '//to_text(time)//'): '//reason// &
+         '; the history ends at step '//to_text(walk%n_steps)
+   end subroutine give_up
+
+   !> Keeps a step. The next one is twice as long where that ends at a multiple of its length.
+   pure subroutine keep(walk, history, state)
+      type(history_walk_t), intent(inout) :: walk !! the way
+      type(history_t), intent(in) :: history !! the history
+      type(step_state_t), intent(in) :: state !! the state at the end of the step
+
+      walk%state = state
+      walk%n_steps = walk%n_steps + 1
+      walk%tick = modulo(walk%tick + walk%length, n_ticks)
+      if (walk%tick == 0) walk%n_planned = walk%n_planned + 1
+      walk%is_ended = walk%n_planned == history%n_steps()
+      if (modulo(walk%tick, 2*walk%length) == 0) walk%length = min(n_ticks, 2*walk%length)
+   end subroutine keep
+
+   !> The time that the next step leads to [-].
+   pure real(dp) function history_walk_plan(self, history) result(time)
+      class(history_walk_t), intent(in) :: self !! the way
+      type(history_t), intent(in) :: history !! the history
+      real(dp) :: start
+
+      if (self%n_planned == 0) then
+         time = history%times(1)
+         return
+      end if
+      time = history%planned_time(self%n_planned + 1)
+      if (self%tick + self%length == n_ticks) return
+      start = history%planned_time(self%n_planned)
+      time = start + (time - start)*(real(self%tick + self%length, dp)/n_ticks)
+   end function history_walk_plan
+
+   !> Whether the next step may be halved. There is nothing to halve before the first time.
+   pure logical function history_walk_can_halve(self, history) result(can_halve)
+      class(history_walk_t), intent(in) :: self !! the way
+      type(history_t), intent(in) :: history !! the history
+
+      can_halve = .false.
+      if (self%n_planned == 0 .or. self%length == 1) return
+      associate (planned => history%planned_time(self%n_planned + 1) - history%planned_time(self%n_planned))
+         can_halve = planned*(real(self%length/2, dp)/n_ticks) >= history%min_step
+      end associate
+   end function history_walk_can_halve
+
+   !> A number with three digits.
+   pure real(dp) function rounded(value)
+      real(dp), intent(in) :: value !! the number, at least 0
+      character(12) :: buffer
+
+      write (buffer, '(es12.2e4)') min(value, huge(1.0_dp)/10.0_dp)
+      read (buffer, '(es12.2e4)') rounded
+   end function rounded
+
+end module amontons_history_walk

@@ -1,0 +1,208 @@
+!> One step of a load history: from the state at its beginning to the state at its end.
+!>
+!> The step is a contact problem whose slips count from the anchors: where the points were when it began, moved along
+!> with the obstacle (backward Euler; section 10 of doc/theory.md). Nothing of the state before is changed, so that a step
+!> can be given up and taken again with another length.
+module amontons_stepper
+   use amontons_auto, only: auto_t
+   use amontons_body, only: body_t
+   use amontons_contact_method, only: contact_method_t
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_equilibrium, only: check_balance
+   use amontons_error, only: error_t
+   use amontons_history_model, only: history_model_t, instant_t
+   use amontons_kinds, only: dp
+   use amontons_load_case, only: load_case_t
+   use amontons_newton, only: newton_t
+   implicit none (type, external)
+   private
+
+   public :: new_step_state, step_state_t, take_step
+
+   !> Where a step has led to.
+   type :: step_state_t
+      type(instant_t) :: instant !! what acts
+      type(contact_solution_t) :: solution !! forces, displacements and statuses of the contact points
+      real(dp), allocatable :: anchor(:) !! tangential displacements that the slips of the step count from (m) [L]
+      real(dp), allocatable :: slip(:) !! slip of the step (m) [L]
+      real(dp), allocatable :: accumulated_slip(:) !! sum of the |slip| of all steps (m) [L]
+      real(dp), allocatable :: bound(:) !! slip bound g + phi lambda_N (m) [F]
+      real(dp), allocatable :: dissipation(:) !! work that friction took at each point in all steps (m) [F L]
+      real(dp), allocatable :: reaction(:)
+         !! what the supports' reactions do on the displacements that each part prescribes (parts) [F L]
+      real(dp) :: strain_energy = 0.0_dp !! strain energy of the body [F L]
+      real(dp) :: load_work = 0.0_dp !! work of the loads in all steps [F L]
+      real(dp) :: support_work = 0.0_dp !! work of the moving supports in all steps [F L]
+      real(dp) :: obstacle_work = 0.0_dp !! work of the moving obstacles in all steps [F L]
+      real(dp) :: step_dissipation = 0.0_dp !! work that friction took in the step [F L]
+      real(dp) :: closing_loss = 0.0_dp !! sum of lambda_N times the gap at the beginning of the step [F L]
+      real(dp) :: indicator = 0.0_dp !! energy error of the step over its energies [-]
+      real(dp) :: imbalance = 0.0_dp !! violation of the two energy identities of the step over their terms [-]
+   contains
+      procedure :: energy_error => step_state_energy_error
+   end type step_state_t
+
+contains
+
+   !> The state before the first step: unstressed, no load acts, and obstacles that the body overlaps just touch it.
+   pure subroutine new_step_state(state, model, body)
+      type(step_state_t), intent(out) :: state !! the state
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      integer :: m
+
+      m = body%zone%n_points
+      call new_contact_solution(state%solution, m)
+      allocate (state%anchor(m), state%slip(m), state%accumulated_slip(m), state%dissipation(m), &
+         state%instant%motion(m), source=0.0_dp)
+      allocate (state%instant%factor(size(model%energies%field, 3)), state%reaction(size(model%energies%field, 3)), &
+         source=0.0_dp)
+      state%instant%time = model%history%times(1)
+      state%instant%gap = max(0.0_dp, model%fixed%gap)
+      state%bound = merge(0.0_dp, model%fixed%slip_bound, body%zone%is_tangent_fixed)
+   end subroutine new_step_state
+
+   !> Takes a step to what acts at its end. Not converged is a result: the solution of the state says so.
+   subroutine take_step(after, model, body, problem, method, before, instant, error)
+      type(step_state_t), intent(out) :: after !! the state at the end of the step
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem; left with what acts
+      class(contact_method_t), intent(in) :: method !! the deck's method
+      type(step_state_t), intent(in) :: before !! the state at the beginning of the step
+      type(instant_t), intent(in) :: instant !! what acts at its end
+      type(error_t), allocatable, intent(out) :: error !! no equilibrium, or the numbers are at fault
+      integer :: m
+
+      m = body%zone%n_points
+      after%instant = instant
+      after%anchor = merge(0.0_dp, before%solution%displacement(m + 1:) + instant%motion - before%instant%motion, &
+         body%zone%is_tangent_fixed)
+      call model%pose(body, instant, after%anchor, problem)
+      ! The slip before goes on, so that the method begins with the statuses before.
+      after%solution = before%solution
+      after%solution%displacement(m + 1:) = after%anchor + before%slip
+      call solve(after, model, body, problem, method, error)
+      if (allocated(error)) return
+      after%slip = after%solution%displacement(m + 1:) - after%anchor
+      after%accumulated_slip = before%accumulated_slip + abs(after%slip)
+      after%bound = problem%bound(after%solution%force(:m))
+      after%reaction = model%energies%reactions(instant%factor, after%solution%displacement, after%solution%force)
+      after%strain_energy = model%energies%strain_energy(problem, instant%factor, after%solution%displacement)
+      call add_works(after, model, problem, before)
+   end subroutine take_step
+
+   !> Solves the contact problem of a step: where the deck leaves the method to the program, by Newton from the state
+   !> before, whose statuses are nearly right; otherwise, and where that fails, by the deck's method from there.
+   subroutine solve(after, model, body, problem, method, error)
+      type(step_state_t), intent(inout) :: after !! the state, its solution set to that before; gains its own
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! the contact problem
+      class(contact_method_t), intent(in) :: method !! the deck's method
+      type(error_t), allocatable, intent(out) :: error !! no equilibrium, or the numbers are at fault
+      integer, parameter :: n_newton_steps = 20
+      type(contact_solution_t) :: start
+      type(load_case_t) :: load_case
+      integer :: n_iterations
+
+      n_iterations = 0
+      start = after%solution
+      select type (method)
+      type is (auto_t)
+         associate (newton => newton_t(method%tolerance, min(n_newton_steps, method%max_iterations)))
+            call newton%solve(problem, after%solution, error)
+         end associate
+         if (allocated(error) .or. after%solution%is_converged) return
+         n_iterations = after%solution%n_iterations
+      end select
+      call model%load_case(body, after%instant, after%anchor, load_case, error)
+      if (.not. allocated(error)) call check_balance(body, load_case, error)
+      if (allocated(error)) return
+      after%solution = start
+      call method%solve(problem, after%solution, error)
+      after%solution%n_iterations = after%solution%n_iterations + n_iterations
+   end subroutine solve
+
+   !> Adds works and dissipation of a step, and measures how well its energies balance.
+   !>
+   !> Over a step the loads do the mean of their work at both ends (they lie on a ramp), and friction takes the mean of
+   !> both bounds times the slip, which is right under reversal, too, where the force jumps but the bound does not.
+   pure subroutine add_works(after, model, problem, before)
+      type(step_state_t), intent(inout) :: after !! the state; gains works and dissipation
+      type(history_model_t), intent(in) :: model !! the model
+      type(contact_problem_t), intent(in) :: problem !! the contact problem of the step
+      type(step_state_t), intent(in) :: before !! the state before it
+      real(dp), dimension(problem%n_points) :: gap_before, gap_after, taken, missing
+      real(dp), dimension(2*problem%n_points) :: mean_force, v_change
+      real(dp), dimension(size(after%reaction)) :: change
+      real(dp) :: load_work, support_work, obstacle_work, energies
+      integer :: m
+
+      m = problem%n_points
+      change = after%instant%factor - before%instant%factor
+      v_change = after%solution%displacement - before%solution%displacement
+      mean_force = 0.5_dp*(after%solution%force + before%solution%force)
+      load_work = model%energies%load_work(0.5_dp*(after%instant%factor + before%instant%factor), change, v_change)
+      support_work = dot_product(0.5_dp*(after%reaction + before%reaction), change)
+      obstacle_work = -dot_product(mean_force, [after%instant%gap - before%instant%gap, &
+         after%instant%motion - before%instant%motion])
+      taken = 0.5_dp*(after%bound + before%bound)*abs(after%slip)
+      gap_after = problem%gap - after%solution%displacement(:m)
+      gap_before = before%instant%gap - matmul(model%energies%prescribed(:m, :), before%instant%factor) &
+         - before%solution%displacement(:m)
+      ! What is left of the contact work: the points' shares of the energy error.
+      missing = mean_force(m + 1:)*after%slip - taken - mean_force(:m)*(gap_after - gap_before)
+      after%step_dissipation = sum(taken)
+      after%dissipation = before%dissipation + taken
+      after%load_work = before%load_work + load_work
+      after%support_work = before%support_work + support_work
+      after%obstacle_work = before%obstacle_work + obstacle_work
+      after%closing_loss = dot_product(after%solution%force(:m), gap_before)
+      energies = max(after%step_dissipation, abs(after%strain_energy - before%strain_energy), abs(load_work &
+         + support_work + obstacle_work))
+      if (energies > 0.0_dp) after%indicator = sum(abs(missing))/energies
+      call check_identities(after, model, problem, before, change, v_change, mean_force, load_work + support_work)
+   end subroutine add_works
+
+   !> Checks the two identities that hold exactly for a step in equilibrium at both ends: the work of loads and supports,
+   !> by their means over the step, is the change of strain energy and the mean contact forces' work; by their values at
+   !> the end, it is that and the strain energy of the step's own displacements more.
+   pure subroutine check_identities(after, model, problem, before, change, v_change, mean_force, mean_work)
+      type(step_state_t), intent(inout) :: after !! the state; gains the violation
+      type(history_model_t), intent(in) :: model !! the model
+      type(contact_problem_t), intent(in) :: problem !! the contact problem of the step
+      type(step_state_t), intent(in) :: before !! the state before it
+      real(dp), intent(in) :: change(:) !! by how much the factors changed (parts) [-]
+      real(dp), contiguous, intent(in) :: v_change(:) !! by how much the contact displacements changed (2m) [L]
+      real(dp), intent(in) :: mean_force(:) !! mean contact forces (2m) [F]
+      real(dp), intent(in) :: mean_work !! work of loads and supports by their means [F L]
+      real(dp), dimension(2*problem%n_points) :: whole_change
+      real(dp) :: end_work, own_energy, energy_change, size_of_terms
+
+      ! The normal displacements of the contact problem lack what supports prescribe; the tangential ones are whole.
+      whole_change = v_change
+      associate (m => problem%n_points)
+         whole_change(:m) = whole_change(:m) + matmul(model%energies%prescribed(:m, :), change)
+      end associate
+      energy_change = after%strain_energy - before%strain_energy
+      own_energy = model%energies%strain_energy(problem, change, v_change)
+      end_work = model%energies%load_work(after%instant%factor, change, v_change) &
+         + dot_product(after%reaction, change)
+      size_of_terms = max(after%strain_energy, before%strain_energy, abs(mean_work), abs(end_work), &
+         dot_product(abs(after%solution%force), abs(whole_change)))
+      if (.not. size_of_terms > 0.0_dp) return
+      after%imbalance = max(abs(mean_work - energy_change - dot_product(mean_force, whole_change)), &
+         abs(end_work - energy_change - own_energy - dot_product(after%solution%force, whole_change)))/size_of_terms
+   end subroutine check_identities
+
+   !> What is left of all works but strain energy and dissipation: the error of the steps' size [F L].
+   pure real(dp) function step_state_energy_error(self) result(energy_error)
+      class(step_state_t), intent(in) :: self !! the state
+
+      energy_error = self%load_work + self%support_work + self%obstacle_work - self%strain_energy &
+         - sum(self%dissipation)
+   end function step_state_energy_error
+
+end module amontons_stepper

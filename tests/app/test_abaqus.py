@@ -1,0 +1,228 @@
+#!/usr/bin/env python3
+"""What a deck takes from an Abaqus or CalculiX file besides its mesh: the same case as a deck that says it itself."""
+import unittest
+
+from harness import PROGRAM, ProgramTest
+
+MESH = """\
+*HEADING
+a block on the floor
+*NODE, NSET=nall
+1, 0., 0.
+2, 1., 0.
+3, 2., 0.
+4, 0., 1.
+5, 1., 1.
+6, 2., 1.
+*ELEMENT, TYPE={type}4, ELSET=eall
+1, 1, 2, 5, 4
+2, 2, 3, 6, 5
+*NSET, NSET=FLOOR
+1, 2, 3
+*NSET, NSET=Left
+1, 4
+*NSET, NSET=top
+4, 5, 6
+*ELSET, ELSET=right
+2
+*SURFACE, NAME=end
+right, S2
+"""
+MATERIAL = """\
+*MATERIAL, NAME=Steel
+*ELASTIC
+1000., .25
+*DENSITY
+0.5
+*EXPANSION, ZERO=20.
+1E-3
+*SOLID SECTION, ELSET=EALL, MATERIAL=STEEL
+2.
+"""
+SUPPORTS = "*BOUNDARY\n4, 1\nleft, 1, 1, 0.\n"
+LOADS = """\
+*STEP
+*STATIC
+*DLOAD
+eall, P3, 5.
+right, GRAV, 9.81, 0., -2., 0.
+2, P3, 1.
+*DSLOAD
+end, P, 0.5
+*CLOAD
+6, 1, 3.
+5, 1, 3.
+top, 2, -1.
+*NODE FILE
+U
+*END STEP
+"""
+USE = "&mesh kind = 'file'  file = 'block.inp'  use = {} /\n"
+ALL = USE.format("'materials', 'supports', 'loads'")
+CONTACT = "&contact set = 'FLOOR'  friction = 0.2 /\n"
+PLAIN_MATERIAL = ("&material young = 1000.0  poisson = 0.25  hypothesis = '{}'  density = 0.5  expansion = 1e-3"
+                  "  thickness = {} /\n")
+PLAIN_SUPPORT = "&support set = 'Left'  ux = 0.0 /\n"
+PLAIN_LOADS = """\
+&load set = 'top'  pressure = 5.0 /
+&load region = 'right'  gravity = 0.0, -9.81 /
+&load set = 'end'  pressure = 0.5 /
+&load point = 2.0, 1.0  force = 3.0, 0.0 /
+&load point = 1.0, 1.0  force = 3.0, 0.0 /
+&load set = 'top'  force = 0.0, -1.0 /
+&load set = 'right top'  pressure = 1.0 /
+"""
+# Data lines that cannot be used, the keyword in front of them, what is used, and the message.
+REFUSED = [
+    ("*SOLID SECTION, ELSET=eall, MATERIAL=gold\n", "materials", "*SOLID SECTION: there is no material 'gold'"),
+    ("*SOLID SECTION, ELSET=none, MATERIAL=gold\n", "materials", "*SOLID SECTION: there is no set 'none' above"),
+    ("*SOLID SECTION, ELSET=eall\n", "materials", "*SOLID SECTION: expected MATERIAL= and the name of a material"),
+    ("*MATERIAL\n", "materials", "expected NAME= and the name of a material"),
+    ("*ELASTIC\n1., 2.\n", "materials", "*elastic before any *MATERIAL"),
+    ("*MATERIAL, NAME=m\n*ELASTIC\n1.\n", "materials", "*elastic: expected 2 number(s)"),
+    ("*MATERIAL, NAME=m\n*ELASTIC\n1., soft\n", "materials", "expected a number, found 'soft'"),
+    ("*MATERIAL, NAME=m\n*ELASTIC\n1., .2, 0.\n2., .2, 10.\n", "materials",
+     "*elastic that depends on the temperature cannot be used"),
+    ("*MATERIAL, NAME=m\n*ELASTIC, TYPE=ORTHO\n1., .2\n", "materials", "*ELASTIC with type=ORTHO cannot be used"),
+    ("*MATERIAL, NAME=m\n*SOLID SECTION, ELSET=eall, MATERIAL=m\n", "materials", "the material 'm' has no *ELASTIC"),
+    ("*MATERIAL, NAME=m\n*ELASTIC\n1., .6\n*SOLID SECTION, ELSET=eall, MATERIAL=m\n", "materials",
+     "poisson must lie above -1 and below 0.5, found 0.6"),
+    ("*ELEMENT, TYPE=CPE3\n3, 1, 2, 4\n", "materials",
+     "materials cannot be used: some elements are of type plane stress, others of plane strain"),
+    ("*BOUNDARY\nnone, 1\n", "supports", "*BOUNDARY: there is no set 'none' above"),
+    ("*BOUNDARY\nleft, up\n", "supports", "*BOUNDARY: expected the number of a component, found 'up'"),
+    ("*BOUNDARY, OP=NEW\nleft, 1\n", "supports", "*BOUNDARY with op=NEW cannot be used"),
+    ("*BOUNDARY\n1, 1, 1, 0., 0., 0., 0., 0., 0., 7\n", "supports", "more than 9 fields on a line"),
+    (f"*BOUNDARY\n{'x'*81}, 1\n", "supports", "a field of more than 80 characters"),
+    ("*CLOAD\ntop, 3, 1.\n", "loads", "*CLOAD: expected the component 1 or 2, found '3'"),
+    ("*CLOAD\nnone, 1, 1.\n", "loads", "*CLOAD: there is no set 'none' above"),
+    ("*CLOAD, AMPLITUDE=ramp\ntop, 1, 1.\n", "loads", "*CLOAD with amplitude=ramp cannot be used"),
+    ("*DLOAD\nnone, P1, 1.\n", "loads", "*DLOAD: there is no set 'none' above"),
+    ("*DLOAD\nnone, BX, 1.\n", "loads", "*dload: there is no set 'none' above"),
+    ("*DLOAD\neall, P1NU, 1.\n", "loads", "*dload: loads of the kind 'P1NU' cannot be used"),
+    ("*DLOAD\neall, GRAV, 1., 0., 0., -1.\n", "loads", "GRAV: expected a direction in the plane"),
+    ("*DLOAD\neall, CENTRIF, -1., 0., 0., 0., 0., 0., 1.\n", "loads",
+     "CENTRIF: the square of the angular speed is negative"),
+    ("*DLOAD\neall, CENTRIF, 1., 0., 0., 0., 1., 0., 1.\n", "loads",
+     "CENTRIF: expected an axis in the plane or normal to it"),
+    ("*STEP\n*END STEP\n*STEP\n", "loads", "a second *STEP: the supports and loads of one step can be used"),
+    ("*TRANSFORM, NSET=nall\n", "supports", "supports and loads in the directions of a *TRANSFORM cannot be used"),
+]
+
+
+class Abaqus(ProgramTest):
+    """Materials, supports and loads of a mesh file."""
+
+    def write_mesh(self, *parts, element="CPS"):
+        """Writes the mesh file."""
+        return self.write("block.inp", MESH.format(type=element) + "".join(parts))
+
+    def assert_same(self, used, plain, element="CPS", parts=(MATERIAL, SUPPORTS, LOADS)):
+        """Checks that two decks give the same results but for rounding, and that the files verify."""
+        self.write_mesh("*SURFACE, NAME=right top\n2, S3\n", *parts, element=element)
+        one, other = self.solve(used, "used"), self.solve(plain, "plain")
+        # Loads that are summed in another order.
+        scale = max(map(abs, other.forces))
+        self.assert_close(one.forces, other.forces, 1e-13*scale)
+        self.assert_close(one["slip"], other["slip"], 1e-13)
+        self.assertEqual(one["status"], other["status"])
+        self.assertIn("used: verified", self.run_program("--verify", ".").stdout)
+        return one
+
+    def test_everything_is_taken(self):
+        self.assert_same(ALL + CONTACT, "&mesh kind = 'file'  file = 'block.inp' /\n"
+                         + PLAIN_MATERIAL.format("plane stress", 2.0) + PLAIN_SUPPORT + PLAIN_LOADS + CONTACT)
+
+    def test_body_of_revolution(self):
+        self.assert_same(ALL + CONTACT, "&mesh kind = 'file'  file = 'block.inp' /\n"
+                         + PLAIN_MATERIAL.format("axisymmetric", 1.0) + PLAIN_SUPPORT + PLAIN_LOADS
+                         + "&load angular_speed = 2.0 /\n" + CONTACT, element="CAX", parts=(
+                             MATERIAL, SUPPORTS, LOADS, "*DLOAD\neall, CENTRIF, 4., 0., 1., 0., 0., 1., 0.\n"))
+
+    def test_deck_adds_to_what_is_taken(self):
+        # A rotation about an axis in the plane and one normal to it, a force per volume; supports of one line each.
+        self.assert_same(
+            USE.format("'supports', 'loads'") + PLAIN_MATERIAL.format("plane strain", 1.0) + CONTACT
+            + "&load set = 'top'  pressure = 30.0 /\n",
+            "&mesh kind = 'file'  file = 'block.inp' /\n" + PLAIN_MATERIAL.format("plane strain", 1.0) + CONTACT
+            + "&load set = 'top'  pressure = 30.0 /\n&support point = 0.0, 1.0  ux = 0.01  uy = -0.02 /\n"
+            "&support point = 2.0, 1.0  uy = -0.02 /\n&support point = 1.0, 1.0  uy = 0.0 /\n"
+            "&load angular_speed = 2.0  center = 0.5, 0.0 /\n"
+            "&load angular_speed = 1.0  center = 1.0, 3.0  axis = 1.0, 0.0 /\n&load body_force = 1.0, -2.0 /\n",
+            element="CPE", parts=(
+                "*BOUNDARY\n4, 1, , 0.01\n4, 2, 2, -0.02\n6, 2, 2, -0.02\n5, YSYMM\n",
+                "*DLOAD\neall, CENTRIF, 4., 0.5, 0., 0., 0., 0., 1.\n, CENTRIF, 1., 1., 3., 0., 1., 0., 0.\n"
+                "eall, BX, 1.\neall, BY, -2.\n"))
+
+    def test_loads_can_be_swept(self):
+        self.write_mesh(MATERIAL, SUPPORTS, LOADS)
+        self.run_program("--quiet", self.write("sweep.nml", ALL + CONTACT
+                                               + "&sweep load = 'mesh file'  factor = 0.5, 1.0 /\n"))
+        rows = (self.directory/"sweep.sweep.csv").read_text(encoding="utf-8").splitlines()
+        self.assertEqual(len(rows), 3)
+        single = self.solve(ALL + CONTACT)
+        self.assertAlmostEqual(float(rows[2].split(",")[rows[0].split(",").index("normal_force")]),
+                               single.summary["resultants"]["normal_force"], delta=1e-8)
+
+    def test_bodies_of_decks_that_use_the_file_differ(self):
+        # The second deck has another material than the file's: their factorizations are not shared.
+        self.write_mesh(MATERIAL, SUPPORTS, LOADS)
+        self.write("one.nml", ALL + CONTACT)
+        self.write("two.nml", USE.format("'supports', 'loads'") + PLAIN_MATERIAL.format("plane stress", 3.0) + CONTACT)
+        self.run_program("--quiet", "one.nml", "two.nml")
+        self.assertNotIn("factorization of", (self.directory/"two.lst").read_text(encoding="utf-8"))
+
+    def test_what_is_ignored_is_named(self):
+        self.write_mesh(MATERIAL, SUPPORTS, LOADS)
+        plain = "&mesh kind = 'file'  file = 'block.inp' /\n" + PLAIN_MATERIAL.format("plane stress", 2.0) \
+            + PLAIN_SUPPORT + CONTACT
+        expected = ("warning: not read from the mesh file: *MATERIAL, *ELASTIC, *DENSITY, *EXPANSION, *SOLID SECTION, "
+                    "*BOUNDARY, *STEP, *DLOAD, *DSLOAD, *CLOAD; give them in the deck, or &mesh use = 'materials', "
+                    "'supports', 'loads'\n")
+        self.assertIn(expected, self.run_program("--check", self.write("plain.nml", plain)).stdout)
+        self.assertNotIn("warning", self.run_program("--check", self.write("used.nml", ALL + CONTACT)).stdout)
+        self.solve(ALL + CONTACT)
+        self.assertIn("4 keywords ignored (not mesh data): *HEADING, *STATIC, *NODE FILE, *END STEP\n",
+                      (self.directory/"case.lst").read_text(encoding="utf-8"))
+        self.write_mesh(SUPPORTS, "*CONTACT PAIR, INTERACTION=i\na, b\n")
+        self.assertIn("warning: not read from the mesh file: *CONTACT PAIR\n", self.run_program("--check", self.write(
+            "part.nml", USE.format("'supports'") + PLAIN_MATERIAL.format("plane stress", 2.0) + CONTACT)).stdout)
+
+    def test_what_cannot_be_used_is_refused(self):
+        for lines, use, message in REFUSED:
+            with self.subTest(lines=lines):
+                self.write_mesh(lines)
+                deck = USE.format(f"'{use}'") + ("" if use == "materials" else PLAIN_MATERIAL.format("plane stress", 1))
+                run = self.run_program("--check", self.write("deck.nml", deck + CONTACT), status=1)
+                self.assertRegex(run.stderr, r"^deck.nml:1: \S*block.inp:\d+: ")
+                self.assertTrue(run.stderr.endswith(f": {message}\n"), run.stderr)
+                # Of what is not used nothing is read.
+                self.write("deck.nml", deck.replace(f"use = '{use}'", "") + PLAIN_MATERIAL.format("plane stress", 1)
+                           + CONTACT)
+                if "TYPE=CPE3" not in lines:
+                    self.assertNotIn("block.inp:", self.run_command([PROGRAM, "--check", "deck.nml"], None).stderr)
+        self.write("deck.nml", USE.format("'materials'").replace("block.inp", "none.inp") + CONTACT)
+        self.assertIn("none.inp", self.run_program("--check", "deck.nml", status=1).stderr)
+
+    def test_rotation_of_a_body_of_revolution_about_another_axis(self):
+        self.write_mesh("*DLOAD\neall, CENTRIF, 1., 1., 0., 0., 0., 1., 0.\n", element="CAX")
+        deck = USE.format("'loads'") + PLAIN_MATERIAL.format("axisymmetric", 1) + CONTACT
+        self.assertIn("CENTRIF: a body of revolution spins about its own axis", self.run_program(
+            "--check", self.write("deck.nml", deck), status=1).stderr)
+
+    def test_use_is_for_files_of_abaqus(self):
+        self.write("square.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n")
+        for deck, message in ((USE.format("'loads'").replace("block.inp", "square.msh"),
+                               "materials, supports and loads can be used of Abaqus and CalculiX files only"),
+                              ("&mesh size = 1.0, 1.0  cells = 1, 1  use = 'loads' /\n",
+                               "use is only for kind = 'file'"),
+                              (USE.format("'load'"),
+                               "use: expected one of 'materials', 'supports', 'loads', found 'load'"),
+                              (USE.format("3"), "use: expected quoted text, found 3")):
+            run = self.run_program("--check", self.write("deck.nml", deck + PLAIN_MATERIAL.format("plane stress", 1)
+                                                         + CONTACT), status=1)
+            self.assertIn(message, run.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
