@@ -98,8 +98,7 @@ def print_long_bar(program, work, sizes, rates):
         rest = [sum(case["seconds"][phase] for case in cases[1:]) / 4 for phase in ("condense", "solve", "recover", "write")]
         totals.append([str(n), str(cases[0]["counts"]["dofs"]), seconds(one["wall"]), seconds(all_cores["wall"]),
                        seconds(all_cores["cpu"]), f"{all_cores['mb']:.0f}", seconds(sum(rest))])
-        counts = cases[0]["counts"]
-        flops = counts["factor_flops"]
+        flops = cases[0]["factor"]["flops"]
         rate = flops / first["factorize"] * 1e-9
         phases.append([str(n)] + [seconds(first[name]) for name in
                       ("read", "assemble", "factorize", "condense", "solve", "recover", "write")] + [f"{rate:.1f}", f"{100 * rate / rates['dgemm_gflops']:.0f} %"])

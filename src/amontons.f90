@@ -10,6 +10,7 @@
 module amontons
    use amontons_all_solutions, only: all_solutions_t, find_all_solutions
    use amontons_body, only: body_t, condense_body, new_body
+   use amontons_case_label, only: case_label_t, new_case_label
    use amontons_certificate, only: certificate_t, new_certificate
    use amontons_condensation, only: condensation_options_t
    use amontons_config, only: config_t, new_reduced_config, read_config
@@ -55,7 +56,8 @@ module amontons
    ! Values
    public :: dp, error_t, input_refused, numerical_failure, system_failure, version
    ! Cases
-   public :: cache_t, config_t, prepare_case, read_config, result_t, solve_case, write_report
+   public :: cache_t, case_label_t, config_t, new_case_label, prepare_case, read_config, result_t, solve_case, &
+      write_report
    ! Results in files
    public :: file_name_t, find_cases, verdict_t, verify_files
    ! Studies of any kind

@@ -1,9 +1,10 @@
-!> Builds the long bar in code, without a deck, solves it for two loads on one factorisation and prints its floor.
+!> Builds the long bar in code, without a deck, solves it for two loads on one factorization, prints its floor and writes
+!> the files of the first result.
 program build_body
    use, intrinsic :: iso_fortran_env, only: error_unit
-   use amontons, only: body_t, contact_problem_t, contact_t, dp, error_t, load_t, material_t, mesh_t, method_options_t, &
-      new_body, new_contact, new_load, new_material, new_rectangle_mesh, new_support, rectangle_t, result_t, solve_body, &
-      status_names, support_t
+   use amontons, only: body_t, case_label_t, contact_problem_t, contact_t, dp, error_t, load_t, material_t, mesh_t, &
+      method_options_t, new_body, new_case_label, new_contact, new_load, new_material, new_rectangle_mesh, new_support, &
+      rectangle_t, result_t, solve_body, status_names, support_t, write_report
    implicit none (type, external)
    type(mesh_t) :: mesh
    type(material_t) :: material
@@ -11,6 +12,7 @@ program build_body
    type(contact_t) :: contacts(1)
    type(load_t) :: loads(2)
    type(body_t) :: body
+   type(case_label_t) :: label
    type(contact_problem_t) :: problem
    type(result_t) :: result
    type(error_t), allocatable :: error
@@ -35,6 +37,9 @@ program build_body
    call solve_body(body, problem, supports, contacts, loads, method_options_t(), result, error)
    call check(error)
    call print_floor(body, result)
+   call new_case_label(label, 'long_bar', title='Long bar, pushed by 10 daN/mm^2')
+   call write_report('results', label, body, result, error)
+   call check(error)
 
    loads(1)%traction = [15.0_dp, 0.0_dp]
    call solve_body(body, problem, supports, contacts, loads, method_options_t(), result, error)

@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import amontons
 
 DECK = {
-    "case": {"name": "long_bar"},
+    "case": {"name": "long_bar", "units": "mm, daN"},
     "mesh": {"size": (40.0, 40.0), "cells": (32, 10)},
     "material": {"young": 13000.0, "poisson": 0.2},
     "support": {"set": "right", "ux": 0.0},

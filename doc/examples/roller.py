@@ -21,7 +21,7 @@ mesh = amontons.Mesh(nodes, [("quad", quadrilaterals)], sides)
 
 # %% Everything else is a deck.
 DECK = """
-&case name = 'roller'  title = 'Rubber roller on a floor' /
+&case name = 'roller'  title = 'Rubber roller on a floor'  units = 'mm, N, MPa' /
 &material young = 5.0  poisson = 0.45 /
 &support set = 'hub'  ux = 0.0  uy = -0.2 /
 &contact set = 'tread'  friction = 0.5  point = 0.0, -40.0 /

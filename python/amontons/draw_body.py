@@ -5,7 +5,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.tri import Triangulation
 
 from amontons.cases import CaseFault
-from amontons.obstacles import hatching, surface
+from amontons.obstacles import distance, hatching, surface
 
 # Okabe and Ito's colours, told apart by colour-blind readers too; a marker says the same once more.
 STATUSES = (("open", "#D55E00", "o"), ("stick", "#009E73", "s"), ("slip along t", "#0072B2", ">"),
@@ -141,7 +141,7 @@ def draw_bar(axes, drawn, label, uniform):
 
 def surfaces(case, factor, window):
     """The obstacles as lines: as the deck describes them, or, where gaps are magnified, through the places that they
-    then have opposite the contact points; so, too, where a file that describes one is gone."""
+    then have opposite the contact points; so, too, where an obstacle has moved or a file that describes it is gone."""
     gaps, line, found = initial_gaps(case), case.line, []
     places = line.points[:, :2] + (factor * gaps)[:, None] * line.point_data["normal"][:, :2]
     size = np.ptp(window, axis=0).max()
@@ -153,10 +153,13 @@ def surfaces(case, factor, window):
         here = (line.point_data["set"] == number) & np.isfinite(gaps)
         if factor == 1.0 or not (np.abs(gaps[here]) > UNIFORM * size).any():
             try:
-                found.append(surface(contacts[number - 1], window))
-                continue
+                described = surface(contacts[number - 1], window)
             except (OSError, LookupError, ValueError):
-                pass
+                described = None
+            opposite = places[here & ((places >= window[0]) & (places <= window[1])).all(axis=1)]
+            if described is not None and distance(opposite, described) < VISIBLE * size:
+                found.append(described)
+                continue
         if here.sum() > 1:
             found.append(places[here])
     return [one for i, one in enumerate(found) if not any(np.array_equal(one, other) for other in found[:i])]

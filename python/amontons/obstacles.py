@@ -41,6 +41,16 @@ def read_line(path):
     return np.array([[float(word.lower().replace("d", "e")) for word in pair[:2]] for pair in words])
 
 
+def distance(points, line):
+    """The largest distance of some points from a line."""
+    if not len(points):
+        return 0.0
+    start, way = line[:-1], np.diff(line, axis=0)
+    share = ((points[:, None] - start) * way).sum(axis=2) / np.maximum((way**2).sum(axis=1), 1e-300)
+    nearest = start + np.clip(share, 0.0, 1.0)[:, :, None] * way
+    return np.hypot(*np.moveaxis(points[:, None] - nearest, 2, 0)).min(axis=1).max()
+
+
 def hatching(line, window, spacing):
     """Short strokes on the solid side of a line, at equal distances, where they begin in a window; (n, 2, 2)."""
     steps = np.hypot(*np.diff(line, axis=0).T)

@@ -19,7 +19,9 @@ from amontons.verdicts import COLORS, verdict_of, violations
 
 MANY = 8  # cases: from here on all cores draw
 PARTS = ("lengths", "resultants", "counts")
-FILES = (".lst", ".contact.csv", ".sweep.csv", ".summary.json", ".vtu", ".contact.vtu", ".sweep.pvd", ".deck.nml")
+FILES = (".lst", ".contact.csv", ".sweep.csv", ".history.csv", ".points.csv", ".summary.json", ".vtu", ".contact.vtu",
+         ".sweep.pvd", ".history.pvd", ".deck.nml")
+FAILED = ("refused", "numerical_failure", "system_failure", "interrupted")  # outcomes that leave no results
 SHOWN = ("max_contact_pressure", "max_von_mises", "max_displacement", "max_slip", "contact_width", "slip_length",
          "stick_length", "normal_force", "residual")
 DIMENSIONS = (("pressure", "stress"), ("shear", "stress"), ("mises", "stress"), ("force", "force"), ("moment", None),
@@ -143,15 +145,14 @@ def section_of(case, pictures):
 """
 
 
-def failures_of(folder, known):
-    """The decks of a batch that failed, without cases that are known to have no equilibrium: pairs of deck and
-    message."""
+def failures_of(folder):
+    """The decks of a batch that left no results: pairs of deck and message."""
     try:
         with open(folder / "batch.csv", newline="", encoding="utf-8") as text:
             rows = list(csv.DictReader(text))
     except FileNotFoundError:
         return []
-    return [(row["deck"], row["message"]) for row in rows if row["message"] and row.get("case") not in known]
+    return [(row["deck"], row["message"]) for row in rows if row["outcome"] in FAILED]
 
 
 def drawn(numbered):
@@ -175,7 +176,7 @@ def page_of(folder, paths):
     cases, without = [case for case in found if case.has_equilibrium], \
         [(case.summary["case"], case.summary["message"]) for case in found if not case.has_equilibrium]
     pictures = pictures_of_all([case.path for case in cases])
-    failures = failures_of(folder, {name for name, _ in without})
+    failures = failures_of(folder)
     colors = [verdict_of(case.summary)[0] for case in cases]
     counted = [f"{colors.count(color)} {color}" for color in COLORS]
     counted += [f"{len(some)} {words}" for some, words in ((without, "without equilibrium"), (failures, "failed"))

@@ -44,7 +44,7 @@ UNFINISHED = (".tmp", ".part", ".checkpoint")
 # What gfortran makes of the bounds of an array that is not allocated yet when it is assigned: looked at, never used.
 # The contact methods have no other integers of 8 bytes that could overflow.
 # A warning follows the line of its file.
-WARNING = re.compile(rb"m\d+: warning: ")
+WARNING = re.compile(rb"m\d+: warning: |\d+ decks: ")
 UNUSED_BOUNDS = re.compile(rb"[^\n]*(/src/contact/[^\n]*: signed integer overflow: [^\n]*'integer\(kind=8\)'"
                            rb"|runtime error: signed integer overflow: -9223372036854775808 - 1 cannot[^\n]*)\n")
 NO_NUMBER = re.compile(rb"(?<![\w'.])[-+]?(nan|inf|infinity)(?![\w'.-])", re.IGNORECASE)

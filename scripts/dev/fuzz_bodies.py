@@ -45,7 +45,10 @@ def contact_group(choice, side, size, overlap):
     words.append(f"point = {point[0]:.6g}, {point[1]:.6g}  obstacle = '{kind}'")
     words.append(f"normal = {normal[0] + tilt*normal[1]:.9g}, {normal[1] - tilt*normal[0]:.9g}")
     if kind != "plane":
-        words.append(f"radius = {choice.choice((1, 1, -1))*max(size)*10**choice.uniform(0.6, 3):.6g}")
+        sign = choice.choice((1, 1, -1))
+        # An arc as deep as a slender body is high would contain it.
+        radius = max(max(size)*10**choice.uniform(0.6, 3), 0.5*size[0]**2/size[1] if side != "left" else 0.0)
+        words.append(f"radius = {sign*radius:.6g}")
     if choice.random() < 0.15:
         words.append(f"slip_bound = {10**choice.uniform(-2, 0):.6g}")
     return "  ".join(words) + " /"

@@ -189,10 +189,11 @@ class Tests:
             for path in files:
                 self.suites[path.stem] = (name, path.read_text(encoding="utf-8"))
         self.is_changed = bool(seconds)
-        self.seconds = seconds
-        for name in [] if seconds else self.units:
-            self.require((0 if self.run_unit(name) else 1, f"the unit tests {name} fail unchanged"))
-        self.require((0 if seconds or self.run_program() else 1, "tests of the program fail unchanged"))
+        self.seconds = dict(seconds)
+        if not seconds:
+            for name in self.units:
+                self.require((0 if self.run_unit(name) else 1, f"the unit tests {name} fail unchanged"))
+            self.require((0 if self.run_program() else 1, "tests of the program fail unchanged"))
         self.is_changed = True
 
     @staticmethod

@@ -5,10 +5,11 @@ module amontons_case_label
 
    public :: case_label_t, new_case_label
 
-   !> Name, title and, for cases that come from one, the deck.
+   !> Name, title, units and, for cases that come from one, the deck.
    type :: case_label_t
       character(:), allocatable :: name !! name of the case, and of its files
       character(:), allocatable :: title !! what the case is about, for the listing
+      character(:), allocatable :: units !! names of the units of length, force and stress; empty if they are not named
       character(:), allocatable :: file !! name of the deck; not allocated for a body made in code
    contains
       procedure :: deck_text => case_label_deck_text
@@ -24,6 +25,7 @@ contains
 
       label%name = name
       label%title = name
+      label%units = ''
       if (present(title)) label%title = title
    end subroutine new_case_label
 

@@ -13,6 +13,7 @@ module amontons_quantity
       character(32) :: label = '' !! its name in listings
       real(dp) :: value = 0.0_dp !! the number
       real(dp) :: scale = 0.0_dp !! what rounding errors of it are measured by, if larger than the number itself
+      logical :: is_nodal = .false. !! whether it is a length from node to node, which moves by whole sides
       logical :: has_place = .false. !! whether it is found at a place
       real(dp) :: place(2) = 0.0_dp !! the place; in files KEY_x and KEY_y [L]
    end type quantity_t

@@ -115,7 +115,8 @@ contains
             end associate
             if (allocated(error)) return
          end do
-         return
+         ! Where it covers sides, they are held as a whole: a refined mesh has more nodes on them.
+         if (mesh%find_set(support%set) == 0) return
       end if
       call new_boundary_line(line, mesh, support%set, error)
       if (allocated(error)) return

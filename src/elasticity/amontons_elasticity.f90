@@ -34,16 +34,23 @@ module amontons_elasticity
 contains
 
    !> Evaluates the shape functions of an element.
-   pure subroutine new_element_geometry(geometry, mesh, element, material)
+   pure subroutine new_element_geometry(geometry, mesh, element, material, n_points)
       type(element_geometry_t), intent(inout) :: geometry
          !! the shape functions at the quadrature points; on entry anything, best those of an element of the same kind
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       integer, intent(in) :: element !! number of the element
       type(material_t), intent(in) :: material !! its material, for the depth
+      integer, intent(in), optional :: n_points !! number of quadrature points; default: `n_element_points`
       real(dp) :: x(2, max_nodes), dx(2), dy(2), determinant
       integer :: i, first, point
 
-      call choose_reference(geometry, mesh%element_kind(element), material%is_axisymmetric)
+      associate (kind => mesh%element_kind(element))
+         if (present(n_points)) then
+            call choose_reference(geometry, kind, n_points)
+         else
+            call choose_reference(geometry, kind, n_element_points(kind, material%is_axisymmetric))
+         end if
+      end associate
       first = mesh%node_start(element)
       do i = 1, geometry%n_nodes
          geometry%node(i) = mesh%node(first + i - 1)
@@ -107,14 +114,13 @@ contains
    end subroutine set_thermal_strain
 
    !> Evaluates the shape functions of a kind of element at its quadrature points, unless they are at hand.
-   pure subroutine choose_reference(geometry, kind, is_axisymmetric)
+   pure subroutine choose_reference(geometry, kind, n_points)
       type(element_geometry_t), intent(inout) :: geometry !! what belongs to the reference element is set
       integer, intent(in) :: kind !! kind of element
-      logical, intent(in) :: is_axisymmetric !! whether it belongs to a body of revolution
+      integer, intent(in) :: n_points !! number of quadrature points
       real(dp) :: xi(2)
-      integer :: n_points, point
+      integer :: point
 
-      n_points = n_element_points(kind, is_axisymmetric)
       if (geometry%kind == kind .and. geometry%n_points == n_points) return
       geometry%kind = kind
       geometry%n_nodes = n_element_nodes(kind)

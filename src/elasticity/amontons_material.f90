@@ -41,6 +41,7 @@ module amontons_material
       procedure :: depth => material_depth
       procedure :: has_chosen_b_bar => material_has_chosen_b_bar
       procedure :: locks => material_locks
+      procedure :: squared_norm => material_squared_norm
       procedure :: stress => material_stress
    end type material_t
 
@@ -196,6 +197,19 @@ contains
       stress(4) = mean + 2.0_dp*self%mu*strain(4)
       if (self%is_plane_stress) stress(4) = 0.0_dp
    end function material_stress
+
+   !> Stress times the strain that makes it, twice the density of the strain energy [F/L^2].
+   pure real(dp) function material_squared_norm(self, stress) result(product)
+      class(material_t), intent(in) :: self !! the material
+      real(dp), intent(in) :: stress(4) !! stress xx, yy, xy, zz; zz counts in a body of revolution alone [F/L^2]
+      real(dp) :: normal(3)
+
+      normal = stress([1, 2, 4])
+      if (self%is_plane_stress) normal(3) = 0.0_dp
+      if (.not. (self%is_plane_stress .or. self%is_axisymmetric)) normal(3) = self%poisson*(stress(1) + stress(2))
+      product = ((1.0_dp + self%poisson)*(sum(normal**2) + 2.0_dp*stress(3)**2) - self%poisson*sum(normal)**2) &
+         /self%young
+   end function material_squared_norm
 
    !> What an area of the plane is multiplied by: the thickness, or the circumference at a radius [L].
    pure real(dp) function material_depth(self, x) result(depth)

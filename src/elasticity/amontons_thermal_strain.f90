@@ -85,8 +85,8 @@ contains
             associate (node => mesh%node(k))
                row = map%find(tag_of(mesh, node))
                if (row == 0) then
-                  call new_error(error, input_refused, load%temperature_file//': no temperature of node '// &
-                     to_text(tag_of(mesh, node)))
+                  call new_error(error, input_refused, load%temperature_file//': no temperature of '// &
+                     name_of(mesh, node))
                   return
                end if
                temperature(node) = load%temperature_table(2, row)
@@ -101,7 +101,20 @@ contains
       integer, intent(in) :: node !! the node
 
       tag = node
-      if (allocated(mesh%node_tag)) tag = mesh%node_tag(node)
+      if (.not. allocated(mesh%node_tag)) return
+      ! A refined mesh has nodes that its file has not.
+      tag = 0
+      if (node <= size(mesh%node_tag)) tag = mesh%node_tag(node)
    end function tag_of
+
+   !> What messages call a node.
+   pure function name_of(mesh, node) result(name)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: node !! the node
+      character(:), allocatable :: name
+
+      name = 'node '//to_text(tag_of(mesh, node))
+      if (tag_of(mesh, node) == 0) name = 'the nodes that refine adds'
+   end function name_of
 
 end module amontons_thermal_strain

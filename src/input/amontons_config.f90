@@ -3,6 +3,7 @@
 module amontons_config
    use amontons_case_label, only: case_label_t
    use amontons_condensation, only: condensation_names
+   use amontons_config_accuracy, only: accuracy_group, accuracy_options_t, describe_accuracy
    use amontons_config_body, only: describe_load, describe_material, describe_mesh, describe_support, load_group, &
       material_group, mesh_group, support_group
    use amontons_config_contact, only: contact_group, describe_contact
@@ -17,7 +18,7 @@ module amontons_config
    use amontons_deck_reader, only: deck_reader_t
    use amontons_deck_scanner, only: suggestion
    use amontons_deck_setting, only: apply_settings, read_settings, setting_t
-   use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t
+   use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_deck_writer, only: deck_writer_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_file_model, only: file_model_t, use_loads, use_materials, use_names, use_supports
@@ -45,9 +46,9 @@ module amontons_config
    type(group_t), parameter :: solver_group = group_t('solver')
    !> The group of what is written.
    type(group_t), parameter :: output_group = group_t('output')
-   !> The groups that describe a body, what acts on it, and what varies.
+   !> The groups that describe a body, what acts on it, what varies, and how accurate the results shall be.
    type(group_t), parameter :: body_groups(*) = [mesh_group, material_group, support_group, load_group, contact_group, &
-      sweep_group, history_group, steps_group]
+      sweep_group, history_group, steps_group, accuracy_group]
    !> All groups of a deck.
    type(group_t), parameter :: groups(*) = [case_group, problem_group, body_groups, solver_group, output_group]
 
@@ -55,6 +56,7 @@ module amontons_config
    type, extends(case_label_t) :: config_t
       type(reduced_source_t) :: reduced !! the reduced problem that there is in the place of a body, if one is given
       character(:), allocatable :: mesh_file !! name of the mesh file from the root on; empty for a rectangle
+      integer :: n_refinements = 0 !! how often every element of the mesh is cut in four
       character(:), allocatable :: mesh_origin !! where the mesh was specified, for messages: 'deck.nml:12: '
       type(rectangle_t) :: rectangle !! the rectangle that is the body where there is no mesh file
       logical :: is_used(size(use_names)) = .false. !! which of `use_names` are taken from the mesh file
@@ -66,6 +68,7 @@ module amontons_config
       type(sweep_t) :: sweep !! what varies from case to case; nothing for a single case
       type(history_t) :: history !! what changes from step to step; not given for a single case
       type(method_options_t) :: method !! the contact method
+      type(accuracy_options_t) :: accuracy !! what is asked of the accuracy of the results
       character(:), allocatable :: factorization !! one of `factorization_names`
       character(:), allocatable :: condensation !! one of `condensation_names`
    contains
@@ -221,7 +224,8 @@ contains
       type(config_t), intent(inout) :: config !! the case; who reads it comes without these
       integer :: i
 
-      call describe_mesh(visitor, config%mesh_file, config%is_used, config%rectangle, config%mesh_origin)
+      call describe_mesh(visitor, config%mesh_file, config%is_used, config%rectangle, config%n_refinements, &
+         config%mesh_origin)
       if (.not. allocated(config%materials)) call begin_body(visitor, config)
       do i = config%n_used(use_materials) + 1, size(config%materials)
          call describe_material(visitor, config%materials(i))
@@ -237,6 +241,7 @@ contains
       end do
       call describe_sweep(visitor, config%sweep, config%loads, config%contacts)
       call describe_history(visitor, config%history, config%loads, config%supports, config%contacts)
+      call describe_accuracy(visitor, config%accuracy, config%sweep%is_given() .or. config%history%is_given)
    end subroutine describe_body
 
    !> Makes room for what the groups of a deck say of a body, behind what its mesh file says.
@@ -279,6 +284,7 @@ contains
       ! File names end at 255 characters; temporary ones add up to 30 to the name.
       integer, parameter :: longest_name = 200
       integer :: last_point
+      logical :: has_units
 
       if (.not. allocated(config%name)) then
          config%name = config%file(index(config%file, '/', back=.true.) + 1:)
@@ -290,12 +296,33 @@ contains
          default="name of the deck's file without its folder and last extension", also='job id'), config%name)
       call visitor%text(key_t('title', 'what the case is about, for the listing', also='heading description'), &
          config%title)
+      has_units = is_filled(config%units)
+      call visitor%text(key_t('units', "names of the units of length, force and stress, as `'mm, N, MPa'`, to label"// &
+         ' listing, figures and report; nothing is converted', default='none', is_filled=.true., also='unit'), &
+         config%units, has_units)
       call visitor%close_group()
+      call visitor%require(.not. has_units .or. are_units(config%units), 'units', &
+         "units must name a length, a force and, if you like, a stress: 'mm, N, MPa'")
       if (len_trim(config%name) == 0 .or. len(config%name) > longest_name .or. has_unusable_character(config%name)) then
          call visitor%deck%fault(visitor%place, 'name', 'name must be usable as a file name: 1 to '// &
             to_text(longest_name)//" characters without '/' and control characters")
       end if
    end subroutine describe_case
+
+   !> Whether a text is two or three names of units, commas between them.
+   pure logical function are_units(text)
+      character(*), intent(in) :: text !! the text
+      integer :: i, n_commas
+
+      n_commas = 0
+      are_units = .true.
+      do i = 1, len(text)
+         if (text(i:i) /= ',') cycle
+         n_commas = n_commas + 1
+         are_units = are_units .and. len_trim(text(:i - 1)) > scan(text(:i - 1), ',', back=.true.)
+      end do
+      are_units = are_units .and. len_trim(text) > scan(text, ',', back=.true.) .and. (n_commas == 1 .or. n_commas == 2)
+   end function are_units
 
    !> Whether a name has a character that file names or decks cannot have.
    pure logical function has_unusable_character(name)

@@ -35,11 +35,12 @@ module amontons_config_body
 contains
 
    !> Describes `&mesh`: a rectangle and its cells, or a file.
-   subroutine describe_mesh(visitor, file, is_used, rectangle, origin)
+   subroutine describe_mesh(visitor, file, is_used, rectangle, n_refinements, origin)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       character(:), allocatable, intent(inout) :: file !! name of the mesh file from the root on; empty for a rectangle
       logical, intent(inout) :: is_used(:) !! which of `use_names` are taken from the file, too
       type(rectangle_t), intent(inout) :: rectangle !! the rectangle that is the body where there is no file
+      integer, intent(inout) :: n_refinements !! how often every element is cut in four
       character(:), allocatable, intent(inout) :: origin !! where the mesh is specified
       character(4), parameter :: kind_of_file = 'file'
       character(:), allocatable :: kind
@@ -73,6 +74,8 @@ contains
          ' quadrilaterals'), rectangle%diagonal, diagonal_names, has_diagonal)
       call visitor%real(key_t('grading', 'height of the top row of cells over that of the bottom row; the rows'// &
          ' between follow a geometric series', above=0.0_dp, also='bias ratio'), rectangle%grading, has_grading)
+      call visitor%whole(key_t('refine', 'how often every element is cut in four, curved sides along their curve;'// &
+         ' sets and regions follow', at_least=0.0_dp, also='refinement refinements'), n_refinements)
       call visitor%close_group()
       call visitor%locate(trim(merge('cells', 'file ', is_rectangle)), origin)
       if (.not. visitor%is_judging()) return
@@ -174,8 +177,8 @@ contains
       on_nodes = load%target == load_on_nodes
       has_point = on_nodes .and. .not. has_set
       call visitor%open_group(load_group)
-      call visitor%text(key_t('name', 'by which `&sweep` and `&steps` know it; several loads may share a name', default='none', &
-         is_filled=.true., also='label'), load%name, has_name)
+      call visitor%text(key_t('name', 'by which `&sweep` and `&steps` know it; several loads may share a name', &
+         default='none', is_filled=.true., also='label'), load%name, has_name)
       call visitor%text(key_t('set', 'the boundary set of a traction or pressure; the node set or boundary set of'// &
          ' point forces', is_filled=.true., also='nset surface'), load%set, has_set)
       call visitor%reals(key_t('point', 'coordinates of the node of a `force`', 'L', also='node'), load%point, &

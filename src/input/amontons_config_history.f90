@@ -6,7 +6,7 @@ module amontons_config_history
    use amontons_history, only: history_t, moved_things, steps_t, stepped_friction, stepped_load, stepped_obstacle, &
       stepped_support
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_by_temperature, load_t
+   use amontons_loads, only: load_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -52,8 +52,6 @@ contains
 
       are_times_sound = history%is_given
       if (history%is_given) call describe_times(visitor, history)
-      if (history%is_given) call visitor%require(.not. any(loads%target == load_by_temperature), '', &
-         'a &load by temperature does not go with &history')
       are_times_sound = are_times_sound .and. history%is_given .and. visitor%is_judging()
       do i = 1, size(history%steps)
          call describe_steps(visitor, history%steps(i))

@@ -7,7 +7,8 @@ module amontons_element
    private
 
    public :: element_names, is_triangle, max_nodes, max_points, n_corners, n_element_nodes, n_element_points, &
-      node_coordinates, quad4, quad8, quad9, quadrature_point, shape_functions, side_nodes, tri3, tri6
+      n_fine_points, n_sampling_points, node_coordinates, quad4, quad8, quad9, quadrature_point, shape_functions, &
+      side_nodes, tri3, tri6
 
    !> Kind of the three-node triangle.
    integer, parameter :: tri3 = 1
@@ -26,6 +27,10 @@ module amontons_element
    integer, parameter :: n_element_nodes(*) = [3, 4, 6, 8, 9]
    !> Number of corners, and of sides, of each kind.
    integer, parameter :: n_corners(*) = [3, 4, 3, 4, 4]
+   !> Number of quadrature points where the stresses of each kind are most accurate: of the rule one order lower.
+   integer, parameter :: n_sampling_points(*) = [1, 1, 3, 4, 4]
+   !> Number of quadrature points that are exact for products of two stresses of one order higher than those of a kind.
+   integer, parameter :: n_fine_points(*) = [3, 4, 6, 9, 9]
    !> Most nodes that an element has.
    integer, parameter :: max_nodes = 9
    !> Most quadrature points that an element has.
@@ -86,7 +91,7 @@ contains
    !> A quadrature point of a reference element.
    pure subroutine quadrature_point(kind, n_points, point, xi, weight)
       integer, intent(in) :: kind !! kind of element
-      integer, intent(in) :: n_points !! number of points, by `n_element_points`
+      integer, intent(in) :: n_points !! number of points, by `n_element_points` or `n_sampling_points`
       integer, intent(in) :: point !! number of the point, 1 to `n_points`
       real(dp), intent(out) :: xi(2) !! reference coordinates [-]
       real(dp), intent(out) :: weight !! weight; the weights sum to the area of the reference element [-]
@@ -97,6 +102,9 @@ contains
 
       if (is_triangle(kind)) then
          call triangle_point(n_points, point, xi, weight)
+      else if (n_points == 1) then
+         xi = 0.0_dp
+         weight = 4.0_dp
       else if (n_points == 4) then
          xi = two_points*quad_nodes(:, point)
          weight = 1.0_dp

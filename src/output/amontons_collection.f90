@@ -1,6 +1,7 @@
 !> Collections for ParaView: the grids of several cases in one file, to be stepped through.
 !>
-!> A case is a step of the collection, its time the number of the case, or the pseudo-time of a history; body and contact line are parts of the step.
+!> A case is a step of the collection, its time the number of the case, or the pseudo-time of a history;
+!> body and contact line are parts of the step.
 module amontons_collection
    use amontons_error, only: error_t
    use amontons_manifest, only: manifest_t

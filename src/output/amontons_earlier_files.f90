@@ -1,5 +1,6 @@
 !> What an earlier run of a case left in its directory and the new one does not write again: grids of other cases of a
-!> sweep or steps of a history, all solutions, a reduced problem. It is removed, so that the files of a case are those of one run.
+!> sweep or steps of a history, all solutions, a reduced problem. It is removed, so that the files of a case are
+!> those of one run.
 !>
 !> What the earlier run left is what its manifest names. Whatever else has the name of the case is left alone, as is a
 !> file that is no longer the one that was written, or that the new run has read.

@@ -1,5 +1,6 @@
 !> NAME.lst: the listing, which an engineer reads top to bottom and needs nothing else.
 module amontons_listing
+   use amontons_accuracy_text, only: convergence_text
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
    use amontons_certificate, only: certificate_t
@@ -10,11 +11,12 @@ module amontons_listing
    use amontons_listing_model, only: loads_text, model_text
    use amontons_listing_parts, only: head_text, method_text, outcome_text, quantities_text, residual_text, &
       status_counts, times_text, violations_text, warnings_text
-   use amontons_listing_text, only: heading, line, pair, scientific
+   use amontons_listing_text, only: heading, line, pair, scientific, short
    use amontons_result, only: certificate_limit, result_t
    use amontons_solutions_report, only: solutions_text, uniqueness_text
    use amontons_text, only: to_text
    use amontons_timings, only: phase_assemble, phase_condense, phase_factorize, phase_read, phase_recover, phase_solve
+   use amontons_zone_edges, only: interval_t
    implicit none (type, external)
    private
 
@@ -44,14 +46,25 @@ contains
          call listing%add(model_text(body, result%load_case)//loads_text(result%load_case))
          if (allocated(result%study_listing)) call listing%record(result%study_listing)
          call listing%record(solution_text(body, result))
-         call listing%add(zones_text(body, result))
+         if (allocated(result%convergence)) call listing%record(convergence_text(result%convergence))
+         call listing%add(zones_text(body, result), [line_scale(body)])
          call listing%add(resultants_text(result), [force_scale(result)])
          call listing%add(certificate_text(result%certificate, result%method%tolerance), [1.0_dp])
+         if (allocated(result%error_estimate)) call listing%add( &
+            heading('Accuracy (energy norm of the stress error)')// &
+            quantities_text(result%error_estimate%quantities()))
          call listing%add(points_text('Contact points (forces and stresses: compression and shear along the slip '// &
             'positive)', columns, solution%status), [0.0_dp, pack(columns%scale, columns%label /= ''), 0.0_dp])
       end associate
       call listing%record(times_text(result%timings, listed_phases))
    end subroutine new_listing
+
+   !> What places along the contact line are measured by [L].
+   pure real(dp) function line_scale(body) result(scale)
+      type(body_t), intent(in) :: body !! the body
+
+      scale = max(0.0_dp, maxval(abs(body%zone%position)))
+   end function line_scale
 
    !> What sums of forces and energies are measured by.
    pure real(dp) function force_scale(result) result(scale)
@@ -99,8 +112,23 @@ contains
 
       text = heading('Contact line')// &
          line('Points', to_text(body%zone%n_points)//': '//status_counts(result%solution%status))// &
-         quantities_text(result%lengths%quantities())
+         quantities_text(result%lengths%quantities())//intervals_text('Closed zone', result%closed)// &
+         intervals_text('Stick zone', result%stuck)
    end function zones_text
+
+   !> Parts of the contact line, a line each.
+   pure function intervals_text(label, intervals) result(text)
+      character(*), intent(in) :: label !! what they are
+      type(interval_t), intent(in) :: intervals(:) !! the parts
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(intervals)
+         text = text//line(label, pair(intervals(i)%ends(:, 1))//' to '//pair(intervals(i)%ends(:, 2))// &
+            ', length '//short(intervals(i)%length))
+      end do
+   end function intervals_text
 
    !> Resultants of all forces.
    pure function resultants_text(result) result(text)

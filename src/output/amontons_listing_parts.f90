@@ -28,6 +28,7 @@ contains
       text = 'Amontons '//version//': plane contact with Coulomb friction by the dual method'//newline//newline// &
          line('Case', label%name)//line('Title', label%title)
       if (allocated(label%file)) text = text//line('Deck', label%file)
+      if (len(label%units) > 0) text = text//line('Units', label%units)
    end function head_text
 
    !> The method with the options that it uses.

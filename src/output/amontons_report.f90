@@ -1,5 +1,6 @@
 !> The files of a solved case: all of them, each whole, or none.
 module amontons_report
+   use amontons_accuracy_text, only: convergence_table_text
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
    use amontons_contact_table, only: add_point_table, column_t, contact_columns
@@ -63,13 +64,19 @@ contains
       character(:), allocatable :: deck
 
       deck = label%deck_text()
-      allocate (documents(2 + count([len(deck) > 0, allocated(result%all_solutions)])))
+      allocate (documents(2 + count([len(deck) > 0, allocated(result%convergence), allocated(result%all_solutions)])))
       call new_listing(documents(1), label, body, result)
       call contact_columns(columns, body, result)
       call add_point_table(documents(2), columns, result%solution%status)
       if (len(deck) > 0) then
          documents(3)%ending = '.deck.nml'
          call documents(3)%add(deck)
+      end if
+      if (allocated(result%convergence)) then
+         associate (next => documents(3 + count([len(deck) > 0])))
+            next%ending = '.convergence.csv'
+            call next%record(convergence_table_text(result%convergence))
+         end associate
       end if
       if (.not. allocated(result%all_solutions)) return
       associate (last => documents(size(documents)))

@@ -40,7 +40,8 @@ contains
       type(warning_list_t), intent(in) :: warnings !! what is doubtful about it
 
       summary%ending = '.summary.json'
-      call summary%add('{'//newline//member('case', string(label%name))//member('title', string(label%title)))
+      call summary%add('{'//newline//member('case', string(label%name))//member('title', string(label%title)) &
+         //member('units', string(label%units)))
       call summary%record(member('version', string(version)))
       call summary%add(member('method', string(method)))
       call summary%add(member('outcome', string(outcome))//member('converged', truth(outcome == 'converged')))

@@ -49,6 +49,11 @@ contains
       call vtk%put_stresses('CellData', 'stress', stress%element)
       call vtk%put_reals('CellData', 'von_mises', 1, all_von_mises(stress%element))
       call vtk%put_reals('CellData', 'strain_energy_density', 1, stress%energy_density)
+      if (allocated(result%error_estimate)) then
+         vtk%scale = result%error_estimate%norm
+         call vtk%put_reals('CellData', 'error_norm', 1, result%error_estimate%element)
+         vtk%scale = 0.0_dp
+      end if
       call vtk%put_integers('CellData', 'material', body%materials%of_element)
       call vtk%put_cells(body%mesh%coordinates, body%mesh%node, body%mesh%node_start(2:) - 1, &
          vtk_cell_type(body%mesh%element_kind))

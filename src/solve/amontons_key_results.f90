@@ -2,15 +2,15 @@
 module amontons_key_results
    use amontons_body, only: body_t
    use amontons_contact_rows, only: turned
-   use amontons_friction_law, only: open_point
+   use amontons_friction_law, only: open_point, stick_point
    use amontons_kinds, only: dp
-   use amontons_lengths, only: lengths_t, new_lengths
    use amontons_quantity, only: at_place, quantity_t
    use amontons_stress_field, only: new_stress_field, stress_field_t, von_mises
+   use amontons_zone_edges, only: find_edges, interval_t
    implicit none (type, external)
    private
 
-   public :: body_peaks, contact_peaks, resultants, set_results
+   public :: body_peaks, contact_peaks, find_zones, resultants, set_results
 
 contains
 
@@ -46,34 +46,52 @@ contains
       end associate
    end function contact_peaks
 
-   !> What each contact set carries.
-   pure function set_results(body, force, status) result(list)
+   !> Finds the parts of the contact line that are closed, and those that stick.
+   pure subroutine find_zones(closed, stuck, body, force, status, friction, slip_bound)
+      type(interval_t), allocatable, intent(out) :: closed(:) !! the closed parts
+      type(interval_t), allocatable, intent(out) :: stuck(:) !! the parts that stick
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
       integer, intent(in) :: status(:) !! statuses of the points (m)
+      real(dp), intent(in) :: friction(:) !! Coulomb coefficients (m) [-]
+      real(dp), intent(in) :: slip_bound(:) !! given bounds of the tangential force (m) [F]
+      integer :: m
+
+      m = size(status)
+      call find_edges(closed, body%zone, status /= open_point, force(:m), 2)
+      call find_edges(stuck, body%zone, status == stick_point, slip_bound + friction*force(:m) - &
+         abs(force(m + 1:)), 1)
+   end subroutine find_zones
+
+   !> What each contact set carries.
+   pure function set_results(body, force, closed, stuck) result(list)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      type(interval_t), intent(in) :: closed(:) !! the closed parts of the contact line
+      type(interval_t), intent(in) :: stuck(:) !! its parts that stick
       type(quantity_t), allocatable :: list(:)
       character(12) :: number
       integer :: i, n_sets
 
       n_sets = 0
-      if (size(status) > 0) n_sets = maxval(body%zone%set)
+      if (body%zone%n_points > 0) n_sets = maxval(body%zone%set)
       number = ''
       allocate (list(0))
       do i = 1, n_sets
          if (n_sets > 1) write (number, '(i0)') i
-         list = [list, results_of_set(body, force, status, i, trim(number))]
+         list = [list, results_of_set(body, force, [sum(closed%length, mask=closed%set == i), &
+            sum(stuck%length, mask=stuck%set == i)], i, trim(number))]
       end do
    end function set_results
 
    !> What a contact set carries.
-   pure function results_of_set(body, force, status, set, number) result(list)
+   pure function results_of_set(body, force, widths, set, number) result(list)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
-      integer, intent(in) :: status(:) !! statuses of the points (m)
+      real(dp), intent(in) :: widths(2) !! lengths of what is closed and of what sticks [L]
       integer, intent(in) :: set !! number of the set
       character(*), intent(in) :: number !! what tells it from others; empty for the only one
       type(quantity_t), allocatable :: list(:)
-      type(lengths_t) :: lengths
       character(:), allocatable :: suffix
       real(dp) :: sums(2), moment, center(2), acting(2), normal_force, length, scale
       integer :: p
@@ -92,13 +110,13 @@ contains
             normal_force = normal_force + force(p)
          end do
          if (abs(normal_force) > 0.0_dp) center = center/normal_force
-         call new_lengths(lengths, zone, status, set)
          length = maxval(abs(zone%position))
          scale = sum(abs(force))
       end associate
       suffix = number
       if (len(number) > 0) suffix = '_'//number
-      list = [quantity_t('contact_width'//suffix, 'Contact width '//number, lengths%slip + lengths%stick, length), &
+      list = [quantity_t('contact_width'//suffix, 'Contact width '//number, widths(1), length), &
+         quantity_t('stick_width'//suffix, 'Stick width '//number, widths(2), length), &
          quantity_t('contact_centroid_x'//suffix, 'Centroid x '//number, center(1), length), &
          quantity_t('contact_centroid_y'//suffix, 'Centroid y '//number, center(2), length), &
          quantity_t('contact_force_x'//suffix, 'Force x '//number, sums(1), scale), &

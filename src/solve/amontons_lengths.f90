@@ -23,18 +23,14 @@ contains
    !> Measures the zones side by side, as Table 1 of the paper reads its separated, sliding and sticking parts: the open
    !> zone ends at the first closed node, the slip zone at the first sticking node. A cell of constant multipliers
    !> belongs to one zone as a whole.
-   pure subroutine new_lengths(lengths, zone, status, set)
+   pure subroutine new_lengths(lengths, zone, status)
       type(lengths_t), intent(out) :: lengths !! the lengths
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: status(:) !! status of each point (m)
-      integer, intent(in), optional :: set !! the contact set that is measured; default all
       real(dp) :: length
       integer :: p, ends(2)
 
       do p = 1, zone%n_points
-         if (present(set)) then
-            if (zone%set(p) /= set) cycle
-         end if
          ends = p
          if (zone%is_cell(p)) then
             length = zone%weight(p)
@@ -58,9 +54,9 @@ contains
       class(lengths_t), intent(in) :: self !! the lengths
       type(quantity_t) :: list(3)
 
-      list = [quantity_t('open_length', 'Open length', self%open), &
-         quantity_t('slip_length', 'Slip length', self%slip), &
-         quantity_t('stick_length', 'Stick length', self%stick)]
+      list = [quantity_t('open_length', 'Open length', self%open, is_nodal=.true.), &
+         quantity_t('slip_length', 'Slip length', self%slip, is_nodal=.true.), &
+         quantity_t('stick_length', 'Stick length', self%stick, is_nodal=.true.)]
    end function lengths_quantities
 
 end module amontons_lengths

@@ -3,6 +3,8 @@ module amontons_result
    use amontons_all_solutions, only: all_solutions_t
    use amontons_certificate, only: certificate_t
    use amontons_contact_solution, only: contact_solution_t
+   use amontons_convergence, only: refined_quantity_t
+   use amontons_error_estimate, only: error_estimate_t
    use amontons_kinds, only: dp, int64
    use amontons_lengths, only: lengths_t
    use amontons_load_case, only: load_case_t
@@ -11,6 +13,7 @@ module amontons_result
    use amontons_timings, only: timings_t
    use amontons_uniqueness, only: uniqueness_t
    use amontons_warning_list, only: warning_list_t
+   use amontons_zone_edges, only: interval_t
    implicit none (type, external)
    private
 
@@ -41,12 +44,19 @@ module amontons_result
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
       type(all_solutions_t), allocatable :: all_solutions !! all solutions, where they were asked for
       logical :: has_reduced_files = .false. !! whether its reduced problem was written
+      logical :: wants_error_estimate = .false. !! whether the error of the stresses is to be estimated
+      type(error_estimate_t), allocatable :: error_estimate !! the estimate, where it is wanted
+      type(refined_quantity_t), allocatable :: convergence(:) !! its numbers on refined meshes, where asked for
       type(quantity_t), allocatable :: key_results(:) !! largest values with their places, and what contact sets carry
+      type(interval_t), allocatable :: closed(:) !! the closed parts of the contact line
+      type(interval_t), allocatable :: stuck(:) !! its parts that stick
       type(lengths_t) :: lengths !! lengths of the open, slip and stick zones
       real(dp) :: method_error = -1.0_dp
          !! largest difference of a contact force from the exact solution, over the largest force; -1 if not asked [-]
       real(dp), allocatable :: slip_record(:, :)
-         !! of a load history: slip of its last step [L], accumulated slip [L] and dissipation [F L] of each point (m, 3)
+         !! of a load history: slip of its last step [L], accumulated slip [L] and dissipation [F L] of
+         !! each point (m, 3)
+      logical :: is_complete = .true. !! whether a study of several steps has come to its end
       character(:), allocatable :: study_listing !! what a study of several steps says of them in the listing
       character(:), allocatable :: study_members !! what it says in the summary, members of a JSON object
       character(:), allocatable :: shared_with !! the case whose factorization was used; not allocated for an own one

@@ -48,6 +48,7 @@ contains
       result = empty
       result%solution = start
       result%method = options
+      result%wants_error_estimate = .true.
       call set_defaults(result%method)
       call new_timings(result%timings)
       call new_load_case(result%load_case, body, supports, contacts, loads, error)

@@ -16,6 +16,7 @@ module amontons_solve_case
    use amontons_model_warnings, only: add_model_warnings, add_sweep_warnings
    use amontons_name_check, only: check_names
    use amontons_rectangle, only: new_rectangle_mesh
+   use amontons_refined_mesh, only: refine_mesh
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_load_case
    use amontons_state, only: new_state, state_t
@@ -47,6 +48,8 @@ contains
       type(contact_t), allocatable :: contacts(:)
 
       call new_timings(result%timings)
+      result%wants_error_estimate = config%accuracy%wants_estimate() .and. &
+         .not. (config%sweep%is_given() .or. config%history%is_given)
       if (has_body(cache, config)) then
          call check_names(config, cache%body%mesh, error)
       else
@@ -108,6 +111,7 @@ contains
       else
          call new_rectangle_mesh(mesh, config%rectangle, error)
       end if
+      if (.not. allocated(error)) call refine_mesh(mesh, config%n_refinements, error)
       if (allocated(error)) error%message = config%mesh_origin//error%message
    end subroutine new_mesh
 

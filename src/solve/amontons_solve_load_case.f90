@@ -5,12 +5,14 @@ module amontons_solve_load_case
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t
    use amontons_certificate, only: new_certificate
+   use amontons_components, only: solve_components
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_estimate_error, only: estimate_error
    use amontons_kinds, only: dp
-   use amontons_key_results, only: body_peaks, contact_peaks, set_results
+   use amontons_key_results, only: body_peaks, contact_peaks, find_zones, set_results
    use amontons_lengths, only: new_lengths
    use amontons_load_case, only: condense_load_case, load_case_t, pose_problem, recover_displacement
    use amontons_result, only: factor_t, result_t
@@ -82,8 +84,9 @@ contains
       anchor = problem%anchor
       problem%gap = gap - motion(:size(gap))
       problem%anchor = anchor - motion(size(gap) + 1:)
-      solution%displacement = solution%displacement - motion
-      call method%solve(problem, solution, error)
+      ! Nothing has a place before it meets its obstacles: a start at rest is there.
+      if (any(abs(solution%force) > 0.0_dp)) solution%displacement = solution%displacement - motion
+      call solve_components(method, problem, solution, error)
       solution%displacement = solution%displacement + motion
       problem%gap = gap
       problem%anchor = anchor
@@ -122,7 +125,8 @@ contains
       if (condition > explaining) result%condition = min(condition, huge(1.0_dp))
    end subroutine certify
 
-   !> Computes all that follows from displacements, contact forces and statuses: certificate, lengths, key results.
+   !> Computes all that follows from displacements, contact forces and statuses: certificate, lengths, key results,
+   !> error estimate.
    subroutine judge(result, body)
       type(result_t), intent(inout) :: result !! the result: load case, solution and displacements of all nodes
       type(body_t), intent(in) :: body !! the body
@@ -132,11 +136,17 @@ contains
       associate (solution => result%solution)
          call new_certificate(result%certificate, body, result%load_case, result%displacement, solution%force)
          call new_lengths(result%lengths, body%zone, solution%status)
+         call find_zones(result%closed, result%stuck, body, solution%force, solution%status, &
+            result%load_case%friction, result%load_case%slip_bound)
          result%key_results = [contact_peaks(body, solution%displacement(m + 1:), solution%force, solution%status, &
             maxval(abs(result%displacement))), body_peaks(body, result%displacement, &
             result%load_case%thermal_strain), &
-            set_results(body, solution%force, solution%status)]
+            set_results(body, solution%force, result%closed, result%stuck)]
       end associate
+      if (result%wants_error_estimate) then
+         allocate (result%error_estimate)
+         call estimate_error(result%error_estimate, body, result%load_case, result%displacement, result%solution%force)
+      end if
    end subroutine judge
 
    !> How far the forces of the elements cancel, |K| |u| / |f|: of a body that its supports hold still, a bound from

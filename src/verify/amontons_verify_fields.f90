@@ -156,7 +156,7 @@ contains
       logical :: is_lost
 
       computed = case%result
-      list = case_quantities(body, result%solution)
+      list = case_quantities(body, result%solution, result%load_case%friction, result%load_case%slip_bound)
       numbers = expanded(list)
       computed%quantity = numbers%value
       call status_runs(runs, case%status, body%zone%set)

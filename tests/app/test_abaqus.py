@@ -154,6 +154,20 @@ class Abaqus(ProgramTest):
                 "*DLOAD\neall, CENTRIF, 4., 0.5, 0., 0., 0., 0., 1.\n, CENTRIF, 1., 1., 3., 0., 1., 0., 0.\n"
                 "eall, BX, 1.\neall, BY, -2.\n"))
 
+    def test_supports_of_sides_hold_them_on_a_refined_mesh(self):
+        self.write_mesh(MATERIAL, SUPPORTS.replace("4, 1\n", ""))
+        press = "&load set = 'top'  pressure = 5.0 /\n&load set = 'end'  pressure = 3.0 /\n"
+        used = self.solve(ALL.replace(" /", "  refine = 2 /") + press + CONTACT, "used")
+        plain = self.solve("&mesh size = 2.0, 1.0  cells = 8, 4 /\n" + PLAIN_MATERIAL.format("plane stress", 2.0)
+                           + "&support set = 'left'  ux = 0.0 /\n" + press.replace("end", "right")
+                           + "&contact set = 'bottom'  friction = 0.2 /\n", "plain")
+        # The same mesh, its nodes in another order.
+        self.assert_close(used["contact_pressure"], plain["contact_pressure"], 1e-11)
+        self.write("table.csv", "".join(f"{node}, 1.0\n" for node in range(1, 7)))
+        run = self.run_program("--check", self.write("deck.nml", ALL.replace(" /", "  refine = 1 /") + CONTACT
+                                                     + "&load temperature_table = 'table.csv' /\n"), status=1)
+        self.assertIn("table.csv: no temperature of the nodes that refine adds", run.stderr)
+
     def test_loads_can_be_swept(self):
         self.write_mesh(MATERIAL, SUPPORTS, LOADS)
         self.run_program("--quiet", self.write("sweep.nml", ALL + CONTACT

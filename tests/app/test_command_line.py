@@ -285,6 +285,14 @@ class Names(ProgramTest):
         summary = self.solve(SOUND + "&case title = '{}' /".format(title.replace("'", "''"))).summary
         self.assertEqual(summary["title"], title)
 
+    def test_units_are_named(self):
+        summary = self.solve(SOUND + "&case units = 'mm, N, MPa' /").summary
+        self.assertEqual(summary["units"], "mm, N, MPa")
+        self.assertIn("  Units               mm, N, MPa\n", (self.directory/"case.lst").read_text(encoding="utf-8"))
+        self.assertEqual(self.solve(SOUND).summary["units"], "")
+        self.assertNotIn("  Units ", (self.directory/"case.lst").read_text(encoding="utf-8"))
+        self.run_program("--verify", ".")
+
 
 class Forms(ProgramTest):
     """A deck is the same deck in every form that editors give it."""

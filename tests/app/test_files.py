@@ -22,8 +22,8 @@ MESH = "size = 4.0, 2.0  cells = 8, 4"
 PUSH = "load set = 'right'  traction = -1.5, 0.3"  # part of the floor sticks, part slides, part opens
 NUMBER = re.compile(r"-?\d+\.\d+(e-?\d+)?")
 MEMBERS = {
-    "case": str, "title": str, "version": str, "method": str, "outcome": str, "converged": bool,
-    "warnings": list,
+    "case": str, "title": str, "units": str, "version": str, "method": str, "outcome": str,
+    "converged": bool, "warnings": list,
     "iterations": int, "products": float,
     "factorizations": int, "residual": float, "history": list,
     "certificate": {"passed": bool, "limit": float, "equilibrium": float, "penetration": float, "tension": float,
@@ -34,13 +34,16 @@ MEMBERS = {
     "uniqueness": {"guaranteed": bool, "friction_below": float, "exact": bool},
     "key_results": dict.fromkeys((
         "max_contact_pressure", "max_contact_shear", "max_slip", "max_von_mises", "max_displacement", "contact_width",
+        "stick_width",
         "contact_centroid_x", "contact_centroid_y", "contact_force_x", "contact_force_y", "contact_moment",
         *(f"max_{name}_{axis}" for name in ("contact_pressure", "contact_shear", "slip", "von_mises", "displacement")
           for axis in "xy")), float),
     "counts": dict.fromkeys(("nodes", "elements", "dofs", "contact_points", "open", "stick", "slip"), int),
     "factor": {"entries": int, "flops": int},
     "lengths": dict.fromkeys(("open_length", "slip_length", "stick_length"), float),
+    "closed_zones": list, "stick_zones": list,
     "resultants": dict.fromkeys(("normal_force", "tangential_force"), float),
+    "accuracy": {"error_norm": float, "relative_error": float},
     "seconds": dict.fromkeys(("read", "assemble", "factorize", "condense", "solve", "recover", "write", "total"),
                              float),
     "peak_memory_mb": float, "files": list, "inputs": list, "checksum": int,

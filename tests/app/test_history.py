@@ -4,9 +4,12 @@ import csv
 import io
 import json
 import re
+import signal
+import subprocess
+import time
 import unittest
 
-from harness import ProgramTest
+from harness import PROGRAM, ProgramTest
 
 BAR = """&case name = 'bar' /
 &mesh size = 40.0, 40.0  cells = 32, 10 /
@@ -118,6 +121,7 @@ class History(ProgramTest):
         # Friction bears 1.2, the push on the side of 2 is twice the factor; the shortest step is 1/1024.
         self.assertAlmostEqual(float(rows[-1]["factor_push"]), 0.6, delta=2.0 / 1024.0)
         self.assertFalse(self.summary("block")["load_history"]["complete"])
+        self.assertEqual(self.summary("block")["outcome"], "not_converged")
         self.assertIn("INCOMPLETE", self.text("block.lst"))
 
     def test_history_without_a_first_step_is_an_error(self):
@@ -148,6 +152,25 @@ class History(ProgramTest):
                          + "&support set = 'top'  uy = 0.0  ux = 0.0 /\n&history times = 0.0, 1.0 /\n"
                          "&steps obstacle = 'bottom'  shift_y = 0.0, 4.0 /\n", status=4)
         self.assertIn("the body overlaps the obstacle", run.stderr)
+
+    def test_interrupted_history_leaves_nothing(self):
+        deck = self.write("deck.nml", BAR.replace("substeps = 4", "substeps = 200000"))
+        run = subprocess.Popen([PROGRAM, "--quiet", "--output", "out", deck], cwd=self.directory, encoding="utf-8",
+                               stderr=subprocess.PIPE)
+        self.addCleanup(run.kill)
+        while run.poll() is None and not self.contents_of_results():
+            time.sleep(0.005)
+        # The first report, which lets interrupts wait for the end of a step, comes with the file.
+        time.sleep(0.2)
+        run.send_signal(signal.SIGINT)
+        _, message = run.communicate()
+        self.assertEqual(run.returncode, 5)
+        self.assertRegex(message, "^deck.nml: interrupted after step [0-9]+; no files of the history are left")
+        self.assertEqual(self.contents_of_results(), [])
+
+    def contents_of_results(self):
+        """The files in the folder of the results, if there is one."""
+        return list((self.directory / "out").glob("*"))
 
     def test_options_for_single_cases_are_refused(self):
         deck = self.write("deck.nml", BAR)

@@ -92,6 +92,7 @@ class Decks(HostileTest):
     def test_cells_beyond_all_memory(self):
         for cells, message in (("60000, 60000", "rectangle: more cells than node numbers allow"),
                                ("2000000000, 2000000000", "rectangle: more cells than node numbers allow"),
+                               ("8, 4  refine = 20", "refined 20 times, the mesh has more nodes than node numbers"),
                                ("0, 4", "cells must be at least 1, found 0"),
                                ("-8, 4", "cells must be at least 1, found -8"),
                                ("2147483648, 4", "cells: expected a whole number of at most 2147483647, found "),
@@ -105,6 +106,9 @@ class Decks(HostileTest):
             found = self.refuse("deck.nml", SOUND.replace("8, 4", cells), status=3)
             self.assertRegex(found, r"^deck\.nml:1: rectangle: memory does not suffice: \d+ nodes need at least \d+ "
                              r"MB, and \d+ MB are available\n$")
+        found = self.refuse("deck.nml", SOUND.replace("8, 4", "8, 4  refine = 10"), status=3)
+        self.assertRegex(found, r"^deck\.nml:1: memory does not suffice: \d+ nodes need at least \d+ MB, and \d+ MB are "
+                         r"available\n$")
 
     def test_numerals(self):
         for word in ("1d400", "1e400", "1e-400", "-1d-400"):

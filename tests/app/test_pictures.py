@@ -145,7 +145,8 @@ class Pictures(ProgramTest):
 
     def test_failed_decks_are_red_with_their_message(self):
         self.write("some results/batch.csv",
-                   "deck,message\nbad <1>.nml,\"line 3: unknown key 'E', really\"\ntwo.nml,\n")
+                   "deck,case,outcome,message\nbad <1>.nml,,refused,\"line 3: unknown key 'E', really\"\n"
+                   "two.nml,two,not_converged,not converged\n")
         self.script("report", "some results")
         page = (self.directory / "some results" / "report.html").read_text(encoding="utf-8")
         self.assertIn("2 cases: 1 green, 0 amber, 1 red, 1 failed.", page)

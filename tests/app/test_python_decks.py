@@ -131,6 +131,15 @@ class Decks(ProgramTest):
             # along x.
             self.assertAlmostEqual((areas*result.stress[:, 1]).sum()/8.0, -1.0, delta=1e-9)
 
+    def test_a_history_is_a_table_of_steps(self):
+        text = TEXT.replace("&load set = 'right' ", "&load name = 'push'  set = 'right' ")
+        text += "&history times = 0.0, 1.0 /\n&steps load = 'push'  factor = 0.0, 1.0 /\n"
+        result = amontons.solve_deck(text)
+        self.assertEqual(result.history["time"][-1], 1.0)
+        self.assertEqual(result.history["factor_push"][-1], 1.0)
+        # the forces of the last step are those of the contact table
+        self.assertAlmostEqual(result.history["normal_force"][-1], result.contact["normal_force"].sum(), delta=1e-9)
+
     def test_results_are_drawn(self):
         try:
             import matplotlib  # pylint: disable=import-outside-toplevel

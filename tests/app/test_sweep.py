@@ -10,8 +10,8 @@ from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block, read_vtu
 
 INPUT = Path(__file__).resolve().parents[2] / "input"
 QUANTITIES = ["open_length", "slip_length", "stick_length", "normal_force", "tangential_force"]
-KEY_RESULTS = ["max_contact_pressure", "max_contact_shear", "max_slip", "contact_width", "contact_centroid_x",
-               "contact_centroid_y", "contact_force_x", "contact_force_y", "contact_moment",
+KEY_RESULTS = ["max_contact_pressure", "max_contact_shear", "max_slip", "contact_width", "stick_width",
+               "contact_centroid_x", "contact_centroid_y", "contact_force_x", "contact_force_y", "contact_moment",
                *(f"max_{name}_{axis}" for name in ("contact_pressure", "contact_shear", "slip") for axis in "xy")]
 BEHIND = QUANTITIES + KEY_RESULTS + ["residual", "iterations", "outcome", "warnings", "statuses"]
 LETTERS = {"open": "o", "stick": "s", "slip+": "+", "slip-": "-"}

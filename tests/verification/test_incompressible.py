@@ -18,8 +18,8 @@ from math import hypot, pi
 from benchmark import Benchmark, main
 from convergence import ORDER_ALLOWANCE, ConvergenceTable, ValueTable
 from displacement_error import displacement_error
-from mapped_mesh import mapped_mesh, sector
-from test_tube import INNER, OUTER, PRESSURE, YOUNG, wall
+from mapped_mesh import mapped_mesh, sector, wall
+from test_tube import INNER, OUTER, PRESSURE, YOUNG
 
 RATIOS = (0.49, 0.499, 0.4999, 0.49999)
 
@@ -36,7 +36,7 @@ class Incompressible(Benchmark):
         self.study("Tube, plane strain", "tube_plane", sector(INNER, OUTER, 0.5*pi), 2, exact)
 
     def test_revolution(self):
-        self.study("Tube, axisymmetric", "tube_axisymmetric", wall, 1,
+        self.study("Tube, axisymmetric", "tube_axisymmetric", wall(INNER, OUTER), 1,
                    lambda poisson: lambda r, z: (radial(r, poisson), 0.0), depth=lambda r: r)
 
     def study(self, caption, name, mapping, ratio, exact, **depth):

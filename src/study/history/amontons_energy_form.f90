@@ -39,7 +39,7 @@ contains
       type(energy_form_t), intent(out) :: form !! the form
       type(body_t), intent(in) :: body !! the body, condensed
       type(load_case_t), intent(in) :: parts(:) !! force and prescribed displacement of each part, condensed
-      real(dp), allocatable :: field(:, :), forces(:, :), at_rest(:)
+      real(dp), allocatable :: field(:, :), forces(:, :), at_rest(:), loads(:, :, :)
       integer :: i, j, m, n
 
       m = body%zone%n_points
@@ -51,20 +51,37 @@ contains
          call recover_displacement(field, body, parts(j), at_rest)
          form%field(:, :, j) = field
       end do
+      loads = load_forces(body, parts)
       do j = 1, n
          call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, form%field(:, :, j))
          do i = 1, n
             form%strain(i, j) = sum(form%field(:, :, i)*forces)
-            form%load(i, j) = sum(parts(i)%force*form%field(:, :, j))
-            form%reaction(i, j) = sum(parts(i)%prescribed*(forces - parts(j)%force))
+            form%load(i, j) = sum(loads(:, :, i)*form%field(:, :, j))
+            form%reaction(i, j) = sum(parts(i)%prescribed*(forces - loads(:, :, j)))
          end do
          form%strain_row(:, j) = condensed_force(body, forces)
-         form%load_row(:, j) = condensed_force(body, parts(j)%force)
+         form%load_row(:, j) = condensed_force(body, loads(:, :, j))
          call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, parts(j)%prescribed)
          form%reaction_row(:, j) = condensed_force(body, forces)
          form%prescribed(:, j) = body%zone%rows%displacement(parts(j)%prescribed)
       end do
    end subroutine new_energy_form
+
+   !> The nodal forces of each part; of temperatures those that cause the same strain (2, n_nodes, parts) [F].
+   function load_forces(body, parts) result(loads)
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: parts(:) !! the parts
+      real(dp), allocatable :: loads(:, :, :)
+      real(dp), allocatable :: forces(:, :)
+      integer :: i
+
+      allocate (loads(2, body%mesh%n_nodes, size(parts)))
+      do i = 1, size(parts)
+         call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, &
+            0.0_dp*parts(i)%prescribed, parts(i)%thermal_strain)
+         loads(:, :, i) = parts(i)%force - forces
+      end do
+   end function load_forces
 
    !> The work that nodal forces do on the field E v, as a vector on v (2m) [F].
    function condensed_force(body, forces) result(row)

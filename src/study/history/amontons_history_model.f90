@@ -16,6 +16,7 @@ module amontons_history_model
    use amontons_loads, only: load_t, load_vector
    use amontons_obstacle_motion, only: find_feet, obstacle_motion_t, tangential_motion
    use amontons_text, only: to_text
+   use amontons_thermal_strain, only: sum_thermal_strain
    implicit none (type, external)
    private
 
@@ -121,6 +122,8 @@ contains
       end do
       model%parts(part) = model%fixed
       call load_vector(model%parts(part)%force, body%mesh, body%materials, loads, error)
+      if (.not. allocated(error)) call sum_thermal_strain(model%parts(part)%thermal_strain, body%mesh, &
+         body%materials, loads, error)
       if (.not. allocated(error)) call new_constraints(constraints, model%parts(part)%prescribed, body%mesh, &
          supports, error)
    end subroutine fill_part
@@ -274,9 +277,12 @@ contains
       if (allocated(error)) return
       load_case%force = 0.0_dp
       load_case%prescribed = 0.0_dp
+      if (allocated(load_case%thermal_strain)) load_case%thermal_strain = 0.0_dp
       do i = 1, size(self%parts)
          load_case%force = load_case%force + instant%factor(i)*self%parts(i)%force
          load_case%prescribed = load_case%prescribed + instant%factor(i)*self%parts(i)%prescribed
+         if (allocated(self%parts(i)%thermal_strain)) load_case%thermal_strain = load_case%thermal_strain &
+            + instant%factor(i)*self%parts(i)%thermal_strain
       end do
       load_case%free_gap = instant%gap - matmul(self%energies%prescribed(:body%zone%n_points, :), instant%factor)
       load_case%friction = instant%friction

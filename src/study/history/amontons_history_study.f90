@@ -82,6 +82,7 @@ contains
             ' left, and the same command begins anew'
          return
       end if
+      result%last%is_complete = len(result%walk%fault) == 0
       result%last%study_listing = history_listing(self%config, cache%body, result)
       result%last%study_members = history_members(self%config, result)
       call write_report(options%directory, self%config, cache%body, result%last, error, result%files)

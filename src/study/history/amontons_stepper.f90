@@ -105,9 +105,9 @@ contains
       integer, parameter :: n_newton_steps = 20
       type(contact_solution_t) :: start
       type(load_case_t) :: load_case
-      integer :: n_iterations
+      real(dp), allocatable :: residuals(:)
 
-      n_iterations = 0
+      allocate (residuals(0))
       start = after%solution
       select type (method)
       type is (auto_t)
@@ -115,14 +115,15 @@ contains
             call newton%solve(problem, after%solution, error)
          end associate
          if (allocated(error) .or. after%solution%is_converged) return
-         n_iterations = after%solution%n_iterations
+         residuals = after%solution%history(:after%solution%n_iterations)
       end select
       call model%load_case(body, after%instant, after%anchor, load_case, error)
       if (.not. allocated(error)) call check_balance(body, load_case, error)
       if (allocated(error)) return
       after%solution = start
       call method%solve(problem, after%solution, error)
-      after%solution%n_iterations = after%solution%n_iterations + n_iterations
+      after%solution%history = [residuals, after%solution%history(:after%solution%n_iterations)]
+      after%solution%n_iterations = size(after%solution%history)
    end subroutine solve
 
    !> Adds works and dissipation of a step, and measures how well its energies balance.

@@ -2,6 +2,7 @@
 module amontons_solve_reduced
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_all_solutions, only: all_solutions_t, find_unsymmetric_solutions, most_points
+   use amontons_components, only: solve_components
    use amontons_config, only: config_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
@@ -168,7 +169,7 @@ contains
       do
          method%max_iterations = n_left
          residual = solution%residual
-         call method%solve(problem, solution, error)
+         call solve_components(method, problem, solution, error)
          if (allocated(error)) return
          call check_finite(solution, error)
          if (allocated(error)) return

@@ -24,7 +24,7 @@ module amontons_single_study
    implicit none (type, external)
    private
 
-   public :: single_study_t
+   public :: report_case, single_study_t
 
    !> The study of a single case.
    type, extends(study_t) :: single_study_t
@@ -66,24 +66,37 @@ contains
       type(result_t) :: result
 
       call solve_case(cache, self%config, result, error)
+      call report_case(self%config, cache, options, result, outcome, error)
+      associate (unused => monitor)
+      end associate
+   end subroutine single_study_solve
+
+   !> Writes the files of a case and says what became of it.
+   subroutine report_case(config, cache, options, result, outcome, error)
+      type(config_t), intent(in) :: config !! the case
+      type(cache_t), intent(inout) :: cache !! its body; the contact problem may gain its compliance
+      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
+      type(result_t), intent(inout) :: result !! the result; gains what the options ask for
+      type(outcome_t), intent(inout) :: outcome !! gains status, line, what the solution lacks, and the warnings
+      type(error_t), allocatable, intent(inout) :: error
+         !! on entry that the case could not be solved; on return that, or that its files cannot be written
+
       if (result%has_no_equilibrium) then
-         call report_no_equilibrium(self%config, cache, options%directory, result, outcome, error)
+         call report_no_equilibrium(config, cache, options%directory, result, outcome, error)
          return
       end if
-      if (.not. allocated(error)) call add_extras(self%config, cache, options, result, error)
-      if (.not. allocated(error)) call write_report(options%directory, self%config, cache%body, result, error)
+      if (.not. allocated(error)) call add_extras(config, cache, options, result, error)
+      if (.not. allocated(error)) call write_report(options%directory, config, cache%body, result, error)
       if (allocated(error)) return
-      outcome%text = solved_text(self%config%name, result)
+      outcome%text = solved_text(config%name, result)
       outcome%warnings = result%warnings
       outcome%numbers = [method_numbers(result%solution), result%key_results, resultants(result%solution%force)]
       outcome%has_grids = result%solution%is_converged
       call outcome%judge(result%solution%is_converged, result%solution%residual, result%certificate%largest(), &
-         self%config%method%tolerance)
+         config%method%tolerance)
       if (result%solution%is_converged .and. outcome%status /= 0 .and. result%condition > 0.0_dp) outcome%message = &
          outcome%message//'; the condition number of the stiffness is about '//rounded(result%condition)
-      associate (unused => monitor)
-      end associate
-   end subroutine single_study_solve
+   end subroutine report_case
 
    !> Writes that a case has no equilibrium. This is its answer, not a failure: it has files.
    subroutine report_no_equilibrium(config, cache, directory, result, outcome, error)

@@ -122,7 +122,10 @@ contains
          call task%method%solve(problem, solution, error)
          if (allocated(error)) solution%is_converged = .false.
       end if
-      call new_case_result(kept, body, solution)
+      associate (model => task%model)
+         call new_case_result(kept, body, solution, model%fixed%friction + matmul(model%friction, &
+            task%sweep%values(number)), model%fixed%slip_bound)
+      end associate
       kept%error_estimate = error_estimate(problem, solution, &
          maxval(abs(task%model%case_forces(task%sweep%values(number)))))
       if (.not. is_solved) kept%n_iterations = kept%n_iterations + n_iterations

@@ -2,13 +2,14 @@
 module amontons_sweep_statistics
    use amontons_body, only: body_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_key_results, only: contact_peaks, resultants, set_results
+   use amontons_key_results, only: contact_peaks, find_zones, resultants, set_results
    use amontons_kinds, only: dp, int64
    use amontons_lengths, only: lengths_t, new_lengths
    use amontons_quantity, only: expanded, quantity_t
    use amontons_result_warnings, only: case_warning_names, case_warning_sentences
    use amontons_text, only: to_text
    use amontons_warning_list, only: warning_list_t
+   use amontons_zone_edges, only: interval_t
    implicit none (type, external)
    private
 
@@ -63,17 +64,21 @@ module amontons_sweep_statistics
 contains
 
    !> What is kept of a case: lengths, sums of forces, key results of the contact points.
-   pure function case_quantities(body, solution) result(list)
+   pure function case_quantities(body, solution, friction, slip_bound) result(list)
       type(body_t), intent(in) :: body !! the body
       type(contact_solution_t), intent(in) :: solution !! the solution
+      real(dp), intent(in) :: friction(:) !! Coulomb coefficients of the points (m) [-]
+      real(dp), intent(in) :: slip_bound(:) !! given bounds of their tangential forces (m) [F]
       type(quantity_t), allocatable :: list(:)
+      type(interval_t), allocatable :: closed(:), stuck(:)
       type(lengths_t) :: lengths
 
       call new_lengths(lengths, body%zone, solution%status)
+      call find_zones(closed, stuck, body, solution%force, solution%status, friction, slip_bound)
       associate (m => size(solution%status))
          list = [lengths%quantities(), resultants(solution%force), contact_peaks(body, &
             solution%displacement(m + 1:), solution%force, solution%status, maxval(abs(solution%displacement))), &
-            set_results(body, solution%force, solution%status)]
+            set_results(body, solution%force, closed, stuck)]
       end associate
    end function case_quantities
 
@@ -81,11 +86,9 @@ contains
    pure function case_keys(body) result(keys)
       type(body_t), intent(in) :: body !! the body
       character(32), allocatable :: keys(:)
-      type(contact_solution_t) :: solution
       type(quantity_t), allocatable :: list(:)
 
-      call new_contact_solution(solution, body%zone%n_points)
-      list = expanded(case_quantities(body, solution))
+      list = expanded(quantities_at_rest(body))
       keys = list%key
    end function case_keys
 
@@ -93,22 +96,34 @@ contains
    pure function ranked_keys(body) result(keys)
       type(body_t), intent(in) :: body !! the body
       character(32), allocatable :: keys(:)
-      type(contact_solution_t) :: solution
       type(quantity_t), allocatable :: list(:)
 
-      call new_contact_solution(solution, body%zone%n_points)
-      list = case_quantities(body, solution)
+      list = quantities_at_rest(body)
       keys = list%key
    end function ranked_keys
 
+   !> What is kept of a case that nothing loads.
+   pure function quantities_at_rest(body) result(list)
+      type(body_t), intent(in) :: body !! the body
+      type(quantity_t), allocatable :: list(:)
+      type(contact_solution_t) :: solution
+      real(dp) :: zeros(body%zone%n_points)
+
+      call new_contact_solution(solution, body%zone%n_points)
+      zeros = 0.0_dp
+      list = case_quantities(body, solution, zeros, zeros)
+   end function quantities_at_rest
+
    !> Takes what is kept of a solved case from its solution.
-   pure subroutine new_case_result(result, body, solution)
+   pure subroutine new_case_result(result, body, solution, friction, slip_bound)
       type(case_result_t), intent(out) :: result !! what is kept
       type(body_t), intent(in) :: body !! the body
       type(contact_solution_t), intent(in) :: solution !! the solution
+      real(dp), intent(in) :: friction(:) !! Coulomb coefficients of the points (m) [-]
+      real(dp), intent(in) :: slip_bound(:) !! given bounds of their tangential forces (m) [F]
       type(quantity_t), allocatable :: list(:)
 
-      list = expanded(case_quantities(body, solution))
+      list = expanded(case_quantities(body, solution, friction, slip_bound))
       result%quantity = list%value
       result%residual = solution%residual
       result%n_iterations = solution%n_iterations

@@ -1,0 +1,102 @@
+!> How far the stresses of a finite element solution are from those of the continuum: the error in the norm of the
+!> strain energy, estimated by a recovered stress field in the place of the true one (Zienkiewicz and Zhu, Int. J. Num.
+!> Meth. Eng. 24, 1987).
+module amontons_error_estimate
+   use amontons_coloring, only: worth_threads
+   use amontons_elasticity, only: elastic_strain, element_geometry_t, new_element_geometry, set_thermal_strain
+   use amontons_element, only: element_names, is_triangle, max_nodes, max_points, n_corners, n_fine_points, quad4, &
+      quadrature_point, shape_functions, tri3
+   use amontons_kinds, only: dp
+   use amontons_material, only: materials_t
+   use amontons_mesh, only: mesh_t
+   use amontons_quantity, only: quantity_t
+   use amontons_stress_recovery, only: recovered_stress_t
+   implicit none (type, external)
+   private
+
+   public :: error_estimate_t, new_error_estimate
+
+   !> Most corners that an element has.
+   integer, parameter :: max_corners = 4
+
+   !> The estimate. The norm of a stress field is the root of the integral of stress times strain: that of a solution
+   !> is the root of twice its strain energy.
+   type :: error_estimate_t
+      real(dp), allocatable :: element(:) !! norm of the error of each element (n_elements) [sqrt(F L)]
+      real(dp) :: norm = 0.0_dp !! norm of the error of the body [sqrt(F L)]
+      real(dp) :: relative = 0.0_dp !! its ratio to the norm of the stresses, the error's included [-]
+   contains
+      procedure :: quantities => error_estimate_quantities
+   end type error_estimate_t
+
+contains
+
+   !> Estimates the error of a displacement field.
+   subroutine new_error_estimate(estimate, mesh, materials, displacement, recovered, thermal_strain)
+      type(error_estimate_t), intent(out) :: estimate !! the estimate
+      type(mesh_t), intent(in) :: mesh !! a checked mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      type(recovered_stress_t), intent(in) :: recovered !! the recovered stresses
+      real(dp), intent(in), optional :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
+      type(element_geometry_t) :: geometry
+      real(dp) :: energy(mesh%n_elements), strain(4), stress(4), missing(4)
+      real(dp) :: weights(max_corners, max_points, size(element_names))
+      integer :: i, point
+
+      weights = corner_weights()
+      allocate (estimate%element(mesh%n_elements))
+      !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
+      !$omp firstprivate(geometry) private(point, strain, stress, missing) &
+      !$omp shared(estimate, mesh, materials, displacement, recovered, thermal_strain, energy, weights)
+      do i = 1, mesh%n_elements
+         associate (material => materials%list(materials%of_element(i)), kind => mesh%element_kind(i))
+            call new_element_geometry(geometry, mesh, i, material, n_fine_points(kind))
+            if (present(thermal_strain)) call set_thermal_strain(geometry, &
+               thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
+            energy(i) = 0.0_dp
+            estimate%element(i) = 0.0_dp
+            do point = 1, geometry%n_points
+               strain = elastic_strain(geometry, material, displacement, point)
+               stress = material%stress(strain)
+               missing = recovered%stress(mesh, i, geometry%position(:, point), &
+                  weights(:n_corners(kind), point, kind)) - stress
+               energy(i) = energy(i) + geometry%volume(point)*dot_product(strain, stress)
+               estimate%element(i) = estimate%element(i) + geometry%volume(point)*material%squared_norm(missing)
+            end do
+         end associate
+      end do
+      !$omp end parallel do
+      estimate%norm = sqrt(sum(estimate%element))
+      if (estimate%norm > 0.0_dp) estimate%relative = estimate%norm/sqrt(sum(energy) + sum(estimate%element))
+      estimate%element = sqrt(estimate%element)
+   end subroutine new_error_estimate
+
+   !> The estimate of the whole body under its names.
+   pure function error_estimate_quantities(self) result(list)
+      class(error_estimate_t), intent(in) :: self !! the estimate
+      type(quantity_t) :: list(2)
+
+      list = [quantity_t('error_norm', 'Error of stresses', self%norm), &
+         quantity_t('relative_error', 'Relative error', self%relative)]
+   end function error_estimate_quantities
+
+   !> The linear shape functions of the corners at the quadrature points of every kind of element (corner, point, kind)
+   !> [-].
+   pure function corner_weights() result(weights)
+      real(dp) :: weights(max_corners, max_points, size(element_names))
+      real(dp) :: xi(2), weight, values(max_nodes), derivatives(2, max_nodes)
+      integer :: kind, point
+
+      weights = 0.0_dp
+      do kind = 1, size(element_names)
+         do point = 1, n_fine_points(kind)
+            call quadrature_point(kind, n_fine_points(kind), point, xi, weight)
+            call shape_functions(merge(tri3, quad4, is_triangle(kind)), xi, values, derivatives)
+            weights(:, point, kind) = values(:max_corners)
+         end do
+      end do
+   end function corner_weights
+
+end module amontons_error_estimate

@@ -1,0 +1,230 @@
+!> The polynomial of a patch of elements that fits their stresses where these are most accurate, and the tractions known
+!> at their sides on the boundary.
+module amontons_stress_patch
+   use amontons_dense, only: cholesky_factor, cholesky_solve
+   use amontons_element, only: n_corners
+   use amontons_kinds, only: dp
+   use amontons_known_traction, only: known_traction_t
+   use amontons_mesh, only: mesh_t
+   implicit none (type, external)
+   private
+
+   public :: fit_polynomial, n_kind_terms, patch_t, samples_t, spread_patch
+
+   !> Terms of the largest polynomial: 1, x, y, x^2, x y, y^2, x^2 y, x y^2, x^2 y^2.
+   integer, parameter :: max_terms = 9
+   !> Terms of the polynomial of each kind of element: linear; quadratic, of quadrilaterals in x and in y.
+   integer, parameter :: n_kind_terms(*) = [3, 3, 6, 9, 9]
+
+   !> Weight of a sample of the elements that a patch grew by: far samples determine what near ones leave open, no more.
+   real(dp), parameter :: far_weight = 0.1_dp
+
+   !> The polynomial of a patch, in coordinates in which the nodes of the patch spread alike in all directions: slender
+   !> elements need no other treatment than others.
+   type :: patch_t
+      real(dp) :: center(2) = 0.0_dp !! mean of the nodes [L]
+      real(dp) :: spread(3) = 1.0_dp !! Cholesky factor (xx, yx, yy) of their covariance [L]
+      integer :: n_terms = 1 !! terms of the polynomial
+      real(dp) :: coefficient(4, max_terms) = 0.0_dp !! of the stresses xx, yy, xy, zz (component, term) [F/L^2]
+   contains
+      procedure :: stress => patch_stress
+   end type patch_t
+
+   !> Stresses at the points of the elements where they are most accurate.
+   type :: samples_t
+      integer, allocatable :: start(:) !! where the samples of an element begin (n_elements + 1)
+      real(dp), allocatable :: position(:, :) !! coordinates (2, n_samples) [L]
+      real(dp), allocatable :: stress(:, :) !! stress xx, yy, xy, zz (4, n_samples) [F/L^2]
+   end type samples_t
+
+contains
+
+   !> Sets the coordinates of a patch from the corners of its elements.
+   pure subroutine spread_patch(patch, mesh, elements)
+      type(patch_t), intent(inout) :: patch !! the patch
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: elements(:) !! its elements
+      real(dp) :: covariance(3), distance(2)
+      integer :: i, k, n, pass
+
+      covariance = 0.0_dp
+      patch%center = 0.0_dp
+      do pass = 1, 2
+         n = 0
+         do i = 1, size(elements)
+            do k = mesh%node_start(elements(i)), &
+               mesh%node_start(elements(i)) + n_corners(mesh%element_kind(elements(i))) - 1
+               n = n + 1
+               distance = mesh%coordinates(:, mesh%node(k)) - patch%center
+               if (pass == 1) then
+                  patch%center = patch%center + distance/n
+               else
+                  covariance = covariance + distance([1, 1, 2])*distance([1, 2, 2])
+               end if
+            end do
+         end do
+      end do
+      covariance = covariance/n
+      patch%spread(1) = sqrt(covariance(1))
+      patch%spread(2) = covariance(2)/patch%spread(1)
+      patch%spread(3) = sqrt(covariance(3) - patch%spread(2)**2)
+   end subroutine spread_patch
+
+   !> The terms of a patch's polynomial at a point; 0 behind the last.
+   pure function terms(patch, position)
+      class(patch_t), intent(in) :: patch !! the patch
+      real(dp), intent(in) :: position(2) !! the point [L]
+      real(dp) :: terms(max_terms)
+      real(dp) :: x, y
+
+      x = (position(1) - patch%center(1))/patch%spread(1)
+      y = (position(2) - patch%center(2) - patch%spread(2)*x)/patch%spread(3)
+      terms(:3) = [1.0_dp, x, y]
+      terms(4:) = 0.0_dp
+      if (patch%n_terms > 3) terms(4:) = [x*x, x*y, y*y, x*x*y, x*y*y, x*x*y*y]
+   end function terms
+
+   !> Fits the polynomial of a patch, unless the samples do not determine it.
+   pure subroutine fit_polynomial(patch, samples, elements, n_near, tractions, node, is_determined)
+      type(patch_t), intent(inout) :: patch !! the patch; gains its coefficients
+      type(samples_t), intent(in) :: samples !! the stresses
+      integer, intent(in) :: elements(:) !! the elements of the patch
+      integer, intent(in) :: n_near !! how many of them meet at its node
+      type(known_traction_t), intent(in) :: tractions(:) !! the known tractions at sides that meet at the node
+      integer, intent(in) :: node !! the node
+      logical, intent(out) :: is_determined
+         !! whether there is a sample more than terms and the matrix is well conditioned; always for a constant
+      ! The samples of a regular patch leave pivots of a few hundredths of their number, a row too few of them leaves 0.
+      real(dp), parameter :: least_pivot = 1.0e-4_dp
+      real(dp), dimension(patch%n_terms, patch%n_terms) :: normal, factor
+      real(dp) :: right(patch%n_terms, 4), p(max_terms), weight
+      integer :: i, j, k, n, n_samples, info
+
+      n = patch%n_terms
+      normal = 0.0_dp
+      right = 0.0_dp
+      n_samples = 0
+      weight = 1.0_dp
+      do i = 1, size(elements)
+         if (i > n_near) weight = far_weight
+         do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
+            n_samples = n_samples + 1
+            p = terms(patch, samples%position(:, k))
+            do j = 1, n
+               normal(:, j) = normal(:, j) + weight*p(j)*p(:n)
+            end do
+            do j = 1, 4
+               right(:, j) = right(:, j) + weight*samples%stress(j, k)*p(:n)
+            end do
+         end do
+      end do
+      is_determined = .false.
+      if (n > 1 .and. n_samples <= n) return
+      factor = normal
+      call cholesky_factor(factor, info)
+      if (info == 0) is_determined = minval([(factor(i, i)**2, i=1, n)]) > least_pivot*normal(1, 1)
+      if (.not. is_determined) return
+      if (size(tractions) > 0) call fit_tractions(patch, normal, right, tractions, node)
+      call cholesky_solve(factor, right)
+      if (size(tractions) > 0) right(:, :3) = transpose(patch%coefficient(:3, :n))
+      patch%coefficient(:, :n) = transpose(right)
+   end subroutine fit_polynomial
+
+   !> Fits the stresses xx, yy and xy to the samples and, with a large weight, to known tractions.
+   pure subroutine fit_tractions(patch, normal, right, tractions, node)
+      type(patch_t), intent(inout) :: patch !! the patch; gains their coefficients
+      real(dp), intent(in) :: normal(:, :) !! the normal matrix of the samples
+      real(dp), intent(in) :: right(:, :) !! its right-hand sides (term, component)
+      type(known_traction_t), intent(in) :: tractions(:) !! the known tractions at sides that meet at the node
+      integer, intent(in) :: node !! the node
+      real(dp) :: matrix(3*patch%n_terms, 3*patch%n_terms), joint(3*patch%n_terms, 1)
+      integer :: i, n, info
+
+      n = patch%n_terms
+      matrix = 0.0_dp
+      do i = 0, 2*n, n
+         matrix(i + 1:i + n, i + 1:i + n) = normal
+      end do
+      joint(:, 1) = reshape(right(:, :3), [3*n])
+      call add_tractions(matrix, joint(:, 1), patch, normal(1, 1), tractions, node)
+      call cholesky_factor(matrix, info)
+      call cholesky_solve(matrix, joint)
+      patch%coefficient(:3, :n) = transpose(reshape(joint, [n, 3]))
+   end subroutine fit_tractions
+
+   !> Adds the equations of known tractions to the normal equations of a patch: at the middle of each side, and at the
+   !> node, where two sides that go on smoothly have the mean of their normals.
+   pure subroutine add_tractions(matrix, right, patch, n_samples, tractions, node)
+      real(dp), intent(inout) :: matrix(:, :) !! normal matrix of the stresses xx, yy, xy
+      real(dp), intent(inout) :: right(:) !! its right-hand side
+      type(patch_t), intent(in) :: patch !! the patch
+      real(dp), intent(in) :: n_samples !! number of samples, by weight
+      type(known_traction_t), intent(in) :: tractions(:) !! the known tractions
+      integer, intent(in) :: node !! the node
+      type(known_traction_t) :: smooth
+      integer :: i, place(2)
+
+      do i = 1, size(tractions)
+         call add_traction(matrix, right, patch, n_samples, tractions(i), 2)
+      end do
+      place = 0
+      do i = 1, min(2, size(tractions))
+         place(i) = merge(1, 3, tractions(i)%corner(1) == node)
+      end do
+      if (size(tractions) == 2) then
+         if (tractions(1)%goes_on(tractions(2), place)) then
+            smooth = tractions(1)%mean(tractions(2), place)
+            call add_traction(matrix, right, patch, n_samples, smooth, 2)
+            return
+         end if
+      end if
+      do i = 1, min(2, size(tractions))
+         call add_traction(matrix, right, patch, n_samples, tractions(i), place(i))
+      end do
+   end subroutine add_tractions
+
+   !> Adds the known tractions at a place of a side to the normal equations.
+   pure subroutine add_traction(matrix, right, patch, n_samples, side, place)
+      real(dp), intent(inout) :: matrix(:, :) !! normal matrix of the stresses xx, yy, xy
+      real(dp), intent(inout) :: right(:) !! its right-hand side
+      type(patch_t), intent(in) :: patch !! the patch
+      real(dp), intent(in) :: n_samples !! number of samples, by weight
+      type(known_traction_t), intent(in) :: side !! the side
+      integer, intent(in) :: place !! 1, 2 or 3: first corner, middle, second corner
+      ! Each equation weighs as much as ten times all samples: it holds to a few percent of what they say against it.
+      real(dp), parameter :: weight = 10.0_dp
+      real(dp) :: row(size(right)), direction(2), p(max_terms)
+      integer :: i, n
+
+      n = patch%n_terms
+      p = terms(patch, side%position(:, place))
+      associate (normal => side%normal(:, place))
+         do i = 1, 2
+            if (.not. side%is_known(i)) cycle
+            direction = normal
+            if (i == 2) direction = [-normal(2), normal(1)]
+            row(:n) = direction(1)*normal(1)*p(:n)
+            row(n + 1:2*n) = direction(2)*normal(2)*p(:n)
+            row(2*n + 1:) = (direction(1)*normal(2) + direction(2)*normal(1))*p(:n)
+            matrix = matrix + weight*n_samples*spread(row, 2, 3*n)*spread(row, 1, 3*n)
+            right = right + weight*n_samples*row*dot_product(direction, side%traction(:, place))
+         end do
+      end associate
+   end subroutine add_traction
+
+   !> The stress of a patch's polynomial at a point: xx, yy, xy, zz [F/L^2].
+   pure function patch_stress(self, position) result(stress)
+      class(patch_t), intent(in) :: self !! the patch
+      real(dp), intent(in) :: position(2) !! the point [L]
+      real(dp) :: stress(4)
+      real(dp) :: p(max_terms)
+      integer :: i
+
+      p = terms(self, position)
+      stress = 0.0_dp
+      do i = 1, self%n_terms
+         stress = stress + p(i)*self%coefficient(:, i)
+      end do
+   end function patch_stress
+
+end module amontons_stress_patch

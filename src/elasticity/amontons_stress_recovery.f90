@@ -1,0 +1,245 @@
+!> Superconvergent patch recovery: a stress field one order more accurate than that of the displacements (Zienkiewicz
+!> and Zhu, Int. J. Num. Meth. Eng. 33, 1992).
+!>
+!> The elements of one material around a corner node are its patch. A polynomial of the order of the displacements is
+!> fitted to the stresses at the points of the patch where they are most accurate, and to the tractions that are known
+!> at its sides on the boundary. In an element the recovered stress is the mean of the polynomials of its corners,
+!> weighted by the linear shape functions of the corners (Blacker and Belytschko, Int. J. Num. Meth. Eng. 37, 1994).
+module amontons_stress_recovery
+   use amontons_coloring, only: worth_threads
+   use amontons_elasticity, only: element_geometry_t, element_stress, new_element_geometry, set_thermal_strain
+   use amontons_element, only: n_corners, n_sampling_points
+   use amontons_incidence, only: incidence_t, new_incidence
+   use amontons_integer_list, only: integer_list_t
+   use amontons_kinds, only: dp
+   use amontons_known_traction, only: known_traction_t
+   use amontons_material, only: materials_t
+   use amontons_mesh, only: mesh_t
+   use amontons_stress_patch, only: fit_polynomial, n_kind_terms, patch_t, samples_t, spread_patch
+   implicit none (type, external)
+   private
+
+   public :: new_recovered_stress, recovered_stress_t
+
+   !> The recovered stress field.
+   type :: recovered_stress_t
+      type(patch_t), allocatable :: patch(:) !! the patches
+      integer, allocatable :: of_corner(:) !! patch of each corner of the elements, placed as `node` of the mesh
+   contains
+      procedure :: stress => recovered_stress_stress
+   end type recovered_stress_t
+
+contains
+
+   !> Recovers the stresses of a displacement field.
+   subroutine new_recovered_stress(recovered, mesh, materials, tractions, displacement, thermal_strain)
+      type(recovered_stress_t), intent(out) :: recovered !! the recovered stress field
+      type(mesh_t), intent(in) :: mesh !! a checked mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      type(known_traction_t), intent(in) :: tractions(:) !! what is known of the tractions on the sides of the boundary
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in), optional :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
+      type(incidence_t) :: incidence
+      type(samples_t) :: samples
+      integer, allocatable :: node(:), element(:), side_start(:), side(:)
+      integer :: i
+
+      call new_incidence(incidence, mesh)
+      call new_samples(samples, mesh, materials, displacement, thermal_strain)
+      call number_patches(recovered%of_corner, node, element, mesh, materials, incidence)
+      call sort_sides(side_start, side, mesh, tractions, recovered%of_corner)
+      allocate (recovered%patch(size(node)))
+      !$omp parallel do default(none) schedule(dynamic, 256) if (mesh%n_elements >= worth_threads) &
+      !$omp shared(recovered, mesh, materials, incidence, samples, tractions, node, element, side_start, side)
+      do i = 1, size(node)
+         call fit_patch(recovered%patch(i), mesh, materials, incidence, samples, &
+            tractions(side(side_start(i):side_start(i + 1) - 1)), node(i), element(i))
+      end do
+      !$omp end parallel do
+   end subroutine new_recovered_stress
+
+   !> Evaluates the stresses where those of an element are most accurate.
+   subroutine new_samples(samples, mesh, materials, displacement, thermal_strain)
+      type(samples_t), intent(out) :: samples !! the stresses
+      type(mesh_t), intent(in) :: mesh !! a checked mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in), optional :: thermal_strain(:) !! as in `new_recovered_stress` [-]
+      type(element_geometry_t) :: geometry
+      integer :: i, point
+
+      allocate (samples%start(mesh%n_elements + 1))
+      samples%start(1) = 1
+      do i = 1, mesh%n_elements
+         samples%start(i + 1) = samples%start(i) + n_sampling_points(mesh%element_kind(i))
+      end do
+      allocate (samples%position(2, samples%start(mesh%n_elements + 1) - 1))
+      allocate (samples%stress(4, samples%start(mesh%n_elements + 1) - 1))
+      !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
+      !$omp firstprivate(geometry) private(point) shared(samples, mesh, materials, displacement, thermal_strain)
+      do i = 1, mesh%n_elements
+         associate (material => materials%list(materials%of_element(i)), first => samples%start(i) - 1)
+            call new_element_geometry(geometry, mesh, i, material, n_sampling_points(mesh%element_kind(i)))
+            if (present(thermal_strain)) call set_thermal_strain(geometry, &
+               thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
+            do point = 1, geometry%n_points
+               samples%position(:, first + point) = geometry%position(:, point)
+               samples%stress(:, first + point) = element_stress(geometry, material, displacement, point)
+            end do
+         end associate
+      end do
+      !$omp end parallel do
+   end subroutine new_samples
+
+   !> Numbers the patches: one for each corner node and each material there.
+   subroutine number_patches(of_corner, node, element, mesh, materials, incidence)
+      integer, allocatable, intent(out) :: of_corner(:) !! patch of each corner, placed as `node` of the mesh
+      integer, allocatable, intent(out) :: node(:) !! node of each patch
+      integer, allocatable, intent(out) :: element(:) !! first element of each patch
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      type(incidence_t), intent(in) :: incidence !! the elements at each node
+      integer :: n, i, k, same
+
+      allocate (of_corner(size(mesh%node)), source=0)
+      allocate (node(size(incidence%element)), element(size(incidence%element)))
+      n = 0
+      do i = 1, mesh%n_nodes
+         do k = incidence%start(i), incidence%start(i + 1) - 1
+            do same = incidence%start(i), k
+               if (materials%of_element(incidence%element(same)) &
+                  == materials%of_element(incidence%element(k))) exit
+            end do
+            if (same == k) then
+               n = n + 1
+               node(n) = i
+               element(n) = incidence%element(k)
+               of_corner(incidence%corner(k)) = n
+            else
+               of_corner(incidence%corner(k)) = of_corner(incidence%corner(same))
+            end if
+         end do
+      end do
+      node = node(:n)
+      element = element(:n)
+   end subroutine number_patches
+
+   !> Sorts the sides of known tractions by the patches of the corners that they begin and end at.
+   pure subroutine sort_sides(start, side, mesh, tractions, of_corner)
+      integer, allocatable, intent(out) :: start(:) !! where the sides of a patch begin in `side` (patches + 1)
+      integer, allocatable, intent(out) :: side(:) !! the sides
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(known_traction_t), intent(in) :: tractions(:) !! the sides of known tractions
+      integer, intent(in) :: of_corner(:) !! patch of each corner, placed as `node` of the mesh
+      integer :: patch(2, size(tractions)), i, k, first
+      integer, allocatable :: next(:)
+
+      allocate (start(maxval(of_corner) + 1), source=0)
+      do i = 1, size(tractions)
+         first = mesh%node_start(tractions(i)%element)
+         do k = 1, 2
+            patch(k, i) = of_corner(first - 1 &
+               + findloc(mesh%node(first:mesh%node_start(tractions(i)%element + 1) - 1), tractions(i)%corner(k), dim=1))
+         end do
+         start(patch(:, i) + 1) = start(patch(:, i) + 1) + 1
+      end do
+      start(1) = 1
+      do i = 1, size(start) - 1
+         start(i + 1) = start(i + 1) + start(i)
+      end do
+      next = start
+      allocate (side(2*size(tractions)))
+      do i = 1, size(tractions)
+         side(next(patch(:, i))) = i
+         next(patch(:, i)) = next(patch(:, i)) + 1
+      end do
+   end subroutine sort_sides
+
+   !> Fits the polynomial of a patch. A patch with too few samples for it grows by the elements around it; what no
+   !> growth determines is left out.
+   subroutine fit_patch(patch, mesh, materials, incidence, samples, tractions, node, first)
+      type(patch_t), intent(out) :: patch !! the polynomial
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      type(incidence_t), intent(in) :: incidence !! the elements at each node
+      type(samples_t), intent(in) :: samples !! the stresses to fit
+      type(known_traction_t), intent(in) :: tractions(:) !! the sides of known tractions that meet at the node
+      integer, intent(in) :: node !! the node
+      integer, intent(in) :: first !! the first element of the patch
+      integer, parameter :: most_growths = 2
+      type(integer_list_t) :: elements
+      integer :: growth, n_near
+      logical :: is_determined
+
+      patch%n_terms = n_kind_terms(mesh%element_kind(first))
+      call add_elements_at(elements, node, materials, incidence, materials%of_element(first))
+      n_near = elements%n
+      do growth = 0, most_growths
+         if (growth > 0) call grow_patch(elements, mesh, materials, incidence)
+         call spread_patch(patch, mesh, elements%item(:elements%n))
+         call fit_polynomial(patch, samples, elements%item(:elements%n), n_near, tractions, node, is_determined)
+         if (is_determined) exit
+      end do
+      do while (.not. is_determined)
+         patch%n_terms = merge(1, patch%n_terms - 3, patch%n_terms == 3)
+         call fit_polynomial(patch, samples, elements%item(:elements%n), n_near, tractions, node, is_determined)
+      end do
+   end subroutine fit_patch
+
+   !> Adds the elements of a material at a node that are not in a patch yet.
+   pure subroutine add_elements_at(elements, node, materials, incidence, material)
+      type(integer_list_t), intent(inout) :: elements !! the elements of the patch
+      integer, intent(in) :: node !! the node
+      type(materials_t), intent(in) :: materials !! the materials
+      type(incidence_t), intent(in) :: incidence !! the elements at each node
+      integer, intent(in) :: material !! number of the material
+      integer :: k
+
+      do k = incidence%start(node), incidence%start(node + 1) - 1
+         associate (element => incidence%element(k))
+            if (materials%of_element(element) /= material) cycle
+            if (elements%n > 0) then
+               if (any(elements%item(:elements%n) == element)) cycle
+            end if
+            call elements%append(element)
+         end associate
+      end do
+   end subroutine add_elements_at
+
+   !> Adds the elements around a patch.
+   pure subroutine grow_patch(elements, mesh, materials, incidence)
+      type(integer_list_t), intent(inout) :: elements !! the elements of the patch
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      type(incidence_t), intent(in) :: incidence !! the elements at each node
+      integer :: i, k
+
+      do i = 1, elements%n
+         associate (element => elements%item(i))
+            do k = mesh%node_start(element), mesh%node_start(element) + n_corners(mesh%element_kind(element)) - 1
+               call add_elements_at(elements, mesh%node(k), materials, incidence, materials%of_element(element))
+            end do
+         end associate
+      end do
+   end subroutine grow_patch
+
+   !> The recovered stress at a point of an element: xx, yy, xy, zz [F/L^2].
+   pure function recovered_stress_stress(self, mesh, element, position, weights) result(stress)
+      class(recovered_stress_t), intent(in) :: self !! the recovered stress field
+      type(mesh_t), intent(in) :: mesh !! its mesh
+      integer, intent(in) :: element !! the element
+      real(dp), intent(in) :: position(2) !! the point [L]
+      real(dp), intent(in) :: weights(:) !! linear shape functions of the element's corners there (corners) [-]
+      real(dp) :: stress(4)
+      integer :: i
+
+      stress = 0.0_dp
+      do i = 1, size(weights)
+         associate (patch => self%patch(self%of_corner(mesh%node_start(element) - 1 + i)))
+            stress = stress + weights(i)*patch%stress(position)
+         end associate
+      end do
+   end function recovered_stress_stress
+
+end module amontons_stress_recovery

@@ -1,0 +1,176 @@
+!> Uniform refinement: every element in four, its sides halved where its shape functions put their middles, so that
+!> curved sides keep their curve.
+module amontons_refined_mesh
+   use amontons_element, only: is_triangle, max_nodes, n_corners, n_element_nodes, node_coordinates, quad4, quad8, &
+      quad9, shape_functions, tri3, tri6
+   use amontons_error, only: error_t, input_refused, new_error, system_failure
+   use amontons_kinds, only: dp, int64
+   use amontons_mesh, only: mesh_t
+   use amontons_quadratic_mesh, only: raise_order
+   use amontons_system, only: available_memory_mb
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: refine_mesh
+
+   !> Number of parts of an element.
+   integer, parameter :: n_parts = 4
+   !> The nodes of a six-node triangle that are the corners of its parts (corner, part). Part i has corner i.
+   integer, parameter :: triangle_parts(3, n_parts) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3, 4, 5, 6], [3, n_parts])
+   !> The nodes of a nine-node quadrilateral that are the corners of its parts (corner, part).
+   integer, parameter :: quad_parts(4, n_parts) = reshape([1, 5, 9, 8, 5, 2, 6, 9, 9, 6, 3, 7, 8, 9, 7, 4], &
+      [4, n_parts])
+
+contains
+
+   !> Refines a mesh several times.
+   subroutine refine_mesh(mesh, n_times, error)
+      type(mesh_t), intent(inout) :: mesh !! a checked mesh, refined on return
+      integer, intent(in) :: n_times !! how often every element is cut in four
+      type(error_t), allocatable, intent(out) :: error !! more nodes than numbers or memory allow
+      ! As many as a generated mesh may have.
+      real(dp), parameter :: most_nodes = 2.0_dp**27
+      ! Mesh and assembled stiffness alone.
+      real(dp), parameter :: node_bytes = 500.0_dp
+      real(dp) :: n_nodes, megabytes, available
+      integer :: i
+
+      n_nodes = mesh%n_nodes*real(n_parts, dp)**n_times
+      megabytes = 1.0e-6_dp*node_bytes*n_nodes
+      available = available_memory_mb()
+      if (n_nodes > most_nodes) then
+         call new_error(error, input_refused, 'refined '//to_text(n_times)//' times, the mesh has more nodes than '// &
+            'node numbers allow (about 134 million)')
+      else if (n_times > 0 .and. megabytes > available) then
+         call new_error(error, system_failure, 'memory does not suffice: '//to_text(nint(n_nodes, int64))// &
+            ' nodes need at least '//to_text(nint(megabytes, int64))//' MB, and '// &
+            to_text(nint(available, int64))//' MB are available')
+      end if
+      if (allocated(error)) return
+      do i = 1, n_times
+         call refine_once(mesh)
+      end do
+   end subroutine refine_mesh
+
+   !> Cuts every element in four. The nodes keep their numbers, the new ones come behind them; element e becomes the
+   !> elements 4 e - 3 to 4 e. Boundary sets and regions become those of the parts, sets of nodes stay as they are.
+   pure subroutine refine_once(mesh)
+      type(mesh_t), intent(inout) :: mesh !! a checked mesh, refined on return
+      type(mesh_t) :: parent
+      logical :: is_linear
+
+      parent = mesh
+      is_linear = all(n_element_nodes(mesh%element_kind) == n_corners(mesh%element_kind))
+      ! Then the nodes that become corners of parts are those of a quadratic mesh.
+      if (is_linear) call raise_order(parent, merge(tri6, quad9, is_triangle(mesh%element_kind)))
+      call cut_elements(mesh, parent)
+      if (.not. is_linear) then
+         call raise_order(mesh, [spread(parent%element_kind, 1, n_parts)])
+         call bend_sides(mesh, parent)
+      end if
+      call refine_sets(mesh)
+   end subroutine refine_once
+
+   !> Replaces the elements of a mesh by the linear ones that its quadratic ones are cut into.
+   pure subroutine cut_elements(mesh, parent)
+      type(mesh_t), intent(inout) :: mesh !! the mesh; gains nodes and elements
+      type(mesh_t), intent(in) :: parent !! the same mesh, of quadratic elements
+      real(dp) :: center(2, count(parent%element_kind == quad8)), values(max_nodes), derivatives(2, max_nodes)
+      integer :: node(max_nodes), element, part, n, n_centers, first
+
+      call shape_functions(quad8, [0.0_dp, 0.0_dp], values, derivatives)
+      deallocate (mesh%node, mesh%node_start)
+      allocate (mesh%node(n_parts*sum(n_corners(parent%element_kind))), mesh%node_start(n_parts*parent%n_elements + 1))
+      mesh%node_start(1) = 1
+      n_centers = 0
+      do element = 1, parent%n_elements
+         associate (kind => parent%element_kind(element), nodes => parent%node(parent%node_start(element): &
+            parent%node_start(element + 1) - 1))
+            node(:size(nodes)) = nodes
+            if (kind == quad8) then
+               n_centers = n_centers + 1
+               node(max_nodes) = parent%n_nodes + n_centers
+               center(:, n_centers) = matmul(parent%coordinates(:, nodes), values(:size(nodes)))
+            end if
+            n = n_corners(kind)
+            do part = 1, n_parts
+               associate (start => mesh%node_start(n_parts*(element - 1) + part:n_parts*(element - 1) + part + 1))
+                  first = start(1)
+                  mesh%node(first:first + n - 1) = node(part_corners(kind, part))
+                  start(2) = first + n
+               end associate
+            end do
+         end associate
+      end do
+      mesh%element_kind = [spread(merge(tri3, quad4, is_triangle(parent%element_kind)), 1, n_parts)]
+      mesh%n_elements = n_parts*parent%n_elements
+      mesh%n_nodes = parent%n_nodes + n_centers
+      mesh%coordinates = reshape([parent%coordinates, center], [2, mesh%n_nodes])
+   end subroutine cut_elements
+
+   !> The nodes of a quadratic element, as the nine-node one numbers them, that are the corners of a part of it.
+   pure function part_corners(kind, part) result(corners)
+      integer, intent(in) :: kind !! kind of element
+      integer, intent(in) :: part !! the part, 1 to 4
+      integer :: corners(n_corners(kind))
+
+      if (is_triangle(kind)) then
+         corners = triangle_parts(:, part)
+      else
+         corners = quad_parts(:, part)
+      end if
+   end function part_corners
+
+   !> Puts the nodes of the parts where the shape functions of their parents have them.
+   pure subroutine bend_sides(mesh, parent)
+      type(mesh_t), intent(inout) :: mesh !! the refined mesh, its sides straight
+      type(mesh_t), intent(in) :: parent !! the mesh before
+      real(dp) :: corners(2, 4), xi(2), values(max_nodes), derivatives(2, max_nodes)
+      integer :: element, part, i, first, shape
+
+      do element = 1, parent%n_elements
+         associate (kind => parent%element_kind(element), nodes => parent%node(parent%node_start(element): &
+            parent%node_start(element + 1) - 1))
+            shape = merge(tri3, quad4, is_triangle(kind))
+            do part = 1, n_parts
+               associate (places => part_corners(kind, part))
+                  do i = 1, size(places)
+                     corners(:, i) = node_coordinates(merge(tri6, quad9, is_triangle(kind)), places(i))
+                  end do
+               end associate
+               first = mesh%node_start(n_parts*(element - 1) + part) - 1
+               do i = n_corners(kind) + 1, n_element_nodes(kind)
+                  call shape_functions(shape, node_coordinates(kind, i), values, derivatives)
+                  xi = matmul(corners(:, :n_corners(kind)), values(:n_corners(kind)))
+                  call shape_functions(kind, xi, values, derivatives)
+                  mesh%coordinates(:, mesh%node(first + i)) = &
+                     matmul(parent%coordinates(:, nodes), values(:size(nodes)))
+               end do
+            end do
+         end associate
+      end do
+   end subroutine bend_sides
+
+   !> Replaces the sides of the boundary sets and the elements of the regions by their parts: side i of an element is
+   !> that of its parts i and i + 1.
+   pure subroutine refine_sets(mesh)
+      type(mesh_t), intent(inout) :: mesh !! the refined mesh, its sets those of the mesh before
+      integer :: i, k, part
+
+      do i = 1, size(mesh%sets)
+         associate (set => mesh%sets(i))
+            set%element = [(n_parts*(set%element(k) - 1) + set%side(k), n_parts*(set%element(k) - 1) &
+               + mod(set%side(k), n_corners(mesh%element_kind(n_parts*set%element(k)))) + 1, k=1, size(set%element))]
+            set%side = [(set%side(k), set%side(k), k=1, size(set%side))]
+         end associate
+      end do
+      if (.not. allocated(mesh%regions)) return
+      do i = 1, size(mesh%regions)
+         associate (region => mesh%regions(i))
+            region%element = [((n_parts*(region%element(k) - 1) + part, part=1, n_parts), k=1, size(region%element))]
+         end associate
+      end do
+   end subroutine refine_sets
+
+end module amontons_refined_mesh

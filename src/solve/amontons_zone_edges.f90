@@ -1,0 +1,174 @@
+!> Where zones of the contact line end between its points: the ends of what is closed and of what sticks.
+!>
+!> The sum T of the forces from a place s of a zone to its end a is proportional to (a - s)^(3/2) where the stress falls
+!> to zero like a square root, as the pressure of Hertz and, at the end of a stick zone, what the shear lacks to its
+!> bound; to (a - s)^(1/2) where it grows without bound, as at the corner of a punch. So T^(2/3), or T^2, is linear in
+!> s, and two sums give a. Sums are taken at the ends of the tributary lengths of nodes.
+module amontons_zone_edges
+   use amontons_contact_zone, only: contact_zone_t
+   use amontons_kinds, only: dp
+   implicit none (type, external)
+   private
+
+   public :: find_edges, interval_t
+
+   !> A part of the contact line that belongs to a zone.
+   type :: interval_t
+      integer :: set = 0 !! number of its contact set
+      real(dp) :: length = 0.0_dp !! its length along the contact line [L]
+      real(dp) :: ends(2, 2) = 0.0_dp !! its ends, in the order of the points (x and y, first and last) [L]
+   end type interval_t
+
+   !> Points of a contact set that follow each other.
+   type :: chain_t
+      integer, allocatable :: point(:) !! the points (n)
+      real(dp), allocatable :: arc(:) !! where they are along the line, from the first one on (n) [L]
+      real(dp), allocatable :: bound(:) !! where their tributary lengths end (0:n) [L]
+   end type chain_t
+
+contains
+
+   !> Finds the parts of the contact line that belong to a zone.
+   pure subroutine find_edges(intervals, zone, is_inside, force, n_summed)
+      type(interval_t), allocatable, intent(out) :: intervals(:) !! the parts
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      logical, intent(in) :: is_inside(:) !! which points belong to the zone (m)
+      real(dp), intent(in) :: force(:) !! the forces that vanish outside of it (m) [F]
+      integer, intent(in) :: n_summed !! number of points of each of the two sums
+      type(chain_t) :: chain
+      logical :: is_done(zone%n_points)
+      integer :: first, last, n, p, n_intervals
+
+      allocate (intervals(count(is_inside)))
+      n_intervals = 0
+      is_done = .false.
+      do
+         call next_chain(chain, zone, is_done)
+         n = size(chain%point)
+         if (n == 0) exit
+         last = 0
+         do p = 1, n
+            if (p <= last .or. .not. is_inside(chain%point(p))) cycle
+            first = p
+            last = first
+            do while (last < n)
+               if (.not. is_inside(chain%point(last + 1))) exit
+               last = last + 1
+            end do
+            n_intervals = n_intervals + 1
+            call set_interval(intervals(n_intervals), zone, chain, first, last, force(chain%point), &
+               n_summed)
+         end do
+      end do
+      intervals = intervals(:n_intervals)
+   end subroutine find_edges
+
+   !> Takes the next points that follow each other: from one without a predecessor on, of a closed line from any.
+   pure subroutine next_chain(chain, zone, is_done)
+      type(chain_t), intent(out) :: chain !! the points; none are left where it is empty
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      logical, intent(inout) :: is_done(:) !! which points were taken (m)
+      logical :: has_predecessor(zone%n_points)
+      integer :: order(zone%n_points), i, n, p
+
+      has_predecessor = .false.
+      do p = 1, zone%n_points
+         if (zone%next(p) > 0 .and. .not. is_done(p)) has_predecessor(zone%next(p)) = .true.
+      end do
+      p = findloc(.not. (is_done .or. has_predecessor), .true., dim=1)
+      if (p == 0) p = findloc(is_done, .false., dim=1)
+      n = 0
+      do while (p > 0)
+         if (is_done(p)) exit
+         is_done(p) = .true.
+         n = n + 1
+         order(n) = p
+         p = zone%next(p)
+      end do
+      chain%point = order(:n)
+      allocate (chain%arc(n), chain%bound(0:n))
+      if (n == 0) return
+      chain%arc(1) = 0.0_dp
+      do i = 2, n
+         chain%arc(i) = chain%arc(i - 1) + norm2(zone%position(:, order(i)) - zone%position(:, order(i - 1)))
+      end do
+      ! The tributary length of an end point of the line lies on one side of it.
+      chain%bound(0) = -0.5_dp*zone%weight(order(1))
+      if (n > 1) then
+         if (zone%weight(order(1)) < 0.75_dp*chain%arc(2)) chain%bound(0) = 0.0_dp
+      end if
+      do i = 1, n
+         chain%bound(i) = chain%bound(i - 1) + zone%weight(order(i))
+      end do
+   end subroutine next_chain
+
+   !> Finds the ends of consecutive points inside of a zone.
+   pure subroutine set_interval(interval, zone, chain, first, last, force, n_summed)
+      type(interval_t), intent(out) :: interval !! the part of the line
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(chain_t), intent(in) :: chain !! the points that follow each other
+      integer, intent(in) :: first !! the first point inside
+      integer, intent(in) :: last !! the last point inside
+      real(dp), intent(in) :: force(:) !! forces of all points of the chain (n) [F]
+      integer, intent(in) :: n_summed !! number of points of each sum
+      real(dp) :: begin, end
+      integer :: n
+
+      n = size(chain%point)
+      begin = chain%bound(first - 1)
+      if (first > 1) begin = -edge(-chain%bound(last:first - 1:-1), force(last:first:-1), &
+         -chain%arc(first - 1), n_summed)
+      end = chain%bound(last)
+      if (last < n) end = edge(chain%bound(first - 1:last), force(first:last), chain%arc(last + 1), &
+         n_summed)
+      interval%set = zone%set(chain%point(first))
+      interval%length = max(0.0_dp, end - begin)
+      interval%ends(:, 1) = place_at(zone, chain, begin)
+      interval%ends(:, 2) = place_at(zone, chain, end)
+   end subroutine set_interval
+
+   !> Where a zone ends whose last points lie before a point outside of it.
+   pure real(dp) function edge(bound, force, outside, n_summed)
+      real(dp), intent(in) :: bound(0:) !! where the tributary lengths of its points end (0:n) [L]
+      real(dp), intent(in) :: force(:) !! their forces (n) [F]
+      real(dp), intent(in) :: outside !! where the first point outside lies [L]
+      integer, intent(in) :: n_summed !! number of points of each sum
+      real(dp), parameter :: falling = 2.0_dp/3.0_dp, growing = 2.0_dp
+      real(dp) :: outer, inner, power
+      integer :: k, n
+
+      n = size(force)
+      edge = bound(n)
+      ! Both sums together take at most half of the points: the zone may end on the other side as well.
+      k = min(n_summed, n/4)
+      if (k == 0) return
+      outer = sum(force(n - k + 1:))
+      inner = sum(force(n - 2*k + 1:n - k))
+      if (.not. min(outer, inner) > 0.0_dp) return
+      power = falling
+      if (outer*(bound(n - k) - bound(n - 2*k)) > inner*(bound(n) - bound(n - k))) power = growing
+      ! Over the larger sum, neither power overflows.
+      associate (ratio => (outer/(outer + inner))**power)
+         edge = bound(n - k) + (bound(n - k) - bound(n - 2*k))*ratio/(1.0_dp - ratio)
+      end associate
+      edge = max(bound(n - 1), min(outside, edge))
+   end function edge
+
+   !> The place at a length along a chain, which may lie beyond its ends.
+   pure function place_at(zone, chain, arc) result(place)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(chain_t), intent(in) :: chain !! the points that follow each other
+      real(dp), intent(in) :: arc !! the length [L]
+      real(dp) :: place(2)
+      integer :: i, n
+
+      n = size(chain%point)
+      place = zone%position(:, chain%point(1))
+      if (n == 1) return
+      i = max(1, min(n - 1, count(chain%arc <= arc)))
+      associate (from => zone%position(:, chain%point(i)), to => zone%position(:, chain%point(i + 1)))
+         place = from + (arc - chain%arc(i))/(chain%arc(i + 1) - chain%arc(i))*(to - from)
+      end associate
+   end function place_at
+
+end module amontons_zone_edges

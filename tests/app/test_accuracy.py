@@ -1,0 +1,89 @@
+#!/usr/bin/env python3
+"""The accuracy of results: estimated errors, refined meshes, error bars."""
+import csv
+import json
+import unittest
+
+from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block
+
+GROUPS = SUPPORT, PRESSURE, CONTACT
+COARSE = "size = 4.0, 2.0  cells = 4, 2"
+
+
+class Accuracy(ProgramTest):
+    """Decks with &accuracy, and decks that differ in their meshes."""
+
+    def solve(self, name, *groups, **parts):
+        """Writes and solves a deck; returns its summary."""
+        self.write(name + ".nml", block(*groups, **parts))
+        self.run_program("--output", "results", name + ".nml")
+        return json.loads((self.directory / "results" / f"{name}.summary.json").read_text())
+
+    def table(self, name):
+        """The rows of a case's table of convergence by their quantity."""
+        with open(self.directory / "results" / f"{name}.convergence.csv", encoding="utf-8", newline="") as file:
+            return {row["quantity"]: row for row in csv.DictReader(file)}
+
+    def test_estimate_falls_with_the_mesh(self):
+        found = [self.solve(f"block_{level}", *GROUPS, mesh=f"{COARSE}  refine = {level}")["accuracy"]
+                 for level in range(4)]
+        for coarse, fine in zip(found, found[1:]):
+            # First order where the solution is smooth, half of it beside the corner that the support ends at.
+            self.assertLess(fine["error_norm"], 0.8*coarse["error_norm"])
+            self.assertLess(fine["relative_error"], 0.8*coarse["relative_error"])
+
+    def test_estimate_can_be_left_out(self):
+        self.assertNotIn("accuracy", self.solve("block", *GROUPS, "accuracy estimate = 'none'"))
+        self.assertNotIn('"error_norm"', (self.directory / "results" / "block.vtu").read_text())
+
+    def test_refined_mesh_is_that_of_more_cells(self):
+        one = self.solve("refined", *GROUPS, mesh=f"{COARSE}  refine = 2")
+        other = self.solve("cut", *GROUPS, mesh="size = 4.0, 2.0  cells = 16, 8")
+        for key, value in other["key_results"].items():
+            # The nodes have other numbers, so that sums are rounded in another order.
+            self.assertAlmostEqual(one["key_results"][key], value, delta=1e-7*max(1.0, abs(value)), msg=key)
+
+    def test_refinements_compare_the_meshes(self):
+        levels = [self.solve(f"block_{level}", *GROUPS, mesh=f"{COARSE}  refine = {level}") for level in range(3)]
+        summary = self.solve("study", *GROUPS, "accuracy refinements = 2", mesh=COARSE)
+        self.assertEqual(summary["key_results"], levels[2]["key_results"])
+        table = self.table("study")
+        for key, row in table.items():
+            values = [{**level["lengths"], **level["key_results"]}[key] for level in levels]
+            self.assertEqual([float(row[f"mesh_{i}"]) for i in (1, 2, 3)], values, key)
+            judged = summary["convergence"][key]
+            self.assertEqual(judged["values"], values)
+            self.assertEqual(judged["verdict"], row["verdict"])
+            self.assertEqual(judged["error_bar"], float(row["error_bar"]))
+            if row["verdict"] == "converging":
+                change = values[2] - values[1]
+                order = float(row["order"])
+                self.assertAlmostEqual(2.0**order, (values[1] - values[0])/change, delta=1e-6*2.0**order)
+                self.assertAlmostEqual(float(row["extrapolated"]), values[2] + change/(2.0**order - 1.0),
+                                       delta=1e-9*max(map(abs, values)))
+                self.assertAlmostEqual(judged["error_bar"], 1.25*abs(change)/(2.0**min(order, 2.0) - 1.0),
+                                       delta=1e-9*max(map(abs, values)))
+        self.assertIn("max_displacement", table)
+        self.assertIn("Refined meshes (3, each of half the element size)",
+                      (self.directory / "results" / "study.lst").read_text())
+        self.run_program("--verify", "results")
+
+    def test_truth_lies_within_the_bars(self):
+        # Against a mesh four times finer than the finest of the study.
+        self.solve("study", *GROUPS, "accuracy refinements = 3", mesh=COARSE)
+        fine = self.solve("fine", *GROUPS, mesh=f"{COARSE}  refine = 5")
+        fine = {**fine["lengths"], **fine["key_results"]}
+        for key, row in self.table("study").items():
+            if row["verdict"] == "slow":
+                continue
+            self.assertLessEqual(abs(float(row["mesh_4"]) - fine[key]), 1.05*float(row["error_bar"]), key)
+
+    def test_no_equilibrium_on_any_mesh(self):
+        self.write("free.nml", block("load set = 'top'  pressure = -1.0", CONTACT, "accuracy refinements = 2"))
+        self.run_program("--output", "results", "free.nml", status=2)
+        summary = json.loads((self.directory / "results" / "free.summary.json").read_text())
+        self.assertNotIn("convergence", summary)
+
+
+if __name__ == "__main__":
+    unittest.main()
