@@ -98,7 +98,8 @@ class Input(ReducedTest):
         run = self.run_program("--output", "results", "--reduced", "dense.dat", "blocks.dat")
         self.assertRegex(run.stdout, r"^dense: solved, \d+ iterations, residual .*; 2 contacts\nblocks: solved")
         self.assertEqual(sorted(self.contents("results")),
-                         sorted(["batch.csv", *(f"{name}.{suffix}" for name in ("dense", "blocks") for suffix in SUFFIXES)]))
+                         sorted(["batch.csv", *(f"{name}.{suffix}" for name in ("dense", "blocks")
+                                                for suffix in SUFFIXES)]))
         listing = (self.directory / "results/dense.lst").read_text(encoding="utf-8")
         self.assertIn("Siconos text, dense", listing)
         self.assertNotIn("transpose", listing)
