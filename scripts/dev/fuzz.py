@@ -44,7 +44,7 @@ UNFINISHED = (".tmp", ".part", ".checkpoint")
 # What gfortran makes of the bounds of an array that is not allocated yet when it is assigned: looked at, never used.
 # The contact methods have no other integers of 8 bytes that could overflow.
 # A warning follows the line of its file.
-WARNING = re.compile(rb"m\d+: warning: ")
+WARNING = re.compile(rb"m\d+: warning: |\d+ decks: ")
 UNUSED_BOUNDS = re.compile(rb"[^\n]*(/src/contact/[^\n]*: signed integer overflow: [^\n]*'integer\(kind=8\)'"
                            rb"|runtime error: signed integer overflow: -9223372036854775808 - 1 cannot[^\n]*)\n")
 NO_NUMBER = re.compile(rb"(?<![\w'.])[-+]?(nan|inf|infinity)(?![\w'.-])", re.IGNORECASE)
@@ -202,7 +202,7 @@ class Fuzzer:
 
     def is_worth(self, k, output, data):
         """Whether a case that is in order is small enough to be solved."""
-        line = re.search(rb"^m%d: in order; .*" % k, output, re.MULTILINE)
+        line = re.search(rb"^m%d: deck OK; .*" % k, output, re.MULTILINE)
         return (line is not None and not PATIENT.search(data)
                 and all(int(match[1]) <= LARGEST[match[2]] for match in SIZES.finditer(line[0])))
 

@@ -44,6 +44,7 @@ contains
          '  NAME.points.csv    the contact points of the steps it asks for', &
          'and several decks leave', &
          '  cases.pvd          all their cases, for ParaView', &
+         '  batch.csv          a row for each deck: outcome, message, key numbers', &
          'Decks whose mesh, material, supports and contact sets agree share one', &
          'factorization when they follow each other.', &
          '', &
@@ -69,6 +70,8 @@ contains
          '                   --set "support(2).set=left"; may be repeated', &
          '  --check          check the decks and print their sizes; solve and write nothing', &
          '  --quiet          print nothing but errors; -q too', &
+         '  --skip-unchanged skip decks whose results are there already, from the same deck,', &
+         '                   files and version; adds its rows to batch.csv', &
          '  --threads N      threads to use (default: OMP_NUM_THREADS, or all cores); -t too', &
          '  --reduced        the files are reduced problems u = W r + q (Siconos text), not', &
          '                   decks', &

@@ -1,10 +1,12 @@
 !> One run of the program: every deck of the command line, one after the other.
 module amontons_run_decks
+   use amontons_batch_table, only: tally_text, update_batch_table
    use amontons_collection, only: collection_t, new_collection
    use amontons_command_line, only: command_line_t
    use amontons_config, only: config_t, read_set_config
    use amontons_error, only: error_t
-   use amontons_messages, only: print_error, print_outcome
+   use amontons_kinds, only: dp
+   use amontons_messages, only: print_error, print_info, print_outcome
    use amontons_new_study, only: new_study
    use amontons_outcome, only: outcome_t, status_interrupted
    use amontons_output_file, only: commit_files, output_file_t
@@ -13,7 +15,9 @@ module amontons_run_decks
    use amontons_solve_case, only: cache_t
    use amontons_status_line, only: close_status_line, open_status_line
    use amontons_study, only: check_study, solve_study, study_options_t, study_t
+   use amontons_system, only: wall_seconds
    use amontons_text, only: newline, to_text
+   use amontons_unchanged, only: is_unchanged
    implicit none (type, external)
    private
 
@@ -29,20 +33,44 @@ contains
       type(reservation_t) :: reservations(size(command_line%decks))
       type(outcome_t) :: outcomes(size(command_line%decks))
       type(error_t), allocatable :: error
-      integer :: i
+      real(dp) :: start
+      integer :: i, n_done
+      logical :: is_heard
 
       status = 0
+      is_heard = .true.
       do i = 1, size(outcomes)
+         start = wall_seconds()
          call run_deck(command_line, command_line%decks(i)%text, cache, reservations(:i), outcomes(i))
+         outcomes(i)%seconds = wall_seconds() - start
+         n_done = i
          status = max(status, outcomes(i)%status)
          call print_outcome(command_line, outcomes(i), error)
+         is_heard = is_heard .and. .not. allocated(error)
          call note_error(error, status)
          if (outcomes(i)%status == status_interrupted) exit
       end do
-      if (size(outcomes) == 1) return
-      call collect_grids(command_line%output, outcomes, error)
+      call finish_batch(command_line, outcomes(:n_done), status)
+      if (size(outcomes) == 1 .or. .not. is_heard) return
+      call print_info(command_line, tally_text(outcomes(:n_done), size(outcomes)), error)
       call note_error(error, status)
    end subroutine run_decks
+
+   !> What several decks leave besides: a row for each in batch.csv, and cases.pvd.
+   subroutine finish_batch(command_line, outcomes, status)
+      type(command_line_t), intent(in) :: command_line !! decks and options
+      type(outcome_t), intent(in) :: outcomes(:) !! what became of the decks that were tried
+      integer, intent(inout) :: status !! exit status of the program
+      type(error_t), allocatable :: error
+
+      if (.not. command_line%is_check .and. (size(command_line%decks) > 1 .or. command_line%skips_unchanged)) then
+         call update_batch_table(command_line%output, outcomes, error)
+         call note_error(error, status)
+      end if
+      if (size(command_line%decks) == 1) return
+      call collect_grids(command_line%output, outcomes, error)
+      call note_error(error, status)
+   end subroutine finish_batch
 
    !> Prints an error, if there is one, and raises the exit status to its kind.
    subroutine note_error(error, status)
@@ -95,6 +123,15 @@ contains
       options%directory = command_line%output
       options%writes_reduced = command_line%writes_reduced
       options%wants_all_solutions = command_line%wants_all_solutions
+      if (command_line%skips_unchanged .and. .not. command_line%is_check) then
+         if (is_unchanged(study%config, command_line%output)) then
+            call outcome%begin(deck, study%config%name)
+            outcome%word = 'unchanged'
+            outcome%text = study%config%name//': unchanged, not solved again'
+            outcome%has_grids = study%has_grids()
+            return
+         end if
+      end if
       if (.not. command_line%is_quiet) call open_status_line(study%config%name)
       if (command_line%is_check) then
          call check_study(study, cache, options, outcome)

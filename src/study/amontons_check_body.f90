@@ -31,7 +31,7 @@ contains
          result%timings, estimate, error)
       if (allocated(error)) return
       outcome%warnings = result%warnings
-      outcome%text = config%name//': in order; '//size_text(cache%body)//cases//'; '//estimate_text(estimate)
+      outcome%text = config%name//': deck OK; '//size_text(cache%body)//cases//'; '//estimate_text(estimate)
    end subroutine check_body
 
    !> The size of a body.

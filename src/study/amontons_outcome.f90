@@ -1,14 +1,16 @@
 !> The outcome of a deck: what became of it, whatever kind of study it asks for.
 module amontons_outcome
+   use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_listing_text, only: scientific
+   use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, status_not_converged
    use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 
-   public :: judge, outcome_t
+   public :: judge, method_numbers, outcome_t
 
    !> Exit status of a study that was interrupted; the same command goes on with it.
    integer, parameter, public :: status_interrupted = 5
@@ -21,6 +23,8 @@ module amontons_outcome
       character(:), allocatable :: word !! what became of it in a word, as batch.csv has it
       character(:), allocatable :: text !! the line on its result; empty without a result
       character(:), allocatable :: message !! what went wrong, beginning with the name of the deck; empty if nothing did
+      type(quantity_t), allocatable :: numbers(:) !! numbers of the result; not allocated without a result
+      real(dp) :: seconds = 0.0_dp !! time that the deck took [s]
       type(warning_list_t) :: warnings !! what is doubtful about model and result
       logical :: has_grids = .false. !! whether a single converged case left the grids NAME.vtu and NAME.contact.vtu
    contains
@@ -66,6 +70,15 @@ contains
       call judge(is_converged, residual, violation, tolerance, self%status, self%message)
       if (self%status /= 0) self%word = merge('not_certified', 'not_converged', is_converged)
    end subroutine outcome_judge
+
+   !> Iterations and residual of a solution.
+   pure function method_numbers(solution) result(numbers)
+      type(contact_solution_t), intent(in) :: solution !! the solution
+      type(quantity_t) :: numbers(2)
+
+      numbers = [quantity_t('iterations', '', real(solution%n_iterations, dp)), &
+         quantity_t('residual', '', solution%residual)]
+   end function method_numbers
 
    !> Judges a solution: exit status, and what it lacks.
    pure subroutine judge(is_converged, residual, violation, tolerance, status, fault)

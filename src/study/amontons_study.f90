@@ -65,6 +65,7 @@ contains
 
       call outcome%begin(study%config%file, study%config%name)
       call study%refuse_options(options, error)
+      outcome%word = 'checked'
       if (.not. allocated(error)) call study%check(cache, outcome, error)
       call conclude(outcome, error)
    end subroutine check_study

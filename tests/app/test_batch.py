@@ -1,4 +1,5 @@
 """Folders of decks solved by scripts/batch_parallel.sh and scripts/batch_slurm.sh."""
+import csv
 import os
 import shutil
 import unittest
@@ -30,7 +31,7 @@ class Batch(ProgramTest):
     @unittest.skipIf(shutil.which("parallel") is None, "GNU parallel is not installed")
     def test_every_deck_is_solved_and_logged(self):
         self.run_script("batch_parallel", "my decks", "out dir")
-        self.assertEqual(self.results(), sorted(results_of("one") + results_of("it's two")))
+        self.assertEqual(self.results(), sorted(["batch.csv"] + results_of("one") + results_of("it's two")))
         log = self.directory / "out dir" / "batch"
         self.assertIn("one: solved", (log / "one.nml.log").read_text(encoding="utf-8"))
         self.assertEqual((log / "it's two.nml.status").read_text(encoding="utf-8"), "0\n")
@@ -39,7 +40,7 @@ class Batch(ProgramTest):
     def test_the_largest_status_counts_and_options_reach_the_program(self):
         self.write("my decks/wrong.nml", "&mesh /\n")
         self.run_script("batch_parallel", "my decks", "out dir", "--quiet", status=1)
-        self.assertEqual(len(self.results()), 2*len(SUFFIXES))
+        self.assertEqual(len(self.results()), 2*len(SUFFIXES) + 1)
         log = (self.directory / "out dir" / "batch" / "one.nml.log").read_text(encoding="utf-8")
         self.assertEqual(log, "", "--quiet was handed on")
 
@@ -51,6 +52,20 @@ class Batch(ProgramTest):
         self.run_script("batch_parallel", "my decks", "out dir")
         self.assertEqual(os.stat(self.directory / "out dir" / "one.lst").st_mtime_ns, before)
         self.assertIn("another.lst", self.results())
+
+    @unittest.skipIf(shutil.which("parallel") is None, "GNU parallel is not installed")
+    def test_failures_and_tally_are_printed(self):
+        self.write("my decks/wrong.nml", "&mesh /\n")
+        run = self.run_script("batch_parallel", "my decks", "out dir", status=1)
+        self.assertEqual(run.stderr, "my decks/wrong.nml:1: &mesh needs size and cells\n")
+        self.assertEqual(run.stdout, "3 decks: 2 solved, 1 refused\n")
+        self.write("my decks/wrong.nml", SOUND)
+        run = self.run_script("batch_parallel", "my decks", "out dir")
+        self.assertEqual(run.stdout, "3 decks: 1 solved, 2 unchanged\n")
+        with open(self.directory / "out dir" / "batch.csv", newline="", encoding="utf-8") as table:
+            rows = {row["deck"]: row for row in csv.DictReader(table)}
+        self.assertEqual({name: row["outcome"] for name, row in rows.items()},
+                         {f"my decks/{name}.nml": "solved" for name in ("it's two", "one", "wrong")})
 
     def hostile_folder(self):
         """A folder whose name, and whose deck's name, a careless script would run or take for options."""
@@ -65,7 +80,7 @@ class Batch(ProgramTest):
         folder, deck = self.hostile_folder()
         self.run_script("batch_parallel", folder, folder + "out", "--quiet")
         self.assertEqual(sorted(path.name for path in (self.directory / (folder + "out")).iterdir() if path.is_file()),
-                         sorted(results_of(deck)))
+                         sorted(["batch.csv"] + results_of(deck)))
         self.assertFalse([name for name in self.files() if Path(name).name == "pwned"])
 
     def test_names_are_never_run_by_slurm(self):

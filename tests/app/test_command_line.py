@@ -121,7 +121,7 @@ class Options(ProgramTest):
 
     def test_check_solves_and_writes_nothing(self):
         run = self.run_program("--check", "--output", "results", "case.nml")
-        self.assertRegex(run.stdout, r"^case: in order; 45 nodes, 32 elements, 85 unknowns, 9 contact points; "
+        self.assertRegex(run.stdout, r"^case: deck OK; 45 nodes, 32 elements, 85 unknowns, 9 contact points; "
                                      r"dense contact matrix of 18 rows, band factor of \d+ entries, "
                                      r"about \d+ MB of memory\n$")
         self.assertEqual(self.files(), ["case.nml"])
@@ -141,7 +141,7 @@ class Options(ProgramTest):
         run = self.run_program("--check", "tpo.nml", "case.nml", status=1)
         self.assertEqual(run.stderr, "tpo.nml:6: the mesh has no set 'tpo'; its sets are: left, right, bottom, top; "
                          "did you mean 'top'?\n")
-        self.assertIn("case: in order; ", run.stdout)
+        self.assertIn("case: deck OK; ", run.stdout)
 
     def test_threads_change_no_digit(self):
         self.run_program("--quiet", "case.nml")
@@ -255,7 +255,7 @@ class Names(ProgramTest):
         self.assertEqual(sorted(self.contents(directory)), results_of(name))
         self.assertEqual(self.result(name, directory).summary["case"], name)
         run = self.run_program("--check", f"{directory}/{name}.deck.nml")
-        self.assertTrue(run.stdout.startswith(f"{name}: in order; "), run.stdout)
+        self.assertTrue(run.stdout.startswith(f"{name}: deck OK; "), run.stdout)
 
     def test_deck_names(self):
         for name in ("two words", "it's", 'a "quoted" deck', "$HOME; `ls` & | *", "back\\slash", "r\u00f6we", ".hidden",
@@ -354,7 +354,7 @@ class Forms(ProgramTest):
     def test_large_deck_from_a_slow_pipe(self):
         self.write("case.nml", SOUND)
         script = '{ cat case.nml; sleep 0.1; yes "! a comment" | head -n 100000; } | "$0" --check -'
-        self.assertRegex(self.run_command(["sh", "-c", script, PROGRAM]).stdout, "^stdin: in order; ")
+        self.assertRegex(self.run_command(["sh", "-c", script, PROGRAM]).stdout, "^stdin: deck OK; ")
 
     def test_effective_deck_gives_the_same_results(self):
         text = block(SUPPORT, PRESSURE, CONTACT, "load body_force = 0.1, -0.2", "solver method = 'splitting'",

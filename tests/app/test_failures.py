@@ -213,7 +213,7 @@ class StandardOutput(ProgramTest):
         run = self.run_shell('"$0" case.nml other.nml > /dev/full', 3)
         reason = ": standard output: cannot write: No space left on device\n"
         self.assertEqual(run.stderr, f"case.nml{reason}other.nml{reason}")
-        self.assertEqual(self.files(), sorted(["case.nml", "other.nml", "cases.pvd", *results_of("case"),
+        self.assertEqual(self.files(), sorted(["batch.csv", "case.nml", "other.nml", "cases.pvd", *results_of("case"),
                                                *results_of("other")]))
         for option in ("--help", "--version"):
             self.assertEqual(self.run_shell(f'"$0" {option} > /dev/full', 3).stderr, reason[2:])
@@ -287,11 +287,12 @@ class SeveralDecks(ProgramTest):
     def test_every_deck_is_tried(self):
         decks = ["refused.nml", "sound.nml", "lifted.nml", "slow.nml", "none.nml", "other.nml"]
         run = self.run_program("--output", "results", *decks, status=4)
-        self.assertEqual([line.split(":")[0] for line in run.stdout.splitlines()], ["sound", "slow", "other"])
+        self.assertEqual([line.split(":")[0] for line in run.stdout.splitlines()], ["sound", "slow", "other",
+                                                                                     "6 decks"])
         self.assertEqual([line.split(":")[0] for line in run.stderr.splitlines()],
                          ["refused.nml", "lifted.nml", "slow.nml", "none.nml"])
         self.assertEqual(sorted(self.contents("results")),
-                         sorted(["cases.pvd", "lifted.deck.nml", "lifted.lst", "lifted.summary.json"]
+                         sorted(["batch.csv", "cases.pvd", "lifted.deck.nml", "lifted.lst", "lifted.summary.json"]
                                 + results_of("sound") + results_of("slow") + results_of("other")))
 
     def test_deck_behind_a_failed_one_is_solved_as_alone(self):
@@ -307,7 +308,8 @@ class SeveralDecks(ProgramTest):
             run = self.run_program(*check, "sound.nml", "twin.nml", "other.nml", status=1)
             self.assertEqual(run.stderr, "twin.nml: an earlier deck of this run has the case name 'sound' too; "
                              "give each its own &case name\n")
-            self.assertEqual(run.stdout.count("\n"), 2)
+            self.assertEqual(run.stdout.count("\n"), 3)
+            self.assertTrue(run.stdout.endswith(f"3 decks: 2 {'OK' if check else 'solved'}, 1 refused\n"), run.stdout)
         self.assertAlmostEqual(self.result("sound").summary["resultants"]["normal_force"], 4.0)
 
     def test_cases_that_would_share_a_grid_are_refused(self):
@@ -319,7 +321,7 @@ class SeveralDecks(ProgramTest):
                 self.assertEqual(run.stderr, f"{second}.nml: an earlier deck of this run, with the case name "
                                  f"'{first}', leaves a file 'sound.contact.vtu' as the case '{second}' does; "
                                  "give this one another &case name\n")
-                self.assertEqual([line.split(":")[0] for line in run.stdout.splitlines()], [first, "other"])
+                self.assertEqual([line.split(":")[0] for line in run.stdout.splitlines()], [first, "other", "3 decks"])
             self.run_program("--verify", "results")
             shutil.rmtree(self.directory/"results")
 

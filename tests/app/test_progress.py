@@ -121,7 +121,7 @@ class Progress(ProgramTest):
         terminal.wait_for("case: write, 1 s")
         unlock()
         result, rest = terminal.end(0)
-        self.assertRegex(result, r"^case: solved, \d+ iterations, .* stick [\d.E-]+$")
+        self.assertRegex(result, r"^case: solved, \d+ iterations, .*; 9 of 9 points closed, .*$")
         self.assertEqual(rest, "")
         # And does not come back behind it.
         self.assertTrue(terminal.shown.endswith(b"\r\n"), terminal.shown)
@@ -145,7 +145,8 @@ class Progress(ProgramTest):
         terminal.wait_for("first: write, 1 s")
         terminal.wait_for("second: write, 1 s")
         unlock()
-        self.assertEqual([line.partition(",")[0] for line in terminal.end(0)], ["first: solved", "second: solved", ""])
+        self.assertEqual([line.partition(",")[0] for line in terminal.end(0)], ["first: solved", "second: solved",
+                                                                                     "2 decks: 2 solved", ""])
 
     def test_nothing_is_shown_of_short_work(self):
         # With the second support, the body is held without contact.

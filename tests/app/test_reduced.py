@@ -98,7 +98,8 @@ class Input(ReducedTest):
         run = self.run_program("--output", "results", "--reduced", "dense.dat", "blocks.dat")
         self.assertRegex(run.stdout, r"^dense: solved, \d+ iterations, residual .*; 2 contacts\nblocks: solved")
         self.assertEqual(sorted(self.contents("results")),
-                         sorted(f"{name}.{suffix}" for name in ("dense", "blocks") for suffix in SUFFIXES))
+                         sorted(["batch.csv", *(f"{name}.{suffix}" for name in ("dense", "blocks")
+                                                for suffix in SUFFIXES)]))
         listing = (self.directory / "results/dense.lst").read_text(encoding="utf-8")
         self.assertIn("Siconos text, dense", listing)
         self.assertNotIn("transpose", listing)
@@ -172,7 +173,7 @@ class Input(ReducedTest):
     def test_check_writes_nothing(self):
         before = self.files()
         run = self.run_program("--check", "--write-reduced", "--reduced", "columns.dat")
-        self.assertEqual(run.stdout, "columns: in order; Siconos text, CSparse columns, 2 contacts, 12 entries of W\n")
+        self.assertEqual(run.stdout, "columns: deck OK; Siconos text, CSparse columns, 2 contacts, 12 entries of W\n")
         self.assertEqual(self.files(), before)
 
     def test_reduced_expects_a_file(self):

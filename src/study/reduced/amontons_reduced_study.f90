@@ -2,7 +2,7 @@
 module amontons_reduced_study
    use amontons_error, only: error_t
    use amontons_listing_text, only: scientific
-   use amontons_outcome, only: outcome_t
+   use amontons_outcome, only: method_numbers, outcome_t
    use amontons_reduced_file, only: write_reduced_file
    use amontons_reduced_report, only: write_reduced_report
    use amontons_solve_case, only: cache_t
@@ -36,7 +36,7 @@ contains
       call prepare_reduced(self%config, result, error)
       if (allocated(error)) return
       outcome%warnings = result%warnings
-      outcome%text = self%config%name//': in order; '//result%system%form//', '//to_text(result%system%n_contacts)// &
+      outcome%text = self%config%name//': deck OK; '//result%system%form//', '//to_text(result%system%n_contacts)// &
          ' contacts, '//to_text(size(result%system%entry))//' entries of W'
       associate (unused => cache)
       end associate
@@ -58,6 +58,7 @@ contains
       if (allocated(error)) return
       outcome%text = solved_text(self%config%name, result)
       outcome%warnings = result%warnings
+      outcome%numbers = method_numbers(result%solution)
       call outcome%judge(result%solution%is_converged, result%solution%residual, result%check%largest(), &
          self%config%method%tolerance)
       associate (unused => cache, unused_too => monitor)

@@ -6,10 +6,11 @@ module amontons_single_study
    use amontons_conditioning, only: rounded
    use amontons_config, only: config_t
    use amontons_error, only: error_t
+   use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing_parts, only: closed_text
    use amontons_listing_text, only: scientific, short
-   use amontons_outcome, only: outcome_t
+   use amontons_outcome, only: method_numbers, outcome_t
    use amontons_quantity, only: value_of
    use amontons_reduced_file, only: write_reduced_file
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
@@ -89,6 +90,7 @@ contains
       if (allocated(error)) return
       outcome%text = solved_text(config%name, result)
       outcome%warnings = result%warnings
+      outcome%numbers = [method_numbers(result%solution), result%key_results, resultants(result%solution%force)]
       outcome%has_grids = result%solution%is_converged
       call outcome%judge(result%solution%is_converged, result%solution%residual, result%certificate%largest(), &
          config%method%tolerance)

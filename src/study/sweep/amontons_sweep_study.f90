@@ -6,6 +6,7 @@ module amontons_sweep_study
    use amontons_kinds, only: dp
    use amontons_listing_text, only: scientific
    use amontons_outcome, only: outcome_t, status_interrupted
+   use amontons_quantity, only: quantity_t
    use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t
    use amontons_solve_sweep, only: solve_sweep, sweep_result_t
@@ -79,6 +80,8 @@ contains
       if (allocated(error)) return
       outcome%text = swept_text(self%config%name, result)
       outcome%warnings = result%certified%warnings
+      outcome%numbers = [quantity_t('iterations', '', real(result%statistics%n_iterations, dp)), &
+         quantity_t('residual', '', max(0.0_dp, result%statistics%residual))]
       call judge_sweep(result, self%config%method%tolerance, outcome)
    end subroutine sweep_study_solve
 
