@@ -182,7 +182,8 @@ class Interruption(SweepTest):
             done = self.n_done()
             self.assertEqual(message, f"sweep.nml: interrupted after {done} of 4000000 cases; the same command goes on "
                                       "from there\n")
-            self.assertEqual(sorted(self.contents()), ["batch.csv", "sweep.nml", "sweep.sweep.checkpoint", "sweep.sweep.part"])
+            self.assertEqual(sorted(self.contents()), ["batch.csv", "sweep.nml", "sweep.sweep.checkpoint",
+                                                       "sweep.sweep.part"])
 
     def test_changed_deck_begins_anew(self):
         self.write("sweep.nml", map_of_states(20000))
