@@ -45,6 +45,8 @@ UNFINISHED = (".tmp", ".part", ".checkpoint")
 # The contact methods have no other integers of 8 bytes that could overflow.
 # A warning follows the line of its file.
 WARNING = re.compile(rb"m\d+: warning: |\d+ decks: ")
+# What a run of several decks ends with.
+TALLY = re.compile(rb"\d+ decks: ")
 UNUSED_BOUNDS = re.compile(rb"[^\n]*(/src/contact/[^\n]*: signed integer overflow: [^\n]*'integer\(kind=8\)'"
                            rb"|runtime error: signed integer overflow: -9223372036854775808 - 1 cannot[^\n]*)\n")
 NO_NUMBER = re.compile(rb"(?<![\w'.])[-+]?(nan|inf|infinity)(?![\w'.-])", re.IGNORECASE)
@@ -114,7 +116,7 @@ def write_case(folder, kind, number, data):
 
 def numbers_told(text):
     """The numbers of the cases that lines of output begin with; None if a line begins with none."""
-    matches = [re.match(rb"m(\d+)[.:]", line) for line in text.splitlines()]
+    matches = [re.match(rb"m(\d+)[.:]", line) for line in text.splitlines() if not TALLY.match(line)]
     return {int(match[1]) for match in matches} if all(matches) else None
 
 
@@ -220,9 +222,12 @@ class Fuzzer:
         if not is_status_explained(status, output, errors):
             return f"solving, ends with the unexplained status {status}"
         self.n_solved += len(solved)
+        # That there is no equilibrium is an answer with files.
+        free = [line for line in errors.splitlines() if b": no equilibrium: " in line]
+        answered = solved | numbers_told(b"\n".join(free))
         for path in sorted((folder / "out").iterdir()) if solved else []:
             case = re.match(r"m(\d+)\.", path.name)
-            if case and int(case[1]) not in solved:
+            if case and int(case[1]) not in answered:
                 return "solving, leaves files of a case that it refused"
             if reason := bad_file(path, status):
                 return f"solving, {reason}"

@@ -3,6 +3,7 @@
 module amontons_unchanged
    use amontons_checksum, only: checksum_t, file_checksum
    use amontons_config, only: config_t
+   use amontons_deck_visitor, only: is_filled
    use amontons_error, only: error_t
    use amontons_manifest, only: manifest_list_t, manifest_t, read_summary
    use amontons_text, only: newline
@@ -53,27 +54,27 @@ contains
       call check(config%mesh_file)
       do i = 1, size(config%contacts)
          associate (contact => config%contacts(i))
-            if (allocated(contact%friction%file)) call check(contact%friction%file)
-            if (allocated(contact%slip_bound%file)) call check(contact%slip_bound%file)
-            if (allocated(contact%obstacle%file)) call check(contact%obstacle%file)
+            call check(contact%friction%file)
+            call check(contact%slip_bound%file)
+            call check(contact%obstacle%file)
          end associate
       end do
       do i = 1, size(config%loads)
-         if (allocated(config%loads(i)%temperature_file)) call check(config%loads(i)%temperature_file)
+         call check(config%loads(i)%temperature_file)
       end do
       if (.not. allocated(config%history%steps)) return
       do i = 1, size(config%history%steps)
-         if (allocated(config%history%steps(i)%file)) call check(config%history%steps(i)%file)
+         call check(config%history%steps(i)%file)
       end do
 
    contains
 
       !> Looks for one of them, if there is one.
       subroutine check(path)
-         character(*), intent(in) :: path !! its name; empty for none
+         character(:), allocatable, intent(in) :: path !! its name; empty or not allocated for none
          integer :: k
 
-         if (len(path) == 0 .or. .not. has_unchanged_inputs) return
+         if (.not. (is_filled(path) .and. has_unchanged_inputs)) return
          do k = 1, inputs%n
             if (inputs%files(k)%name /= path) cycle
             has_unchanged_inputs = is_as_listed(inputs, k, '')
