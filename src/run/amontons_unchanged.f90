@@ -3,7 +3,6 @@
 module amontons_unchanged
    use amontons_checksum, only: checksum_t, file_checksum
    use amontons_config, only: config_t
-   use amontons_deck_visitor, only: is_filled
    use amontons_error, only: error_t
    use amontons_manifest, only: manifest_list_t, manifest_t, read_summary
    use amontons_text, only: newline
@@ -74,7 +73,8 @@ contains
          character(:), allocatable, intent(in) :: path !! its name; empty or not allocated for none
          integer :: k
 
-         if (.not. (is_filled(path) .and. has_unchanged_inputs)) return
+         if (.not. allocated(path)) return
+         if (len(path) == 0 .or. .not. has_unchanged_inputs) return
          do k = 1, inputs%n
             if (inputs%files(k)%name /= path) cycle
             has_unchanged_inputs = is_as_listed(inputs, k, '')
