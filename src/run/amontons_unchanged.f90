@@ -47,43 +47,42 @@ contains
 
       has_unchanged_inputs = .true.
       if (config%reduced%is_given) then
-         call check(config%reduced%path)
+         call check(has_unchanged_inputs, inputs, config%reduced%path)
          return
       end if
-      call check(config%mesh_file)
+      call check(has_unchanged_inputs, inputs, config%mesh_file)
       do i = 1, size(config%contacts)
          associate (contact => config%contacts(i))
-            call check(contact%friction%file)
-            call check(contact%slip_bound%file)
-            call check(contact%obstacle%file)
+            call check(has_unchanged_inputs, inputs, contact%friction%file)
+            call check(has_unchanged_inputs, inputs, contact%slip_bound%file)
+            call check(has_unchanged_inputs, inputs, contact%obstacle%file)
          end associate
       end do
       do i = 1, size(config%loads)
-         call check(config%loads(i)%temperature_file)
+         call check(has_unchanged_inputs, inputs, config%loads(i)%temperature_file)
       end do
       if (.not. allocated(config%history%steps)) return
       do i = 1, size(config%history%steps)
-         call check(config%history%steps(i)%file)
+         call check(has_unchanged_inputs, inputs, config%history%steps(i)%file)
       end do
-
-   contains
-
-      !> Looks for one of them, if there is one.
-      subroutine check(path)
-         character(:), allocatable, intent(in) :: path !! its name; empty or not allocated for none
-         integer :: k
-
-         if (.not. allocated(path)) return
-         if (len(path) == 0 .or. .not. has_unchanged_inputs) return
-         do k = 1, inputs%n
-            if (inputs%files(k)%name /= path) cycle
-            has_unchanged_inputs = is_as_listed(inputs, k, '')
-            return
-         end do
-         has_unchanged_inputs = .false.
-      end subroutine check
-
    end function has_unchanged_inputs
+
+   !> Looks for a file, if there is one, among those that are listed.
+   subroutine check(is_unchanged, inputs, path)
+      logical, intent(inout) :: is_unchanged !! becomes false if the file is not listed or has changed
+      type(manifest_list_t), intent(in) :: inputs !! the files that were read
+      character(:), allocatable, intent(in) :: path !! its name; empty or not allocated for none
+      integer :: i
+
+      if (.not. (allocated(path) .and. is_unchanged)) return
+      if (len(path) == 0) return
+      do i = 1, inputs%n
+         if (inputs%files(i)%name /= path) cycle
+         is_unchanged = is_as_listed(inputs, i, '')
+         return
+      end do
+      is_unchanged = .false.
+   end subroutine check
 
    !> Whether a file is the one that is listed.
    logical function is_as_listed(list, i, folder)
