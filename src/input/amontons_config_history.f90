@@ -25,8 +25,10 @@ module amontons_config_history
       key_t(moved_things(stepped_obstacle), 'with `shift_x`, `shift_y` and `turn`: the `name` or `set` of the'// &
       ' `&contact`'), &
       key_t(moved_things(stepped_friction), 'with `friction_factor`: the `name` or `set` of the `&contact`')]
+   !> Number of keys of numbers.
+   integer, parameter :: n_value_keys = 5
    !> Keys of its numbers; those of a motion may be left out one by one.
-   type(key_t), parameter :: value_keys(5) = [ &
+   type(key_t), parameter :: value_keys(n_value_keys) = [ &
       key_t('factor', 'what the loads of that name, or the displacements of the supports, are multiplied by: one'// &
       ' value for each of the `times`', also='value values'), &
       key_t('shift_x', 'how far the obstacle has moved along x at each of the `times`', 'L', default='`0.0`'), &
@@ -184,18 +186,35 @@ contains
       call visitor%only('pivot', steps%target == stepped_obstacle, 'obstacle')
       n_given = count(has_values)
       call visitor%require((n_given > 0) .neqv. visitor%has('table'), '', '&steps needs either values or table')
-      if (allocated(steps%table)) then
-         call visitor%require(all(steps%table(1, 2:) > steps%table(1, :size(steps%table, 2) - 1)), 'table', &
-            'table must have times that ascend from row to row')
-         call visitor%require(steps%target /= stepped_friction .or. all(steps%table(2:, :) >= 0.0_dp), 'table', &
-            'table must not have a negative friction_factor')
-      end if
-      do i = first_shift, last_shift
-         if (.not. has_values(i) .or. .not. allocated(steps%values)) cycle
-         call visitor%require(visitor%deck%count_values(visitor%place, trim(value_keys(i)%name), huge(1)) == &
-            size(steps%values, 2), trim(value_keys(i)%name), 'shift_x, shift_y and turn need equally many values')
-      end do
+      if (allocated(steps%table)) call judge_table(visitor, steps%target, steps%table)
+      if (allocated(steps%values)) call judge_motion(visitor, size(steps%values, 2), has_values)
    end subroutine judge_steps
+
+   !> Judges the table of a `&steps`.
+   subroutine judge_table(visitor, target, table)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      integer, intent(in) :: target !! what changes
+      real(dp), intent(in) :: table(:, :) !! a time and its numbers in each column
+
+      call visitor%require(all(table(1, 2:) > table(1, :size(table, 2) - 1)), 'table', &
+         'table must have times that ascend from row to row')
+      call visitor%require(target /= stepped_friction .or. all(table(2:, :) >= 0.0_dp), 'table', &
+         'table must not have a negative friction_factor')
+   end subroutine judge_table
+
+   !> Judges whether the lists of a motion are equally long.
+   subroutine judge_motion(visitor, n_values, has_values)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      integer, intent(in) :: n_values !! how many values are kept of each list
+      logical, intent(in) :: has_values(:) !! which of `value_keys` are given
+      integer :: i
+
+      do i = first_shift, last_shift
+         if (.not. has_values(i)) cycle
+         call visitor%require(visitor%deck%count_values(visitor%place, trim(value_keys(i)%name), huge(1)) == &
+            n_values, trim(value_keys(i)%name), 'shift_x, shift_y and turn need equally many values')
+      end do
+   end subroutine judge_motion
 
    !> What takes a number, for messages.
    pure function owners(number) result(text)
@@ -248,31 +267,63 @@ contains
       type(support_t), intent(in) :: supports(:) !! the supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       character(:), allocatable :: thing
-      integer :: i, k
-      logical :: is_found
+      integer :: k
 
       associate (last => steps(size(steps)))
-         is_found = .false.
-         select case (last%target)
-         case (stepped_load)
-            if (.not. visitor%deck%knows('load', 'name')) return
-            is_found = any([(loads(i)%name == last%name, i=1, size(loads))])
-         case (stepped_support)
-            if (.not. visitor%deck%knows('support', 'name')) return
-            is_found = any([(supports(i)%name == last%name .and. any(supports(i)%is_held), i=1, size(supports))])
-         case default
-            if (.not. (visitor%deck%knows('contact', 'set') .and. visitor%deck%knows('contact', 'name'))) return
-            is_found = any([(last%acts_on(contacts(i)), i=1, size(contacts))])
-         end select
+         if (.not. knows_names(visitor, last%target)) return
          thing = trim(moved_things(last%target))
-         call visitor%require(is_found, thing, missing(last%target)//" '"//last%name//"'")
+         call visitor%require(has_target(last, loads, supports, contacts), thing, &
+            missing(last%target)//" '"//last%name//"'")
          do k = 1, size(steps) - 1
-            call visitor%require(.not. (steps(k)%target == last%target .and. (steps(k)%name == last%name .or. &
-               any([(last%acts_on(contacts(i)) .and. steps(k)%acts_on(contacts(i)), i=1, size(contacts))]))), &
-               thing, thing//" '"//last%name//"' has &steps already")
+            call visitor%require(.not. change_the_same(steps(k), last, contacts), thing, &
+               thing//" '"//last%name//"' has &steps already")
          end do
       end associate
    end subroutine check_name
+
+   !> Whether the names that a change may have are known, there being no fault in them.
+   logical function knows_names(visitor, target)
+      class(deck_visitor_t), intent(in) :: visitor !! the visitor
+      integer, intent(in) :: target !! what changes
+
+      select case (target)
+      case (stepped_load)
+         knows_names = visitor%deck%knows('load', 'name')
+      case (stepped_support)
+         knows_names = visitor%deck%knows('support', 'name')
+      case default
+         knows_names = visitor%deck%knows('contact', 'set') .and. visitor%deck%knows('contact', 'name')
+      end select
+   end function knows_names
+
+   !> Whether there is what a change names.
+   pure logical function has_target(change, loads, supports, contacts)
+      type(steps_t), intent(in) :: change !! the change
+      type(load_t), intent(in) :: loads(:) !! the loads
+      type(support_t), intent(in) :: supports(:) !! the supports
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      integer :: i
+
+      select case (change%target)
+      case (stepped_load)
+         has_target = any([(loads(i)%name == change%name, i=1, size(loads))])
+      case (stepped_support)
+         has_target = any([(supports(i)%name == change%name .and. any(supports(i)%is_held), i=1, size(supports))])
+      case default
+         has_target = any([(change%acts_on(contacts(i)), i=1, size(contacts))])
+      end select
+   end function has_target
+
+   !> Whether two changes are of the same thing.
+   pure logical function change_the_same(first, second, contacts)
+      type(steps_t), intent(in) :: first !! a change
+      type(steps_t), intent(in) :: second !! another change
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      integer :: i
+
+      change_the_same = first%target == second%target .and. (first%name == second%name .or. &
+         any([(second%acts_on(contacts(i)) .and. first%acts_on(contacts(i)), i=1, size(contacts))]))
+   end function change_the_same
 
    !> How a message says that there is nothing of a name.
    pure function missing(target) result(text)

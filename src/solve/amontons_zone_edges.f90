@@ -68,16 +68,10 @@ contains
       type(chain_t), intent(out) :: chain !! the points; none are left where it is empty
       type(contact_zone_t), intent(in) :: zone !! the contact points
       logical, intent(inout) :: is_done(:) !! which points were taken (m)
-      logical :: has_predecessor(zone%n_points)
-      integer :: order(zone%n_points), i, n, p
+      integer :: order(zone%n_points), n, p
 
-      has_predecessor = .false.
-      do p = 1, zone%n_points
-         if (zone%next(p) > 0 .and. .not. is_done(p)) has_predecessor(zone%next(p)) = .true.
-      end do
-      p = findloc(.not. (is_done .or. has_predecessor), .true., dim=1)
-      if (p == 0) p = findloc(is_done, .false., dim=1)
       n = 0
+      p = first_point(zone, is_done)
       do while (p > 0)
          if (is_done(p)) exit
          is_done(p) = .true.
@@ -86,21 +80,48 @@ contains
          p = zone%next(p)
       end do
       chain%point = order(:n)
+      call set_lengths(chain, zone)
+   end subroutine next_chain
+
+   !> The point that the next chain begins with: one without a predecessor, else any that is left; 0 if none is.
+   pure integer function first_point(zone, is_done) result(point)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      logical, intent(in) :: is_done(:) !! which points were taken (m)
+      logical :: has_predecessor(zone%n_points)
+      integer :: p
+
+      has_predecessor = .false.
+      do p = 1, zone%n_points
+         if (zone%next(p) > 0 .and. .not. is_done(p)) has_predecessor(zone%next(p)) = .true.
+      end do
+      point = findloc(.not. (is_done .or. has_predecessor), .true., dim=1)
+      if (point == 0) point = findloc(is_done, .false., dim=1)
+   end function first_point
+
+   !> Finds where the points of a chain are along the line, and where their tributary lengths end.
+   pure subroutine set_lengths(chain, zone)
+      type(chain_t), intent(inout) :: chain !! has its points; gains the lengths
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer :: i, n
+
+      n = size(chain%point)
       allocate (chain%arc(n), chain%bound(0:n))
       if (n == 0) return
-      chain%arc(1) = 0.0_dp
-      do i = 2, n
-         chain%arc(i) = chain%arc(i - 1) + norm2(zone%position(:, order(i)) - zone%position(:, order(i - 1)))
-      end do
-      ! The tributary length of an end point of the line lies on one side of it.
-      chain%bound(0) = -0.5_dp*zone%weight(order(1))
-      if (n > 1) then
-         if (zone%weight(order(1)) < 0.75_dp*chain%arc(2)) chain%bound(0) = 0.0_dp
-      end if
-      do i = 1, n
-         chain%bound(i) = chain%bound(i - 1) + zone%weight(order(i))
-      end do
-   end subroutine next_chain
+      associate (order => chain%point)
+         chain%arc(1) = 0.0_dp
+         do i = 2, n
+            chain%arc(i) = chain%arc(i - 1) + norm2(zone%position(:, order(i)) - zone%position(:, order(i - 1)))
+         end do
+         ! The tributary length of an end point of the line lies on one side of it.
+         chain%bound(0) = -0.5_dp*zone%weight(order(1))
+         if (n > 1) then
+            if (zone%weight(order(1)) < 0.75_dp*chain%arc(2)) chain%bound(0) = 0.0_dp
+         end if
+         do i = 1, n
+            chain%bound(i) = chain%bound(i - 1) + zone%weight(order(i))
+         end do
+      end associate
+   end subroutine set_lengths
 
    !> Finds the ends of consecutive points inside of a zone.
    pure subroutine set_interval(interval, zone, chain, first, last, force, n_summed)

@@ -104,13 +104,32 @@ contains
       real(dp), intent(in) :: scales(:) !! what the first, second ... word is measured by besides itself
       real(dp), intent(in) :: least_difference !! how far numbers may differ, over themselves [-]
       logical, intent(out) :: is_lost !! whether the lines have other words
-      real(dp) :: a, b
-      integer :: i, j, last_i, last_j
-      logical :: is_a, is_b, is_same
+      integer :: i, j
 
       fault = ''
       is_lost = .false.
       if (stated == computed .and. len(stated) == len(computed)) return
+      call compare_words(fault, stated, computed, header, scales, least_difference, i, j)
+      is_lost = i <= len(stated) .or. j <= len(computed)
+      if (is_lost) fault = member_contradiction(stated, computed)
+      if (fault == '?') fault = "'"//trim(adjustl(stated))//"', but '"// &
+         trim(adjustl(computed))//"'"
+      if (len(fault) > 0) fault = fault//' follows from the other files'
+   end subroutine compare_line
+
+   !> Compares the words of two lines, up to the end of one of them or to where they do not belong to each other.
+   pure subroutine compare_words(fault, stated, computed, header, scales, least_difference, i, j)
+      character(:), allocatable, intent(inout) :: fault !! gains what does not agree
+      character(*), intent(in) :: stated !! the line as it was written
+      character(*), intent(in) :: computed !! what should stand there
+      character(*), intent(in) :: header !! of a table, the names of its columns; empty otherwise
+      real(dp), intent(in) :: scales(:) !! what the first, second ... word is measured by besides itself
+      real(dp), intent(in) :: least_difference !! how far numbers may differ, over themselves [-]
+      integer, intent(out) :: i !! where the first line was left; behind its end if nothing remains
+      integer, intent(out) :: j !! where the second line was left; behind its end if nothing remains
+      integer :: last_i, last_j
+      logical :: is_same
+
       i = 1
       j = 1
       do
@@ -120,12 +139,8 @@ contains
          last_i = i + max(0, scan(stated(i:)//' ', separators) - 2)
          last_j = j + max(0, scan(computed(j:)//' ', separators) - 2)
          if (stated(i:last_i) /= computed(j:last_j)) then
-            call read_real(stated(i:last_i), a, is_a)
-            call read_real(computed(j:last_j), b, is_b)
-            is_same = .false.
             associate (scale => scales(max(1, min(size(scales), n_numbers(computed(:last_j))))))
-               if (is_a .and. is_b) is_same = agree(a, b, max(abs(a), abs(b), scale)) .or. &
-                  abs(a - b) <= least_difference*max(abs(a), abs(b))
+               is_same = are_close(stated(i:last_i), computed(j:last_j), scale, least_difference)
             end associate
             ! The rest of the line belongs together only if what differs is a word.
             if (.not. is_same .and. scan(stated(i:i)//computed(j:j), separators//'"') > 0) exit
@@ -135,12 +150,23 @@ contains
          i = last_i + 1
          j = last_j + 1
       end do
-      is_lost = i <= len(stated) .or. j <= len(computed)
-      if (is_lost) fault = member_contradiction(stated, computed)
-      if (fault == '?') fault = "'"//trim(adjustl(stated))//"', but '"// &
-         trim(adjustl(computed))//"'"
-      if (len(fault) > 0) fault = fault//' follows from the other files'
-   end subroutine compare_line
+   end subroutine compare_words
+
+   !> Whether two words are numbers that agree up to rounding.
+   pure logical function are_close(stated, computed, scale, least_difference)
+      character(*), intent(in) :: stated !! the word as it was written
+      character(*), intent(in) :: computed !! what should stand there
+      real(dp), intent(in) :: scale !! what the numbers are measured by besides themselves
+      real(dp), intent(in) :: least_difference !! how far they may differ, over themselves [-]
+      real(dp) :: a, b
+      logical :: is_a, is_b
+
+      call read_real(stated, a, is_a)
+      call read_real(computed, b, is_b)
+      are_close = .false.
+      if (is_a .and. is_b) are_close = agree(a, b, max(abs(a), abs(b), scale)) .or. &
+         abs(a - b) <= least_difference*max(abs(a), abs(b))
+   end function are_close
 
    !> Adds what is said of two words; of one that has no name, only that it differs.
    pure subroutine add_contradiction(fault, stated, computed, name)

@@ -26,36 +26,48 @@ contains
       type(abaqus_scope_t) :: scope
       character(:), allocatable :: keyword, line
       type(ignored_keywords_t) :: ignored
-      logical :: is_read
 
       draft%nodes_name_sides = .true.
       draft%ignores_case = .true.
       do
          call next_keyword(input, keyword, line)
          if (keyword == '' .or. allocated(input%error)) exit
-         select case (keyword)
-         case ('node')
-            if (scope%in_assembly) call ignored%add(keyword, line)
-            if (.not. scope%in_assembly) call read_nodes(draft, input, scope, line)
-         case ('element')
-            call read_elements(draft, input, scope, line)
-         case ('nset', 'elset')
-            call read_set(draft, input, scope, line, keyword)
-         case ('surface')
-            call read_surface(draft, input, scope, line)
-         case ('part', 'instance', 'assembly', 'endassembly')
-            call enter_scope(scope, draft, input, keyword)
-         case ('include', 'system', 'ngen', 'nfill', 'nmap', 'ncopy', 'elgen', 'elcopy')
-            call input%refuse('*'//keyword//' is not read: write the nodes and elements out', input%position - 1)
-         case default
-            call read_model_keyword(draft, input, keyword, line, is_read)
-            if (.not. is_read) call ignored%add(keyword, line)
-         end select
+         call read_keyword(draft, input, scope, ignored, keyword, line)
       end do
       call ignored%tell(draft)
       if (.not. allocated(input%error)) call resolve_elements(draft, input)
       if (.not. allocated(input%error)) call finish_materials(draft, input)
    end subroutine read_abaqus
+
+   !> Reads a keyword with its data lines.
+   pure subroutine read_keyword(draft, input, scope, ignored, keyword, line)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      type(abaqus_scope_t), intent(inout) :: scope !! where the file is
+      type(ignored_keywords_t), intent(inout) :: ignored !! gains the keyword if it is not read
+      character(*), intent(in) :: keyword !! the keyword in small letters
+      character(*), intent(in) :: line !! the keyword line
+      logical :: is_read
+
+      select case (keyword)
+      case ('node')
+         if (scope%in_assembly) call ignored%add(keyword, line)
+         if (.not. scope%in_assembly) call read_nodes(draft, input, scope, line)
+      case ('element')
+         call read_elements(draft, input, scope, line)
+      case ('nset', 'elset')
+         call read_set(draft, input, scope, line, keyword)
+      case ('surface')
+         call read_surface(draft, input, scope, line)
+      case ('part', 'instance', 'assembly', 'endassembly')
+         call enter_scope(scope, draft, input, keyword)
+      case ('include', 'system', 'ngen', 'nfill', 'nmap', 'ncopy', 'elgen', 'elcopy')
+         call input%refuse('*'//keyword//' is not read: write the nodes and elements out', input%position - 1)
+      case default
+         call read_model_keyword(draft, input, keyword, line, is_read)
+         if (.not. is_read) call ignored%add(keyword, line)
+      end select
+   end subroutine read_keyword
 
    !> Enters a part, an instance or the assembly, or leaves the assembly. There may be one part, in one instance, not
    !> moved.

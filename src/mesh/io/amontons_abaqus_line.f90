@@ -1,5 +1,6 @@
 !> Lines of the input format of Abaqus and CalculiX: keywords with parameters, data lines with fields.
 module amontons_abaqus_line
+   use amontons_file_model, only: longest_name
    use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
    use amontons_text, only: lower_case, read_real, to_text
@@ -174,7 +175,7 @@ contains
    !> Takes all fields of a data line.
    pure subroutine take_fields(input, fields, n)
       type(input_file_t), intent(inout) :: input !! the file, at the beginning of the line
-      character(*), intent(out) :: fields(:) !! the fields, empty behind the last
+      character(longest_name), intent(out) :: fields(:) !! the fields, empty behind the last
       integer, intent(out) :: n !! number of fields; those at the end that are empty count
       character(:), allocatable :: field
       logical :: is_there

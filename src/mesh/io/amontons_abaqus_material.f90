@@ -24,26 +24,34 @@ contains
       character(*), intent(in) :: keyword !! the keyword in small letters
       character(*), intent(in) :: line !! the keyword line
       character(:), allocatable :: name
-      real(dp) :: values(2)
       logical :: is_there
-      integer :: n, place
 
       if (.not. allocated(draft%model%definitions)) allocate (draft%model%definitions(0), draft%model%materials(0))
-      place = input%position - 1
       select case (keyword)
       case ('material')
          call find_parameter(line, 'name', name, is_there)
          if (name == '' .or. len(name) > longest_name) call input%refuse('expected NAME= and the name of a material', &
-            place)
+            input%position - 1)
          draft%model%definitions = [draft%model%definitions, file_material_t(name=name)]
-         return
       case ('solidsection')
          call read_section(draft, input, line)
-         return
+      case default
+         call read_constants(draft, input, keyword, line)
       end select
+   end subroutine read_material_keyword
+
+   !> Reads constants of the last material.
+   pure subroutine read_constants(draft, input, keyword, line)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: keyword !! 'elastic', 'density' or 'expansion'
+      character(*), intent(in) :: line !! the keyword line
+      real(dp) :: values(2)
+      integer :: n
+
       call refuse_parameters(input, line)
       n = size(draft%model%definitions)
-      if (n == 0) call input%refuse('*'//keyword//' before any *MATERIAL', place)
+      if (n == 0) call input%refuse('*'//keyword//' before any *MATERIAL', input%position - 1)
       call take_constants(input, keyword, values(:merge(2, 1, keyword == 'elastic')))
       if (allocated(input%error)) return
       associate (material => draft%model%definitions(n))
@@ -57,7 +65,7 @@ contains
             material%expansion = values(1)
          end select
       end associate
-   end subroutine read_material_keyword
+   end subroutine read_constants
 
    !> Takes the constants of a material, which must not depend on the temperature.
    pure subroutine take_constants(input, keyword, values)

@@ -63,7 +63,7 @@ contains
       character(*), intent(in) :: line !! the keyword line
       character(longest_name) :: fields(most_fields)
       type(file_support_t) :: support, before
-      integer :: n, ends(2)
+      integer :: n
       logical :: is_there
 
       call refuse_parameters(input, line)
@@ -74,28 +74,38 @@ contains
          call take_fields(input, fields, n)
          if (allocated(input%error)) return
          support%value = 0.0_dp
-         call find_components(input, fields(2:3), ends, support%is_held)
+         call find_components(input, fields(2:3), support%is_held)
          if (n > 3) call take_number(input, fields(4), support%value)
          if (.not. any(support%is_held)) cycle
-         ! Numbers of nodes that follow each other are one set, if the same holds for them.
-         call take_nodes(draft, input, '*BOUNDARY', fields(1), support%line, &
-            all(support%is_held .eqv. before%is_held) .and. .not. abs(support%value - before%value) > 0.0_dp, &
-            before%set, support%set)
+         call put_support(draft, input, fields(1), support, before)
          if (allocated(input%error)) return
-         if (support%set /= before%set) call draft%model%add_support(support)
-         before = support
-         if (support%set(1:1) /= '*') before%set = ''
       end do
    end subroutine read_boundary
 
+   !> Puts a support on the nodes of a line. Numbers of nodes that follow each other are one set, if the same holds for
+   !> them.
+   pure subroutine put_support(draft, input, field, support, before)
+      type(mesh_draft_t), intent(inout) :: draft !! what the file says; gains the support
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
+      character(*), intent(in) :: field !! the field of the nodes
+      type(file_support_t), intent(inout) :: support !! the support; gains its set
+      type(file_support_t), intent(inout) :: before !! that of the line before, then this one; without a set made here
+
+      call take_nodes(draft, input, '*BOUNDARY', field, support%line, &
+         all(support%is_held .eqv. before%is_held) .and. .not. abs(support%value - before%value) > 0.0_dp, &
+         before%set, support%set)
+      if (allocated(input%error)) return
+      if (support%set /= before%set) call draft%model%add_support(support)
+      before = support
+      if (support%set(1:1) /= '*') before%set = ''
+   end subroutine put_support
+
    !> Finds which components a support holds: numbers of the first and the last, or a word.
-   pure subroutine find_components(input, fields, ends, is_held)
+   pure subroutine find_components(input, fields, is_held)
       type(input_file_t), intent(inout) :: input !! the file, behind the line
       character(*), intent(in) :: fields(2) !! the fields of the components
-      integer, intent(out) :: ends(2) !! numbers of the first and the last
       logical, intent(out) :: is_held(2) !! whether x and y are among them
-      integer :: i
-      logical :: ok
+      integer :: ends(2)
 
       select case (lower_case(fields(1)))
       case ('encastre', 'pinned')
@@ -105,16 +115,24 @@ contains
       case ('ysymm')
          is_held = [.false., .true.]
       case default
-         do i = 1, 2
-            call read_integer(trim(fields(i)), ends(i), ok)
-            if (i == 2 .and. fields(2) == '') ends(2) = ends(1)
-            if (.not. ok .and. fields(i) == '' .and. i == 2) ok = .true.
-            if (.not. ok) call input%refuse("*BOUNDARY: expected the number of a component, found '"// &
-               trim(fields(i))//"'", input%position - 1)
-         end do
+         call take_component(input, fields(1), ends(1))
+         ends(2) = ends(1)
+         if (fields(2) /= '') call take_component(input, fields(2), ends(2))
          is_held = [ends(1) <= 1 .and. ends(2) >= 1, ends(1) <= 2 .and. ends(2) >= 2]
       end select
    end subroutine find_components
+
+   !> Takes a field as the number of a component.
+   pure subroutine take_component(input, field, component)
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
+      character(*), intent(in) :: field !! the field
+      integer, intent(out) :: component !! the number, 0 where there is a fault
+      logical :: ok
+
+      call read_integer(trim(field), component, ok)
+      if (.not. ok) call input%refuse("*BOUNDARY: expected the number of a component, found '"//trim(field)//"'", &
+         input%position - 1)
+   end subroutine take_component
 
    !> Reads forces on nodes: nodes, component, value.
    pure subroutine read_cload(draft, input, line)
@@ -231,7 +249,19 @@ contains
       end if
       if (group == 0 .and. fields(1) /= '') call input%refuse('*'//keyword//": there is no set '"// &
          trim(fields(1))//"' above", input%position - 1)
-      select case (kind)
+      call interpret_body_load(input, keyword, fields(2), draft%hypothesis, values, load)
+   end subroutine interpret_dload
+
+   !> Finds what a load on the inside of elements means.
+   pure subroutine interpret_body_load(input, keyword, kind, hypothesis, values, load)
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
+      character(*), intent(in) :: keyword !! 'dload' or 'dsload'
+      character(*), intent(in) :: kind !! the field of the kind
+      character(*), intent(in) :: hypothesis !! hypothesis of the elements
+      real(dp), intent(in) :: values(:) !! the numbers of the line
+      type(file_load_t), intent(inout) :: load !! the load, its first value known
+
+      select case (lower_case(kind))
       case ('bx')
          load%kind = file_body_force
       case ('by')
@@ -244,12 +274,12 @@ contains
          if (.not. allocated(input%error)) load%value = values(1)*values(2:3)/norm2(values(2:3))
       case ('centrif')
          load%kind = file_rotation
-         call find_axis(input, draft%hypothesis, values, load)
+         call find_axis(input, hypothesis, values, load)
       case default
-         call input%refuse('*'//keyword//": loads of the kind '"//trim(fields(2))//"' cannot be used", &
+         call input%refuse('*'//keyword//": loads of the kind '"//trim(kind)//"' cannot be used", &
             input%position - 1)
       end select
-   end subroutine interpret_dload
+   end subroutine interpret_body_load
 
    !> Gathers the sides that a pressure acts on in a set of its own.
    pure subroutine gather_sides(draft, input, field, from, side, load)

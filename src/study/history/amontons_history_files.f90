@@ -44,6 +44,7 @@ contains
       character(*), intent(in) :: directory !! output directory, made if it is not there
       character(*), intent(in) :: name !! name of the case
       type(error_t), allocatable, intent(out) :: error !! a file cannot be opened
+      integer :: state
 
       files%directory = directory//'/'
       files%folder = name//'.history/'
@@ -51,12 +52,14 @@ contains
       if (.not. allocated(error)) call new_output_file(files%table, files%directory//name//'.history.csv', .true., &
          error)
       if (allocated(error)) return
-      write (files%table%unit, iostat=files%state) history_header(model%history)
+      write (files%table%unit, iostat=state) history_header(model%history)
+      files%state = state
       if (model%history%points_every > 0) then
          call new_output_file(files%points, files%directory//name//'.points.csv', .true., error)
          if (allocated(error)) return
          files%has_points = .true.
-         if (files%state == 0) write (files%points%unit, iostat=files%state) points_header(model%history)
+         if (state == 0) write (files%points%unit, iostat=state) points_header(model%history)
+         files%state = state
       end if
       if (model%history%fields_every == 0) return
       call make_directory(files%directory//files%folder, error)

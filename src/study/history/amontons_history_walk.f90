@@ -62,7 +62,6 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
       class(contact_method_t), intent(in) :: method !! the deck's method
       type(step_state_t) :: next
-      type(instant_t) :: instant
       type(error_t), allocatable :: error
       logical :: is_balanced
       real(dp) :: time
@@ -70,28 +69,72 @@ contains
       self%notes = ''
       do while (.not. self%is_ended)
          time = self%plan(model%history)
-         call model%at(body, time, instant, error)
-         if (.not. allocated(error)) call take_step(next, model, body, problem, method, self%state, instant, error)
-         self%n_iterations = self%n_iterations + next%solution%n_iterations
+         call try_step(self, model, body, problem, method, time, next, error)
          is_balanced = .false.
-         if (.not. allocated(error)) is_balanced = next%solution%is_converged
-         if (is_balanced) is_balanced = rounded(next%indicator) <= model%history%step_tolerance
+         if (.not. allocated(error)) is_balanced = has_balance(next, model%history)
          if (is_balanced .or. .not. self%can_halve(model%history)) exit
          self%n_given_up = self%n_given_up + 1
          self%length = self%length/2
       end do
-      if (self%is_ended) return
-      if (allocated(error)) then
-         call give_up(self, time, error%message)
-      else if (.not. next%solution%is_converged) then
-         call give_up(self, time, 'not converged with the smallest step')
-      else
-         if (.not. is_balanced) self%notes = 'step '//to_text(self%n_steps + 1)//' (to '//to_text(time)// &
-            ') cannot be made shorter, and its energy error is '//to_text(rounded(next%indicator))// &
-            ' of its energies: the state jumps there'
-         call keep(self, model%history, next)
-      end if
+      if (.not. self%is_ended) call end_step(self, model%history, time, next, is_balanced, error)
    end subroutine history_walk_advance
+
+   !> Keeps a step that is not made shorter, or ends the way where it could not be taken.
+   pure subroutine end_step(walk, history, time, next, is_balanced, error)
+      type(history_walk_t), intent(inout) :: walk !! the way
+      type(history_t), intent(in) :: history !! the history
+      real(dp), intent(in) :: time !! the time that the step leads to [-]
+      type(step_state_t), intent(in) :: next !! the state at its end
+      logical, intent(in) :: is_balanced !! whether it converged and its energies balance
+      type(error_t), allocatable, intent(in) :: error !! why it could not be taken, if so
+
+      if (allocated(error)) then
+         call give_up(walk, time, error%message)
+      else if (.not. next%solution%is_converged) then
+         call give_up(walk, time, 'not converged with the smallest step')
+      else
+         if (.not. is_balanced) walk%notes = jump_note(walk%n_steps + 1, time, next)
+         call keep(walk, history, next)
+      end if
+   end subroutine end_step
+
+   !> Takes a step to a time, and counts its iterations. Whether it is kept is decided later.
+   subroutine try_step(walk, model, body, problem, method, time, next, error)
+      type(history_walk_t), intent(inout) :: walk !! the way; gains the iterations
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem
+      class(contact_method_t), intent(in) :: method !! the deck's method
+      real(dp), intent(in) :: time !! the time that the step leads to [-]
+      type(step_state_t), intent(inout) :: next !! the state at its end; as it was if the step cannot be begun
+      type(error_t), allocatable, intent(out) :: error !! the step cannot be taken
+      type(instant_t) :: instant
+
+      call model%at(body, time, instant, error)
+      if (.not. allocated(error)) call take_step(next, model, body, problem, method, walk%state, instant, error)
+      walk%n_iterations = walk%n_iterations + next%solution%n_iterations
+   end subroutine try_step
+
+   !> Whether a step that was taken converged and its energies balance.
+   pure logical function has_balance(state, history)
+      type(step_state_t), intent(in) :: state !! the state at the end of the step
+      type(history_t), intent(in) :: history !! the history
+
+      has_balance = state%solution%is_converged
+      if (has_balance) has_balance = rounded(state%indicator) <= history%step_tolerance
+   end function has_balance
+
+   !> What is said of a step that is kept although its energies do not balance.
+   pure function jump_note(number, time, state) result(note)
+      integer, intent(in) :: number !! number of the step
+      real(dp), intent(in) :: time !! the time that it leads to [-]
+      type(step_state_t), intent(in) :: state !! the state at its end
+      character(:), allocatable :: note
+
+      note = 'step '//to_text(number)//' (to '//to_text(time)// &
+         ') cannot be made shorter, and its energy error is '//to_text(rounded(state%indicator))// &
+         ' of its energies: the state jumps there'
+   end function jump_note
 
    !> Ends the way at the last step that was kept.
    pure subroutine give_up(walk, time, reason)

@@ -61,24 +61,46 @@ contains
       type(history_model_t) :: model
       type(history_files_t) :: files
 
-      call prepare_case(cache, config, result%last, error)
-      if (.not. allocated(error)) call condense_case(cache, config, result%last, error)
-      if (.not. allocated(error)) call new_contact_method(method, config%method, error)
-      if (.not. allocated(error)) call new_history_model(model, cache%body, cache%problem, result%last%load_case, &
-         config, error)
+      call prepare_history(cache, config, method, model, result%last, error)
       if (allocated(error)) return
-      if (.not. any_changes(model)) call result%last%warnings%add( &
-         'no load, support, obstacle or friction changes over the history')
-      call set_factor(result%last%factor, cache%body)
       call result%last%timings%begin(phase_solve)
       call new_history_files(files, model, directory, config%name, error)
       if (.not. allocated(error)) call take_steps(cache, model, method, files, monitor, result, error)
       if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, result, error)
-      if (.not. (allocated(error) .or. result%is_interrupted)) call files%finish(result%files%files, &
-         result%files%manifest, error)
-      if (.not. (allocated(error) .or. result%is_interrupted)) call add_tables(result%files%manifest, config)
+      if (.not. (allocated(error) .or. result%is_interrupted)) call finish_files(files, config, result%files, error)
       if (allocated(error) .or. result%is_interrupted) call files%discard()
    end subroutine solve_history
+
+   !> Makes what the steps need: the condensed body, the method and the model of the history.
+   subroutine prepare_history(cache, config, method, model, last, error)
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
+      type(config_t), intent(in) :: config !! the deck
+      class(contact_method_t), allocatable, intent(out) :: method !! the deck's method
+      type(history_model_t), intent(out) :: model !! the history
+      type(result_t), intent(inout) :: last !! gains what the result of the last step begins with
+      type(error_t), allocatable, intent(out) :: error !! the deck or the numbers are at fault
+
+      call prepare_case(cache, config, last, error)
+      if (.not. allocated(error)) call condense_case(cache, config, last, error)
+      if (.not. allocated(error)) call new_contact_method(method, config%method, error)
+      if (.not. allocated(error)) call new_history_model(model, cache%body, cache%problem, last%load_case, config, &
+         error)
+      if (allocated(error)) return
+      if (.not. any_changes(model)) call last%warnings%add( &
+         'no load, support, obstacle or friction changes over the history')
+      call set_factor(last%factor, cache%body)
+   end subroutine prepare_history
+
+   !> Closes the files of a history, and lists them together with the tables that were read.
+   subroutine finish_files(files, config, finished, error)
+      type(history_files_t), intent(inout) :: files !! the files
+      type(config_t), intent(in) :: config !! the deck
+      type(study_files_t), intent(inout) :: finished !! gains the finished files and their manifest
+      type(error_t), allocatable, intent(out) :: error !! not everything could be written
+
+      call files%finish(finished%files, finished%manifest, error)
+      if (.not. allocated(error)) call add_tables(finished%manifest, config)
+   end subroutine finish_files
 
    !> Adds the tables of changes to the files that were read.
    subroutine add_tables(manifest, config)
