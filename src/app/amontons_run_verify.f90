@@ -56,7 +56,7 @@ contains
 
       call verify_files(verdict, cache, directory, name)
       if (verdict%is_verified .and. verdict%is_certified) then
-         call print_info(command_line, name//': verified', error)
+         call print_info(command_line, name//': verified'//verdict%remark, error)
          return
       end if
       status = max(status, status_not_converged)

@@ -32,6 +32,7 @@ module amontons_verify
    type :: verdict_t
       logical :: is_verified = .false. !! whether its files are as they were written and agree with each other
       logical :: is_certified = .false. !! whether, moreover, it converged and its certificate passes
+      character(:), allocatable :: remark !! what could not be looked at, for the verdict; mostly empty
       character(:), allocatable :: faults !! what is wrong, a line of text for each file or number; empty if nothing
    end type verdict_t
 
@@ -93,15 +94,14 @@ contains
       character(:), allocatable :: stem
 
       stem = directory//'/'//name
+      verdict%remark = ''
       summary%path = stem//summary_suffix
       call check_manifest(summary, directory)
       if (allocated(summary%text)) then
          if (summary%faults%n == 0 .and. index(summary%text, '"name": '//string(name//'.deck.nml')//',') == 0) then
-            ! A body made in code: without a deck nothing can be computed again.
-            verdict%is_certified = summary%value('', 'converged') == 'true' .and. &
-               summary%value('certificate', 'passed') == 'true'
+            call trust_summary(verdict, summary, 'without a deck nothing is computed again')
          else
-            call verify_contents(summary, cache, stem, name, verdict%is_certified)
+            call verify_contents(verdict, summary, cache, stem, name)
          end if
       end if
       verdict%is_verified = summary%faults%n == 0
@@ -109,12 +109,12 @@ contains
    end subroutine verify_files
 
    !> Checks the files of a case that comes from a deck against each other.
-   subroutine verify_contents(summary, cache, stem, name, is_certified)
+   subroutine verify_contents(verdict, summary, cache, stem, name)
+      type(verdict_t), intent(inout) :: verdict !! gains whether the case converged and its certificate passes
       type(summary_file_t), intent(inout) :: summary !! the summary; gains the faults
       type(cache_t), intent(inout) :: cache !! the body at hand
       character(*), intent(in) :: stem !! directory and name of the case
       character(*), intent(in) :: name !! name of the case
-      logical, intent(inout) :: is_certified !! whether the case converged and its certificate passes
       type(config_t) :: config
       type(error_t), allocatable :: error
 
@@ -125,16 +125,26 @@ contains
       end if
       if (config%name /= name) call summary%faults%add(stem//'.deck.nml', "it is the deck of case '"//config%name//"'")
       if (config%reduced%is_given) then
-         call verify_reduced(summary, config, stem, is_certified)
+         call verify_reduced(summary, config, stem, verdict%is_certified)
       else if (config%history%is_given) then
-         call summary%faults%add(stem//'.history.csv', 'the steps of a history cannot be computed again from its '// &
-            'files; only whether a file was changed is checked')
+         call trust_summary(verdict, summary, 'the steps of a history are not computed again')
       else if (config%sweep%is_given()) then
-         call verify_sweep(summary, cache, config, stem, is_certified)
+         call verify_sweep(summary, cache, config, stem, verdict%is_certified)
       else
-         call verify_case(summary, cache, config, stem, is_certified)
+         call verify_case(summary, cache, config, stem, verdict%is_certified)
       end if
    end subroutine verify_contents
+
+   !> Takes from the summary whether a case converged and its certificate passes, where only checksums are compared.
+   subroutine trust_summary(verdict, summary, reason)
+      type(verdict_t), intent(inout) :: verdict !! gains this, and a remark
+      type(summary_file_t), intent(in) :: summary !! the summary
+      character(*), intent(in) :: reason !! why no more is done
+
+      verdict%is_certified = summary%value('', 'converged') == 'true' .and. &
+         summary%value('certificate', 'passed') == 'true'
+      verdict%remark = ' by checksums alone; '//reason
+   end subroutine trust_summary
 
    !> Reads the summary and compares every file with its manifest.
    subroutine check_manifest(summary, directory)

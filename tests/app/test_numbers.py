@@ -374,7 +374,7 @@ class Bits(ProgramTest):
         for i, n_threads in enumerate(("1", "2", "2")):
             self.run_program("--quiet", "--output", f"run{i}", "--threads", n_threads, "cut.nml", "other.nml")
             files.append({name: content for name, content in self.contents(f"run{i}").items()
-                          if name.endswith((".csv", ".vtu"))})
+                          if name.endswith((".csv", ".vtu")) and name != "batch.csv"})
         self.assertEqual(len(files[0]), 6)
         self.assertTrue(files[0] == files[1], "one thread and two differ")
         self.assertTrue(files[1] == files[2], "two runs differ")

@@ -88,7 +88,11 @@ class Progress(ProgramTest):
 
     def start(self, text, *arguments, name="case", **options):
         """Writes a deck and starts the program on it."""
-        return Terminal(self, PROGRAM, *arguments, self.write(f"{name}.nml", text), **options)
+        # One that an earlier start is about to read is not written again.
+        path = self.directory / f"{name}.nml"
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            self.write(path.name, text)
+        return Terminal(self, PROGRAM, *arguments, path.name, **options)
 
     def locked(self, name):
         """Has a directory that somebody else has locked: the program waits for it for a while, two seconds and more.

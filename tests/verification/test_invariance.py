@@ -96,7 +96,9 @@ class Invariance(LongBarTest):
             tables = []
             for n_threads in ("1", "2", "2"):
                 self.solve_rows(options=["--threads", n_threads], element=element, solver=solver)
-                tables.append({name: text for name, text in self.contents().items() if name.endswith((".csv", ".vtu"))})
+                # The table of the run has times.
+                tables.append({name: text for name, text in self.contents().items()
+                               if name.endswith((".csv", ".vtu")) and name != "batch.csv"})
             self.assertEqual(len(tables[0]), 15)
             self.assertEqual(tables[0], tables[1])
             self.assertEqual(tables[1], tables[2])
