@@ -253,8 +253,10 @@ contains
       type(support_t), allocatable :: supports(:)
       type(load_t), allocatable :: loads(:)
 
-      if (any(config%is_used) .and. visitor%is_judging()) call read_file_model(model, config%mesh_file, &
-         config%is_used, error)
+      if (.not. allocated(config%mesh_file)) config%mesh_file = ''
+      if (any(config%is_used) .and. len(config%mesh_file) > 0 .and. visitor%is_judging()) then
+         call read_file_model(model, config%mesh_file, config%is_used, error)
+      end if
       if (.not. allocated(error)) call take_file_materials(materials, model, config%mesh_file, error)
       if (allocated(error)) call visitor%require(.false., 'use', error%message)
       ! Of a body without a material, the required keys are missed; where the file is at fault, that is told.
