@@ -237,8 +237,8 @@ contains
       integer :: i
 
       p = terms(self, position)
-      stress = 0.0_dp
-      do i = 1, self%n_terms
+      stress = self%coefficient(:, 1) + p(2)*self%coefficient(:, 2) + p(3)*self%coefficient(:, 3)
+      do i = 4, self%n_terms
          stress = stress + p(i)*self%coefficient(:, i)
       end do
    end function patch_stress
