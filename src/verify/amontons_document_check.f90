@@ -127,7 +127,7 @@ contains
       real(dp), intent(in) :: least_difference !! how far numbers may differ, over themselves [-]
       integer, intent(out) :: i !! where the first line was left; behind its end if nothing remains
       integer, intent(out) :: j !! where the second line was left; behind its end if nothing remains
-      integer :: last_i, last_j
+      integer :: last_i, last_j, number
       logical :: is_same
 
       i = 1
@@ -139,9 +139,8 @@ contains
          last_i = i + max(0, scan(stated(i:)//' ', separators) - 2)
          last_j = j + max(0, scan(computed(j:)//' ', separators) - 2)
          if (stated(i:last_i) /= computed(j:last_j)) then
-            associate (scale => scales(max(1, min(size(scales), n_numbers(computed(:last_j))))))
-               is_same = are_close(stated(i:last_i), computed(j:last_j), scale, least_difference)
-            end associate
+            number = max(1, min(size(scales), n_numbers(computed(:last_j))))
+            is_same = are_close(stated(i:last_i), computed(j:last_j), scales(number), least_difference)
             ! The rest of the line belongs together only if what differs is a word.
             if (.not. is_same .and. scan(stated(i:i)//computed(j:j), separators//'"') > 0) exit
             if (.not. is_same) call add_contradiction(fault, stated(i:last_i), computed(j:last_j), &
