@@ -6,8 +6,8 @@ module amontons_text
    implicit none (type, external)
    private
 
-   public :: as_lines, comma_separated, line_end, lower_case, nearest_word, newline, put_decimals, quoted, read_integer, &
-      read_real, to_short_text, to_text, utf_8_width
+   public :: as_lines, comma_separated, line_end, lower_case, nearest_word, newline, put_decimals, quoted, &
+      read_integer, read_real, to_short_text, to_text, utf_8_width
 
    !> The end of a line.
    character(*), parameter :: newline = new_line('a')
