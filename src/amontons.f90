@@ -70,8 +70,8 @@ module amontons
       reduced_result_t, reduced_system_t, solve_reduced, solve_reduced_system, write_reduced_file, write_reduced_report
    ! Bodies
    public :: append_mesh, body_t, condensation_options_t, condense_body, contact_t, load_case_t, load_t, material_t, &
-      mesh_t, name_mesh, new_body, new_contact, new_load, new_load_case, new_material, new_rectangle_mesh, new_support, &
-      read_mesh_file, rectangle_t, solve_body, support_t
+      mesh_t, name_mesh, new_body, new_contact, new_load, new_load_case, new_material, new_rectangle_mesh, &
+      new_support, read_mesh_file, rectangle_t, solve_body, support_t
    ! Contact problems and methods
    public :: contact_method_t, contact_problem_t, contact_solution_t, method_names, method_options_t, &
       new_contact_method, new_contact_problem, new_contact_solution, new_dense_matrix, new_reduced_problem, &
