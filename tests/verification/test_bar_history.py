@@ -12,7 +12,8 @@ from convergence import ValueTable
 from history_benchmark import HistoryBenchmark
 
 # At the end of a leg: lengths that are open, slip and stick, and the displacement of the corner.
-STATES = {1: (3.75, 20.0, 16.25, 0.014488876), 2: (3.75, 27.5, 8.75, 0.02845943843), 5: (3.75, 25.0, 11.25, 0.013855954)}
+STATES = {1: (3.75, 20.0, 16.25, 0.014488876), 2: (3.75, 27.5, 8.75, 0.02845943843),
+          5: (3.75, 25.0, 11.25, 0.013855954)}
 # By friction and number of steps of a leg: dissipation, and work less strain energy where it was noted.
 ENERGIES = {(1.0, 1): (6.018874, 3.0506), (1.0, 4): (6.004551, 5.8909), (1.0, 20): (6.019907, 6.010977),
             (1.0, 80): (6.015675, 6.015146), (1.0, 320): (6.015285, 6.015257), (0.2, 1): (3.3152, None),
@@ -33,7 +34,8 @@ class BarHistory(HistoryBenchmark):
                 for zone, length in zip(("open", "slip", "stick"), lengths):
                     table.add(leg, n, f"{zone} length", computed=row[f"{zone}_length"], reference=length,
                               allowed=1e-12)
-                table.add(leg, n, "$u_x$ at (0, 0)", computed=row["ux_1"], reference=displacement, allowed=half_a_digit(displacement))
+                table.add(leg, n, "$u_x$ at (0, 0)", computed=row["ux_1"], reference=displacement,
+                          allowed=half_a_digit(displacement))
         self.assert_table(table)
 
     def test_energies(self):
