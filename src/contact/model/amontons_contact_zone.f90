@@ -12,8 +12,8 @@ module amontons_contact_zone
    use amontons_line_field, only: line_field_t
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_mortar_pair, only: integrate_corners, mortar_pair_t, n_quadrature_points, new_mortar_pair
-   use amontons_mortar_points, only: cell_pieces, integrate_pieces, mortar_piece_t, mortar_points_t
+   use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
+   use amontons_mortar_points, only: cell_pieces, mortar_piece_t, mortar_points_t
    use amontons_mortar_segments, only: mortar_segment_t
    use amontons_obstacle, only: obstacle_names, obstacle_t
    use amontons_pairing, only: pairing_t
@@ -301,10 +301,9 @@ contains
             constraints, is_taken, materials%list(1)%is_axisymmetric, error)
          if (allocated(error)) return
          if (contact%partition%is_constant) then
-            call pair_cells(points, integrals, zone%n_held_cells, pair, contact, mesh, materials, constraints, error)
+            call choose_cells(points, pair, zone%n_held_cells, contact, mesh, materials, constraints, error)
             if (allocated(error)) return
          else
-            call integrate_corners(integrals, pair, pair%segments, materials, n_quadrature_points)
             n = size(pair%node)
             points%next = pair%next
             points%is_cell = spread(.false., 1, n)
@@ -313,6 +312,8 @@ contains
             zone%held_node = [zone%held_node, pair%held_node]
             zone%shared_node = [zone%shared_node, pair%shared_node]
          end if
+         call integrate_pair(integrals, pair, pair%segments, materials, n_quadrature_points)
+         if (contact%partition%is_constant) points%position = integrals%center
          call check_overlap(pair, integrals, contact, error)
          if (allocated(error)) return
       end associate
@@ -332,13 +333,12 @@ contains
       call add_points(zone, points)
    end subroutine add_pair
 
-   !> The cells of constant multipliers of a pair. A cell that faces nothing is no point, nor is one whose nodes supports
-   !> hold along its normal.
-   subroutine pair_cells(points, integrals, n_held, pair, contact, mesh, materials, constraints, error)
+   !> Chooses the cells of constant multipliers of a pair that are points: not those that face nothing, nor those whose
+   !> nodes supports hold along their normal.
+   subroutine choose_cells(points, pair, n_held, contact, mesh, materials, constraints, error)
       type(contact_zone_t), intent(inout) :: points !! gains what the cells have by themselves
-      type(mortar_points_t), intent(out) :: integrals !! their integrals
+      type(mortar_pair_t), intent(inout) :: pair !! the pair; gains the cells in the place of corners
       integer, intent(inout) :: n_held !! gains the number of cells that supports hold
-      type(mortar_pair_t), intent(in) :: pair !! the pair
       type(contact_t), intent(in) :: contact !! the contact set
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
@@ -347,42 +347,36 @@ contains
       real(dp), parameter :: no_direction(2) = 0.0_dp
       type(contact_cells_t) :: cells
       type(mortar_piece_t), allocatable :: pieces(:)
-      type(mortar_segment_t), allocatable :: parts(:)
-      integer, allocatable :: point(:)
-      logical, allocatable :: faces(:), is_held(:)
+      integer, allocatable :: point(:), kept(:)
+      logical :: is_free, moves
       integer :: cell, k
 
       call new_contact_cells(cells, mesh, materials, contact%set, pair%line, contact%partition, no_direction, error)
       if (allocated(error)) return
-      parts = [(mortar_segment_t(cells%segments(k)%side, cells%segments(k)%cell, cells%segments(k)%range), &
+      pair%cells = [(mortar_segment_t(cells%segments(k)%side, cells%segments(k)%cell, cells%segments(k)%range), &
          k=1, size(cells%segments))]
-      call cell_pieces(pieces, pair%segments, parts, [(k, k=1, cells%n_cells)])
-      faces = [(any(pieces%point(1) == cell), cell=1, cells%n_cells)]
-      allocate (is_held(cells%n_cells), point(0:cells%n_cells))
+      call cell_pieces(pieces, pair%segments, pair%cells)
+      allocate (kept(0), points%is_tangent_fixed(0), point(0:cells%n_cells))
+      point = 0
       do cell = 1, cells%n_cells
-         is_held(cell) = .not. any([(constraints%leaves_free(cells%rows%node(k), cells%normal(:, cell)), &
-            k=cells%rows%start(cell), cells%rows%start(cell + 1) - 1)])
+         if (all(pieces%point(1) /= cell)) cycle
+         moves = .false.
+         is_free = .false.
+         do k = cells%rows%start(cell), cells%rows%start(cell + 1) - 1
+            moves = moves .or. constraints%leaves_free(cells%rows%node(k), cells%normal(:, cell))
+            is_free = is_free .or. all(constraints%is_free(:, cells%rows%node(k)))
+         end do
+         if (.not. moves) n_held = n_held + 1
+         if (.not. moves) cycle
+         kept = [kept, cell]
+         point(cell) = size(kept)
+         points%is_tangent_fixed = [points%is_tangent_fixed, .not. is_free]
       end do
-      n_held = n_held + count(is_held .and. faces)
-      associate (kept => pack([(k, k=1, cells%n_cells)], faces .and. .not. is_held))
-         point = 0
-         point(kept) = [(k, k=1, size(kept))]
-         do k = 1, size(pieces)
-            pieces(k)%point(1) = point(pieces(k)%point(1))
-         end do
-         call integrate_pieces(integrals, pieces, size(kept), pair%slave, pair%master, materials, n_quadrature_points)
-         call integrals%set_normals(cells%normal(:, kept))
-         points%next = point(cells%next(kept))
-         points%is_cell = spread(.true., 1, size(kept))
-         points%position = integrals%center
-         allocate (points%is_tangent_fixed(size(kept)))
-         do k = 1, size(kept)
-            associate (node => cells%rows%node(cells%rows%start(kept(k)):cells%rows%start(kept(k) + 1) - 1))
-               points%is_tangent_fixed(k) = .not. any(all(constraints%is_free(:, node), dim=1))
-            end associate
-         end do
-      end associate
-   end subroutine pair_cells
+      pair%cells%master = point(pair%cells%master)
+      pair%normal = cells%normal(:, kept)
+      points%next = point(cells%next(kept))
+      points%is_cell = spread(.true., 1, size(kept))
+   end subroutine choose_cells
 
    !> Refuses meshes that overlap by more than half of a side.
    pure subroutine check_overlap(pair, integrals, contact, error)
@@ -392,7 +386,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! they do
       integer :: q
 
-      if (contact%pairing%gap /= 'mesh' .or. size(integrals%quadrature%gap) == 0) return
+      if (.not. contact%pairing%has_mesh_gap() .or. size(integrals%quadrature%gap) == 0) return
       q = minloc(integrals%quadrature%gap, dim=1)
       if (integrals%quadrature%gap(q) >= -0.5_dp*pair%slave%longest) return
       call new_error(error, input_refused, "'"//contact%set//"' and '"//contact%pairing%against//"' overlap by up to "// &

@@ -6,14 +6,14 @@ module amontons_mortar_pair
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_mortar_points, only: corner_pieces, integrate_pieces, mortar_piece_t, mortar_points_t
+   use amontons_mortar_points, only: cell_pieces, corner_pieces, integrate_pieces, mortar_piece_t, mortar_points_t
    use amontons_mortar_segments, only: find_segments, meet_master, mortar_segment_t
    use amontons_surface, only: new_surface, surface_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: integrate_corners, mortar_pair_t, n_quadrature_points, new_mortar_pair
+   public :: integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
 
    !> Points of the quadrature on a segment: exact for straight sides, and rounding is all that is left of the normals'
    !> curvature.
@@ -32,13 +32,25 @@ module amontons_mortar_pair
       integer, allocatable :: shared_node(:) !! corners that are no points since they belong to an earlier set
       integer, allocatable :: open_node(:) !! corners that face nothing
       integer, allocatable :: point_of(:, :) !! the point that each corner of each side is, 0 for none (2, sides)
+      type(mortar_segment_t), allocatable :: cells(:)
+         !! parts of the slave's sides in cells of constant multipliers, and in the place of the master the point that
+         !! the cell is, 0 for none; not allocated where the points are corners
+      real(dp), allocatable :: normal(:, :) !! unit normal of each point (2, n) [-]
       integer :: sliver_side = 0 !! a side that faces so little of the master that it is left out, 0 for none
       real(dp) :: sliver_share = 0.0_dp !! what it faces, as a share of the side [-]
    contains
+      procedure :: is_set => mortar_pair_is_set
       procedure, private :: number_points => mortar_pair_number_points
    end type mortar_pair_t
 
 contains
+
+   !> Whether there is a pair: a contact set with a rigid obstacle has none.
+   elemental logical function mortar_pair_is_set(self) result(is_set)
+      class(mortar_pair_t), intent(in) :: self !! the pair
+
+      is_set = allocated(self%segments)
+   end function mortar_pair_is_set
 
    !> Finds where two boundary sets face each other.
    subroutine new_mortar_pair(pair, set, against, search, mesh, materials, constraints, is_taken, is_axisymmetric, error)
@@ -194,6 +206,7 @@ contains
       point = 0
       n = size(self%node)
       point(self%node) = [(i, i=1, n)]
+      self%normal = normal(:, self%node)
       allocate (self%point_of(2, self%slave%n_sides), self%next(n))
       do i = 1, self%slave%n_sides
          self%point_of(:, i) = point(self%slave%side(:2, i))
@@ -204,27 +217,23 @@ contains
       end do
    end subroutine mortar_pair_number_points
 
-   !> Integrates over the functions of the slave's corners.
-   pure subroutine integrate_corners(points, pair, segments, materials, n_points)
+   !> Integrates over the points of a pair.
+   pure subroutine integrate_pair(points, pair, segments, materials, n_points)
       type(mortar_points_t), intent(out) :: points !! the points
       type(mortar_pair_t), intent(in) :: pair !! the pair
       type(mortar_segment_t), intent(in) :: segments(:) !! its segments, or another cut of the same surfaces
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       integer, intent(in) :: n_points !! number of points of the quadrature
       type(mortar_piece_t), allocatable :: pieces(:)
-      real(dp), allocatable :: normal(:, :)
-      integer :: i, k
 
-      call corner_pieces(pieces, segments, pair%point_of, pair%slave, materials, n_points)
-      call integrate_pieces(points, pieces, size(pair%node), pair%slave, pair%master, materials, n_points)
-      allocate (normal(2, size(pair%node)))
-      do i = 1, pair%slave%n_sides
-         do k = 1, 2
-            if (pair%point_of(k, i) > 0) normal(:, pair%point_of(k, i)) = pair%slave%normal(:, k, i)
-         end do
-      end do
-      call points%set_normals(normal)
-   end subroutine integrate_corners
+      if (allocated(pair%cells)) then
+         call cell_pieces(pieces, segments, pair%cells)
+      else
+         call corner_pieces(pieces, segments, pair%point_of, pair%slave, materials, n_points)
+      end if
+      call integrate_pieces(points, pieces, size(pair%normal, 2), pair%slave, pair%master, materials, n_points)
+      call points%set_normals(pair%normal)
+   end subroutine integrate_pair
 
    !> Coordinates as text.
    pure function place_text(position) result(text)

@@ -119,11 +119,11 @@ contains
    end subroutine corner_pieces
 
    !> Cuts segments by cells of constant multipliers.
-   pure subroutine cell_pieces(pieces, segments, cells, cell_point)
+   pure subroutine cell_pieces(pieces, segments, cells)
       type(mortar_piece_t), allocatable, intent(out) :: pieces(:) !! the pieces
       type(mortar_segment_t), intent(in) :: segments(:) !! the segments
-      type(mortar_segment_t), intent(in) :: cells(:) !! parts of the slave's sides; in place of the master the cell
-      integer, intent(in) :: cell_point(:) !! the point that each cell is, 0 for none
+      type(mortar_segment_t), intent(in) :: cells(:)
+         !! parts of the slave's sides; in the place of the master the point that their cell is, 0 for none
       type(mortar_piece_t) :: piece
       real(dp) :: range(2)
       integer :: i, k
@@ -137,7 +137,7 @@ contains
             range = [max(segments(i)%range(1), cells(k)%range(1)), min(segments(i)%range(2), cells(k)%range(2))]
             if (.not. range(1) < range(2)) cycle
             piece%segment = mortar_segment_t(segments(i)%slave, segments(i)%master, range)
-            piece%point = [cell_point(cells(k)%master), 0]
+            piece%point = [cells(k)%master, 0]
             pieces = [pieces, piece]
          end do
       end do

@@ -11,7 +11,7 @@ module amontons_mortar_segments
    implicit none (type, external)
    private
 
-   public :: find_segments, meeting_t, meet_master, meet_side, mortar_segment_t
+   public :: find_segments, meeting_t, meet_master, meet_side, mortar_segment_t, sides_near
 
    !> A part of a side of the slave.
    type :: mortar_segment_t
