@@ -1,5 +1,5 @@
-/* What a long run is doing: on a terminal a line drawn anew each second, gone before anything is printed; in a log lines
-   of their own, less and less often. */
+/* What a long run is doing: on a terminal a line drawn anew each second, gone before anything is printed; in a log
+   lines of their own, less and less often. */
 #define _DEFAULT_SOURCE
 
 #include <poll.h>
@@ -117,7 +117,8 @@ static int wait_until(long seconds)
     return answer;
 }
 
-/* Draws the line once a second until it is closed; in a log, after 1, 2, 4 ... 64 seconds and each minute from then on. */
+/* Draws the line once a second until it is closed; in a log, after 1, 2, 4 ... 64 seconds and each minute from then
+   on. */
 static void *paint(void *nothing)
 {
     long seconds = 0, due = 1;
@@ -146,8 +147,8 @@ static int start_painter(void)
     return code;
 }
 
-/* Opens the line of a case, if standard error is a terminal or a log is to have lines: what is noted from now on will be
-   on it. Where there is no thread to be had there is no line. */
+/* Opens the line of a case, if standard error is a terminal or a log is to have lines: what is noted from now on will
+   be on it. Where there is no thread to be had there is no line. */
 void amontons_open_line(const char *text, int has_log)
 {
     pthread_condattr_t monotonic;

@@ -225,7 +225,7 @@ class ForgedFields(Verification):
     def test_collection(self):
         for change, expected in ((lambda content: content.replace(b'"9"', b'"8"'), "files of case 9 are missing or "
                                   "misplaced"),
-                                 (lambda content: content.replace(b"  </Coll", b"\n  </Coll"), "text after the last of 3"),
+                                 (lambda content: content.replace(b"  </Coll", b"\n  </Coll"), "after the last of 3"),
                                  (lambda content: content[:40], "from byte 1 on")):
             self.assert_forgery_is_found("case_0.sweep.pvd", change, f"results/case_0.sweep.pvd: .*{expected}")
 
