@@ -11,7 +11,7 @@ module amontons_listing_model
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_sides, load_t
    use amontons_material, only: material_t
-   use amontons_text, only: newline, to_text
+   use amontons_text, only: line_end, to_text
    implicit none (type, external)
    private
 
@@ -124,14 +124,14 @@ contains
    pure function mesh_notes_text(body) result(text)
       type(body_t), intent(in) :: body !! the body
       character(:), allocatable :: text
-      integer :: first, length
+      integer :: first, last
 
       text = ''
       first = 1
       do while (first <= len(body%mesh_notes))
-         length = index(body%mesh_notes(first:)//newline, newline) - 1
-         text = text//line('Note', body%mesh_notes(first:first + length - 1))
-         first = first + length + 1
+         last = line_end(body%mesh_notes, first)
+         text = text//line('Note', body%mesh_notes(first:last))
+         first = last + 2
       end do
    end function mesh_notes_text
 

@@ -13,17 +13,20 @@ module amontons_contact_zone
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: obstacle_names, obstacle_t
+   use amontons_pairing, only: pairing_t
    implicit none (type, external)
    private
 
    public :: contact_t, contact_zone_t, new_contact, new_contact_zone
 
-   !> A boundary set that may touch a rigid obstacle, and the friction there: |lambda_T| <= g + phi lambda_N.
+   !> A boundary set that may touch a rigid obstacle or another body, and the friction there: |lambda_T| <= g + phi
+   !> lambda_N.
    type :: contact_t
       character(:), allocatable :: name
          !! its name, by which a load history knows it besides its set; empty or not allocated without one
       character(:), allocatable :: set !! name of the boundary set
-      type(obstacle_t) :: obstacle !! the obstacle
+      type(obstacle_t) :: obstacle !! the rigid obstacle, if the set is not paired
+      type(pairing_t) :: pairing !! the other body, if the set is paired
       real(dp) :: direction(2) = 0.0_dp !! along which gaps count, towards the obstacle; 0, 0 for the body's normal [-]
       real(dp) :: extra_gap = 0.0_dp !! added to every gap; negative for an interference [L]
       type(line_field_t) :: friction !! Coulomb's coefficient phi, at least 0 [-]
