@@ -82,8 +82,7 @@ contains
    end subroutine new_element_geometry
 
    !> Averages the change of volume that each displacement makes over the element, by the points of its stiffness: in a
-   !> body of revolution other points give another mean, and a pressure that grows without bound as Poisson's ratio nears
-   !> 0.5.
+   !> body of revolution other points give another mean, and near a Poisson's ratio of 0.5 a wrong pressure.
    pure recursive subroutine average_dilatation(geometry, mesh, element, material)
       type(element_geometry_t), intent(inout) :: geometry !! the element's shape functions; gains the means
       type(mesh_t), intent(in) :: mesh !! the mesh
