@@ -96,7 +96,9 @@ contains
       type(load_t), intent(in) :: loads(:) !! the loads
       integer :: i
 
-      if (mesh%is_file) call self%add_input(mesh%source)
+      do i = 1, mesh%files%n()
+         call self%add_input(mesh%files%item(i))
+      end do
       do i = 1, size(contacts)
          if (allocated(contacts(i)%friction%file)) call self%add_input(contacts(i)%friction%file)
          if (allocated(contacts(i)%slip_bound%file)) call self%add_input(contacts(i)%slip_bound%file)
