@@ -1,5 +1,5 @@
-!> Displacements of nodes that are not unknowns themselves: those of the slave of a pair follow from the displacements of
-!> other nodes and unknowns of their own, u = P y.
+!> Displacements of nodes that are not unknowns themselves: those of the slave of a pair follow from the displacements
+!> of other nodes and unknowns of their own, u = P y.
 !>
 !> Of most nodes u = y. The own unknown of a corner of a slave is its relative displacement w, that of a middle node
 !> between two corners its deviation from their mean; a bonded node has none. Stiffness and load of the unknowns are

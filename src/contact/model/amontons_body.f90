@@ -46,7 +46,7 @@ module amontons_body
       type(contact_zone_t) :: zone !! the contact points
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
       type(contact_rows_t) :: checked_rows !! the rows of the points, those of pairs integrated on another way
-      real(dp), allocatable :: gap_change(:) !! how much larger the gaps between the bodies' meshes are on that way (m) [L]
+      real(dp), allocatable :: gap_change(:) !! how much larger the meshes' gaps are on that way (m) [L]
       type(dof_map_t) :: dof_map !! numbers of the unknowns
       type(condensation_t) :: condensation !! the factorized stiffness, after `condense_body`
    end type body_t
@@ -88,7 +88,7 @@ contains
       call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric)
       call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error)
       if (allocated(error)) return
-      call recompute_pairs(body%checked_rows, body%gap_change, body%zone, body%materials)
+      call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
       call new_dof_map(body%dof_map, body%constraints, body%zone%node)
       call measure_cells(body, contacts, error)
    end subroutine new_body

@@ -29,10 +29,10 @@ module amontons_certificate
       real(dp) :: energy = 0.0_dp
          !! |u . (K u - f_th) - work of all forces| / sum of the magnitudes of the terms, or more [-]
       logical :: has_pairs = .false. !! whether there are pairs of bodies
-      real(dp) :: pair_force = 0.0_dp !! |sum of the contact forces on both bodies of a pair| / sum of their magnitudes [-]
+      real(dp) :: pair_force = 0.0_dp
+         !! |sum of the contact forces on both bodies of the pairs| / sum of their magnitudes [-]
       real(dp) :: pair_moment = 0.0_dp
-         !! |their moment less the couple of the forces across the gaps| / (sum of the magnitudes times half of the size)
-         !! [-]
+         !! |their moment less the couple of the forces across the gaps| / (these magnitudes times half the size) [-]
       logical :: has_duality_gap = .false. !! whether no point rubs by Coulomb's law, so that both energies exist
       real(dp) :: duality_gap = 0.0_dp
          !! |primal energy of u - dual energy of lambda| / the same, of a given slip bound or none [-]

@@ -5,7 +5,6 @@ module amontons_pair_check
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_kinds, only: dp
-   use amontons_material, only: materials_t
    use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points
    use amontons_mortar_points, only: mortar_points_t
    use amontons_mortar_segments, only: meet_master, meeting_t, mortar_segment_t, sides_near
@@ -17,12 +16,11 @@ module amontons_pair_check
 contains
 
    !> Recomputes rows and gaps of the points of pairs; those of the others stay.
-   pure subroutine recompute_pairs(rows, gap_change, zone, materials)
+   pure subroutine recompute_pairs(rows, gap_change, zone)
       type(contact_rows_t), intent(out) :: rows !! the rows
       real(dp), allocatable, intent(out) :: gap_change(:)
          !! by how much the gap that the meshes have is larger than in the zone (m) [L]
       type(contact_zone_t), intent(in) :: zone !! the contact points
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
       integer, parameter :: n_points = n_quadrature_points + 3
       integer :: nothing(0)
       type(mortar_points_t) :: points
@@ -37,7 +35,7 @@ contains
             call rows%add(zone%rows%picked(of_set))
             cycle
          end if
-         call integrate_pair(points, zone%pairs(set), segments_of(zone%pairs(set)), materials, n_points)
+         call integrate_pair(points, zone%pairs(set), segments_of(zone%pairs(set)), n_points)
          call rows%add(points%rows)
          do i = 1, size(of_set)
             gap_change(of_set(i)) = mean(points%quadrature%start, i, points%quadrature%share*points%quadrature%gap) &

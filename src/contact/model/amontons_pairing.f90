@@ -7,7 +7,7 @@ module amontons_pairing
 
    public :: gap_names, new_tie, pairing_t, tie_t
 
-   !> Where the gaps of a pair come from, as a deck writes it: from the meshes, or 0 wherever the bodies face each other.
+   !> Where the gaps of a pair come from, as a deck writes it: from the meshes, or 0 where the bodies face each other.
    character(8), parameter :: gap_names(*) = [character(8) :: 'mesh', 'touching']
 
    !> The other body of a contact set. The set is the slave, which carries the multipliers; the other body's boundary is
