@@ -23,6 +23,8 @@ COMPANIONS = {
     ("sweep", "count"): {"load": "'push'", "factor": "1.0, 2.0"},
     ("sweep", "combine"): {"load": "'push'", "factor": "1.0, 2.0"},
     ("contact", "radius"): {"set": "'bottom'", "obstacle": "'circle'"},
+    ("contact", "search"): {"set": "'bottom'", "against": "'top'"},
+    ("contact", "gap"): {"set": "'bottom'", "against": "'top'"},
     ("contact", "cells"): {"set": "'bottom'", "multipliers": "'constant'"},
     ("contact", "cell_ends"): {"set": "'bottom'", "multipliers": "'constant'"},
     ("problem", "friction"): {"kind": "'reduced'", "file": "'none.dat'"},
