@@ -12,8 +12,12 @@ module amontons_contact_zone
    use amontons_line_field, only: line_field_t
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
+   use amontons_mortar_pair, only: integrate_corners, mortar_pair_t, n_quadrature_points, new_mortar_pair
+   use amontons_mortar_points, only: cell_pieces, integrate_pieces, mortar_piece_t, mortar_points_t
+   use amontons_mortar_segments, only: mortar_segment_t
    use amontons_obstacle, only: obstacle_names, obstacle_t
    use amontons_pairing, only: pairing_t
+   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
@@ -38,12 +42,16 @@ module amontons_contact_zone
    !> The contact points of all contact sets, each set in the order of its line, body on the left.
    type :: contact_zone_t
       integer :: n_points = 0 !! number m of contact points
+      logical :: is_nodal = .true. !! whether each point's displacement is that of one node
       integer, allocatable :: node(:)
-         !! the nodes whose displacements the points are made of; node by node those of the points if none is a cell
+         !! the nodes whose displacements the points are made of; node by node those of the points if these are nodal
       logical, allocatable :: is_cell(:) !! whether the point is a cell of constant multipliers; a node otherwise (m)
       type(contact_rows_t) :: rows !! the nodes' shares in the displacements of the points
       type(contact_quadrature_t) :: quadrature !! where gaps and friction are measured
       real(dp), allocatable :: position(:, :) !! coordinates of the node or of the center of the cell (2, m) [L]
+      real(dp), allocatable :: foot(:, :)
+         !! mean position on the other body of a pair; the point's own with a rigid obstacle (2, m) [L]
+      type(mortar_pair_t), allocatable :: pairs(:) !! the surfaces of each contact set that is paired (contact sets)
       integer, allocatable :: set(:) !! which contact set the point belongs to (m)
       integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (m)
       real(dp), allocatable :: normal(:, :) !! unit normal n towards the obstacle; the tangent is t = (-n_y, n_x) (2, m)
@@ -92,6 +100,7 @@ contains
          return
       end do
       call empty_zone(zone)
+      allocate (zone%pairs(size(contacts)))
       is_taken = .false.
       do i = 1, size(contacts)
          if (all(is_taken(lines(i)%node))) then
@@ -99,7 +108,11 @@ contains
                'every node of this contact set belongs to an earlier one')
             return
          end if
-         if (contacts(i)%partition%is_constant) then
+         if (contacts(i)%pairing%is_pair()) then
+            call add_pair(zone, i, contacts(i), mesh, materials, constraints, is_taken, error)
+            if (allocated(error)) error%message = contacts(i)%origin//error%message
+            if (allocated(error)) return
+         else if (contacts(i)%partition%is_constant) then
             call add_cells(zone, i, contacts(i), lines(i), mesh, materials, constraints, error)
             if (allocated(error)) error%message = contacts(i)%origin//error%message
             if (allocated(error)) return
@@ -125,11 +138,12 @@ contains
       type(contact_quadrature_t) :: no_quadrature
 
       allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), &
-         zone%zero_area_node(0), zone%is_cell(0), zone%is_tangent_fixed(0), zone%position(2, 0), zone%normal(2, 0), &
+         zone%zero_area_node(0), zone%is_cell(0), zone%is_tangent_fixed(0), zone%position(2, 0), zone%foot(2, 0), &
+         zone%normal(2, 0), &
          zone%weight(0), zone%area(0))
       allocate (no_rows%start(1), no_quadrature%start(1), source=1)
       allocate (no_rows%node(0), no_rows%part(2, 0), no_quadrature%position(2, 0), no_quadrature%normal(2, 0), &
-         no_quadrature%outward(0), no_quadrature%arc_length(0), no_quadrature%share(0))
+         no_quadrature%outward(0), no_quadrature%arc_length(0), no_quadrature%gap(0), no_quadrature%share(0))
       zone%rows = no_rows
       zone%quadrature = no_quadrature
    end subroutine empty_zone
@@ -148,6 +162,11 @@ contains
       zone%is_cell = [zone%is_cell, points%is_cell]
       zone%is_tangent_fixed = [zone%is_tangent_fixed, points%is_tangent_fixed]
       zone%position = reshape([zone%position, points%position], [2, zone%n_points])
+      if (allocated(points%foot)) then
+         zone%foot = reshape([zone%foot, points%foot], [2, zone%n_points])
+      else
+         zone%foot = reshape([zone%foot, points%position], [2, zone%n_points])
+      end if
       zone%normal = reshape([zone%normal, points%normal], [2, zone%n_points])
       zone%weight = [zone%weight, points%weight]
       zone%area = [zone%area, points%area]
@@ -207,7 +226,7 @@ contains
          points%rows = contact_rows_t(start=[(k, k=1, n + 1)], node=node, part=points%normal)
          points%quadrature = contact_quadrature_t(start=points%rows%start, position=points%position, &
             normal=points%normal, outward=sum(points%normal*line%normal(:, place), dim=1), &
-            arc_length=arc_length(place), share=spread(1.0_dp, 1, n))
+            arc_length=arc_length(place), gap=spread(0.0_dp, 1, n), share=spread(1.0_dp, 1, n))
          zone%node = [zone%node, node]
       end associate
       call add_points(zone, points)
@@ -231,6 +250,7 @@ contains
 
       call new_contact_cells(cells, mesh, materials, contact%set, line, contact%partition, contact%direction, error)
       if (allocated(error)) return
+      zone%is_nodal = .false.
       do k = 1, line%n_nodes
          if (all(zone%node /= line%node(k))) zone%node = [zone%node, line%node(k)]
       end do
@@ -261,5 +281,124 @@ contains
       end do
       call add_points(zone, points)
    end subroutine add_cells
+
+   !> Adds the points of a pair of surfaces: corners of the slave, or cells.
+   subroutine add_pair(zone, set, contact, mesh, materials, constraints, is_taken, error)
+      type(contact_zone_t), intent(inout) :: zone !! the zone
+      integer, intent(in) :: set !! number of the contact set
+      type(contact_t), intent(in) :: contact !! the contact set
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(constraints_t), intent(in) :: constraints !! the supports
+      logical, intent(in) :: is_taken(:) !! whether a node belongs to an earlier contact set (nodes)
+      type(error_t), allocatable, intent(out) :: error !! the sets do not face each other, or overlap by far
+      type(mortar_points_t) :: integrals
+      type(contact_zone_t) :: points
+      integer :: k, n
+
+      associate (pair => zone%pairs(set))
+         call new_mortar_pair(pair, contact%set, contact%pairing%against, contact%pairing%search, mesh, materials, &
+            constraints, is_taken, materials%list(1)%is_axisymmetric, error)
+         if (allocated(error)) return
+         if (contact%partition%is_constant) then
+            call pair_cells(points, integrals, zone%n_held_cells, pair, contact, mesh, materials, constraints, error)
+            if (allocated(error)) return
+         else
+            call integrate_corners(integrals, pair, pair%segments, materials, n_quadrature_points)
+            n = size(pair%node)
+            points%next = pair%next
+            points%is_cell = spread(.false., 1, n)
+            points%is_tangent_fixed = [(.not. all(constraints%is_free(:, pair%node(k))), k=1, n)]
+            points%position = mesh%coordinates(:, pair%node)
+            zone%held_node = [zone%held_node, pair%held_node]
+            zone%shared_node = [zone%shared_node, pair%shared_node]
+         end if
+         call check_overlap(pair, integrals, contact, error)
+         if (allocated(error)) return
+      end associate
+      n = size(integrals%area)
+      points%n_points = n
+      points%set = spread(set, 1, n)
+      points%foot = integrals%foot
+      points%weight = integrals%length
+      points%area = integrals%area
+      points%rows = integrals%rows
+      points%quadrature = integrals%quadrature
+      points%normal = integrals%normal
+      zone%is_nodal = .false.
+      do k = 1, size(integrals%rows%node)
+         if (all(zone%node /= integrals%rows%node(k))) zone%node = [zone%node, integrals%rows%node(k)]
+      end do
+      call add_points(zone, points)
+   end subroutine add_pair
+
+   !> The cells of constant multipliers of a pair. A cell that faces nothing is no point, nor is one whose nodes supports
+   !> hold along its normal.
+   subroutine pair_cells(points, integrals, n_held, pair, contact, mesh, materials, constraints, error)
+      type(contact_zone_t), intent(inout) :: points !! gains what the cells have by themselves
+      type(mortar_points_t), intent(out) :: integrals !! their integrals
+      integer, intent(inout) :: n_held !! gains the number of cells that supports hold
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      type(contact_t), intent(in) :: contact !! the contact set
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
+      real(dp), parameter :: no_direction(2) = 0.0_dp
+      type(contact_cells_t) :: cells
+      type(mortar_piece_t), allocatable :: pieces(:)
+      type(mortar_segment_t), allocatable :: parts(:)
+      integer, allocatable :: point(:)
+      logical, allocatable :: faces(:), is_held(:)
+      integer :: cell, k
+
+      call new_contact_cells(cells, mesh, materials, contact%set, pair%line, contact%partition, no_direction, error)
+      if (allocated(error)) return
+      parts = [(mortar_segment_t(cells%segments(k)%side, cells%segments(k)%cell, cells%segments(k)%range), &
+         k=1, size(cells%segments))]
+      call cell_pieces(pieces, pair%segments, parts, [(k, k=1, cells%n_cells)])
+      faces = [(any(pieces%point(1) == cell), cell=1, cells%n_cells)]
+      allocate (is_held(cells%n_cells), point(0:cells%n_cells))
+      do cell = 1, cells%n_cells
+         is_held(cell) = .not. any([(constraints%leaves_free(cells%rows%node(k), cells%normal(:, cell)), &
+            k=cells%rows%start(cell), cells%rows%start(cell + 1) - 1)])
+      end do
+      n_held = n_held + count(is_held .and. faces)
+      associate (kept => pack([(k, k=1, cells%n_cells)], faces .and. .not. is_held))
+         point = 0
+         point(kept) = [(k, k=1, size(kept))]
+         do k = 1, size(pieces)
+            pieces(k)%point(1) = point(pieces(k)%point(1))
+         end do
+         call integrate_pieces(integrals, pieces, size(kept), pair%slave, pair%master, materials, n_quadrature_points)
+         call integrals%set_normals(cells%normal(:, kept))
+         points%next = point(cells%next(kept))
+         points%is_cell = spread(.true., 1, size(kept))
+         points%position = integrals%center
+         allocate (points%is_tangent_fixed(size(kept)))
+         do k = 1, size(kept)
+            associate (node => cells%rows%node(cells%rows%start(kept(k)):cells%rows%start(kept(k) + 1) - 1))
+               points%is_tangent_fixed(k) = .not. any(all(constraints%is_free(:, node), dim=1))
+            end associate
+         end do
+      end associate
+   end subroutine pair_cells
+
+   !> Refuses meshes that overlap by more than half of a side.
+   pure subroutine check_overlap(pair, integrals, contact, error)
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      type(mortar_points_t), intent(in) :: integrals !! its integrals
+      type(contact_t), intent(in) :: contact !! its contact set
+      type(error_t), allocatable, intent(out) :: error !! they do
+      integer :: q
+
+      if (contact%pairing%gap /= 'mesh' .or. size(integrals%quadrature%gap) == 0) return
+      q = minloc(integrals%quadrature%gap, dim=1)
+      if (integrals%quadrature%gap(q) >= -0.5_dp*pair%slave%longest) return
+      call new_error(error, input_refused, "'"//contact%set//"' and '"//contact%pairing%against//"' overlap by up to "// &
+         to_text(-integrals%quadrature%gap(q))//' before any load (side at '// &
+         to_text(integrals%quadrature%position(1, q))//', '//to_text(integrals%quadrature%position(2, q))// &
+         "), more than half a side: give extra_gap for an interference, or gap = 'touching'")
+   end subroutine check_overlap
 
 end module amontons_contact_zone
