@@ -53,8 +53,8 @@ contains
          if (allocated(result%error_estimate)) call listing%add( &
             heading('Accuracy (energy norm of the stress error)')// &
             quantities_text(result%error_estimate%quantities()))
-         call listing%add(points_text('Contact points (forces and stresses: compression and shear along the slip '// &
-            'positive)', columns, solution%status), [0.0_dp, pack(columns%scale, columns%label /= ''), 0.0_dp])
+         call listing%add(points_text('Contact points (normal: compression positive; tangential: positive along t)', &
+            columns, solution%status), [0.0_dp, pack(columns%scale, columns%label /= ''), 0.0_dp])
       end associate
       call listing%record(times_text(result%timings, listed_phases))
    end subroutine new_listing
@@ -150,7 +150,7 @@ contains
       real(dp), intent(in) :: tolerance !! tolerance of the contact method [-]
       character(:), allocatable :: text
 
-      text = heading('Certificate on the full model (violations, each over its natural scale)') &
+      text = heading('Checks on the full model (relative errors)') &
          //violations_text(certificate%violations(), certificate_limit(tolerance))
    end function certificate_text
 

@@ -62,7 +62,7 @@ contains
       text = line('Converged', 'NO: stopped after '//to_text(solution%n_iterations)// &
          ' iterations; the results below are not the solution')
       if (solution%is_at_rest) text = text// &
-         line('Note', 'the forces came to rest at a wrong answer: they do not fulfil the contact law')
+         line('Note', 'iteration stagnated at a wrong answer: the forces do not satisfy the contact law')
    end function outcome_text
 
    !> The residual, at the end and after each iteration; of many iterations about twenty.

@@ -93,7 +93,7 @@ contains
             if (ok) ok = number >= 0 .and. number < size(has_grids)
             if (ok) ok = has_grids(number) .and. (name == to_text(number)//'.vtu' .or. &
                name == to_text(number)//'.contact.vtu')
-            if (.not. ok) call summary%faults%add(folder//'/'//name, 'it is no grid of this sweep')
+            if (.not. ok) call summary%faults%add(folder//'/'//name, 'not a grid of this sweep')
          end associate
       end do
    end subroutine check_surplus
