@@ -339,8 +339,11 @@ contains
             method%space == 'primal'), 'space', &
             "space must be 'dual' for a reduced problem, which has no stiffness to sweep on")
          if (.not. allocated(config%contacts)) return
-         call visitor%require(.not. (config%condensation == 'band' .and. any(config%contacts%partition%is_constant)), &
-            'condensation', "condensation must be 'dense' or 'auto' with constant multipliers")
+         associate (contacts => config%contacts)
+            call visitor%require(.not. (config%condensation == 'band' .and. any(contacts%partition%is_constant .or. &
+               contacts%pairing%is_pair())), 'condensation', &
+               "condensation must be 'dense' or 'auto' with constant multipliers and with contact against another body")
+         end associate
       end associate
    end subroutine describe_solver
 
