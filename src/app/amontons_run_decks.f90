@@ -92,7 +92,7 @@ contains
       integer :: i
 
       if (count(outcomes%has_grids) < 2) return
-      call new_collection(collection, directory//'/cases.pvd', error)
+      call new_collection(collection, directory//'/cases.pvd', '', error)
       if (allocated(error)) return
       do i = 1, size(outcomes)
          if (outcomes(i)%has_grids) call collection%add(to_text(i), outcomes(i)%name)

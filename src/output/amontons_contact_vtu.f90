@@ -22,15 +22,16 @@ module amontons_contact_vtu
 contains
 
    !> Writes the file under its temporary name.
-   subroutine write_contact_vtu(file, path, body, result, error)
+   subroutine write_contact_vtu(file, path, units, body, result, error)
       type(output_file_t), intent(out) :: file !! the finished file
       character(*), intent(in) :: path !! name of the file
+      character(*), intent(in) :: units !! names of the units of the case
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! the file cannot be written
       type(vtk_file_t) :: vtk
 
-      call new_vtk_file(vtk, path, n_line_points(body%zone), n_line_cells(body%zone), error)
+      call new_vtk_file(vtk, path, units, n_line_points(body%zone), n_line_cells(body%zone), error)
       if (allocated(error)) return
       call show_contact_line(vtk, body, result)
       call vtk%finish(file, error)
@@ -51,7 +52,7 @@ contains
       do i = 1, size(columns)
          if (.not. columns(i)%is_field) cycle
          vtk%scale = columns(i)%scale
-         call vtk%put_reals('PointData', trim(columns(i)%key), 1, &
+         call vtk%put_reals('PointData', trim(columns(i)%key), trim(columns(i)%dimension), 1, &
             [columns(i)%values, at_nodes(body, columns(i)%values, line%node)])
       end do
       vtk%scale = 0.0_dp
@@ -70,14 +71,15 @@ contains
 
       associate (zone => body%zone, u => result%displacement, force => result%solution%force)
          slave = side_rows(zone, .false.)
-         call vtk%put_vectors('PointData', 'displacement', &
+         call vtk%put_vectors('PointData', 'displacement', 'L', &
             joined(vectors(zone, slave%displacement(u)), u(:, line%node)))
-         call vtk%put_vectors('PointData', 'normal', joined(zone%normal, line%normal))
+         call vtk%put_vectors('PointData', 'normal', '', joined(zone%normal, line%normal))
          if (line%n_nodes == 0) return
          vtk%scale = maxval(abs(u))
-         call vtk%put_vectors('PointData', 'jump', joined(vectors(zone, zone%rows%displacement(u)), 0.0_dp*line%normal))
+         call vtk%put_vectors('PointData', 'jump', 'L', &
+            joined(vectors(zone, zone%rows%displacement(u)), 0.0_dp*line%normal))
          vtk%scale = maxval([0.0_dp, abs(force)])
-         call vtk%put_vectors('PointData', 'force', &
+         call vtk%put_vectors('PointData', 'force', 'F', &
             joined(-vectors(zone, force), line%forces(zone, force, body%mesh%n_nodes)))
          vtk%scale = 0.0_dp
       end associate
@@ -107,8 +109,8 @@ contains
          lone = pack([(i, i=1, zone%n_points)], .not. have_neighbor(zone))
          n_lines = size(start) + size(line%segment, 2)
          call vtk%put_cells(joined(zone%position, body%mesh%coordinates(:, line%node)), &
-            [(start(i), zone%next(start(i)), i=1, size(start)), zone%n_points + reshape(line%segment, [size(line%segment)]), &
-            lone], [(2*i, i=1, n_lines), (2*n_lines + i, i=1, size(lone))], &
+            [(start(i), zone%next(start(i)), i=1, size(start)), zone%n_points + [line%segment], lone], &
+            [(2*i, i=1, n_lines), (2*n_lines + i, i=1, size(lone))], &
             [spread(vtk_line, 1, n_lines), spread(vtk_vertex, 1, size(lone))])
       end associate
    end subroutine put_line

@@ -121,7 +121,7 @@ contains
       if (len(fault) > 0) return
       result%solution%status = case%status
       call judge(result, body)
-      call check_grids(summary%faults, body, result, grid)
+      call check_grids(summary%faults, config%units, body, result, grid)
       if (.not. result%certificate%largest() <= limit) call summary%faults%add(grid//'.vtu', &
          'equilibrium or contact law is violated by '//to_text(result%certificate%largest())// &
          ', more than the limit of '//to_text(limit))

@@ -283,8 +283,8 @@ class Refusals(ReducedTest):
         for method in ("newton", "splitting", "psor", "lemke"):
             deck = deck_of("case.dat").replace("psor", method)
             run = self.run_program("--output", "results", self.write("case.nml", deck), status=2)
-            self.assertEqual(run.stderr, "case.nml: floating-point overflow in the contact method: check the units of W, "
-                             "q and mu\n")
+            self.assertEqual(run.stderr, "case.nml: floating-point overflow in the contact method: check the units of "
+                             "W, q and mu\n")
         self.assertEqual(self.files(), ["case.dat", "case.nml"])
 
     def test_missing_file(self):

@@ -36,7 +36,7 @@ contains
       call listing%add(heading('Checks on the problem as read (relative errors)')// &
          violations_text(result%check%violations(), certificate_limit(config%method%tolerance)), [1.0_dp])
       call listing%add(points_text('Contacts (u and r as in the file: a tangential force opposes its slip)', columns, &
-         result%solution%status), [0.0_dp, columns%scale, 0.0_dp])
+         result%solution%status, config%units), [0.0_dp, columns%scale, 0.0_dp])
       call listing%record(times_text(result%timings, [phase_read, phase_solve, phase_recover]))
    end subroutine new_reduced_listing
 
@@ -93,6 +93,7 @@ contains
          allocate (list(4))
          list%key = [character(16) :: 'gap', 'slip', 'normal_force', 'tangential_force']
          list%label = [character(12) :: 'gap', 'slip', 'normal force', 'tang. force']
+         list%dimension = [character(9) :: 'L', 'L', 'F', 'F']
          list%scale = [length, length, force, force]
          list(1)%values = u(1::2)
          list(2)%values = u(2::2)
