@@ -12,12 +12,11 @@ module amontons_contact_zone
    use amontons_line_field, only: line_field_t
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_mortar_pair, only: integrate_corners, mortar_pair_t, n_quadrature_points, new_mortar_pair
-   use amontons_mortar_points, only: cell_pieces, integrate_pieces, mortar_piece_t, mortar_points_t
-   use amontons_mortar_segments, only: mortar_segment_t
+   use amontons_mortar_cells, only: choose_cells
+   use amontons_mortar_pair, only: check_overlap, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
+   use amontons_mortar_points, only: mortar_points_t
    use amontons_obstacle, only: obstacle_names, obstacle_t
    use amontons_pairing, only: pairing_t
-   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
@@ -88,38 +87,21 @@ contains
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(constraints_t), intent(in) :: constraints !! the supports
       type(error_t), allocatable, intent(out) :: error !! a missing set, or no point at all
-      type(boundary_line_t), allocatable :: lines(:)
       logical :: is_taken(mesh%n_nodes)
       integer :: i
 
-      allocate (lines(size(contacts)))
-      do i = 1, size(contacts)
-         call new_boundary_line(lines(i), mesh, contacts(i)%set, error, materials)
-         if (.not. allocated(error)) cycle
-         error%message = contacts(i)%origin//error%message
-         return
-      end do
       call empty_zone(zone)
       allocate (zone%pairs(size(contacts)))
       is_taken = .false.
       do i = 1, size(contacts)
-         if (all(is_taken(lines(i)%node))) then
-            call new_error(error, input_refused, contacts(i)%origin// &
-               'every node of this contact set belongs to an earlier one')
-            return
-         end if
          if (contacts(i)%pairing%is_pair()) then
             call add_pair(zone, i, contacts(i), mesh, materials, constraints, is_taken, error)
-            if (allocated(error)) error%message = contacts(i)%origin//error%message
-            if (allocated(error)) return
-         else if (contacts(i)%partition%is_constant) then
-            call add_cells(zone, i, contacts(i), lines(i), mesh, materials, constraints, error)
-            if (allocated(error)) error%message = contacts(i)%origin//error%message
-            if (allocated(error)) return
          else
-            call add_line(zone, i, contacts(i)%direction, lines(i), mesh, constraints, is_taken)
+            call add_set(zone, i, contacts(i), mesh, materials, constraints, is_taken, error)
          end if
-         is_taken(lines(i)%node) = .true.
+         if (.not. allocated(error)) cycle
+         error%message = contacts(i)%origin//error%message
+         return
       end do
       if (size(contacts) == 0 .or. zone%n_points > 0) return
       if (size(zone%zero_area_node) > 0) then
@@ -130,6 +112,32 @@ contains
             'supports hold every contact node; nothing is left that could come into contact')
       end if
    end subroutine new_contact_zone
+
+   !> Adds the points of a set that faces a rigid obstacle.
+   subroutine add_set(zone, set, contact, mesh, materials, constraints, is_taken, error)
+      type(contact_zone_t), intent(inout) :: zone !! the zone
+      integer, intent(in) :: set !! number of the contact set
+      type(contact_t), intent(in) :: contact !! the contact set
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(constraints_t), intent(in) :: constraints !! the supports
+      logical, intent(inout) :: is_taken(:) !! whether a node belongs to an earlier contact set; gains those of this one
+      type(error_t), allocatable, intent(out) :: error !! a missing set, or nothing is left of it
+      type(boundary_line_t) :: line
+
+      call new_boundary_line(line, mesh, contact%set, error, materials)
+      if (allocated(error)) return
+      if (all(is_taken(line%node))) then
+         call new_error(error, input_refused, 'every node of this contact set belongs to an earlier one')
+         return
+      end if
+      if (contact%partition%is_constant) then
+         call add_cells(zone, set, contact, line, mesh, materials, constraints, error)
+      else
+         call add_line(zone, set, contact%direction, line, mesh, constraints, is_taken)
+      end if
+      is_taken(line%node) = .true.
+   end subroutine add_set
 
    !> A zone without points.
    pure subroutine empty_zone(zone)
@@ -290,115 +298,48 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(constraints_t), intent(in) :: constraints !! the supports
-      logical, intent(in) :: is_taken(:) !! whether a node belongs to an earlier contact set (nodes)
+      logical, intent(inout) :: is_taken(:) !! whether a node belongs to an earlier contact set; gains those of this one
       type(error_t), allocatable, intent(out) :: error !! the sets do not face each other, or overlap by far
       type(mortar_points_t) :: integrals
       type(contact_zone_t) :: points
       integer :: k, n
 
       associate (pair => zone%pairs(set))
-         call new_mortar_pair(pair, contact%set, contact%pairing%against, contact%pairing%search, mesh, materials, &
-            constraints, is_taken, materials%list(1)%is_axisymmetric, error)
+         call new_mortar_pair(pair, contact%set, contact%pairing, mesh, materials, constraints, is_taken, error)
          if (allocated(error)) return
+         if (contact%partition%is_constant) call choose_cells(pair, contact%set, contact%partition, mesh, materials, &
+            constraints, error)
+         if (allocated(error)) return
+         call integrate_pair(integrals, pair, pair%segments, n_quadrature_points)
+         if (contact%pairing%has_mesh_gap()) call check_overlap(pair, integrals, contact%set, contact%pairing, error)
+         if (allocated(error)) return
+         n = size(integrals%area)
+         points%next = pair%next
+         points%is_tangent_fixed = pair%is_tangent_fixed
+         points%normal = pair%normal
          if (contact%partition%is_constant) then
-            call pair_cells(points, integrals, zone%n_held_cells, pair, contact, mesh, materials, constraints, error)
-            if (allocated(error)) return
+            points%position = integrals%center
          else
-            call integrate_corners(integrals, pair, pair%segments, materials, n_quadrature_points)
-            n = size(pair%node)
-            points%next = pair%next
-            points%is_cell = spread(.false., 1, n)
-            points%is_tangent_fixed = [(.not. all(constraints%is_free(:, pair%node(k))), k=1, n)]
             points%position = mesh%coordinates(:, pair%node)
-            zone%held_node = [zone%held_node, pair%held_node]
-            zone%shared_node = [zone%shared_node, pair%shared_node]
          end if
-         call check_overlap(pair, integrals, contact, error)
-         if (allocated(error)) return
+         zone%held_node = [zone%held_node, pair%held_node]
+         zone%shared_node = [zone%shared_node, pair%shared_node]
+         zone%n_held_cells = zone%n_held_cells + pair%n_held_cells
+         is_taken(pair%line%node) = .true.
       end associate
-      n = size(integrals%area)
       points%n_points = n
       points%set = spread(set, 1, n)
+      points%is_cell = spread(contact%partition%is_constant, 1, n)
       points%foot = integrals%foot
       points%weight = integrals%length
       points%area = integrals%area
       points%rows = integrals%rows
       points%quadrature = integrals%quadrature
-      points%normal = integrals%normal
       zone%is_nodal = .false.
       do k = 1, size(integrals%rows%node)
          if (all(zone%node /= integrals%rows%node(k))) zone%node = [zone%node, integrals%rows%node(k)]
       end do
       call add_points(zone, points)
    end subroutine add_pair
-
-   !> The cells of constant multipliers of a pair. A cell that faces nothing is no point, nor is one whose nodes supports
-   !> hold along its normal.
-   subroutine pair_cells(points, integrals, n_held, pair, contact, mesh, materials, constraints, error)
-      type(contact_zone_t), intent(inout) :: points !! gains what the cells have by themselves
-      type(mortar_points_t), intent(out) :: integrals !! their integrals
-      integer, intent(inout) :: n_held !! gains the number of cells that supports hold
-      type(mortar_pair_t), intent(in) :: pair !! the pair
-      type(contact_t), intent(in) :: contact !! the contact set
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
-      type(constraints_t), intent(in) :: constraints !! the supports
-      type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
-      real(dp), parameter :: no_direction(2) = 0.0_dp
-      type(contact_cells_t) :: cells
-      type(mortar_piece_t), allocatable :: pieces(:)
-      type(mortar_segment_t), allocatable :: parts(:)
-      integer, allocatable :: point(:)
-      logical, allocatable :: faces(:), is_held(:)
-      integer :: cell, k
-
-      call new_contact_cells(cells, mesh, materials, contact%set, pair%line, contact%partition, no_direction, error)
-      if (allocated(error)) return
-      parts = [(mortar_segment_t(cells%segments(k)%side, cells%segments(k)%cell, cells%segments(k)%range), &
-         k=1, size(cells%segments))]
-      call cell_pieces(pieces, pair%segments, parts, [(k, k=1, cells%n_cells)])
-      faces = [(any(pieces%point(1) == cell), cell=1, cells%n_cells)]
-      allocate (is_held(cells%n_cells), point(0:cells%n_cells))
-      do cell = 1, cells%n_cells
-         is_held(cell) = .not. any([(constraints%leaves_free(cells%rows%node(k), cells%normal(:, cell)), &
-            k=cells%rows%start(cell), cells%rows%start(cell + 1) - 1)])
-      end do
-      n_held = n_held + count(is_held .and. faces)
-      associate (kept => pack([(k, k=1, cells%n_cells)], faces .and. .not. is_held))
-         point = 0
-         point(kept) = [(k, k=1, size(kept))]
-         do k = 1, size(pieces)
-            pieces(k)%point(1) = point(pieces(k)%point(1))
-         end do
-         call integrate_pieces(integrals, pieces, size(kept), pair%slave, pair%master, materials, n_quadrature_points)
-         call integrals%set_normals(cells%normal(:, kept))
-         points%next = point(cells%next(kept))
-         points%is_cell = spread(.true., 1, size(kept))
-         points%position = integrals%center
-         allocate (points%is_tangent_fixed(size(kept)))
-         do k = 1, size(kept)
-            associate (node => cells%rows%node(cells%rows%start(kept(k)):cells%rows%start(kept(k) + 1) - 1))
-               points%is_tangent_fixed(k) = .not. any(all(constraints%is_free(:, node), dim=1))
-            end associate
-         end do
-      end associate
-   end subroutine pair_cells
-
-   !> Refuses meshes that overlap by more than half of a side.
-   pure subroutine check_overlap(pair, integrals, contact, error)
-      type(mortar_pair_t), intent(in) :: pair !! the pair
-      type(mortar_points_t), intent(in) :: integrals !! its integrals
-      type(contact_t), intent(in) :: contact !! its contact set
-      type(error_t), allocatable, intent(out) :: error !! they do
-      integer :: q
-
-      if (contact%pairing%gap /= 'mesh' .or. size(integrals%quadrature%gap) == 0) return
-      q = minloc(integrals%quadrature%gap, dim=1)
-      if (integrals%quadrature%gap(q) >= -0.5_dp*pair%slave%longest) return
-      call new_error(error, input_refused, "'"//contact%set//"' and '"//contact%pairing%against//"' overlap by up to "// &
-         to_text(-integrals%quadrature%gap(q))//' before any load (side at '// &
-         to_text(integrals%quadrature%position(1, q))//', '//to_text(integrals%quadrature%position(2, q))// &
-         "), more than half a side: give extra_gap for an interference, or gap = 'touching'")
-   end subroutine check_overlap
 
 end module amontons_contact_zone

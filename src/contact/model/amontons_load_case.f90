@@ -139,7 +139,7 @@ contains
          do i = quadrature%start(p), quadrature%start(p + 1) - 1
             associate (position => quadrature%position(:, i), share => quadrature%share(i))
                if (contact%pairing%is_pair()) then
-                  gap = merge(quadrature%gap(i), 0.0_dp, contact%pairing%gap == 'mesh')
+                  gap = merge(quadrature%gap(i), 0.0_dp, contact%pairing%has_mesh_gap())
                   is_met = .true.
                   cosine = 1.0_dp
                else

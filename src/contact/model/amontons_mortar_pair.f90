@@ -1,4 +1,5 @@
-!> A pair of boundary sets that face each other: their surfaces, segments, and the slave's corners that carry multipliers.
+!> A pair of boundary sets that face each other: their surfaces, their segments, and the corners of the slave that carry
+!> multipliers.
 module amontons_mortar_pair
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_constraints, only: constraints_t
@@ -6,14 +7,15 @@ module amontons_mortar_pair
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_mortar_points, only: corner_pieces, integrate_pieces, mortar_piece_t, mortar_points_t
+   use amontons_mortar_points, only: cell_pieces, corner_pieces, integrate_pieces, mortar_piece_t, mortar_points_t
    use amontons_mortar_segments, only: find_segments, meet_master, mortar_segment_t
+   use amontons_pairing, only: pairing_t
    use amontons_surface, only: new_surface, surface_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: integrate_corners, mortar_pair_t, n_quadrature_points, new_mortar_pair
+   public :: check_overlap, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
 
    !> Points of the quadrature on a segment: exact for straight sides, and rounding is all that is left of the normals'
    !> curvature.
@@ -28,33 +30,47 @@ module amontons_mortar_pair
       real(dp) :: search = 0.0_dp !! how far gaps may reach, either way [L]
       integer, allocatable :: node(:) !! the slave's corners that are points, in the order of the line (n)
       integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (n)
+      logical, allocatable :: is_tangent_fixed(:) !! whether a support bears the shear of a point (n)
       integer, allocatable :: held_node(:) !! corners that are no points since supports hold them
       integer, allocatable :: shared_node(:) !! corners that are no points since they belong to an earlier set
       integer, allocatable :: open_node(:) !! corners that face nothing
       integer, allocatable :: point_of(:, :) !! the point that each corner of each side is, 0 for none (2, sides)
+      type(mortar_segment_t), allocatable :: cells(:)
+         !! parts of the slave's sides in cells of constant multipliers, and in the place of the master the point that
+         !! the cell is, 0 for none; not allocated where the points are corners
+      real(dp), allocatable :: normal(:, :) !! unit normal of each point (2, n) [-]
+      integer :: n_held_cells = 0 !! number of cells that are no points since supports hold all their nodes
       integer :: sliver_side = 0 !! a side that faces so little of the master that it is left out, 0 for none
       real(dp) :: sliver_share = 0.0_dp !! what it faces, as a share of the side [-]
    contains
+      procedure :: is_set => mortar_pair_is_set
       procedure, private :: number_points => mortar_pair_number_points
    end type mortar_pair_t
 
 contains
 
+   !> Whether there is a pair: a contact set with a rigid obstacle has none.
+   elemental logical function mortar_pair_is_set(self) result(is_set)
+      class(mortar_pair_t), intent(in) :: self !! the pair
+
+      is_set = allocated(self%segments)
+   end function mortar_pair_is_set
+
    !> Finds where two boundary sets face each other.
-   subroutine new_mortar_pair(pair, set, against, search, mesh, materials, constraints, is_taken, is_axisymmetric, error)
+   subroutine new_mortar_pair(pair, set, pairing, mesh, materials, constraints, is_taken, error)
       type(mortar_pair_t), intent(out) :: pair !! the pair
       character(*), intent(in) :: set !! name of the slave's boundary set
-      character(*), intent(in) :: against !! name of the master's boundary set
-      real(dp), intent(in) :: search !! how far gaps may reach; 0 for twice the longest side [L]
+      type(pairing_t), intent(in) :: pairing !! the master, and how far gaps may reach
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the areas of the line
       type(constraints_t), intent(in) :: constraints !! the supports
       logical, intent(in) :: is_taken(:) !! whether a node carries multipliers of an earlier set (nodes)
-      logical, intent(in) :: is_axisymmetric !! whether x = 0 is an axis of revolution
       type(error_t), allocatable, intent(out) :: error
          !! a missing set, bodies that are joined, corners in the slave, or sets that do not face each other
       type(boundary_line_t) :: master_line
+      character(:), allocatable :: against
 
+      against = pairing%against
       if (set == against) then
          call new_error(error, input_refused, "self contact of the set '"//set//"': split the set in two")
          return
@@ -65,17 +81,17 @@ contains
       if (allocated(error)) return
       call check_joints(pair%line, master_line, set, against, mesh, error)
       if (allocated(error)) return
-      call new_surface(pair%slave, mesh, set, pair%line, constraints, is_axisymmetric, error)
+      call new_surface(pair%slave, mesh, set, pair%line, materials, constraints, error)
       if (allocated(error)) return
-      call new_surface(pair%master, mesh, against, master_line, constraints, is_axisymmetric, error)
+      call new_surface(pair%master, mesh, against, master_line, materials, constraints, error)
       if (allocated(error)) return
       if (pair%slave%corner_node > 0) then
          call new_error(error, input_refused, "the set '"//set//"' has a corner of more than 40 degrees at "// &
             place_text(mesh%coordinates(:, pair%slave%corner_node))//': make a set of each side of it')
          return
       end if
-      pair%search = search
-      if (.not. search > 0.0_dp) pair%search = 2.0_dp*max(pair%slave%longest, pair%master%longest)
+      pair%search = pairing%search
+      if (.not. pairing%search > 0.0_dp) pair%search = 2.0_dp*max(pair%slave%longest, pair%master%longest)
       call find_segments(pair%segments, pair%slave, pair%master, pair%search)
       call drop_slivers(pair)
       if (size(pair%segments) == 0) then
@@ -145,11 +161,11 @@ contains
          end do
       end do
       if (dot_product(pair%slave%normal(:, 3, at(1)), pair%master%normal(:, 3, at(2))) > 0.0_dp) then
-         call new_error(error, input_refused, "the normals of '"//set//"' point away from '"//against//"', or those of '"// &
-            against//"' away from '"//set//"': both sets face the same way")
+         call new_error(error, input_refused, "the normals of '"//set//"' point away from '"//against// &
+            "', or those of '"//against//"' away from '"//set//"': both sets face the same way")
       else
-         call new_error(error, input_refused, "the sets '"//set//"' and '"//against//"' do not face each other: no normal of '" &
-            //set//"' meets '"//against//"' within search = "//to_text(pair%search)// &
+         call new_error(error, input_refused, "the sets '"//set//"' and '"//against//"' do not face each other: no "// &
+            "normal of '"//set//"' meets '"//against//"' within search = "//to_text(pair%search)// &
             '; the smallest distance is '//to_text(least))
       end if
    end subroutine explain_distance
@@ -162,22 +178,20 @@ contains
       type(boundary_line_t), intent(in) :: master_line !! the master's line
       integer, intent(in) :: n_nodes !! number of nodes of the mesh
       real(dp) :: normal(2, n_nodes)
-      logical :: is_corner(n_nodes), faces(n_nodes), is_point(n_nodes)
-      integer :: point(n_nodes), side_from(n_nodes), i, k, n
+      logical :: is_corner(n_nodes), faces(n_nodes)
+      integer :: i
 
       is_corner = .false.
       faces = .false.
-      side_from = 0
       do i = 1, self%slave%n_sides
-         do k = 1, 2
-            is_corner(self%slave%side(k, i)) = .true.
-            normal(:, self%slave%side(k, i)) = self%slave%normal(:, k, i)
-         end do
-         side_from(self%slave%side(1, i)) = i
-         if (any(self%segments%slave == i)) faces(self%slave%side(:2, i)) = .true.
+         is_corner(self%slave%side(:2, i)) = .true.
+         normal(:, self%slave%side(:2, i)) = self%slave%normal(:, :2, i)
       end do
-      is_point = .false.
-      allocate (self%held_node(0), self%shared_node(0), self%node(0))
+      do i = 1, size(self%segments)
+         faces(self%slave%side(:2, self%segments(i)%slave)) = .true.
+      end do
+      self%open_node = pack(self%line%node, is_corner(self%line%node) .and. .not. faces(self%line%node))
+      allocate (self%held_node(0), self%shared_node(0), self%node(0), self%is_tangent_fixed(0))
       do i = 1, self%line%n_nodes
          associate (node => self%line%node(i))
             if (.not. faces(node)) cycle
@@ -187,44 +201,64 @@ contains
                self%held_node = [self%held_node, node]
             else
                self%node = [self%node, node]
+               self%is_tangent_fixed = [self%is_tangent_fixed, .not. all(constraints%is_free(:, node))]
             end if
          end associate
       end do
-      self%open_node = pack(self%line%node, is_corner(self%line%node) .and. .not. faces(self%line%node))
-      point = 0
-      n = size(self%node)
-      point(self%node) = [(i, i=1, n)]
-      allocate (self%point_of(2, self%slave%n_sides), self%next(n))
-      do i = 1, self%slave%n_sides
-         self%point_of(:, i) = point(self%slave%side(:2, i))
-      end do
-      do i = 1, n
-         self%next(i) = 0
-         if (side_from(self%node(i)) > 0) self%next(i) = point(self%slave%side(2, side_from(self%node(i))))
-      end do
+      self%normal = normal(:, self%node)
+      call link_points(self, n_nodes)
    end subroutine mortar_pair_number_points
 
-   !> Integrates over the functions of the slave's corners.
-   pure subroutine integrate_corners(points, pair, segments, materials, n_points)
+   !> Notes which corners of the sides are points, and which point follows each.
+   pure subroutine link_points(pair, n_nodes)
+      type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
+      integer, intent(in) :: n_nodes !! number of nodes of the mesh
+      integer :: point(n_nodes), i
+
+      point = 0
+      point(pair%node) = [(i, i=1, size(pair%node))]
+      allocate (pair%point_of(2, pair%slave%n_sides), pair%next(size(pair%node)))
+      pair%next = 0
+      do i = 1, pair%slave%n_sides
+         pair%point_of(:, i) = point(pair%slave%side(:2, i))
+         if (pair%point_of(1, i) > 0) pair%next(pair%point_of(1, i)) = pair%point_of(2, i)
+      end do
+   end subroutine link_points
+
+   !> Refuses meshes that overlap by more than half of a side.
+   pure subroutine check_overlap(pair, points, set, pairing, error)
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      type(mortar_points_t), intent(in) :: points !! its integrals
+      character(*), intent(in) :: set !! name of the slave's set
+      type(pairing_t), intent(in) :: pairing !! the master
+      type(error_t), allocatable, intent(out) :: error !! they do
+      integer :: q
+
+      if (size(points%quadrature%gap) == 0) return
+      q = minloc(points%quadrature%gap, dim=1)
+      if (points%quadrature%gap(q) >= -0.5_dp*pair%slave%longest) return
+      call new_error(error, input_refused, "'"//set//"' and '"//pairing%against//"' overlap by up to "// &
+         to_text(-points%quadrature%gap(q))//' before any load (side at '// &
+         place_text(points%quadrature%position(:, q))//'), more than half a side: give extra_gap for an '// &
+         "interference, or gap = 'touching'")
+   end subroutine check_overlap
+
+   !> Integrates over the points of a pair.
+   pure subroutine integrate_pair(points, pair, segments, n_points)
       type(mortar_points_t), intent(out) :: points !! the points
       type(mortar_pair_t), intent(in) :: pair !! the pair
       type(mortar_segment_t), intent(in) :: segments(:) !! its segments, or another cut of the same surfaces
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
       integer, intent(in) :: n_points !! number of points of the quadrature
       type(mortar_piece_t), allocatable :: pieces(:)
-      real(dp), allocatable :: normal(:, :)
-      integer :: i, k
 
-      call corner_pieces(pieces, segments, pair%point_of, pair%slave, materials, n_points)
-      call integrate_pieces(points, pieces, size(pair%node), pair%slave, pair%master, materials, n_points)
-      allocate (normal(2, size(pair%node)))
-      do i = 1, pair%slave%n_sides
-         do k = 1, 2
-            if (pair%point_of(k, i) > 0) normal(:, pair%point_of(k, i)) = pair%slave%normal(:, k, i)
-         end do
-      end do
-      call points%set_normals(normal)
-   end subroutine integrate_corners
+      if (allocated(pair%cells)) then
+         call cell_pieces(pieces, segments, pair%cells)
+      else
+         call corner_pieces(pieces, segments, pair%point_of, pair%slave, n_points)
+      end if
+      call integrate_pieces(points, pieces, size(pair%normal, 2), pair%slave, pair%master, n_points)
+      call points%set_normals(pair%normal)
+   end subroutine integrate_pair
 
    !> Coordinates as text.
    pure function place_text(position) result(text)

@@ -13,13 +13,18 @@ module amontons_mortar_points
    use amontons_contact_quadrature, only: contact_quadrature_t
    use amontons_contact_rows, only: contact_rows_t
    use amontons_kinds, only: dp
-   use amontons_material, only: materials_t
    use amontons_mortar_segments, only: meet_side, mortar_segment_t
    use amontons_surface, only: surface_place_t, surface_t
    implicit none (type, external)
    private
 
-   public :: cell_pieces, corner_pieces, gauss_rule, integrate_pieces, mortar_piece_t, mortar_points_t
+   public :: cell_pieces, corner_pieces, gauss_rule, gauss_rule_t, integrate_pieces, mortar_piece_t, mortar_points_t
+
+   !> A quadrature of -1 to 1.
+   type :: gauss_rule_t
+      real(dp), allocatable :: xi(:) !! abscissas [-]
+      real(dp), allocatable :: weight(:) !! weights [-]
+   end type gauss_rule_t
 
    !> A part of a slave's side that faces one side of the master, and the functions of up to two points there, which are
    !> combinations of the hats of the side's corners.
@@ -50,29 +55,30 @@ module amontons_mortar_points
 contains
 
    !> Abscissas and weights of Gauss's rule on -1 to 1: zeros of the Legendre polynomial by Newton's method.
-   pure subroutine gauss_rule(xi, weight)
-      real(dp), intent(out) :: xi(:) !! abscissas, as many as the rule has points [-]
-      real(dp), intent(out) :: weight(:) !! their weights [-]
+   pure type(gauss_rule_t) function gauss_rule(n) result(rule)
+      integer, intent(in) :: n !! number of points
       real(dp), parameter :: pi = acos(-1.0_dp)
       integer, parameter :: n_steps = 10
-      real(dp) :: p(0:size(xi)), slope
-      integer :: i, k, n, step
+      real(dp) :: p(0:n), slope
+      integer :: i, k, step
 
-      n = size(xi)
+      allocate (rule%xi(n), rule%weight(n))
       do i = 1, n
-         xi(i) = cos(pi*(i - 0.25_dp)/(n + 0.5_dp))
-         do step = 1, n_steps
-            p(0) = 1.0_dp
-            p(1) = xi(i)
-            do k = 2, n
-               p(k) = ((2*k - 1)*xi(i)*p(k - 1) - (k - 1)*p(k - 2))/k
+         associate (xi => rule%xi(i))
+            xi = cos(pi*(i - 0.25_dp)/(n + 0.5_dp))
+            do step = 1, n_steps
+               p(0) = 1.0_dp
+               p(1) = xi
+               do k = 2, n
+                  p(k) = ((2*k - 1)*xi*p(k - 1) - (k - 1)*p(k - 2))/k
+               end do
+               slope = n*(xi*p(n) - p(n - 1))/(xi**2 - 1.0_dp)
+               xi = xi - p(n)/slope
             end do
-            slope = n*(xi(i)*p(n) - p(n - 1))/(xi(i)**2 - 1.0_dp)
-            xi(i) = xi(i) - p(n)/slope
-         end do
-         weight(i) = 2.0_dp/((1.0_dp - xi(i)**2)*slope**2)
+            rule%weight(i) = 2.0_dp/((1.0_dp - xi**2)*slope**2)
+         end associate
       end do
-   end subroutine gauss_rule
+   end function gauss_rule
 
    !> The hats of the corners of a side [-].
    pure function hats(xi)
@@ -82,14 +88,13 @@ contains
       hats = 0.5_dp*[1.0_dp - xi, 1.0_dp + xi]
    end function hats
 
-   !> Gives the segments the dual functions of the corners that are points. Where one corner of a side is none, the other
-   !> one's function is 1, so that constants stay among the multipliers.
-   pure subroutine corner_pieces(pieces, segments, point_of, slave, materials, n_points)
+   !> Gives the segments the dual functions of the corners that are points. Where one corner of a side is none, the
+   !> other one's function is 1, so that constants stay among the multipliers.
+   pure subroutine corner_pieces(pieces, segments, point_of, slave, n_points)
       type(mortar_piece_t), allocatable, intent(out) :: pieces(:) !! the pieces
       type(mortar_segment_t), intent(in) :: segments(:) !! the segments, side by side
       integer, intent(in) :: point_of(:, :) !! point of each corner of each side of the slave, 0 for none (2, sides)
       type(surface_t), intent(in) :: slave !! the slave
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
       integer, intent(in) :: n_points !! number of points of the quadrature
       type(mortar_piece_t) :: piece
       integer :: first, last, i
@@ -104,7 +109,7 @@ contains
          end do
          piece%point = point_of(:, segments(first)%slave)
          if (all(piece%point > 0)) then
-            piece%psi = dual_functions(segments(first:last), slave, materials, n_points)
+            piece%psi = dual_functions(segments(first:last), slave, n_points)
             piece%hat = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
          else
             piece%psi = 1.0_dp
@@ -119,11 +124,11 @@ contains
    end subroutine corner_pieces
 
    !> Cuts segments by cells of constant multipliers.
-   pure subroutine cell_pieces(pieces, segments, cells, cell_point)
+   pure subroutine cell_pieces(pieces, segments, cells)
       type(mortar_piece_t), allocatable, intent(out) :: pieces(:) !! the pieces
       type(mortar_segment_t), intent(in) :: segments(:) !! the segments
-      type(mortar_segment_t), intent(in) :: cells(:) !! parts of the slave's sides; in place of the master the cell
-      integer, intent(in) :: cell_point(:) !! the point that each cell is, 0 for none
+      type(mortar_segment_t), intent(in) :: cells(:)
+         !! parts of the slave's sides; in the place of the master the point that their cell is, 0 for none
       type(mortar_piece_t) :: piece
       real(dp) :: range(2)
       integer :: i, k
@@ -137,7 +142,7 @@ contains
             range = [max(segments(i)%range(1), cells(k)%range(1)), min(segments(i)%range(2), cells(k)%range(2))]
             if (.not. range(1) < range(2)) cycle
             piece%segment = mortar_segment_t(segments(i)%slave, segments(i)%master, range)
-            piece%point = [cell_point(cells(k)%master), 0]
+            piece%point = [cells(k)%master, 0]
             pieces = [pieces, piece]
          end do
       end do
@@ -147,27 +152,26 @@ contains
    !>
    !> A = diag(d) M^-1 with d and M the integrals of the hats and of their products. Where the segments cover little of
    !> the side, M is nearly singular: it is inverted in hats of the covered part.
-   pure function dual_functions(segments, slave, materials, n_points) result(dual)
+   pure function dual_functions(segments, slave, n_points) result(dual)
       type(mortar_segment_t), intent(in) :: segments(:) !! the segments of the side
       type(surface_t), intent(in) :: slave !! the slave
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
       integer, intent(in) :: n_points !! number of points of the quadrature
       real(dp) :: dual(2, 2)
-      real(dp) :: xi(n_points), weight(n_points), mean(2), mass(2, 2), to_part(2, 2), local(2), at, area
+      type(gauss_rule_t) :: rule
+      real(dp) :: mean(2), mass(2, 2), to_part(2, 2), local(2), at, area
       type(surface_place_t) :: place
       integer :: i, k
 
-      call gauss_rule(xi, weight)
+      rule = gauss_rule(n_points)
       mean = 0.0_dp
       mass = 0.0_dp
       associate (first => segments(1)%range(1), last => segments(size(segments))%range(2))
          do i = 1, size(segments)
             do k = 1, n_points
                associate (range => segments(i)%range)
-                  at = 0.5_dp*(sum(range) + (range(2) - range(1))*xi(k))
+                  at = 0.5_dp*(sum(range) + (range(2) - range(1))*rule%xi(k))
                   place = slave%place(segments(i)%slave, at)
-                  area = 0.5_dp*(range(2) - range(1))*weight(k)*norm2(place%along) &
-                     *materials%list(materials%of_element(slave%side(4, segments(i)%slave)))%depth(place%position(1))
+                  area = 0.5_dp*(range(2) - range(1))*rule%weight(k)*norm2(place%along)*place%depth
                end associate
                mean = mean + area*hats(at)
                local = hats((2.0_dp*at - first - last)/(last - first))
@@ -191,15 +195,14 @@ contains
    end function inverse
 
    !> Integrates over the pieces.
-   pure subroutine integrate_pieces(points, pieces, n, slave, master, materials, n_points)
+   pure subroutine integrate_pieces(points, pieces, n, slave, master, n_points)
       type(mortar_points_t), intent(out) :: points !! the points
       type(mortar_piece_t), intent(in) :: pieces(:) !! the pieces
       integer, intent(in) :: n !! number of points
       type(surface_t), intent(in) :: slave !! the slave
       type(surface_t), intent(in) :: master !! the master
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
       integer, intent(in) :: n_points !! number of points of the quadrature
-      real(dp) :: xi(n_points), weight(n_points)
+      type(gauss_rule_t) :: rule
       real(dp) :: hat_area(n)
       integer :: n_pieces(n), filled(n), i, k, p
 
@@ -211,14 +214,14 @@ contains
          end do
       end do
       call allocate_points(points, n_pieces, n_points)
-      call gauss_rule(xi, weight)
+      rule = gauss_rule(n_points)
       hat_area = 0.0_dp
       filled = 0
       do i = 1, size(pieces)
          do k = 1, 2
             p = pieces(i)%point(k)
             if (p == 0) cycle
-            call add_piece(points, hat_area(p), pieces(i), k, filled(p), slave, master, materials, xi, weight)
+            call add_piece(points, hat_area(p), pieces(i), k, filled(p), slave, master, rule)
             filled(p) = filled(p) + 1
          end do
       end do
@@ -262,7 +265,7 @@ contains
    end subroutine allocate_points
 
    !> Adds the integrals over a piece to those of one of its points.
-   pure subroutine add_piece(points, hat_area, piece, k, n_before, slave, master, materials, xi, weight)
+   pure subroutine add_piece(points, hat_area, piece, k, n_before, slave, master, rule)
       type(mortar_points_t), intent(inout) :: points !! the points
       real(dp), intent(inout) :: hat_area !! integral of the point's averaging function [L^2]
       type(mortar_piece_t), intent(in) :: piece !! the piece
@@ -270,9 +273,7 @@ contains
       integer, intent(in) :: n_before !! how many pieces of the point have been added
       type(surface_t), intent(in) :: slave !! the slave
       type(surface_t), intent(in) :: master !! the master
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
-      real(dp), intent(in) :: xi(:) !! abscissas of the quadrature [-]
-      real(dp), intent(in) :: weight(:) !! its weights [-]
+      type(gauss_rule_t), intent(in) :: rule !! the quadrature
       type(surface_place_t) :: place, foot
       real(dp) :: at, length, area, psi, hat, normal(2)
       integer :: first_node, i, j, p, q
@@ -284,14 +285,14 @@ contains
          ! A straight side has no middle node; its part there is 0.
          node(first_node + 1:first_node + 3) = used_nodes(slave%side(:3, segment%slave))
          node(first_node + 4:first_node + 6) = used_nodes(master%side(:3, segment%master))
-         do i = 1, size(xi)
-            at = 0.5_dp*(sum(segment%range) + (segment%range(2) - segment%range(1))*xi(i))
+         do i = 1, size(rule%xi)
+            at = 0.5_dp*(sum(segment%range) + (segment%range(2) - segment%range(1))*rule%xi(i))
             place = slave%place(segment%slave, at)
             normal = place%normal/norm2(place%normal)
             foot = master%place(segment%master, place_on(meet_side(master%corner(:, :, segment%master), &
                place%position, normal)))
-            length = 0.5_dp*(segment%range(2) - segment%range(1))*weight(i)*norm2(place%along)
-            area = length*materials%list(materials%of_element(slave%side(4, segment%slave)))%depth(place%position(1))
+            length = 0.5_dp*(segment%range(2) - segment%range(1))*rule%weight(i)*norm2(place%along)
+            area = length*place%depth
             psi = dot_product(piece%psi(k, :), hats(at))
             hat = dot_product(piece%hat(k, :), hats(at))*area
             do j = 1, 3
@@ -304,7 +305,7 @@ contains
             points%foot(:, p) = points%foot(:, p) + hat*foot%position
             points%outward(:, p) = points%outward(:, p) + hat*normal
             hat_area = hat_area + hat
-            q = quadrature%start(p) + size(xi)*n_before + i - 1
+            q = quadrature%start(p) + size(rule%xi)*n_before + i - 1
             quadrature%position(:, q) = place%position
             quadrature%normal(:, q) = normal
             quadrature%outward(q) = 1.0_dp

@@ -1,8 +1,8 @@
 !> The segments of a pair of surfaces: the parts of slave sides that face one and the same side of the master.
 !>
-!> A point of the slave meets the master where the ray along its normal does, ahead or behind. A side of the master counts
-!> if its outward normal faces the slave's, which keeps a thin body from meeting the master's far side, and if it is
-!> within reach; of several the nearest counts. Segments end where a ray meets a corner of the master, so that
+!> A point of the slave meets the master where the ray along its normal does, ahead or behind. A side of the master
+!> counts if its outward normal faces the slave's, which keeps a thin body from meeting the master's far side, and if it
+!> is within reach; of several the nearest counts. Segments end where a ray meets a corner of the master, so that
 !> integrals over them are those of smooth functions.
 module amontons_mortar_segments
    use amontons_counter_body, only: steepest_cosine
@@ -11,7 +11,7 @@ module amontons_mortar_segments
    implicit none (type, external)
    private
 
-   public :: find_segments, meeting_t, meet_master, meet_side, mortar_segment_t
+   public :: find_segments, meeting_t, meet_master, meet_side, mortar_segment_t, sides_near
 
    !> A part of a side of the slave.
    type :: mortar_segment_t
@@ -82,7 +82,7 @@ contains
       near = pack([(i, i=1, master%n_sides)], is_near)
    end function sides_near
 
-   !> Where segments may end on a side of the slave: its own ends, and where rays meet the corners of the master's sides.
+   !> Where segments may end on a side of the slave: at its own ends, and where rays meet corners of the master's sides.
    pure function breakpoints(slave, side, master, near) result(ends)
       type(surface_t), intent(in) :: slave !! the slave
       integer, intent(in) :: side !! number of its side
@@ -119,18 +119,18 @@ contains
       real(dp), intent(in) :: point(2) !! the point [L]
       real(dp), allocatable :: places(:)
       integer, parameter :: n_parts = 8
-      real(dp) :: value(0:n_parts)
+      real(dp) :: xi(0:n_parts), value(0:n_parts)
       integer :: i
 
       do i = 0, n_parts
-         value(i) = aside(slave, side, point, -1.0_dp + 2.0_dp*i/n_parts)
+         xi(i) = -1.0_dp + 2.0_dp*i/n_parts
+         value(i) = aside(slave, side, point, xi(i))
       end do
       allocate (places(0))
       do i = 1, n_parts
          if (value(i - 1)*value(i) > 0.0_dp .or. .not. abs(value(i)) > 0.0_dp .and. i == n_parts) cycle
          if (.not. abs(value(i - 1)) > 0.0_dp .and. i == 1) cycle
-         places = [places, zero_between(slave, side, point, -1.0_dp + 2.0_dp*(i - 1)/n_parts, -1.0_dp + 2.0_dp*i/n_parts, &
-            value(i - 1), value(i))]
+         places = [places, zero_between(slave, side, point, xi(i - 1), xi(i), value(i - 1), value(i))]
       end do
    end function places_facing
 

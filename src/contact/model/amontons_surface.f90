@@ -8,6 +8,7 @@ module amontons_surface
    use amontons_constraints, only: constraints_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_material, only: material_t, materials_t
    use amontons_mesh, only: mesh_t
    implicit none (type, external)
    private
@@ -25,6 +26,7 @@ module amontons_surface
       real(dp), allocatable :: normal(:, :, :) !! unit outward normals there (2, 3, n_sides) [-]
       real(dp), allocatable :: arc_length(:)
          !! length along the line where each side begins, chord by chord (n_sides) [L]
+      type(material_t), allocatable :: material(:) !! the material behind each side, for the depth (n_sides)
       real(dp) :: longest = 0.0_dp !! longest chord of a side [L]
       integer :: corner_node = 0 !! a node where sides meet at so sharp an angle that it has no mean normal; 0 for none
    contains
@@ -37,6 +39,7 @@ module amontons_surface
       real(dp) :: position(2) = 0.0_dp !! coordinates [L]
       real(dp) :: along(2) = 0.0_dp !! tangent: derivative of the position by the side's coordinate [L]
       real(dp) :: normal(2) = 0.0_dp !! normal of the continuous field, not of length 1 [-]
+      real(dp) :: depth = 0.0_dp !! depth of the body [L]
    contains
       procedure :: outward => surface_place_outward
    end type surface_place_t
@@ -65,13 +68,13 @@ contains
    end function side_order
 
    !> Makes the surface of a boundary set.
-   pure subroutine new_surface(surface, mesh, set, line, constraints, is_axisymmetric, error)
+   pure subroutine new_surface(surface, mesh, set, line, materials, constraints, error)
       type(surface_t), intent(out) :: surface !! the surface
       type(mesh_t), intent(in) :: mesh !! the mesh
       character(*), intent(in) :: set !! name of the boundary set
       type(boundary_line_t), intent(in) :: line !! its line
+      type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(constraints_t), intent(in) :: constraints !! the supports
-      logical, intent(in) :: is_axisymmetric !! whether x = 0 is an axis of revolution
       type(error_t), allocatable, intent(out) :: error !! there is no such set
       real(dp), parameter :: xi(3) = [-1.0_dp, 1.0_dp, 0.0_dp]
       type(surface_place_t) :: place
@@ -82,6 +85,7 @@ contains
       if (allocated(error)) return
       surface%side = surface%side(:, side_order(surface%side, line, mesh%n_nodes))
       surface%n_sides = size(surface%side, 2)
+      surface%material = materials%list(materials%of_element(surface%side(4, :)))
       allocate (surface%corner(2, 3, surface%n_sides), surface%normal(2, 3, surface%n_sides), &
          surface%arc_length(surface%n_sides))
       begin = 0.0_dp
@@ -101,7 +105,7 @@ contains
          end do
       end do
       call average_normals(surface, mesh%n_nodes)
-      call mirror_ends(surface, mesh, constraints, is_axisymmetric)
+      call mirror_ends(surface, mesh, constraints)
    end subroutine new_surface
 
    !> Gives nodes between two sides the mean of their normals, unless these differ too much.
@@ -129,11 +133,10 @@ contains
    end subroutine average_normals
 
    !> Takes from the normals at both ends what a plane of symmetry cancels.
-   pure subroutine mirror_ends(surface, mesh, constraints, is_axisymmetric)
+   pure subroutine mirror_ends(surface, mesh, constraints)
       type(surface_t), intent(inout) :: surface !! the surface
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
-      logical, intent(in) :: is_axisymmetric !! whether x = 0 is an axis of revolution
       ! A direction at less than 60 degrees to the normal is held against the contact, not by symmetry.
       real(dp), parameter :: most = 0.5_dp
       logical :: is_free(2)
@@ -148,7 +151,7 @@ contains
                is_free = constraints%is_free(:, node)
                if (is_free(1) .neqv. is_free(2)) then
                   held = merge(frame(:, 1), frame(:, 2), is_free(2))
-               else if (is_axisymmetric .and. .not. abs(mesh%coordinates(1, node)) > 0.0_dp) then
+               else if (surface%material(i)%is_axisymmetric .and. .not. abs(mesh%coordinates(1, node)) > 0.0_dp) then
                   held = [1.0_dp, 0.0_dp]
                else
                   cycle
@@ -178,6 +181,7 @@ contains
       place%position = matmul(self%corner(:, :, side), place%values)
       place%along = matmul(self%corner(:, :, side), slope)
       place%normal = matmul(self%normal(:, :, side), place%values)
+      place%depth = self%material(side)%depth(place%position(1))
    end function surface_place
 
    !> The unit outward normal of the side itself [-].
