@@ -1,5 +1,5 @@
-!> Tractions on the sides of three-node triangles with which every element is in equilibrium (Ladeveze and Leguillon, SIAM
-!> J. Numer. Anal. 20, 1983), from a finite element solution that is in equilibrium with the loads.
+!> Tractions on the sides of three-node triangles with which every element is in equilibrium (Ladeveze and Leguillon,
+!> SIAM J. Numer. Anal. 20, 1983), from a finite element solution that is in equilibrium with the loads.
 !>
 !> The moment of a traction at a corner is its integral times the corner's linear shape function. Around a node the
 !> moments of one side follow from those of the side before and the element between them, so that one vector is free at
@@ -11,42 +11,55 @@ module amontons_equilibrated_sides
    use amontons_incidence, only: incidence_t, new_incidence
    use amontons_kinds, only: dp
    use amontons_known_traction, only: known_traction_t, known_tractions_t
+   use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    implicit none (type, external)
    private
 
-   public :: element_forces_t, find_side_moments, next, outward, stress_times
+   public :: find_side_moments, next, outward, stress_times
 
    !> The forces inside an element: what its sides must balance.
    type :: element_forces_t
-      real(dp) :: stress(3) = 0.0_dp !! mean stress xx, yy, xy times the depth of the element [F/L]
+      real(dp) :: depth = 1.0_dp !! its depth [L]
+      real(dp) :: stress(3) = 0.0_dp !! mean stress xx, yy, xy times the depth [F/L]
       real(dp) :: load(2) = 0.0_dp !! load in the element, shared by its corners alike [F]
    end type element_forces_t
 
 contains
 
    !> Finds the moments of the tractions that act on each element along its sides.
-   subroutine find_side_moments(moment, imbalance, mesh, constraints, tractions, depth, forces)
+   subroutine find_side_moments(moment, imbalance, mesh, materials, constraints, tractions, body_force, stress)
       real(dp), allocatable, intent(out) :: moment(:, :, :, :)
          !! x and y at the first and second corner of each side (2, 2, 3, n_elements) [F]
       real(dp), intent(out) :: imbalance
-         !! by how much the solution misses equilibrium with the tractions, over the norm of the moments [-]
+         !! by how much the solution misses equilibrium with the loads, over the norm of the moments [-]
       type(mesh_t), intent(in) :: mesh !! a checked mesh of three-node triangles
+      type(materials_t), intent(in) :: materials !! its materials, of a plane body
       type(constraints_t), intent(in) :: constraints !! the supports
       type(known_tractions_t), intent(in) :: tractions !! the tractions on the boundary
-      real(dp), intent(in) :: depth(:) !! depth of each element (n_elements) [L]
-      type(element_forces_t), intent(in) :: forces(:) !! the forces inside the elements (n_elements)
+      real(dp), intent(in) :: body_force(:, :) !! force per volume of each element, x and y (2, n_elements) [F/L^3]
+      real(dp), intent(in) :: stress(:, :, :) !! xx, yy, xy, zz at the corners (4, 3, n_elements) [F/L^2]
+      type(element_forces_t), allocatable :: forces(:)
       type(incidence_t) :: incidence
       real(dp) :: missing
-      integer :: node
+      integer :: i, node
 
+      allocate (forces(mesh%n_elements))
+      do i = 1, mesh%n_elements
+         associate (x => mesh%coordinates(:, mesh%node(mesh%node_start(i):mesh%node_start(i) + 2)))
+            forces(i)%depth = materials%list(materials%of_element(i))%thickness
+            forces(i)%stress = forces(i)%depth*sum(stress(:3, :, i), dim=2)/3.0_dp
+            forces(i)%load = 0.5_dp*dot_product(x(:, 2) - x(:, 1), outward(x(:, 3) - x(:, 1)))*forces(i)%depth* &
+               body_force(:, i)
+         end associate
+      end do
       call new_incidence(incidence, mesh)
       allocate (moment(2, 2, 3, mesh%n_elements), source=0.0_dp)
       missing = 0.0_dp
       !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
-      !$omp shared(moment, mesh, constraints, tractions, depth, forces, incidence) reduction(+: missing)
+      !$omp shared(moment, mesh, constraints, tractions, forces, incidence) reduction(+: missing)
       do node = 1, mesh%n_nodes
-         call balance_node(moment, missing, mesh, constraints, tractions, depth, forces, &
+         call balance_node(moment, missing, mesh, constraints, tractions, forces, &
             incidence%element(incidence%start(node):incidence%start(node + 1) - 1), node)
       end do
       !$omp end parallel do
@@ -54,25 +67,24 @@ contains
    end subroutine find_side_moments
 
    !> Finds the moments at a node: of one fan of elements after the other, where several meet there.
-   pure subroutine balance_node(moment, missing, mesh, constraints, tractions, depth, forces, elements, node)
+   pure subroutine balance_node(moment, missing, mesh, constraints, tractions, forces, elements, node)
       real(dp), intent(inout) :: moment(:, :, :, :) !! as in `find_side_moments` [F]
       real(dp), intent(inout) :: missing !! gains the square of what is missing to equilibrium [F^2]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
       type(known_tractions_t), intent(in) :: tractions !! the tractions on the boundary
-      real(dp), intent(in) :: depth(:) !! depth of each element [L]
       type(element_forces_t), intent(in) :: forces(:) !! the forces inside the elements
       integer, intent(in) :: elements(:) !! the elements at the node
       integer, intent(in) :: node !! the node
-      integer :: corner(size(elements)), after(size(elements)), before(size(elements)), fan(size(elements))
+      integer :: after(size(elements)), before(size(elements)), fan(size(elements))
       logical :: is_left(size(elements))
       integer :: i, n
 
       do i = 1, size(elements)
          associate (nodes => mesh%node(mesh%node_start(elements(i)):mesh%node_start(elements(i)) + 2))
-            corner(i) = findloc(nodes, node, dim=1)
-            after(i) = nodes(next(corner(i)))
-            before(i) = nodes(next(next(corner(i))))
+            n = findloc(nodes, node, dim=1)
+            after(i) = nodes(next(n))
+            before(i) = nodes(next(next(n)))
          end associate
       end do
       is_left = .true.
@@ -89,35 +101,33 @@ contains
             is_left(i) = .false.
             i = findloc(after == before(i) .and. is_left, .true., dim=1)
          end do
-         call balance_fan(moment, missing, mesh, constraints, tractions, depth, forces, elements(fan(:n)), &
-            corner(fan(:n)), before(fan(n)) == after(fan(1)), node)
+         call balance_fan(moment, missing, mesh, constraints, tractions, forces, elements(fan(:n)), node)
       end do
    end subroutine balance_node
 
    !> Finds the moments at the node of a fan of elements, which follow each other counter-clockwise.
-   pure subroutine balance_fan(moment, missing, mesh, constraints, tractions, depth, forces, elements, corner, &
-      is_closed, node)
+   pure subroutine balance_fan(moment, missing, mesh, constraints, tractions, forces, elements, node)
       real(dp), intent(inout) :: moment(:, :, :, :) !! as in `find_side_moments` [F]
       real(dp), intent(inout) :: missing !! gains the square of what is missing to equilibrium [F^2]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
       type(known_tractions_t), intent(in) :: tractions !! the tractions on the boundary
-      real(dp), intent(in) :: depth(:) !! depth of each element [L]
       type(element_forces_t), intent(in) :: forces(:) !! the forces inside the elements
       integer, intent(in) :: elements(:) !! the elements
-      integer, intent(in) :: corner(:) !! which corner of each is the node
-      logical, intent(in) :: is_closed !! whether the last element meets the first
       integer, intent(in) :: node !! the node
       real(dp) :: sum_to(2, 0:size(elements)), wanted(2, 0:size(elements)), weight(0:size(elements))
       real(dp) :: x(2, 3), first(2), area
-      integer :: i, n
+      integer :: corner(size(elements)), nodes(3, size(elements)), i, n
+      logical :: is_closed
 
       n = size(elements)
       sum_to(:, 0) = 0.0_dp
       weight = 0.0_dp
       do i = 1, n
+         nodes(:, i) = mesh%node(mesh%node_start(elements(i)):mesh%node_start(elements(i)) + 2)
+         corner(i) = findloc(nodes(:, i), node, dim=1)
+         x = mesh%coordinates(:, nodes(:, i))
          associate (element => elements(i), a => next(corner(i)), b => next(next(corner(i))))
-            x = mesh%coordinates(:, mesh%node(mesh%node_start(element):mesh%node_start(element) + 2))
             sum_to(:, i) = sum_to(:, i - 1) + 0.5_dp*stress_times(forces(element)%stress, outward(x(:, a) - x(:, b))) &
                - forces(element)%load/3.0_dp
             ! What the element's own stress makes of the side behind it and of the one before it.
@@ -133,6 +143,7 @@ contains
             wanted(:, i - 1) = 0.5_dp*(wanted(:, i - 1) + first)
          end if
       end do
+      is_closed = nodes(next(next(corner(n))), n) == nodes(next(corner(1)), 1)
       if (is_closed) then
          wanted(:, n) = 0.5_dp*(wanted(:, n) + wanted(:, 0))
          weight(n) = weight(n) + weight(0)
@@ -142,7 +153,7 @@ contains
       if (is_closed) then
          missing = missing + sum(sum_to(:, n)**2)
       else
-         call keep_boundary(first, missing, constraints, depth, sum_to(:, n), node, &
+         call keep_boundary(first, missing, constraints, forces, sum_to(:, n), node, &
             tractions%at(elements(1), corner(1)), tractions%at(elements(n), next(next(corner(n)))))
       end if
       do i = 1, n
@@ -152,11 +163,11 @@ contains
    end subroutine balance_fan
 
    !> Moves the moments of a fan at the boundary to those that its first and last side are known to have.
-   pure subroutine keep_boundary(first, missing, constraints, depth, total, node, begin, end)
+   pure subroutine keep_boundary(first, missing, constraints, forces, total, node, begin, end)
       real(dp), intent(inout) :: first(2) !! moment of the first side, on what is before it [F]
       real(dp), intent(inout) :: missing !! gains the square of what is missing to equilibrium [F^2]
       type(constraints_t), intent(in) :: constraints !! the supports
-      real(dp), intent(in) :: depth(:) !! depth of each element [L]
+      type(element_forces_t), intent(in) :: forces(:) !! the forces inside the elements
       real(dp), intent(in) :: total(2) !! what is added to this moment up to the last side [F]
       integer, intent(in) :: node !! the node
       type(known_traction_t), intent(in) :: begin !! the first side
@@ -175,8 +186,8 @@ contains
          do i = 1, 2
             if (.not. is_known(i)) cycle
             direction = axes(:, i)
-            if (k == 1) value = -dot_product(direction, applied_moment(begin, depth, node))
-            if (k == 2) value = dot_product(direction, applied_moment(end, depth, node) - total)
+            if (k == 1) value = -dot_product(direction, applied_moment(begin, forces(begin%element)%depth, node))
+            if (k == 2) value = dot_product(direction, applied_moment(end, forces(end%element)%depth, node) - total)
             value = value - dot_product(direction, first)
             across = dot_product(direction, outward(kept))
             if (n_kept == 0) then
@@ -214,14 +225,14 @@ contains
    !> The moment at a corner of the traction that is applied to a side [F].
    pure function applied_moment(side, depth, node) result(moment)
       type(known_traction_t), intent(in) :: side !! the side
-      real(dp), intent(in) :: depth(:) !! depth of each element [L]
+      real(dp), intent(in) :: depth !! its depth [L]
       integer, intent(in) :: node !! the corner
       real(dp) :: moment(2)
       integer :: here, there
 
       here = merge(1, 3, side%corner(1) == node)
       there = 4 - here
-      moment = depth(side%element)*norm2(side%position(:, 3) - side%position(:, 1))/6.0_dp* &
+      moment = depth*norm2(side%position(:, 3) - side%position(:, 1))/6.0_dp* &
          (2.0_dp*side%traction(:, here) + side%traction(:, there))
    end function applied_moment
 

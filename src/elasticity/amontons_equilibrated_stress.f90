@@ -1,89 +1,75 @@
-!> A stress field that is in equilibrium at every point of a mesh of three-node triangles, and how far it is from that of
-!> displacements.
+!> A stress field that is in equilibrium at every point of a mesh of three-node triangles, and how far it is from that
+!> of displacements.
 !>
 !> In each of the three parts that the center of a triangle makes of it, the stress is linear, with continuous tractions
 !> (Johnson and Mercier, Numer. Math. 30, 1978). Tractions on the sides that are in equilibrium with a uniform load
 !> determine it: at a corner by the tractions on both sides, in the center by the equilibrium of the parts.
 module amontons_equilibrated_stress
    use amontons_coloring, only: worth_threads
-   use amontons_constraints, only: constraints_t
    use amontons_elasticity, only: element_geometry_t, element_stress, new_element_geometry, set_thermal_strain
-   use amontons_equilibrated_sides, only: element_forces_t, find_side_moments, next, outward, stress_times
+   use amontons_equilibrated_sides, only: next, outward, stress_times
    use amontons_kinds, only: dp
-   use amontons_known_traction, only: known_tractions_t
    use amontons_material, only: material_t, materials_t
    use amontons_mesh, only: mesh_t
    implicit none (type, external)
    private
 
-   public :: find_stress_distance
+   public :: find_corner_stresses, stress_distance
 
 contains
 
-   !> Finds the norm of the stresses of displacements less those in equilibrium with the loads.
-   subroutine find_stress_distance(distance, imbalance, mesh, materials, constraints, tractions, body_force, balanced, &
-      displacement, thermal_strain)
-      real(dp), intent(out) :: distance !! the norm [sqrt(F L)]
-      real(dp), intent(out) :: imbalance
-         !! by how much the balanced displacements miss equilibrium with the loads, over the moments of the sides [-]
+   !> The norm of stresses less those in equilibrium [sqrt(F L)].
+   real(dp) function stress_distance(mesh, materials, moment, body_force, stress) result(distance)
       type(mesh_t), intent(in) :: mesh !! a checked mesh of three-node triangles
       type(materials_t), intent(in) :: materials !! its materials, of a plane body
-      type(constraints_t), intent(in) :: constraints !! the supports
-      type(known_tractions_t), intent(in) :: tractions !! the tractions on the boundary
+      real(dp), intent(in) :: moment(:, :, :, :)
+         !! moments of the tractions in equilibrium, from `find_side_moments` (2, 2, 3, n_elements) [F]
       real(dp), intent(in) :: body_force(:, :) !! force per volume of each element, x and y (2, n_elements) [F/L^3]
-      real(dp), intent(in) :: balanced(:, :)
-         !! displacement of the nodes that the finite elements are in equilibrium at with these loads (2, n_nodes) [L]
-      real(dp), intent(in) :: displacement(:, :) !! the displacement of the nodes to be judged (2, n_nodes) [L]
-      real(dp), intent(in), optional :: thermal_strain(:)
-         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
-      type(element_geometry_t) :: geometry
-      type(element_forces_t), allocatable :: forces(:)
-      real(dp), allocatable :: moment(:, :, :, :), depth(:)
-      real(dp) :: stress(4, 3), total
+      real(dp), intent(in) :: stress(:, :, :)
+         !! xx, yy, xy, zz at the corners of each element, linear between them (4, 3, n_elements) [F/L^2]
       integer :: i
 
-      allocate (forces(mesh%n_elements), depth(mesh%n_elements))
-      do i = 1, mesh%n_elements
-         associate (material => materials%list(materials%of_element(i)))
-            call new_element_geometry(geometry, mesh, i, material, 1)
-            call corner_stresses(stress, geometry, material, balanced, mesh%node_start(i), thermal_strain)
-            depth(i) = material%thickness
-            forces(i)%stress = depth(i)*sum(stress(:3, :), dim=2)/3.0_dp
-            forces(i)%load = geometry%volume(1)*body_force(:, i)
-         end associate
-      end do
-      call find_side_moments(moment, imbalance, mesh, constraints, tractions, depth, forces)
-      total = 0.0_dp
-      !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) private(stress) &
-      !$omp firstprivate(geometry) shared(mesh, materials, displacement, thermal_strain, body_force, moment, depth) &
-      !$omp reduction(+: total)
+      distance = 0.0_dp
+      !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
+      !$omp shared(mesh, materials, moment, body_force, stress) reduction(+: distance)
       do i = 1, mesh%n_elements
          associate (material => materials%list(materials%of_element(i)), first => mesh%node_start(i))
-            call new_element_geometry(geometry, mesh, i, material, 1)
-            call corner_stresses(stress, geometry, material, displacement, first, thermal_strain)
-            total = total + depth(i)*element_distance(material, mesh%coordinates(:, mesh%node(first:first + 2)), &
-               moment(:, :, :, i)/depth(i), body_force(:, i), stress)
+            distance = distance + material%thickness*element_distance(material, &
+               mesh%coordinates(:, mesh%node(first:first + 2)), moment(:, :, :, i)/material%thickness, &
+               body_force(:, i), stress(:, :, i))
          end associate
       end do
       !$omp end parallel do
-      distance = sqrt(total)
-   end subroutine find_stress_distance
+      distance = sqrt(distance)
+   end function stress_distance
 
-   !> The stresses at the corners of an element.
-   pure subroutine corner_stresses(stress, geometry, material, displacement, first, thermal_strain)
-      real(dp), intent(out) :: stress(4, 3) !! xx, yy, xy, zz at each corner [F/L^2]
-      type(element_geometry_t), intent(inout) :: geometry !! the element's shape functions at its center
-      type(material_t), intent(in) :: material !! its material
+   !> Evaluates the stresses of displacements at the corners of the elements.
+   subroutine find_corner_stresses(stress, mesh, materials, displacement, thermal_strain)
+      real(dp), allocatable, intent(out) :: stress(:, :, :)
+         !! xx, yy, xy, zz at the corners of each element (4, 3, n_elements) [F/L^2]
+      type(mesh_t), intent(in) :: mesh !! a checked mesh of three-node triangles
+      type(materials_t), intent(in) :: materials !! its materials
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      integer, intent(in) :: first !! place of its first node in those of the mesh
-      real(dp), intent(in), optional :: thermal_strain(:) !! as in `find_stress_distance` [-]
-      integer :: i
+      real(dp), intent(in), optional :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
+      type(element_geometry_t) :: geometry
+      integer :: i, k
 
-      do i = 1, 3
-         if (present(thermal_strain)) call set_thermal_strain(geometry, spread(thermal_strain(first + i - 1), 1, 3))
-         stress(:, i) = element_stress(geometry, material, displacement, 1)
+      allocate (stress(4, 3, mesh%n_elements))
+      !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) private(k) &
+      !$omp firstprivate(geometry) shared(stress, mesh, materials, displacement, thermal_strain)
+      do i = 1, mesh%n_elements
+         associate (material => materials%list(materials%of_element(i)))
+            call new_element_geometry(geometry, mesh, i, material, 1)
+            do k = 1, 3
+               if (present(thermal_strain)) call set_thermal_strain(geometry, &
+                  spread(thermal_strain(mesh%node_start(i) + k - 1), 1, 3))
+               stress(:, k, i) = element_stress(geometry, material, displacement, 1)
+            end do
+         end associate
       end do
-   end subroutine corner_stresses
+      !$omp end parallel do
+   end subroutine find_corner_stresses
 
    !> The square of the norm of an element's stresses less those in equilibrium, for a depth of 1 [F].
    pure real(dp) function element_distance(material, x, moment, body_force, stress) result(distance)

@@ -1,6 +1,6 @@
-!> The error in the constitutive relation of a solved contact problem on three-node triangles: how far the stresses of its
-!> displacements are from a stress field in equilibrium with the loads and with contact tractions that obey the contact
-!> law, and the law's own error besides (Coorevits, Hild and Hjiaj, SIAM J. Sci. Comput. 23, 2001).
+!> The error in the constitutive relation of a solved contact problem on three-node triangles: how far the stresses of
+!> its displacements are from a stress field in equilibrium with the loads and with contact tractions that obey the
+!> contact law, and the law's own error besides (Coorevits, Hild and Hjiaj, SIAM J. Sci. Comput. 23, 2001).
 !>
 !> Without friction, or for a given slip bound, it is never below the error of the stresses. The contact forces of the
 !> nodes become tractions that are linear on every side; what the nodal forces change by is put right by one more
@@ -12,7 +12,8 @@ module amontons_error_bound
    use amontons_contact_solution, only: contact_solution_t
    use amontons_dense, only: cholesky_factor, cholesky_solve
    use amontons_element, only: tri3
-   use amontons_equilibrated_stress, only: find_stress_distance
+   use amontons_equilibrated_sides, only: find_side_moments
+   use amontons_equilibrated_stress, only: find_corner_stresses, stress_distance
    use amontons_kinds, only: dp
    use amontons_known_traction, only: known_tractions_t, new_known_tractions
    use amontons_load_case, only: load_case_t, recover_displacement
@@ -42,8 +43,7 @@ module amontons_error_bound
 
 contains
 
-   !> Finds the error; not for other elements, bodies of revolution, cells of constant multipliers, springs, rotation, or
-   !> forces on single nodes.
+   !> Finds the error; not for every body, nor with a rotation or forces on single nodes.
    subroutine find_error_bound(bound, body, problem, load_case, solution, displacement)
       type(error_bound_t), allocatable, intent(out) :: bound !! the error; not allocated where there is none
       type(body_t), intent(in) :: body !! the body, condensed
@@ -55,13 +55,14 @@ contains
       real(dp), parameter :: negligible = 1.0e-7_dp
       type(known_tractions_t) :: tractions
       type(contact_side_t), allocatable :: sides(:)
-      real(dp), allocatable :: body_force(:, :), balanced(:, :), change(:), force(:, :)
-      real(dp) :: distance, imbalance, law
+      real(dp), allocatable :: body_force(:, :), balanced(:, :), change(:), force(:, :), moment(:, :, :, :)
+      real(dp), allocatable :: stress(:, :, :)
+      real(dp) :: distance, imbalance
       logical :: is_uniform
 
+      if (.not. suits(body)) return
       call sum_body_force(body_force, is_uniform, body%mesh, body%materials, load_case%loads)
-      if (any(body%mesh%element_kind /= tri3) .or. body%is_axisymmetric .or. size(body%springs) > 0 &
-         .or. any(body%zone%is_cell) .or. size(body%zone%rows%node) /= body%zone%n_points .or. .not. is_uniform) return
+      if (.not. is_uniform) return
       call find_sides(sides, body, load_case, solution%force)
       force = reshape(solution%force, [body%zone%n_points, 2])
       call balance_rigid_motions(force, body, sides)
@@ -71,24 +72,33 @@ contains
       call recover_displacement(balanced, body, load_case, solution%displacement + change)
       call new_known_tractions(tractions, body%mesh, body%constraints, body%springs, load_case%loads)
       call add_tractions(tractions, sides, body, force)
-      call find_stress_distance(distance, imbalance, body%mesh, body%materials, body%constraints, tractions, &
-         body_force, balanced, displacement, load_case%thermal_strain)
-      law = law_error(sides, body, load_case, solution, force)
+      call find_corner_stresses(stress, body%mesh, body%materials, balanced, load_case%thermal_strain)
+      call find_side_moments(moment, imbalance, body%mesh, body%materials, body%constraints, tractions, body_force, &
+         stress)
       if (.not. imbalance < negligible) return
+      call find_corner_stresses(stress, body%mesh, body%materials, displacement, load_case%thermal_strain)
+      distance = stress_distance(body%mesh, body%materials, moment, body_force, stress)
       allocate (bound)
-      bound%norm = sqrt(distance**2 + 2.0_dp*law)
-      bound%is_bound = all(load_case%friction <= 0.0_dp) .and. (all(load_case%slip_bound <= 0.0_dp) .or. problem%is_held)
+      bound%norm = sqrt(distance**2 + 2.0_dp*law_error(sides, body, load_case, solution, force))
+      bound%is_bound = all(load_case%friction <= 0.0_dp) .and. &
+         (all(load_case%slip_bound <= 0.0_dp) .or. problem%is_held)
    end subroutine find_error_bound
 
-   !> Lists the sides of the contact sets. Without a slip bound the traction of a point is on the sides that are closed
-   !> at both ends alone, so that none acts across the end of a contact; a point without such a side has both.
+   !> Whether a body is a plane one of three-node triangles, without springs, its contact points nodes of its own.
+   pure logical function suits(body)
+      type(body_t), intent(in) :: body !! the body
+
+      suits = all(body%mesh%element_kind == tri3) .and. .not. (body%is_axisymmetric .or. size(body%springs) > 0 &
+         .or. any(body%zone%is_cell)) .and. size(body%zone%rows%node) == body%zone%n_points
+   end function suits
+
+   !> Lists the sides of the contact sets, and which share of the force of a point is on each.
    pure subroutine find_sides(sides, body, load_case, force)
       type(contact_side_t), allocatable, intent(out) :: sides(:) !! the sides
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
       integer, allocatable :: point(:)
-      real(dp), allocatable :: closed_area(:)
       integer :: i, k, n, p
 
       allocate (point(body%mesh%n_nodes), source=0)
@@ -99,7 +109,7 @@ contains
       do i = 1, size(load_case%contacts)
          n = n + size(body%mesh%sets(body%mesh%find_set(load_case%contacts(i)%set))%element)
       end do
-      allocate (sides(n), closed_area(body%zone%n_points))
+      allocate (sides(n))
       n = 0
       do i = 1, size(load_case%contacts)
          associate (set => body%mesh%sets(body%mesh%find_set(load_case%contacts(i)%set)))
@@ -109,20 +119,32 @@ contains
             end do
          end associate
       end do
-      if (any(load_case%slip_bound > 0.0_dp)) return
+      if (.not. any(load_case%slip_bound > 0.0_dp)) call leave_open_sides(sides, body%zone%area, force)
+   end subroutine find_sides
+
+   !> Puts the forces of points on the sides that are closed at both ends, so that no traction acts across the end of a
+   !> contact. A point without such a side keeps both; a slip bound would be exceeded.
+   pure subroutine leave_open_sides(sides, area, force)
+      type(contact_side_t), intent(inout) :: sides(:) !! the sides
+      real(dp), intent(in) :: area(:) !! tributary area of the points (m) [L^2]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      real(dp) :: closed_area(size(area))
+      integer :: i, k, p
+
       closed_area = 0.0_dp
       do i = 1, size(sides)
-         if (is_closed(sides(i), force)) closed_area(sides(i)%point) = closed_area(sides(i)%point) + 0.5_dp*sides(i)%area
+         if (.not. is_closed(sides(i), force)) cycle
+         closed_area(sides(i)%point) = closed_area(sides(i)%point) + 0.5_dp*sides(i)%area
       end do
       do i = 1, size(sides)
          do k = 1, 2
             p = sides(i)%point(k)
             if (p == 0) cycle
-            if (closed_area(p) > 0.0_dp) sides(i)%share(k) = merge(body%zone%area(p)/closed_area(p), 0.0_dp, &
+            if (closed_area(p) > 0.0_dp) sides(i)%share(k) = merge(area(p)/closed_area(p), 0.0_dp, &
                is_closed(sides(i), force))
          end do
       end do
-   end subroutine find_sides
+   end subroutine leave_open_sides
 
    !> Places a side of a contact set.
    pure subroutine place_side(side, body, element, place, point)

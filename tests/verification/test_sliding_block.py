@@ -7,10 +7,11 @@ program finds what is open, sticks or slides. The contact stress of a node is it
 is, a mean over the sides that it belongs to; its error is the root of the weighted mean of squares, over that of the
 stress. Theory: displacement of order 2 and 3 in $L_2$ for linear and quadratic elements; contact stress of order 1 at
 least for linear, 2 for quadratic ones. Here the triangles halve the cells by turns along one diagonal and the other,
-their worst case: a node of the floor belongs to one triangle or to three. With all diagonals alike T3 has order 2 too.
+their worst case: a node of the floor belongs to one triangle or to three. With all diagonals alike T3 has order 2
+too.
 
-On T3 the [error in the constitutive relation](theory.md#error-of-the-mesh) of the same block is beside the true error of
-the stresses: without friction and for a given slip bound never below it, for Coulomb's friction an estimate.
+On T3 the [error in the constitutive relation](theory.md#error-of-the-mesh) of the same block is beside the true error
+of the stresses: without friction and for a given slip bound never below it, for Coulomb's friction an estimate.
 """
 from math import sqrt
 
@@ -46,7 +47,8 @@ class SlidingBlock(Benchmark):
             exact = PolynomialField(YOUNG, POISSON, SLIP, shear, scaled(PRESSURE, -1.0))
             for cells in self.meshes((4, 8), (4, 8, 16, 32)):
                 deck = self.deck("sliding_block", mesh=mapped_mesh((2*cells, cells), "tri3", even))
-                result = self.solve(with_points_held(deck.replace("friction = 0.5", law), other_sides(cells, even), exact))
+                deck = with_points_held(deck.replace("friction = 0.5", law), other_sides(cells, even), exact)
+                result = self.solve(deck)
                 self.assert_sound(result)
                 norm, _ = stress_error(self.directory/"case.vtu", exact, Elastic(YOUNG, POISSON))
                 (member, value), = result.summary["constitutive_relation"].items()
