@@ -362,9 +362,9 @@ contains
       type(quantity_t) :: list(1)
 
       if (self%is_bound) then
-         list = quantity_t('error_bound', 'Bound of the error', self%norm)
+         list = quantity_t('error_bound', 'Bound of the error', self%norm, dimension='sqrt(F L)')
       else
-         list = quantity_t('constitutive_error', 'Constitutive error', self%norm)
+         list = quantity_t('constitutive_error', 'Constitutive error', self%norm, dimension='sqrt(F L)')
       end if
    end function error_bound_quantities
 
