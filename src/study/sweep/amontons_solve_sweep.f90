@@ -159,7 +159,7 @@ contains
 
       n_cases = int(task%sweep%n_cases())
       n_chunks = n_threads()
-      call monitor%report(result%statistics%n_cases, n_cases)
+      call monitor%report(result%statistics%n_cases, n_cases, 'cases')
       do while (result%statistics%n_cases < n_cases .and. .not. monitor%is_stopped())
          start = wall_seconds()
          allocate (chunks(min(n_chunks, (n_cases - result%statistics%n_cases - 1)/chunk_length + 1)))
@@ -172,7 +172,7 @@ contains
          call result%checkpoint%add_rows(1, rows)
          if (len(rows) > 0) call result%checkpoint%save(result%statistics, error)
          if (allocated(error)) return
-         call monitor%report(result%statistics%n_cases, n_cases)
+         call monitor%report(result%statistics%n_cases, n_cases, 'cases')
          growth = min(4.0_dp, batch_seconds/max(wall_seconds() - start, tiny(1.0_dp)))
          n_chunks = max(n_threads(), int(n_chunks*growth))
       end do

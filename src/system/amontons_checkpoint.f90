@@ -19,17 +19,17 @@ module amontons_checkpoint
    implicit none (type, external)
    private
 
-   public :: checkpoint_t, new_checkpoint, progress_t
+   public :: checkpoint_t, milestone_t, new_checkpoint
 
    !> What a whole line ends with.
    character(*), parameter :: line_end = ' rows'//newline
 
    !> How far a study is, in one line of text.
-   type, abstract :: progress_t
+   type, abstract :: milestone_t
    contains
-      procedure(progress_read), deferred :: read
-      procedure(progress_text), deferred :: text
-   end type progress_t
+      procedure(milestone_read), deferred :: read
+      procedure(milestone_text), deferred :: text
+   end type milestone_t
 
    !> A table that grows.
    type :: growing_table_t
@@ -55,6 +55,7 @@ module amontons_checkpoint
       procedure, public :: checksum => checkpoint_checksum
       procedure, public :: close => checkpoint_close
       procedure, public :: discard => checkpoint_discard
+      procedure, public :: end_table => checkpoint_end_table
       procedure, public :: is_due => checkpoint_is_due
       procedure, public :: open => checkpoint_open
       procedure, public :: remove => checkpoint_remove
@@ -64,21 +65,21 @@ module amontons_checkpoint
 
    abstract interface
       !> Reads the progress from its line.
-      pure subroutine progress_read(self, text, ok)
-         import :: progress_t
+      pure subroutine milestone_read(self, text, ok)
+         import :: milestone_t
          implicit none (type, external)
-         class(progress_t), intent(inout) :: self !! none; gains the progress
+         class(milestone_t), intent(inout) :: self !! none; gains the progress
          character(*), intent(in) :: text !! the line
          logical, intent(out) :: ok !! whether it is the line of such a progress
-      end subroutine progress_read
+      end subroutine milestone_read
 
       !> The progress as a line that `read` understands, words between single blanks.
-      pure function progress_text(self) result(text)
-         import :: progress_t
+      pure function milestone_text(self) result(text)
+         import :: milestone_t
          implicit none (type, external)
-         class(progress_t), intent(in) :: self !! the progress
+         class(milestone_t), intent(in) :: self !! the progress
          character(:), allocatable :: text
-      end function progress_text
+      end function milestone_text
    end interface
 
 contains
@@ -109,7 +110,7 @@ contains
    subroutine checkpoint_open(self, key, progress, error)
       class(checkpoint_t), intent(inout) :: self !! the checkpoint, with its tables
       character(*), intent(in) :: key !! what the rows depend on, lines of text
-      class(progress_t), intent(inout) :: progress !! none; gains what is done already
+      class(milestone_t), intent(inout) :: progress !! none; gains what is done already
       type(error_t), allocatable, intent(out) :: error !! the files cannot be written, or another run writes them
       integer(int64) :: notes_bytes
       logical :: is_found
@@ -144,11 +145,11 @@ contains
    subroutine find_progress(checkpoint, key, progress, notes_bytes, is_found)
       class(checkpoint_t), intent(inout) :: checkpoint !! gains the bytes of the tables that count
       character(*), intent(in) :: key !! what the rows depend on
-      class(progress_t), intent(inout) :: progress !! none; gains that of the last whole line
+      class(milestone_t), intent(inout) :: progress !! none; gains that of the last whole line
       integer(int64), intent(out) :: notes_bytes !! the bytes of the notes that count
       logical, intent(out) :: is_found !! whether there is such a line, and the tables that it tells of
       type(error_t), allocatable :: error
-      class(progress_t), allocatable :: noted
+      class(milestone_t), allocatable :: noted
       character(:), allocatable :: text
       integer(int64), dimension(size(checkpoint%tables)) :: n_bytes, checksums
       integer :: last, first, i
@@ -270,7 +271,7 @@ contains
    !> Puts the rows that were added on the disk, and the progress that they stand for.
    subroutine checkpoint_save(self, progress, error)
       class(checkpoint_t), intent(inout) :: self !! the checkpoint
-      class(progress_t), intent(in) :: progress !! the progress
+      class(milestone_t), intent(in) :: progress !! the progress
       type(error_t), allocatable, intent(out) :: error !! the files cannot be written
       character(:), allocatable :: line, checksums
       integer(int64) :: found
@@ -298,6 +299,17 @@ contains
       call append_to_file(self%path, .false., with_checksum(line//progress%text()//checksums)//line_end, error)
       self%last_save = wall_seconds()
    end subroutine checkpoint_save
+
+   !> Puts on the disk what a table ends with. A run that goes on cuts it off.
+   subroutine checkpoint_end_table(self, number, text, error)
+      class(checkpoint_t), intent(inout) :: self !! the checkpoint, all rows saved
+      integer, intent(in) :: number !! number of the table
+      character(*), intent(in) :: text !! the end
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
+
+      call append_to_file(self%tables(number)%path, .false., text, error)
+      call self%tables(number)%checksum%add(text)
+   end subroutine checkpoint_end_table
 
    !> Checksum and bytes of a table.
    pure function checkpoint_checksum(self, number) result(checksum)
