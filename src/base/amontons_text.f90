@@ -7,7 +7,7 @@ module amontons_text
    private
 
    public :: as_lines, comma_separated, line_end, lower_case, nearest_word, newline, put_decimals, quoted, &
-      read_integer, read_real, read_reals, to_short_text, to_text, utf_8_width
+      read_integer, read_real, read_reals, to_short_text, to_text, utf_8_width, xml_escaped
 
    !> The end of a line.
    character(*), parameter :: newline = new_line('a')
@@ -340,5 +340,26 @@ contains
          bytes(i:i) = achar(127 + i)
       end do
    end function continuations
+
+   !> Text as XML has it, in an attribute or between tags.
+   pure function xml_escaped(text) result(value)
+      character(*), intent(in) :: text !! the text
+      character(:), allocatable :: value
+      integer :: i
+
+      value = ''
+      do i = 1, len(text)
+         select case (text(i:i))
+         case ('&')
+            value = value//'&amp;'
+         case ('<')
+            value = value//'&lt;'
+         case ('"')
+            value = value//'&quot;'
+         case default
+            value = value//text(i:i)
+         end select
+      end do
+   end function xml_escaped
 
 end module amontons_text

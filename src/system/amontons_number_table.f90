@@ -61,7 +61,7 @@ contains
          may_be_headings = may_be_headings .and. is_empty
       end do
       table = rows(:, :n_rows)
-      if (n_rows < 2) call new_error(error, input_refused, file//': expected two rows of '//numbers//' at the least')
+      if (n_rows < 2) call new_error(error, input_refused, file//': expected at least two rows of '//numbers)
    end subroutine read_number_table
 
    !> Whether a text begins as no number does.

@@ -120,7 +120,7 @@ class Tables(ProgramTest):
         for key in ("friction_table", "slip_bound_table"):
             deck = SOUND.replace("friction = 0.3", f"{key} = 'table.txt'")
             run = self.run_program(self.write("case.nml", deck), status=1)
-            self.assertEqual(run.stderr, f"case.nml:5: {key} must have stations that ascend from row to row\n")
+            self.assertEqual(run.stderr, f"case.nml:5: {key} must have lengths that increase from row to row\n")
         self.assertEqual(self.files(), ["case.nml", "table.txt"])
 
     def test_line_of_a_plane(self):

@@ -266,8 +266,9 @@ contains
       class(certificate_t), intent(in) :: self !! the certificate
       type(quantity_t) :: list(2)
 
-      list = [quantity_t('strain_energy', 'Strain energy', self%strain_energy, self%strain_energy), &
-         quantity_t('dissipation', 'Work of friction', self%dissipation, self%strain_energy)]
+      list = [quantity_t('strain_energy', 'Strain energy', self%strain_energy, self%strain_energy, &
+         dimension='F L'), &
+         quantity_t('dissipation', 'Work of friction', self%dissipation, self%strain_energy, dimension='F L')]
    end function certificate_energies
 
    !> The largest of the violations [-].

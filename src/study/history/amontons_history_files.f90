@@ -4,8 +4,9 @@
 !> The tables are those of a checkpoint: a history that dies goes on behind the rows that it noted last.
 module amontons_history_files
    use amontons_body, only: body_t
+   use amontons_case_label, only: case_label_t
    use amontons_checkpoint, only: checkpoint_t, milestone_t, new_checkpoint
-   use amontons_collection, only: case_entries, collection_head, collection_tail
+   use amontons_collection, only: case_entries, collection_head, collection_t, collection_tail
    use amontons_error, only: error_t
    use amontons_grids, only: write_grids
    use amontons_history, only: is_shown
@@ -36,7 +37,7 @@ module amontons_history_files
       character(:), allocatable :: folder !! folder of the grids in it, a slash behind it
       type(checkpoint_t), public :: checkpoint !! the tables
       integer :: place(size(endings)) = 0 !! the place of each table in the checkpoint; 0 if it is not written
-      type(manifest_t) :: grids !! the manifest of the grids
+      type(collection_t) :: collection !! the units of the grids, and their manifest
    contains
       procedure, public :: add_fields => history_files_add_fields
       procedure, public :: add_step => history_files_add_step
@@ -47,17 +48,18 @@ module amontons_history_files
 contains
 
    !> Names the files that the deck asks for.
-   pure subroutine new_history_files(files, model, body, directory, name)
+   pure subroutine new_history_files(files, model, body, directory, label)
       type(history_files_t), intent(out) :: files !! the files
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
       character(*), intent(in) :: directory !! output directory
-      character(*), intent(in) :: name !! name of the case
+      class(case_label_t), intent(in) :: label !! what the case is called
 
       files%directory = directory//'/'
-      files%name = name
-      files%folder = name//'.history/'
-      call new_checkpoint(files%checkpoint, directory//'/'//name//'.history')
+      files%name = label%name
+      files%folder = label%name//'.history/'
+      files%collection%units = label%units
+      call new_checkpoint(files%checkpoint, directory//'/'//label%name//'.history')
       call add_table(files, history_table, history_header(model%history))
       if (model%history%points_every > 0) call add_table(files, points_table, points_header(model%history))
       if (model%history%states_every > 0) call add_table(files, states_table, &
@@ -114,7 +116,7 @@ contains
       type(result_t), intent(in) :: result !! its result
       type(error_t), allocatable, intent(out) :: error !! a grid cannot be written
 
-      call write_grids(self%grids, self%directory, self%folder, to_text(number), body, result, error)
+      call write_grids(self%collection, self%directory, self%folder, to_text(number), body, result, error)
       if (.not. allocated(error)) call self%checkpoint%add_rows(self%place(collection_table), case_entries(time, &
          self%folder//to_text(number)))
    end subroutine history_files_add_fields
@@ -136,13 +138,13 @@ contains
          if (allocated(error)) return
          if (.not. is_shown(number, model%history%fields_every)) cycle
          associate (stem => self%directory//self%folder//to_text(number))
-            call self%grids%add_written(stem//'.vtu', stem//'.vtu', self%folder, error)
-            if (.not. allocated(error)) call self%grids%add_written(stem//'.contact.vtu', stem//'.contact.vtu', &
-               self%folder, error)
+            call self%collection%grids%add_written(stem//'.vtu', stem//'.vtu', self%folder, error)
+            if (.not. allocated(error)) call self%collection%grids%add_written(stem//'.contact.vtu', &
+               stem//'.contact.vtu', self%folder, error)
          end associate
       end do
       if (allocated(error)) return
-      manifest = self%grids
+      manifest = self%collection%grids
       allocate (finished(maxval(self%place)))
       do table = 1, size(endings)
          if (self%place(table) > 0) call self%checkpoint%table_file(finished(self%place(table)), self%place(table), &

@@ -122,7 +122,7 @@ contains
          key = key//milestone%text()//newline
          deallocate (milestone%numbers)
       end if
-      call new_history_files(files, model, cache%body, directory, config%name)
+      call new_history_files(files, model, cache%body, directory, config)
       call files%open(model, key, milestone, error)
       if (.not. allocated(error) .and. allocated(milestone%numbers)) call go_on(cache, model, milestone%numbers, &
          result, error)
