@@ -29,6 +29,8 @@ COMPANIONS = {
     ("problem", "friction"): {"kind": "'reduced'", "file": "'none.dat'"},
     **{("history", key): {"times": "0.0, 1.0"}
        for key in ("times", "name", "substeps", "step_tolerance", "min_step")},
+    ("history", "start"): {"times": "0.0, 1.0"},
+    ("history", "start_step"): {"times": "0.0, 1.0", "start": "'none.csv'"},
     **{("steps", key): {"load": "'push'", "factor": "1.0"} for key in ("load", "factor")},
     **{("steps", key): {"obstacle": "'bottom'", "shift_x": "0.0", "turn": "0.0"}
        for key in ("obstacle", "shift_x", "shift_y", "turn", "pivot")},
@@ -43,6 +45,7 @@ BESIDES = {
     ("contact", "gap"): SECOND_BODY,
     ("output", "fields_every"): {"sweep": {"friction": "0.1, 0.2"}},
     ("output", "points_every"): HISTORY,
+    ("output", "states_every"): HISTORY,
     ("output", "probe"): HISTORY,
     **{("steps", key): HISTORY for key in ("load", "factor", "obstacle", "shift_x", "shift_y", "turn", "pivot",
                                           "friction_factor")},
