@@ -37,6 +37,7 @@ COMPANIONS = {
 HISTORY = {"history": {"times": "0.0"}}
 BESIDES = {
     ("output", "fields_every"): {"sweep": {"friction": "0.1, 0.2"}},
+    ("output", "key_results"): {"sweep": {"friction": "0.1, 0.2"}},
     ("output", "points_every"): HISTORY,
     ("output", "probe"): HISTORY,
     **{("steps", key): HISTORY for key in ("load", "factor", "obstacle", "shift_x", "shift_y", "turn", "pivot",

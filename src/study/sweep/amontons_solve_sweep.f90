@@ -70,7 +70,7 @@ contains
       call condense_case(cache, config, result%certified, error)
       if (allocated(error)) return
       call set_factor(result%certified%factor, cache%body)
-      task%n_quantities = size(case_keys(cache%body))
+      task%n_quantities = size(case_keys(cache%body, config%sweep))
       call new_contact_method(task%method, config%method, error)
       if (allocated(error)) return
       select type (method => task%method)
@@ -86,7 +86,7 @@ contains
       call make_directory(directory, error)
       if (allocated(error)) return
       call open_sweep_checkpoint(result%checkpoint, directory//'/'//config%name, sweep_key(config, task%model), &
-         sweep_header(config%sweep, case_keys(cache%body)), result%statistics, error)
+         sweep_header(config%sweep, case_keys(cache%body, config%sweep)), result%statistics, error)
       if (allocated(error)) return
       result%n_resumed = result%statistics%n_cases
       call solve_batches(task, cache%body, monitor, result, error)
