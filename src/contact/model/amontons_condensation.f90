@@ -88,7 +88,7 @@ contains
       end if
       condensation%is_held = is_held
       condensation%n_unknowns = dof_map%n_trailing
-      if (any(zone%is_cell)) then
+      if (.not. zone%is_nodal) then
          call map_rows(condensation, zone, constraints, dof_map)
       else
          call map_points(condensation, zone, constraints, dof_map)
@@ -138,7 +138,7 @@ contains
       integer, parameter :: least_points = 501
       real(dp), parameter :: slowness = 50.0_dp
 
-      if (form == 'dense' .or. any(zone%is_cell)) return
+      if (form == 'dense' .or. .not. zone%is_nodal) return
       associate (n => real(matrix%n, dp), m => real(zone%n_points, dp))
          if (form == 'auto' .and. (zone%n_points < least_points .or. slowness*n*(n/m)**2 > m**3)) return
       end associate

@@ -7,7 +7,7 @@ module amontons_pairing
 
    public :: gap_names, new_tie, pairing_t, tie_t
 
-   !> Where the gaps of a pair come from, as a deck writes it: from the meshes, or 0 wherever the bodies face each other.
+   !> Where the gaps of a pair come from, as a deck writes it: from the meshes, or 0 where the bodies face each other.
    character(8), parameter :: gap_names(*) = [character(8) :: 'mesh', 'touching']
 
    !> The other body of a contact set. The set is the slave, which carries the multipliers; the other body's boundary is
@@ -19,6 +19,7 @@ module amontons_pairing
          !! how far the master may be along the slave's normal, either way; 0 for twice the longest side [L]
       character(8) :: gap = 'mesh' !! where gaps come from, one of `gap_names`
    contains
+      procedure :: has_mesh_gap => pairing_has_mesh_gap
       procedure :: is_pair => pairing_is_pair
    end type pairing_t
 
@@ -51,5 +52,12 @@ contains
       is_pair = .false.
       if (allocated(self%against)) is_pair = len(self%against) > 0
    end function pairing_is_pair
+
+   !> Whether gaps come from the meshes of two deformable bodies.
+   elemental logical function pairing_has_mesh_gap(self) result(has_mesh_gap)
+      class(pairing_t), intent(in) :: self !! the pairing
+
+      has_mesh_gap = self%is_pair() .and. self%gap == gap_names(1)
+   end function pairing_has_mesh_gap
 
 end module amontons_pairing
