@@ -220,7 +220,8 @@ class Files(SweepTest):
         self.assertIn("\n  max_von_mises ", (self.directory/"1/sweep.lst").read_text(encoding="utf-8"))
         # Said explicitly, the default gives the same table as saying nothing.
         for number, output in enumerate(("", "&output key_results = 'contact' /\n")):
-            self.run_program("--quiet", "--output", f"contact{number}", self.write("sweep.nml", map_of_states(2) + output))
+            deck = self.write("sweep.nml", map_of_states(2) + output)
+            self.run_program("--quiet", "--output", f"contact{number}", deck)
         self.assertEqual(self.contents("contact0")["sweep.sweep.csv"], self.contents("contact1")["sweep.sweep.csv"])
 
     def test_check_counts_the_cases(self):
