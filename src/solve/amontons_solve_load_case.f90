@@ -72,8 +72,8 @@ contains
       end associate
    end subroutine set_factor
 
-   !> Solves the contact problem of a load case, its displacements counted from where the body meets its obstacles. Where
-   !> they turn out to be little else than another rigid motion, solves it once more, counted from this one, too.
+   !> Solves the contact problem of a load case, its displacements counted from where the body meets its obstacles.
+   !> Where they turn out to be little else than another rigid motion, solves it once more, counted from this one, too.
    subroutine solve_from_obstacles(method, body, load_case, problem, solution, error)
       class(contact_method_t), intent(in) :: method !! the contact method
       type(body_t), intent(in) :: body !! the body
