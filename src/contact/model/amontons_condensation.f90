@@ -177,8 +177,8 @@ contains
             transform = dof_map%substitution%transform(zone%rows%node(i:i), own)
             parts = reshape([zone%rows%part(:, i), turned(zone%rows%part(:, i))], [2, 2])
             do k = 1, size(own)
-               call add_part(condensation, p, own(k), matmul(transpose(transform(:, 2*k - 1:2*k)), parts), constraints, &
-                  dof_map)
+               call add_part(condensation, p, own(k), matmul(transpose(transform(:, 2*k - 1:2*k)), parts), &
+                  constraints, dof_map)
             end do
          end do
       end do
