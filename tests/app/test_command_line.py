@@ -37,9 +37,16 @@ class Options(ProgramTest):
         run = self.run_program("--version")
         facts = [r"amontons \d+\.\d+\.\d+", r"compiler     .*version \d+.*", r"build type   \w+.*",
                  r"BLAS         \S.*", r"SuiteSparse  (none|\d+\.\d+\.\d+, CHOLMOD \d+\.\d+\.\d+)",
-                 r"OpenMP       20\d{4}, 1 threads"]
+                 r"MPI          (no|yes, MUMPS \d+\.\d+\.\d+)", r"OpenMP       20\d{4}, 1 threads"]
         self.assertRegex(run.stdout, "^" + "".join(fact + r"\n" for fact in facts) + "$")
         self.assertEqual(run.stderr, "")
+
+    def test_a_body_is_spread_over_the_ranks_of_a_run_only(self):
+        deck = self.write("spread.nml", SOUND + "&solver factorization = 'distributed' /\n")
+        for options in (), ("--check",):
+            run = self.run_program(*options, deck, status=1)
+            self.assertRegex(run.stderr, "^spread.nml: factorization = 'distributed' (needs MPI and MUMPS, and this "
+                             "program was built without them|is for a run on several ranks: mpiexec -n 2)")
 
     @unittest.skipIf(HAS_SUITESPARSE, "this build has SuiteSparse")
     def test_sparse_factorization_is_refused_without_suitesparse(self):
