@@ -13,7 +13,7 @@ for argument in "$@"; do
       --full) is_full=true ;;
       --update) is_full=true is_update=true ;;
       *)
-         echo "bench.sh: '$argument' is no option; there are --full and --update." >&2
+         echo "bench.sh: unknown option '$argument' (options: --full, --update)" >&2
          exit 1
          ;;
    esac

@@ -12,7 +12,7 @@ count=${1:-10000}
 first=${2:-0}
 for number in "$count" "$first"; do
    if [[ ! $number =~ ^[0-9]+$ ]]; then
-      echo "fuzz.sh: '$number' is no number of files." >&2
+      echo "fuzz.sh: expected a number of files, found '$number'" >&2
       exit 1
    fi
 done

@@ -16,7 +16,7 @@ while (($# > 0)); do
       --method | --variant | --element)
          (($# > 1)) || { echo "table1.sh: $1 expects a name" >&2; exit 1; }
          # The names become part of a program for sed.
-         [[ $2 =~ ^[a-z0-9_]+$ ]] || { echo "table1.sh: '$2' is no name of a ${1#--}" >&2; exit 1; }
+         [[ $2 =~ ^[a-z0-9_]+$ ]] || { echo "table1.sh: '$2' is not a ${1#--}" >&2; exit 1; }
          declare "${1#--}=$2"
          shift 2
          ;;

@@ -18,7 +18,7 @@ if (($# > 0)); then
 fi
 for benchmark in "${benchmarks[@]}"; do
    [[ $benchmark =~ ^[a-z0-9_]+$ && -e tests/verification/test_$benchmark.py ]] ||
-      { echo "verify.sh: there is no benchmark '$benchmark'" >&2; exit 1; }
+      { echo "verify.sh: unknown benchmark '$benchmark'" >&2; exit 1; }
 done
 
 scripts/setup.sh build >&2

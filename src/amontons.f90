@@ -23,6 +23,7 @@ module amontons
    use amontons_directory, only: file_name_t
    use amontons_error, only: error_t, input_refused, numerical_failure, system_failure
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, status_names, stick_point
+   use amontons_joined_mesh, only: append_mesh, name_mesh
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t, new_load_case
    use amontons_loads, only: load_t, new_load
@@ -68,9 +69,9 @@ module amontons
    public :: find_reduced_solutions, new_condensed_system, new_dense_system, new_reduced_config, read_reduced_file, &
       reduced_result_t, reduced_system_t, solve_reduced, solve_reduced_system, write_reduced_file, write_reduced_report
    ! Bodies
-   public :: body_t, condensation_options_t, condense_body, contact_t, load_case_t, load_t, material_t, mesh_t, &
-      new_body, new_contact, new_load, new_load_case, new_material, new_rectangle_mesh, new_support, read_mesh_file, &
-      rectangle_t, solve_body, support_t
+   public :: append_mesh, body_t, condensation_options_t, condense_body, contact_t, load_case_t, load_t, material_t, &
+      mesh_t, name_mesh, new_body, new_contact, new_load, new_load_case, new_material, new_rectangle_mesh, &
+      new_support, read_mesh_file, rectangle_t, solve_body, support_t
    ! Contact problems and methods
    public :: contact_method_t, contact_problem_t, contact_solution_t, method_names, method_options_t, &
       new_contact_method, new_contact_problem, new_contact_solution, new_dense_matrix, new_reduced_problem, &

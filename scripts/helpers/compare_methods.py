@@ -251,7 +251,7 @@ def main():
                 found[element, n] = conditions(compliance(folder, element, n))
                 for row in rows:
                     exact = {body: exact_forces(folder, row, element, n, body) for body in BODIES}
-                    # The pinned node is no contact point: it lacks in both halves.
+                    # The pinned node is not a contact point: it lacks in both halves.
                     alone = np.concatenate([half[:-1] for half in np.split(exact[ALONE], 2)])
                     pin_effect = max(pin_effect, np.abs(alone - exact[PINNED]).max() / np.abs(alone).max())
                     for body in BODIES:

@@ -10,7 +10,7 @@ module amontons_command_line
 
    !> Options, as they are written.
    character(16), parameter :: option_names(*) = [character(16) :: '--output', '--set', '--check', '--quiet', &
-      '--threads', '--skip-unchanged', '--reduced', '--write-reduced', '--all-solutions', '--verify', &
+      '--progress', '--threads', '--skip-unchanged', '--reduced', '--write-reduced', '--all-solutions', '--verify', &
       '--reference', '--help', '--version']
 
    !> A word of the command line.
@@ -26,6 +26,7 @@ module amontons_command_line
       integer :: n_threads = 0 !! number of threads; 0 for what OMP_NUM_THREADS says, or all cores
       logical :: is_check = .false. !! whether decks are only checked
       logical :: is_quiet = .false. !! whether results are not printed
+      logical :: shows_progress = .false. !! whether a log gets lines on the work under way
       logical :: skips_unchanged = .false. !! whether decks whose results are there already are skipped
       logical :: is_reduced = .false. !! whether the names are files of reduced problems rather than decks
       logical :: writes_reduced = .false. !! whether the reduced problem of each case is written
@@ -79,7 +80,7 @@ contains
          call new_error(error, input_refused, 'amontons: expected '//expected//'; try amontons --help')
       else if (command_line%is_verify .and. any([allocated(command_line%output), command_line%is_check, &
          command_line%is_reduced, command_line%writes_reduced, command_line%wants_all_solutions, &
-         command_line%skips_unchanged, size(command_line%settings) > 0])) then
+         command_line%skips_unchanged, command_line%shows_progress, size(command_line%settings) > 0])) then
          call new_error(error, input_refused, 'amontons: --verify takes directories with results; of the other '// &
             'options only --quiet and --threads go with it')
       else if (command_line%skips_unchanged .and. (command_line%writes_reduced .or. &
@@ -124,6 +125,8 @@ contains
          command_line%is_check = .true.
       case ('--quiet', '-q')
          command_line%is_quiet = .true.
+      case ('--progress')
+         command_line%shows_progress = .true.
       case ('--skip-unchanged')
          command_line%skips_unchanged = .true.
       case ('--reduced')

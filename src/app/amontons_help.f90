@@ -71,6 +71,8 @@ contains
          '                   --set "support(2).set=left"; may be repeated', &
          '  --check          check the decks and print their sizes; solve and write nothing', &
          '  --quiet          print nothing but errors; -q too', &
+         '  --progress       lines on the work under way to standard error where it is no', &
+         '                   terminal but a log', &
          '  --skip-unchanged skip decks whose results are there already, from the same deck,', &
          '                   files and version; adds its rows to batch.csv', &
          '  --threads N      threads to use (default: OMP_NUM_THREADS, or all cores); -t too', &
@@ -104,7 +106,7 @@ contains
          '', &
          'Examples:', &
          '  amontons block.nml                       solve it; read block.lst first', &
-         '  amontons --check block.nml               is it in order, and how large?', &
+         '  amontons --check block.nml               check it and print its size', &
          '  amontons --output results --quiet *.nml  a batch; only errors are printed', &
          "  sed 's/0.3/0.5/' block.nml | amontons -  a deck from another program: stdin.lst", &
          '  amontons --write-reduced block.nml       its contact problem for other solvers']

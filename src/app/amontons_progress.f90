@@ -67,7 +67,7 @@ contains
       if (self%n_before >= 0) call release_interrupts()
    end subroutine progress_finish
 
-   !> How far a sweep is, how fast, and how long it will take: '128 of 861 cases, 10500 a second, 0:00:12 left'.
+   !> How far a sweep is, how fast, and how long it will take: '128 of 861 cases, 10500 per second, 0:00:12 left'.
    pure function progress_text(n_done, n_cases, n_timed, seconds) result(text)
       integer, intent(in) :: n_done !! cases done
       integer, intent(in) :: n_cases !! all cases
@@ -82,7 +82,7 @@ contains
       if (n_timed < 1 .or. .not. seconds > 0.0_dp) return
       left = nint(min(longest, seconds*real(n_cases - n_done, dp)/n_timed))
       write (minutes, '(i2.2, ":", i2.2)') mod(left/60, 60), mod(left, 60)
-      text = text//', '//rate_text(n_timed/seconds)//' a second, '//to_text(left/3600)//':'//trim(minutes)//' left'
+      text = text//', '//rate_text(n_timed/seconds)//' per second, '//to_text(left/3600)//':'//trim(minutes)//' left'
    end function progress_text
 
    !> A rate with three digits at the least.

@@ -92,7 +92,7 @@ contains
       integer :: i
 
       if (count(outcomes%has_grids) < 2) return
-      call new_collection(collection, directory//'/cases.pvd', error)
+      call new_collection(collection, directory//'/cases.pvd', '', error)
       if (allocated(error)) return
       do i = 1, size(outcomes)
          if (outcomes(i)%has_grids) call collection%add(to_text(i), outcomes(i)%name)
@@ -132,7 +132,9 @@ contains
             return
          end if
       end if
-      if (.not. command_line%is_quiet) call open_status_line(study%config%name)
+      if (command_line%shows_progress .or. .not. command_line%is_quiet) then
+         call open_status_line(study%config%name, has_log=command_line%shows_progress)
+      end if
       if (command_line%is_check) then
          call check_study(study, cache, options, outcome)
       else

@@ -14,6 +14,7 @@ module amontons_quantity
       real(dp) :: value = 0.0_dp !! the number
       real(dp) :: scale = 0.0_dp !! what rounding errors of it are measured by, if larger than the number itself
       logical :: is_nodal = .false. !! whether it is a length from node to node, which moves by whole sides
+      character(9) :: dimension = '' !! what it is measured in, as `unit_of` takes it
       logical :: has_place = .false. !! whether it is found at a place
       real(dp) :: place(2) = 0.0_dp !! the place; in files KEY_x and KEY_y [L]
    end type quantity_t
@@ -21,18 +22,20 @@ module amontons_quantity
 contains
 
    !> A number that is found at a place.
-   pure function at_place(key, label, value, place, scale) result(quantity)
+   pure function at_place(key, label, value, place, scale, dimension) result(quantity)
       character(*), intent(in) :: key !! its name in files
       character(*), intent(in) :: label !! its name in listings
       real(dp), intent(in) :: value !! the number
       real(dp), intent(in) :: place(2) !! the place [L]
       real(dp), intent(in) :: scale !! what rounding errors of it are measured by
+      character(*), intent(in) :: dimension !! what it is measured in
       type(quantity_t) :: quantity
 
       quantity%key = key
       quantity%label = label
       quantity%value = value
       quantity%scale = scale
+      quantity%dimension = dimension
       quantity%has_place = .true.
       quantity%place = place
    end function at_place

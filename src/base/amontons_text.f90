@@ -6,8 +6,8 @@ module amontons_text
    implicit none (type, external)
    private
 
-   public :: as_lines, comma_separated, lower_case, nearest_word, newline, put_decimals, quoted, read_integer, &
-      read_real, to_short_text, to_text, utf_8_width
+   public :: as_lines, comma_separated, line_end, lower_case, nearest_word, newline, put_decimals, quoted, &
+      read_integer, read_real, to_short_text, to_text, utf_8_width, xml_escaped
 
    !> The end of a line.
    character(*), parameter :: newline = new_line('a')
@@ -18,6 +18,15 @@ module amontons_text
    end interface to_text
 
 contains
+
+   !> The last character of a line, before the end of the line or of the text.
+   pure integer function line_end(text, first)
+      character(*), intent(in) :: text !! the text
+      integer, intent(in) :: first !! where the line begins
+
+      line_end = first + index(text(first:), newline) - 2
+      if (line_end < first - 1) line_end = len(text)
+   end function line_end
 
    !> A default integer as text without blanks.
    pure function integer_to_text(value) result(text)
@@ -314,5 +323,26 @@ contains
          bytes(i:i) = achar(127 + i)
       end do
    end function continuations
+
+   !> Text as XML has it, in an attribute or between tags.
+   pure function xml_escaped(text) result(value)
+      character(*), intent(in) :: text !! the text
+      character(:), allocatable :: value
+      integer :: i
+
+      value = ''
+      do i = 1, len(text)
+         select case (text(i:i))
+         case ('&')
+            value = value//'&amp;'
+         case ('<')
+            value = value//'&lt;'
+         case ('"')
+            value = value//'&quot;'
+         case default
+            value = value//text(i:i)
+         end select
+      end do
+   end function xml_escaped
 
 end module amontons_text

@@ -99,11 +99,11 @@ contains
    !> goes back to the system first.
    subroutine condenser_check_memory(self, error)
       class(condenser_t), intent(in) :: self !! the condenser, the matrix analyzed
-      type(error_t), allocatable, intent(out) :: error !! memory does not suffice
+      type(error_t), allocatable, intent(out) :: error !! not enough memory
 
       call return_memory()
       if (self%memory_mb() <= available_memory_mb()) return
-      call new_error(error, system_failure, 'memory does not suffice: the '//self%name//' factor of '// &
+      call new_error(error, system_failure, 'not enough memory: the '//self%name//' factor of '// &
          to_text(self%n)//' unknowns needs '//to_text(nint(self%memory_mb(), int64))//' MB, and '// &
          to_text(nint(available_memory_mb(), int64))//' MB are available')
    end subroutine condenser_check_memory

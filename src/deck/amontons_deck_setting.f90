@@ -5,7 +5,7 @@ module amontons_deck_setting
    use amontons_deck_contents, only: find_key
    use amontons_deck_scanner, only: is_name
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_text, only: lower_case, newline, quoted, read_integer, to_text
+   use amontons_text, only: line_end, lower_case, newline, quoted, read_integer, to_text
    implicit none (type, external)
    private
 
@@ -61,19 +61,19 @@ contains
       character(*), intent(in) :: text !! the lines
       type(error_t), allocatable, intent(out) :: error !! one has not the form of a setting
       type(setting_t), allocatable :: longer(:)
-      integer :: first, length, n
+      integer :: first, last, n
 
       allocate (settings(0))
       first = 1
       do while (first <= len(text))
-         length = index(text(first:)//newline, newline) - 1
+         last = line_end(text, first)
          n = size(settings)
          allocate (longer(n + 1))
          longer(:n) = settings
-         call new_setting(longer(n + 1), text(first:first + length - 1), error)
+         call new_setting(longer(n + 1), text(first:last), error)
          call move_alloc(longer, settings)
          if (allocated(error)) return
-         first = first + length + 1
+         first = last + 2
       end do
    end subroutine read_settings
 

@@ -56,7 +56,7 @@ contains
       do i = 1, size(sides, 2)
          if (after(sides(1, i)) /= 0 .or. before(sides(2, i)) /= 0) then
             call new_error(error, input_refused, "the sides of the set '"//set// &
-               "' are no lines: they branch at node "// &
+               "' do not form lines: they branch at node "// &
                to_text(merge(sides(1, i), sides(2, i), after(sides(1, i)) /= 0)))
             return
          end if

@@ -38,7 +38,7 @@ contains
       associate (list => materials%list)
          ratio = maxval(list%lambda/list%mu)
          if (ratio > incompressible) text = text//"; Poisson's ratio of "// &
-            to_text(list(maxloc(list%lambda/list%mu, dim=1))%poisson)//' makes a material all but incompressible'
+            to_text(list(maxloc(list%lambda/list%mu, dim=1))%poisson)//' makes a material nearly incompressible'
          ratio = maxval(list%young)/minval(list%young)
          if (ratio > far_apart) text = text//'; the stiffest material is '//rounded(ratio)// &
             ' times as stiff as the softest'

@@ -34,7 +34,7 @@ module amontons_elasticity
 contains
 
    !> Evaluates the shape functions of an element.
-   pure subroutine new_element_geometry(geometry, mesh, element, material, n_points)
+   pure recursive subroutine new_element_geometry(geometry, mesh, element, material, n_points)
       type(element_geometry_t), intent(inout) :: geometry
          !! the shape functions at the quadrature points; on entry anything, best those of an element of the same kind
       type(mesh_t), intent(in) :: mesh !! a checked mesh
@@ -78,15 +78,25 @@ contains
          end do
       end do
       geometry%has_mean_dilatation = material%has_mean_dilatation .and. geometry%kind == quad4
-      if (geometry%has_mean_dilatation) call average_dilatation(geometry, material)
+      if (geometry%has_mean_dilatation) call average_dilatation(geometry, mesh, element, material)
    end subroutine new_element_geometry
 
-   !> Averages the change of volume that each displacement makes over the element.
-   pure subroutine average_dilatation(geometry, material)
+   !> Averages the change of volume that each displacement makes over the element, by the points of its stiffness: in a
+   !> body of revolution other points give another mean, and near a Poisson's ratio of 0.5 a wrong pressure.
+   pure recursive subroutine average_dilatation(geometry, mesh, element, material)
       type(element_geometry_t), intent(inout) :: geometry !! the element's shape functions; gains the means
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: element !! number of the element
       type(material_t), intent(in) :: material !! its material
+      type(element_geometry_t), allocatable :: standard
       integer :: point
 
+      if (geometry%n_points /= n_element_points(geometry%kind, material%is_axisymmetric)) then
+         allocate (standard)
+         call new_element_geometry(standard, mesh, element, material)
+         geometry%mean_dilatation = standard%mean_dilatation
+         return
+      end if
       geometry%mean_dilatation = 0.0_dp
       associate (n => geometry%n_nodes, mean => geometry%mean_dilatation)
          do point = 1, geometry%n_points

@@ -78,7 +78,7 @@ contains
       class(error_estimate_t), intent(in) :: self !! the estimate
       type(quantity_t) :: list(2)
 
-      list = [quantity_t('error_norm', 'Error of stresses', self%norm), &
+      list = [quantity_t('error_norm', 'Error of stresses', self%norm, dimension='sqrt(F L)'), &
          quantity_t('relative_error', 'Relative error', self%relative)]
    end function error_estimate_quantities
 

@@ -171,7 +171,7 @@ contains
          if (len(materials%list(i)%region) > 0) cycle
          if (rest > 0) then
             call new_error(error, input_refused, materials%list(i)%origin// &
-               'two materials without a region; one at the most can fill the rest of the body')
+               'two materials without a region; at most one can fill the rest of the body')
             return
          end if
          rest = i

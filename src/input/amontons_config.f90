@@ -8,13 +8,13 @@ module amontons_config
       material_group, mesh_group, support_group
    use amontons_config_case, only: case_group, describe_case
    use amontons_config_contact, only: contact_group, describe_contact
-   use amontons_config_file, only: take_file_loads, take_file_materials, take_file_supports
+   use amontons_config_file, only: take_file
    use amontons_config_history, only: describe_history, history_group, steps_group
    use amontons_config_reduced, only: describe_problem, problem_group, reduced_source_t
    use amontons_config_sweep, only: describe_sweep, sweep_group
    use amontons_constraints, only: support_t
    use amontons_contact_zone, only: contact_t
-   use amontons_deck, only: read_deck, read_deck_text
+   use amontons_deck, only: deck_t, read_deck, read_deck_text
    use amontons_deck_documenter, only: deck_documenter_t
    use amontons_deck_reader, only: deck_reader_t
    use amontons_deck_scanner, only: suggestion
@@ -22,16 +22,15 @@ module amontons_config
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_deck_writer, only: deck_writer_t
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_file_model, only: file_model_t, use_loads, use_materials, use_names, use_supports
+   use amontons_file_model, only: use_loads, use_materials, use_names, use_supports
    use amontons_history, only: history_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_t
    use amontons_material, only: material_t
-   use amontons_mesh_file, only: read_file_model
+   use amontons_mesh_part, only: mesh_part_t
    use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
       space_names, variant_names
    use amontons_new_cholesky, only: factorization_names
-   use amontons_rectangle, only: rectangle_t
    use amontons_sweep, only: sweep_t
    use amontons_system, only: absolute_path
    use amontons_text, only: lower_case, quoted, to_text
@@ -54,11 +53,7 @@ module amontons_config
    !> Everything that defines a case.
    type, extends(case_label_t) :: config_t
       type(reduced_source_t) :: reduced !! the reduced problem that there is in the place of a body, if one is given
-      character(:), allocatable :: mesh_file !! name of the mesh file from the root on; empty for a rectangle
-      integer :: n_refinements = 0 !! how often every element of the mesh is cut in four
-      character(:), allocatable :: mesh_origin !! where the mesh was specified, for messages: 'deck.nml:12: '
-      type(rectangle_t) :: rectangle !! the rectangle that is the body where there is no mesh file
-      logical :: is_used(size(use_names)) = .false. !! which of `use_names` are taken from the mesh file
+      type(mesh_part_t), allocatable :: meshes(:) !! the parts of its mesh, a body each
       integer :: n_used(size(use_names)) = 0 !! how many of materials, supports and loads, the first ones, come from it
       type(material_t), allocatable :: materials(:) !! its materials
       type(support_t), allocatable :: supports(:) !! its supports
@@ -192,8 +187,8 @@ contains
       if (index(documenter%wanted, '&') == 1) documenter%wanted = documenter%wanted(2:)
       documenter%written = ''
       config%file = ''
-      allocate (config%materials(1), config%supports(1), config%loads(1), config%contacts(1), config%sweep%axes(1), &
-         config%history%steps(1))
+      allocate (config%meshes(1), config%materials(1), config%supports(1), config%loads(1), config%contacts(1), &
+         config%sweep%axes(1), config%history%steps(1))
       config%history%is_given = .true.
       call describe_config(documenter, config)
       text = documenter%written
@@ -223,9 +218,7 @@ contains
       type(config_t), intent(inout) :: config !! the case; who reads it comes without these
       integer :: i
 
-      call describe_mesh(visitor, config%mesh_file, config%is_used, config%rectangle, config%n_refinements, &
-         config%mesh_origin)
-      if (.not. allocated(config%materials)) call begin_body(visitor, config)
+      call describe_meshes(visitor, config)
       do i = config%n_used(use_materials) + 1, size(config%materials)
          call describe_material(visitor, config%materials(i))
       end do
@@ -243,29 +236,44 @@ contains
       call describe_accuracy(visitor, config%accuracy, config%sweep%is_given() .or. config%history%is_given)
    end subroutine describe_body
 
-   !> Makes room for what the groups of a deck say of a body, behind what its mesh file says.
-   subroutine begin_body(visitor, config)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor, behind `&mesh`
-      type(config_t), intent(inout) :: config !! the case; gains materials, supports and loads of the file
-      type(file_model_t) :: model
+   !> Describes all `&mesh`; a reader gets room for what the other groups say of a body, behind what a mesh file says.
+   subroutine describe_meshes(visitor, config)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(config_t), intent(inout) :: config !! the case; gains materials, supports and loads of a file
       type(error_t), allocatable :: error
+      logical :: is_new
+      integer :: i, k
+
+      is_new = .not. allocated(config%meshes)
+      if (is_new) allocate (config%meshes(max(1, visitor%deck%count_groups('mesh'))), config%materials(0), &
+         config%supports(0), config%loads(0))
+      do i = 1, size(config%meshes)
+         call describe_mesh(visitor, config%meshes(i))
+         if (.not. (is_new .and. any(config%meshes(i)%is_used) .and. visitor%is_judging())) cycle
+         call visitor%require(.not. any([(any(config%meshes(k)%is_used), k=1, i - 1)]), 'use', &
+            'use is only for one &mesh')
+         call take_file(config%meshes(i), config%materials, config%supports, config%loads, error)
+         if (allocated(error)) call visitor%require(.false., 'use', error%message)
+      end do
+      if (is_new) call begin_body(visitor%deck, config, allocated(error))
+   end subroutine describe_meshes
+
+   !> Makes room for what the groups of a deck say of a body, behind what its mesh file says.
+   subroutine begin_body(deck, config, is_faulty)
+      type(deck_t), intent(in) :: deck !! the deck
+      type(config_t), intent(inout) :: config !! the case, with materials, supports and loads of the file alone
+      logical, intent(in) :: is_faulty !! whether the file is at fault
       type(material_t), allocatable :: materials(:)
       type(support_t), allocatable :: supports(:)
       type(load_t), allocatable :: loads(:)
 
-      if (.not. allocated(config%mesh_file)) config%mesh_file = ''
-      if (any(config%is_used) .and. len(config%mesh_file) > 0 .and. visitor%is_judging()) then
-         call read_file_model(model, config%mesh_file, config%is_used, error)
-      end if
-      if (.not. allocated(error)) call take_file_materials(materials, model, config%mesh_file, error)
-      if (allocated(error)) call visitor%require(.false., 'use', error%message)
-      ! Of a body without a material, the required keys are missed; where the file is at fault, that is told.
-      if (.not. allocated(materials)) allocate (materials(0))
-      call take_file_supports(supports, model, config%mesh_file)
-      call take_file_loads(loads, model, config%mesh_file)
-      config%n_used = [size(materials), size(supports), size(loads)]
-      associate (deck => visitor%deck, n_used => config%n_used)
-         allocate (config%materials(max(merge(0, 1, allocated(error)), n_used(1) + deck%count_groups('material'))))
+      config%n_used = [size(config%materials), size(config%supports), size(config%loads)]
+      call move_alloc(config%materials, materials)
+      call move_alloc(config%supports, supports)
+      call move_alloc(config%loads, loads)
+      associate (n_used => config%n_used)
+         ! Of a body without a material, the required keys are missed; where the file is at fault, that is told.
+         allocate (config%materials(max(merge(0, 1, is_faulty), n_used(1) + deck%count_groups('material'))))
          allocate (config%supports(n_used(2) + deck%count_groups('support')))
          allocate (config%loads(n_used(3) + deck%count_groups('load')))
          config%materials(:n_used(1)) = materials

@@ -8,6 +8,7 @@ module amontons_config_body
    use amontons_kinds, only: dp
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_on_sides, load_t
    use amontons_material, only: formulation_names, hypothesis_names, material_t, new_material
+   use amontons_mesh_part, only: mesh_part_t
    use amontons_rectangle, only: diagonal_names, rectangle_t
    implicit none (type, external)
    private
@@ -15,7 +16,7 @@ module amontons_config_body
    public :: describe_load, describe_material, describe_mesh, describe_support
 
    !> The group of the mesh.
-   type(group_t), parameter, public :: mesh_group = group_t('mesh', is_shared=.true.)
+   type(group_t), parameter, public :: mesh_group = group_t('mesh', is_repeatable=.true., is_shared=.true.)
    !> The group of a material.
    type(group_t), parameter, public :: material_group = group_t('material', is_repeatable=.true., is_shared=.true.)
    !> The group of a support.
@@ -34,36 +35,61 @@ module amontons_config_body
 
 contains
 
-   !> Describes `&mesh`: a rectangle and its cells, or a file.
-   subroutine describe_mesh(visitor, file, is_used, rectangle, n_refinements, origin)
+   !> Describes one `&mesh`: a rectangle and its cells, or a file.
+   subroutine describe_mesh(visitor, part)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      character(:), allocatable, intent(inout) :: file !! name of the mesh file from the root on; empty for a rectangle
-      logical, intent(inout) :: is_used(:) !! which of `use_names` are taken from the file, too
-      type(rectangle_t), intent(inout) :: rectangle !! the rectangle that is the body where there is no file
-      integer, intent(inout) :: n_refinements !! how often every element is cut in four
-      character(:), allocatable, intent(inout) :: origin !! where the mesh is specified
+      type(mesh_part_t), intent(inout) :: part !! the part of the mesh
       character(4), parameter :: kind_of_file = 'file'
       character(:), allocatable :: kind
-      logical :: has_file, is_rectangle, needs_size, has_size, has_cells, has_element, has_diagonal, has_grading
+      logical :: has_file, has_name, is_rectangle
 
       kind = 'rectangle'
-      has_file = is_filled(file)
+      has_file = is_filled(part%file)
+      has_name = is_filled(part%name)
       if (has_file) kind = kind_of_file
-      if (.not. allocated(rectangle%element)) rectangle%element = 'quad4'
+      if (.not. allocated(part%rectangle%element)) part%rectangle%element = 'quad4'
       call visitor%open_group(mesh_group)
+      call visitor%text(key_t('name', 'of one body among several: its sets are `NAME.left` and so on, and the whole'// &
+         ' of it is the region `NAME`', default='none', is_filled=.true., also='label body'), part%name, has_name)
       call visitor%word(key_t('kind', 'where the mesh comes from', also='type'), kind, &
          [character(9) :: 'rectangle', kind_of_file])
       is_rectangle = kind /= kind_of_file
+      call visitor%text(key_t('file', "with `kind = 'file'`, where it is required: name of the mesh file, seen from"// &
+         " the deck's folder", is_file=.true., is_filled=.true., also='filename path'), part%file, has_file)
+      call visitor%words(key_t('use', 'what the body takes from an Abaqus or CalculiX file besides the mesh', &
+         default='none', also='read import'), use_names, part%is_used)
+      call describe_rectangle(visitor, part%rectangle, is_rectangle)
+      call visitor%reals(key_t('origin', 'where the lower left corner of the rectangle, or the origin of the file,'// &
+         ' is put', 'L', also='position offset translate'), part%origin)
+      call visitor%whole(key_t('refine', 'how often every element is cut in four, curved sides along their curve;'// &
+         ' sets and regions follow', at_least=0.0_dp, also='refinement refinements'), part%n_refinements)
+      call visitor%close_group()
+      call visitor%locate(trim(merge('cells', 'file ', is_rectangle)), part%place)
+      if (.not. visitor%is_judging()) return
+      call visitor%only('file', .not. is_rectangle, "kind = 'file'")
+      call visitor%only('use', .not. is_rectangle, "kind = 'file'")
+      call visitor%only('use', .not. has_name, 'a mesh without a name')
+      call visitor%only('size', is_rectangle, "kind = 'rectangle'")
+      call visitor%only('cells', is_rectangle, "kind = 'rectangle'")
+      call visitor%only('element', is_rectangle, "kind = 'rectangle'")
+      call visitor%only('diagonal', is_rectangle, "kind = 'rectangle'")
+      call visitor%only('grading', is_rectangle, "kind = 'rectangle'")
+      call visitor%require(has_file .or. is_rectangle, 'kind', "kind = 'file' needs file = 'MESH'")
+   end subroutine describe_mesh
+
+   !> Describes the keys of a rectangle.
+   subroutine describe_rectangle(visitor, rectangle, is_rectangle)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(rectangle_t), intent(inout) :: rectangle !! the rectangle
+      logical, intent(in) :: is_rectangle !! whether the mesh is one
+      logical :: needs_size, has_size, has_cells, has_element, has_diagonal, has_grading
+
       needs_size = is_rectangle .and. .not. visitor%has('file')
       has_size = is_rectangle
       has_cells = is_rectangle
       has_element = is_rectangle
       has_diagonal = is_rectangle
       has_grading = is_rectangle
-      call visitor%text(key_t('file', "with `kind = 'file'`, where it is required: name of the mesh file, seen from"// &
-         " the deck's folder", is_file=.true., is_filled=.true., also='filename path'), file, has_file)
-      call visitor%words(key_t('use', 'what the body takes from an Abaqus or CalculiX file besides the mesh', &
-         default='none', also='read import'), use_names, is_used)
       call visitor%reals(key_t('size', 'of the rectangle: width and height', 'L', above=0.0_dp, &
          is_required=needs_size, also='length lengths dimensions'), rectangle%size, has_size)
       call visitor%wholes(key_t('cells', 'of the rectangle: number of cells along x and y', at_least=1.0_dp, &
@@ -74,20 +100,7 @@ contains
          ' quadrilaterals'), rectangle%diagonal, diagonal_names, has_diagonal)
       call visitor%real(key_t('grading', 'height of the top row of cells over that of the bottom row; the rows'// &
          ' between follow a geometric series', above=0.0_dp, also='bias ratio'), rectangle%grading, has_grading)
-      call visitor%whole(key_t('refine', 'how often every element is cut in four, curved sides along their curve;'// &
-         ' sets and regions follow', at_least=0.0_dp, also='refinement refinements'), n_refinements)
-      call visitor%close_group()
-      call visitor%locate(trim(merge('cells', 'file ', is_rectangle)), origin)
-      if (.not. visitor%is_judging()) return
-      call visitor%only('file', .not. is_rectangle, "kind = 'file'")
-      call visitor%only('use', .not. is_rectangle, "kind = 'file'")
-      call visitor%only('size', is_rectangle, "kind = 'rectangle'")
-      call visitor%only('cells', is_rectangle, "kind = 'rectangle'")
-      call visitor%only('element', is_rectangle, "kind = 'rectangle'")
-      call visitor%only('diagonal', is_rectangle, "kind = 'rectangle'")
-      call visitor%only('grading', is_rectangle, "kind = 'rectangle'")
-      call visitor%require(has_file .or. is_rectangle, 'kind', "kind = 'file' needs file = 'MESH'")
-   end subroutine describe_mesh
+   end subroutine describe_rectangle
 
    !> Describes one `&material`.
    subroutine describe_material(visitor, material)

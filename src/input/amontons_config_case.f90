@@ -34,7 +34,7 @@ contains
          label%title)
       has_units = is_filled(label%units)
       call visitor%text(key_t('units', "names of the units of length, force and stress, as `'mm, N, MPa'`, to label"// &
-         ' listing, figures and report; nothing is converted', default='none', is_filled=.true., also='unit'), &
+         ' listing, grids, figures and report; nothing is converted', default='none', is_filled=.true., also='unit'), &
          label%units, has_units)
       call visitor%close_group()
       call visitor%require(.not. has_units .or. are_units(label%units), 'units', &

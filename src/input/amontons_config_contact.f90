@@ -70,7 +70,7 @@ contains
       if (.not. allocated(field%table)) return
       n = size(field%table, 2)
       call visitor%require(all(field%table(1, 2:) > field%table(1, :n - 1)), trim(keys(3)%name), &
-         trim(keys(3)%name)//' must have stations that ascend from row to row')
+         trim(keys(3)%name)//' must have lengths that increase from row to row')
    end subroutine describe_field
 
    !> Describes the keys of the obstacle and of the gap to it.

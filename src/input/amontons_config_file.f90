@@ -6,16 +6,35 @@ module amontons_config_file
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_nodes, load_on_region, load_t, new_load
    use amontons_material, only: material_t, new_material
+   use amontons_mesh_file, only: read_file_model
+   use amontons_mesh_part, only: mesh_part_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: take_file_loads, take_file_materials, take_file_supports
+   public :: take_file
 
    !> The name by which a sweep knows the loads of a mesh file.
    character(*), parameter, public :: file_load_name = 'mesh file'
 
 contains
+
+   !> Takes what a mesh file says besides the mesh.
+   subroutine take_file(part, materials, supports, loads, error)
+      type(mesh_part_t), intent(in) :: part !! the part of the mesh that names the file
+      type(material_t), allocatable, intent(inout) :: materials(:) !! become those of the file
+      type(support_t), allocatable, intent(inout) :: supports(:) !! become those of the file
+      type(load_t), allocatable, intent(inout) :: loads(:) !! become those of the file
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
+      type(file_model_t) :: model
+
+      if (len(part%file) == 0) return
+      call read_file_model(model, part%file, part%is_used, error)
+      if (.not. allocated(error)) call take_file_materials(materials, model, part%file, error)
+      if (allocated(error)) return
+      call take_file_supports(supports, model, part%file)
+      call take_file_loads(loads, model, part%file)
+   end subroutine take_file
 
    !> Takes the materials.
    subroutine take_file_materials(materials, model, file, error)

@@ -197,7 +197,7 @@ contains
       real(dp), intent(in) :: table(:, :) !! a time and its numbers in each column
 
       call visitor%require(all(table(1, 2:) > table(1, :size(table, 2) - 1)), 'table', &
-         'table must have times that ascend from row to row')
+         'table must have times that increase from row to row')
       call visitor%require(target /= stepped_friction .or. all(table(2:, :) >= 0.0_dp), 'table', &
          'table must not have a negative friction_factor')
    end subroutine judge_table

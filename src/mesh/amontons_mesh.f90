@@ -43,7 +43,7 @@ module amontons_mesh
       type(node_set_t), allocatable :: node_sets(:) !! named sets of nodes; not allocated means none
       type(region_t), allocatable :: regions(:) !! named parts of the body; not allocated means none
       character(:), allocatable :: source !! what it was made of, for listings: a file, or the size of a rectangle
-      logical :: is_file = .false. !! whether `source` is the name of a file
+      type(warning_list_t) :: files !! names of the files it was read from
       type(warning_list_t) :: warnings !! what is doubtful about the file it was read from
       character(12) :: hypothesis = '' !! the hypothesis that its file says the elements are of; empty if it says none
    contains

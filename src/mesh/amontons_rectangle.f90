@@ -65,7 +65,7 @@ contains
    subroutine check_memory(cells, is_quadratic, error)
       integer, intent(in) :: cells(2) !! number of cells along x and along y
       logical, intent(in) :: is_quadratic !! whether the sides have middle nodes
-      type(error_t), allocatable, intent(out) :: error !! memory does not suffice
+      type(error_t), allocatable, intent(out) :: error !! not enough memory
       ! Mesh and assembled stiffness; the factor of nested dissection has 90 to 120 numbers an unknown on squares of
       ! 256 to 1024 cells, and more of them the more cells the shorter side has. Half of that leaves room for doubt.
       real(dp), parameter :: node_bytes = 500.0_dp, factor_bytes = 96.0_dp
@@ -74,7 +74,7 @@ contains
       n_nodes = real(cells(1) + 1, dp)*real(cells(2) + 1, dp)*merge(3.0_dp, 1.0_dp, is_quadratic)
       megabytes = 1.0e-6_dp*n_nodes*(node_bytes + factor_bytes*log(1.0_dp + minval(cells))/log(2.0_dp))
       if (megabytes <= available_memory_mb()) return
-      call new_error(error, system_failure, 'rectangle: memory does not suffice: '//to_text(nint(n_nodes, int64))// &
+      call new_error(error, system_failure, 'rectangle: not enough memory: '//to_text(nint(n_nodes, int64))// &
          ' nodes need at least '//to_text(nint(megabytes, int64))//' MB, and '// &
          to_text(nint(available_memory_mb(), int64))//' MB are available')
    end subroutine check_memory

@@ -43,7 +43,7 @@ contains
          call new_error(error, input_refused, 'refined '//to_text(n_times)//' times, the mesh has more nodes than '// &
             'node numbers allow (about 134 million)')
       else if (n_times > 0 .and. megabytes > available) then
-         call new_error(error, system_failure, 'memory does not suffice: '//to_text(nint(n_nodes, int64))// &
+         call new_error(error, system_failure, 'not enough memory: '//to_text(nint(n_nodes, int64))// &
             ' nodes need at least '//to_text(nint(megabytes, int64))//' MB, and '// &
             to_text(nint(available, int64))//' MB are available')
       end if

@@ -78,7 +78,7 @@ contains
       if (abs(value) <= huge(value)) then
          text = to_text(value)
       else
-         text = 'no finite number'
+         text = 'not a finite number'
       end if
    end function shown
 

@@ -6,7 +6,7 @@ module amontons_collection
    use amontons_error, only: error_t
    use amontons_manifest, only: manifest_t
    use amontons_output_file, only: new_output_file, output_file_t
-   use amontons_text, only: newline
+   use amontons_text, only: newline, xml_escaped
    implicit none (type, external)
    private
 
@@ -23,6 +23,7 @@ module amontons_collection
       private
       type(output_file_t) :: file !! the file
       integer :: state = 0 !! status of the last write statement; nothing is written after a failure
+      character(:), allocatable, public :: units !! names of the units of its cases
       integer, public :: n_cases = 0 !! number of its cases
       type(manifest_t), public :: grids !! the manifest of their files, for those who keep one
    contains
@@ -34,11 +35,13 @@ module amontons_collection
 contains
 
    !> Opens a collection under a temporary name.
-   subroutine new_collection(collection, path, error)
+   subroutine new_collection(collection, path, units, error)
       type(collection_t), intent(out) :: collection !! the collection, without cases
       character(*), intent(in) :: path !! name of the file
+      character(*), intent(in) :: units !! names of the units of its cases
       type(error_t), allocatable, intent(out) :: error !! the file cannot be opened
 
+      collection%units = units
       call new_output_file(collection%file, path, .true., error)
       if (allocated(error)) return
       ! allow(C181): `finish` checks the state
@@ -63,8 +66,8 @@ contains
       character(:), allocatable :: lines, head
 
       head = '    <DataSet timestep="'//time//'" part="'
-      lines = head//'0" name="body" file="'//escaped(stem)//'.vtu"/>'//newline// &
-         head//'1" name="contact line" file="'//escaped(stem)//'.contact.vtu"/>'//newline
+      lines = head//'0" name="body" file="'//xml_escaped(stem)//'.vtu"/>'//newline// &
+         head//'1" name="contact line" file="'//xml_escaped(stem)//'.contact.vtu"/>'//newline
    end function case_entries
 
    !> Closes the collection; it still has its temporary name.
@@ -85,26 +88,5 @@ contains
 
       call self%file%discard()
    end subroutine collection_discard
-
-   !> Text as the value of an XML attribute.
-   pure function escaped(text) result(value)
-      character(*), intent(in) :: text !! the text
-      character(:), allocatable :: value
-      integer :: i
-
-      value = ''
-      do i = 1, len(text)
-         select case (text(i:i))
-         case ('&')
-            value = value//'&amp;'
-         case ('<')
-            value = value//'&lt;'
-         case ('"')
-            value = value//'&quot;'
-         case default
-            value = value//text(i:i)
-         end select
-      end do
-   end function escaped
 
 end module amontons_collection

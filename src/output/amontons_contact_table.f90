@@ -8,6 +8,7 @@ module amontons_contact_table
    use amontons_listing_text, only: columns, heading, right
    use amontons_result, only: result_t
    use amontons_text, only: as_lines, comma_separated, newline, to_text
+   use amontons_units, only: unit_of
    implicit none (type, external)
    private
 
@@ -17,6 +18,7 @@ module amontons_contact_table
    type :: column_t
       character(16) :: key = '' !! its name in files
       character(12) :: label = '' !! its heading in the listing; blank for what this leaves out
+      character(9) :: dimension = '' !! what it is measured in, as `unit_of` takes it
       logical :: is_field = .false. !! whether the grids show it
       real(dp) :: scale = 0.0_dp !! what rounding errors of it are measured by, if larger than the numbers themselves
       real(dp), allocatable :: values(:) !! the numbers (m)
@@ -29,7 +31,7 @@ contains
       type(column_t), allocatable, intent(out) :: list(:) !! the columns
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
-      real(dp) :: at_points(2*body%zone%n_points), slip(body%zone%n_points), length
+      real(dp) :: at_points(2*body%zone%n_points), length
       integer, parameter :: most_columns = 20
       real(dp), parameter :: no_scale = 0.0_dp
       integer :: m, n
@@ -38,38 +40,38 @@ contains
       allocate (list(most_columns))
       associate (zone => body%zone, load_case => result%load_case, force => result%solution%force)
          m = zone%n_points
-         slip = result%solution%displacement(m + 1:)
          at_points = zone%rows%displacement(result%displacement)
-         where (zone%is_tangent_fixed) slip = at_points(m + 1:)
+         where (.not. zone%is_tangent_fixed) at_points(m + 1:) = result%solution%displacement(m + 1:)
          ! A gap is the difference of a gap and a displacement, a slip that of displacements.
          length = max(maxval(abs(result%displacement)), maxval(abs(load_case%gap)))
-         call add('x', 'x', zone%position(1, :), maxval(abs(zone%position)))
-         call add('y', 'y', zone%position(2, :), maxval(abs(zone%position)))
-         call add('normal_x', '', zone%normal(1, :), 1.0_dp)
-         call add('normal_y', '', zone%normal(2, :), 1.0_dp)
-         call add('weight', '', zone%weight, maxval(zone%weight))
-         call add('gap', 'gap', load_case%free_gap - result%solution%displacement(:m), length, .true.)
-         call add('slip', 'slip', slip, length, .true.)
-         call add('normal_force', 'normal force', force(:m), no_scale)
-         call add('tangential_force', 'tang. force', force(m + 1:), no_scale)
-         call add('contact_pressure', 'pressure', force(:m)/zone%area, no_scale, .true.)
-         call add('contact_shear', 'shear', force(m + 1:)/zone%area, no_scale, .true.)
-         call add('shear_bound', '', shear_bound(force(:m)/zone%area, load_case%friction, load_case%slip_bound, &
-            zone%area), no_scale, .true.)
+         call add('x', 'x', 'L', zone%position(1, :), maxval(abs(zone%position)))
+         call add('y', 'y', 'L', zone%position(2, :), maxval(abs(zone%position)))
+         call add('normal_x', '', '', zone%normal(1, :), 1.0_dp)
+         call add('normal_y', '', '', zone%normal(2, :), 1.0_dp)
+         call add('weight', '', 'L', zone%weight, no_scale)
+         call add('gap', 'gap', 'L', load_case%free_gap - result%solution%displacement(:m), length, .true.)
+         call add('slip', 'slip', 'L', at_points(m + 1:), length, .true.)
+         call add('normal_force', 'normal force', 'F', force(:m), no_scale)
+         call add('tangential_force', 'tang. force', 'F', force(m + 1:), no_scale)
+         call add('contact_pressure', 'pressure', 'F/L^2', force(:m)/zone%area, no_scale, .true.)
+         call add('contact_shear', 'shear', 'F/L^2', force(m + 1:)/zone%area, no_scale, .true.)
+         call add('shear_bound', '', 'F/L^2', shear_bound(force(:m)/zone%area, load_case%friction, &
+            load_case%slip_bound, zone%area), no_scale, .true.)
       end associate
       if (allocated(result%slip_record)) then
-         call add('slip_step', '', result%slip_record(:, 1), length, .true.)
-         call add('slip_accumulated', '', result%slip_record(:, 2), length, .true.)
-         call add('dissipation', '', result%slip_record(:, 3), no_scale, .true.)
+         call add('slip_step', '', 'L', result%slip_record(:, 1), length, .true.)
+         call add('slip_accumulated', '', 'L', result%slip_record(:, 2), length, .true.)
+         call add('dissipation', '', 'F L', result%slip_record(:, 3), no_scale, .true.)
       end if
       list = list(:n)
 
    contains
 
       !> Appends a column.
-      subroutine add(key, label, values, scale, is_field)
+      subroutine add(key, label, dimension, values, scale, is_field)
          character(*), intent(in) :: key !! its name in files
          character(*), intent(in) :: label !! its heading in the listing
+         character(*), intent(in) :: dimension !! what it is measured in
          real(dp), intent(in) :: values(:) !! its numbers (m)
          real(dp), intent(in) :: scale !! what rounding errors of it are measured by besides the numbers
          logical, intent(in), optional :: is_field !! whether the grids show it; default no
@@ -77,6 +79,7 @@ contains
          n = n + 1
          list(n)%key = key
          list(n)%label = label
+         list(n)%dimension = dimension
          if (present(is_field)) list(n)%is_field = is_field
          list(n)%scale = scale
          if (size(values) > 0) list(n)%scale = max(scale, maxval(abs(values)))
@@ -135,24 +138,28 @@ contains
       call document%add(table_text(list, status), [0.0_dp, list%scale, 0.0_dp])
    end subroutine add_point_table
 
-   !> The table of points in a listing.
-   pure function points_text(title, list, status) result(text)
+   !> The table of points in a listing; a line below its headings has the units, where the case names them.
+   pure function points_text(title, list, status, units) result(text)
       character(*), intent(in) :: title !! its heading
       type(column_t), intent(in) :: list(:) !! the columns of numbers
       integer, intent(in) :: status(:) !! the statuses (m)
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
       integer, parameter :: width = 13
       character(20 + 2*width*size(list)), allocatable :: rows(:)
       integer, allocatable :: shown(:)
-      integer :: p, i
+      integer :: p, i, first
 
-      allocate (rows(0:size(status)))
+      first = merge(-1, 0, len_trim(units) > 0)
+      allocate (rows(first:size(status)))
       shown = pack([(i, i=1, size(list))], list%label /= '')
-      rows(0) = right('point', 7)
+      rows(0) = ''
+      rows(first) = right('point', 7)
       do i = 1, size(shown)
-         rows(0) = trim(rows(0))//right(trim(list(shown(i))%label), width)
+         rows(first) = trim(rows(first))//right(trim(list(shown(i))%label), width)
+         if (first < 0) rows(0)(8 + width*(i - 1):) = right(unit_of(units, trim(list(shown(i))%dimension)), width)
       end do
-      rows(0) = trim(rows(0))//'  status'
+      rows(first) = trim(rows(first))//'  status'
       do p = 1, size(status)
          rows(p) = right(to_text(p), 7)//columns([(list(shown(i))%values(p), i=1, size(shown))])//'  '// &
             status_names(status(p))

@@ -20,15 +20,16 @@ module amontons_contact_vtu
 contains
 
    !> Writes the file under its temporary name.
-   subroutine write_contact_vtu(file, path, body, result, error)
+   subroutine write_contact_vtu(file, path, units, body, result, error)
       type(output_file_t), intent(out) :: file !! the finished file
       character(*), intent(in) :: path !! name of the file
+      character(*), intent(in) :: units !! names of the units of the case
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! the file cannot be written
       type(vtk_file_t) :: vtk
 
-      call new_vtk_file(vtk, path, body%zone%n_points, n_line_cells(body%zone), error)
+      call new_vtk_file(vtk, path, units, body%zone%n_points, n_line_cells(body%zone), error)
       if (allocated(error)) return
       call show_contact_line(vtk, body, result)
       call vtk%finish(file, error)
@@ -43,12 +44,12 @@ contains
       integer :: i
 
       call contact_columns(columns, body, result)
-      call vtk%put_vectors('PointData', 'displacement', point_displacements(body, result))
-      call vtk%put_vectors('PointData', 'normal', body%zone%normal)
+      call vtk%put_vectors('PointData', 'displacement', 'L', point_displacements(body, result))
+      call vtk%put_vectors('PointData', 'normal', '', body%zone%normal)
       do i = 1, size(columns)
          if (.not. columns(i)%is_field) cycle
          vtk%scale = columns(i)%scale
-         call vtk%put_reals('PointData', trim(columns(i)%key), 1, columns(i)%values)
+         call vtk%put_reals('PointData', trim(columns(i)%key), trim(columns(i)%dimension), 1, columns(i)%values)
       end do
       vtk%scale = 0.0_dp
       call vtk%put_integers('PointData', 'status', result%solution%status)

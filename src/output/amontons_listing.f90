@@ -16,6 +16,7 @@ module amontons_listing
    use amontons_solutions_report, only: solutions_text, uniqueness_text
    use amontons_text, only: to_text
    use amontons_timings, only: phase_assemble, phase_condense, phase_factorize, phase_read, phase_recover, phase_solve
+   use amontons_units, only: with_unit
    use amontons_zone_edges, only: interval_t
    implicit none (type, external)
    private
@@ -40,21 +41,21 @@ contains
       listing%ending = '.lst'
       call listing%record(head_text(label))
       associate (solution => result%solution)
-         call listing%add(heading('Key results')//quantities_text(result%key_results)// &
+         call listing%add(heading('Key results')//quantities_text(result%key_results, label%units)// &
             line('Points', status_counts(solution%status)), [maxval([force_scale(result), result%key_results%scale])])
          call listing%add(warnings_text(result%warnings))
          call listing%add(model_text(body, result%load_case)//loads_text(result%load_case))
          if (allocated(result%study_listing)) call listing%record(result%study_listing)
          call listing%record(solution_text(body, result))
          if (allocated(result%convergence)) call listing%record(convergence_text(result%convergence))
-         call listing%add(zones_text(body, result), [line_scale(body)])
-         call listing%add(resultants_text(result), [force_scale(result)])
+         call listing%add(zones_text(body, result, label%units), [line_scale(body)])
+         call listing%add(resultants_text(result, label%units), [force_scale(result)])
          call listing%add(certificate_text(result%certificate, result%method%tolerance), [1.0_dp])
          if (allocated(result%error_estimate)) call listing%add( &
             heading('Accuracy (energy norm of the stress error)')// &
-            quantities_text(result%error_estimate%quantities()))
-         call listing%add(points_text('Contact points (forces and stresses: compression and shear along the slip '// &
-            'positive)', columns, solution%status), [0.0_dp, pack(columns%scale, columns%label /= ''), 0.0_dp])
+            quantities_text(result%error_estimate%quantities(), label%units))
+         call listing%add(points_text('Contact points (normal: compression positive; tangential: positive along t)', &
+            columns, solution%status, label%units), [0.0_dp, pack(columns%scale, columns%label /= ''), 0.0_dp])
       end associate
       call listing%record(times_text(result%timings, listed_phases))
    end subroutine new_listing
@@ -105,42 +106,45 @@ contains
    end function factorization_text
 
    !> Counts and lengths of the open, slip and stick zones.
-   pure function zones_text(body, result) result(text)
+   pure function zones_text(body, result, units) result(text)
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
       text = heading('Contact line')// &
          line('Points', to_text(body%zone%n_points)//': '//status_counts(result%solution%status))// &
-         quantities_text(result%lengths%quantities())//intervals_text('Closed zone', result%closed)// &
-         intervals_text('Stick zone', result%stuck)
+         quantities_text(result%lengths%quantities(), units)// &
+         intervals_text('Closed zone', result%closed, units)//intervals_text('Stick zone', result%stuck, units)
    end function zones_text
 
    !> Parts of the contact line, a line each.
-   pure function intervals_text(label, intervals) result(text)
+   pure function intervals_text(label, intervals, units) result(text)
       character(*), intent(in) :: label !! what they are
       type(interval_t), intent(in) :: intervals(:) !! the parts
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
       integer :: i
 
       text = ''
       do i = 1, size(intervals)
          text = text//line(label, pair(intervals(i)%ends(:, 1))//' to '//pair(intervals(i)%ends(:, 2))// &
-            ', length '//short(intervals(i)%length))
+            with_unit(', length '//short(intervals(i)%length), units, 'L'))
       end do
    end function intervals_text
 
    !> Resultants of all forces.
-   pure function resultants_text(result) result(text)
+   pure function resultants_text(result, units) result(text)
       type(result_t), intent(in) :: result !! the result
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
       associate (certificate => result%certificate)
          text = heading('Resultants')// &
-            line('Loads', pair(certificate%load))// &
-            line('Support reactions', pair(certificate%reaction))// &
-            line('Contact forces', pair(certificate%contact))// &
-            quantities_text([resultants(result%solution%force), certificate%energies()])
+            line('Loads', with_unit(pair(certificate%load), units, 'F'))// &
+            line('Support reactions', with_unit(pair(certificate%reaction), units, 'F'))// &
+            line('Contact forces', with_unit(pair(certificate%contact), units, 'F'))// &
+            quantities_text([resultants(result%solution%force), certificate%energies()], units)
       end associate
    end function resultants_text
 
@@ -150,7 +154,7 @@ contains
       real(dp), intent(in) :: tolerance !! tolerance of the contact method [-]
       character(:), allocatable :: text
 
-      text = heading('Certificate on the full model (violations, each over its natural scale)') &
+      text = heading('Checks on the full model (relative errors)') &
          //violations_text(certificate%violations(), certificate_limit(tolerance))
    end function certificate_text
 

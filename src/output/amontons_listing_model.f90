@@ -11,7 +11,7 @@ module amontons_listing_model
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_sides, load_t
    use amontons_material, only: material_t
-   use amontons_text, only: newline, to_text
+   use amontons_text, only: line_end, to_text
    implicit none (type, external)
    private
 
@@ -124,14 +124,14 @@ contains
    pure function mesh_notes_text(body) result(text)
       type(body_t), intent(in) :: body !! the body
       character(:), allocatable :: text
-      integer :: first, length
+      integer :: first, last
 
       text = ''
       first = 1
       do while (first <= len(body%mesh_notes))
-         length = index(body%mesh_notes(first:)//newline, newline) - 1
-         text = text//line('Note', body%mesh_notes(first:first + length - 1))
-         first = first + length + 1
+         last = line_end(body%mesh_notes, first)
+         text = text//line('Note', body%mesh_notes(first:last))
+         first = last + 2
       end do
    end function mesh_notes_text
 
@@ -144,15 +144,14 @@ contains
 
       text = ''
       associate (zone => body%zone)
-         if (any(body%motions%n_free > 0)) text = text//line('Note', 'the supports leave '// &
-            to_text(sum(body%motions%n_free))//' rigid motion(s) free; contact alone holds the body there')
+         if (any(body%motions%n_free > 0)) text = text//line('Note', modes_text(sum(body%motions%n_free)))
          do i = 1, size(zone%held_node)
             text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%held_node(i)))// &
-               ' is no contact point: supports hold it')
+               ' is not a contact point: supports hold it')
          end do
          do i = 1, size(zone%zero_area_node)
             text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%zero_area_node(i)))// &
-               ' is no contact point: on the axis it has no area that a pressure could act on')
+               ' is not a contact point: on the axis it has no area that a pressure could act on')
          end do
          do i = 1, size(zone%shared_node)
             text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%shared_node(i)))// &
@@ -163,11 +162,20 @@ contains
                zone%is_cell(i)))//' at '//pair(zone%position(:, i))//guide_text(body, i))
          end do
          if (zone%n_held_cells > 0) text = text//line('Note', to_text(zone%n_held_cells)// &
-            ' cell(s) of constant multipliers are no contact points: supports hold their nodes')
+            ' cell(s) of constant multipliers are not contact points: supports hold their nodes')
          if (any(load_case%gap < 0.0_dp)) text = text//line('Note', 'the body overlaps the obstacle by up to '// &
             short(-minval(load_case%gap))//' at the start')
       end associate
    end function notes_text
+
+   !> What a body without sufficient supports depends on.
+   pure function modes_text(n_modes) result(text)
+      integer, intent(in) :: n_modes !! how many rigid-body modes the supports leave free, 1 or more
+      character(:), allocatable :: text
+
+      text = to_text(n_modes)//' rigid-body modes are not constrained by supports; only contact holds them'
+      if (n_modes == 1) text = '1 rigid-body mode is not constrained by supports; only contact holds it'
+   end function modes_text
 
    !> What the support of a guided point does to its friction.
    pure function guide_text(body, p) result(text)

@@ -10,6 +10,7 @@ module amontons_listing_parts
    use amontons_quantity, only: quantity_t
    use amontons_text, only: newline, to_text
    use amontons_timings, only: phase_names, timings_t
+   use amontons_units, only: with_unit
    use amontons_version, only: version
    use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
@@ -62,7 +63,7 @@ contains
       text = line('Converged', 'NO: stopped after '//to_text(solution%n_iterations)// &
          ' iterations; the results below are not the solution')
       if (solution%is_at_rest) text = text// &
-         line('Note', 'the forces came to rest at a wrong answer: they do not fulfil the contact law')
+         line('Note', 'iteration stagnated at a wrong answer: the forces do not satisfy the contact law')
    end function outcome_text
 
    !> The residual, at the end and after each iteration; of many iterations about twenty.
@@ -129,18 +130,19 @@ contains
    end function warnings_text
 
    !> Quantities, a line each.
-   pure function quantities_text(quantities) result(text)
+   pure function quantities_text(quantities, units) result(text)
       type(quantity_t), intent(in) :: quantities(:) !! the quantities
-      character(:), allocatable :: text
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text, number
       integer :: i
 
       text = ''
       do i = 1, size(quantities)
-         if (quantities(i)%has_place) then
-            text = text//line(quantities(i)%label, short(quantities(i)%value)//' at '//pair(quantities(i)%place))
-         else
-            text = text//line(quantities(i)%label, short(quantities(i)%value))
-         end if
+         associate (quantity => quantities(i))
+            number = with_unit(short(quantity%value), units, trim(quantity%dimension))
+            if (quantity%has_place) number = number//' at '//pair(quantity%place)
+            text = text//line(quantity%label, number)
+         end associate
       end do
    end function quantities_text
 

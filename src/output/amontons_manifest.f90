@@ -96,7 +96,9 @@ contains
       type(load_t), intent(in) :: loads(:) !! the loads
       integer :: i
 
-      if (mesh%is_file) call self%add_input(mesh%source)
+      do i = 1, mesh%files%n()
+         call self%add_input(mesh%files%item(i))
+      end do
       do i = 1, size(contacts)
          if (allocated(contacts(i)%friction%file)) call self%add_input(contacts(i)%friction%file)
          if (allocated(contacts(i)%slip_bound%file)) call self%add_input(contacts(i)%slip_bound%file)
@@ -217,7 +219,7 @@ contains
          fault = error%message(len(path) + 3:)
       else if (checksum%n_bytes /= len(text)) then
          ! The reader of texts passes over a mark before UTF-8 text.
-         fault = 'it was changed: bytes stand before it'
+         fault = 'it was changed: bytes precede it'
       else
          call read_manifest(manifest, text, fault)
       end if
@@ -232,9 +234,9 @@ contains
 
       last = index(text, before_checksum, back=.true.) - 1
       if (last < 0) then
-         fault = 'it carries no checksum of its own: it is cut short, or of an earlier version of the program'
+         fault = 'no checksum of its own: truncated, or written by an earlier version of the program'
       else if (index(text(last + 1:), before_checksum//'"') == 1) then
-         fault = 'it is of an earlier version of the program, whose checksums are of another kind'
+         fault = 'written by an earlier version of the program, with checksums of another kind'
       else if (text(max(1, len(text) - len(behind_checksum) + 1):) /= behind_checksum) then
          fault = 'it does not end as it was written'
       else if (text(last + 1:) /= before_checksum//to_text(text_checksum(text(:last)))//behind_checksum) then

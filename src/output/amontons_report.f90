@@ -108,9 +108,9 @@ contains
          call write_text_file(files(i), stem//documents(i)%ending, documents(i)%text(), error)
          if (allocated(error)) return
       end do
-      call write_vtu(files(n + 1), stem//'.vtu', body, result, error)
+      call write_vtu(files(n + 1), stem//'.vtu', label%units, body, result, error)
       if (allocated(error)) return
-      call write_contact_vtu(files(n + 2), stem//'.contact.vtu', body, result, error)
+      call write_contact_vtu(files(n + 2), stem//'.contact.vtu', label%units, body, result, error)
       if (allocated(error)) return
       call manifest%add_outputs(files, '', error)
       if (result%has_reduced_files .and. .not. allocated(error)) call manifest%add_reduced(stem, error)

@@ -25,16 +25,16 @@ contains
       if (uniqueness%is_unique .and. .not. uniqueness%has_bound) then
          known = 'unique, since there is no Coulomb friction'
       else if (.not. uniqueness%has_bound) then
-         known = 'no bound on the friction is known for this problem'
+         known = 'no bound is known'
       else if (uniqueness%is_for_any) then
          known = 'unique for any friction'
       else
-         known = 'unique for friction below '//short(uniqueness%friction)
+         known = 'proven below '//short(uniqueness%friction)
          if (uniqueness%is_exact) known = known//', the exact bound'
+         if (uniqueness%is_unique) known = 'unique (friction '//short(maxval(friction))//'; '//known//')'
       end if
+      if (.not. uniqueness%is_unique) known = 'not proven (friction '//short(maxval(friction))//'; '//known//')'
       text = line('Uniqueness', known)
-      if (.not. uniqueness%is_unique) text = text//line('Note', 'uniqueness is not guaranteed: with friction of '// &
-         short(maxval(friction))//' there may be other solutions')
    end function uniqueness_text
 
    !> The section on all solutions.
@@ -46,8 +46,8 @@ contains
 
       m = size(force)/2
       text = heading('All solutions')//line('Found', to_text(solutions%n))
-      if (solutions%has_family) text = text//line('Note', 'some states hold for whole families of solutions, of '// &
-         'which only corners are found')
+      if (solutions%has_family) text = text//line('Note', 'some statuses admit a continuum of solutions, of '// &
+         'which only the corners are found')
       do i = 1, solutions%n
          text = text//line('Solution '//to_text(i), kind_of(i))
          do p = 1, m

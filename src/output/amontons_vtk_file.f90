@@ -6,7 +6,8 @@ module amontons_vtk_file
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp, int32, int64
    use amontons_output_file, only: new_output_file, output_file_t
-   use amontons_text, only: newline, to_text
+   use amontons_text, only: newline, to_text, xml_escaped
+   use amontons_units, only: unit_of
    implicit none (type, external)
    private
 
@@ -25,6 +26,8 @@ module amontons_vtk_file
       real(dp), public :: scale = 0.0_dp
          !! what rounding errors of the next reals are measured by, if larger than they are; only comparisons ask
       character(:), allocatable :: section !! the section that is open
+      character(:), allocatable :: units !! names of the units of the case; empty if it names none
+      character(:), allocatable :: label !! unit of the array that is open
       integer :: state = 0 !! status of the last write statement; nothing is written after a failure
       character(:), allocatable :: not_finite !! the first quantity with a number that is not finite
       type(output_file_t) :: file !! the file
@@ -46,24 +49,27 @@ module amontons_vtk_file
 contains
 
    !> Opens a grid under a temporary name.
-   subroutine new_vtk_file(vtk, path, n_points, n_cells, error)
+   subroutine new_vtk_file(vtk, path, units, n_points, n_cells, error)
       type(vtk_file_t), intent(out) :: vtk !! the grid
       character(*), intent(in) :: path !! name of the file
+      character(*), intent(in) :: units !! names of the units of the case
       integer, intent(in) :: n_points !! number of points
       integer, intent(in) :: n_cells !! number of cells
       type(error_t), allocatable, intent(out) :: error !! the file cannot be opened
 
-      call vtk%begin_grid(n_points, n_cells)
+      call vtk%begin_grid(units, n_points, n_cells)
       call new_output_file(vtk%file, path, .true., error)
    end subroutine new_vtk_file
 
    !> Begins the markup.
-   pure subroutine vtk_file_begin_grid(self, n_points, n_cells)
+   pure subroutine vtk_file_begin_grid(self, units, n_points, n_cells)
       class(vtk_file_t), intent(inout) :: self !! the grid
+      character(*), intent(in) :: units !! names of the units of the case
       integer, intent(in) :: n_points !! number of points
       integer, intent(in) :: n_cells !! number of cells
 
       self%section = ''
+      self%units = units
       self%markup = '<?xml version="1.0"?>'//newline// &
          '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">'//newline// &
          '  <UnstructuredGrid>'//newline//'    <Piece NumberOfPoints="'//to_text(n_points)//'" NumberOfCells="'// &
@@ -71,14 +77,16 @@ contains
    end subroutine vtk_file_begin_grid
 
    !> Completes the markup before an array.
-   pure subroutine vtk_file_begin_array(self, section, type, name, n_components)
+   pure subroutine vtk_file_begin_array(self, section, type, name, n_components, dimension)
       class(vtk_file_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! the section it belongs to
       character(*), intent(in) :: type !! VTK's word for the kind of number
       character(*), intent(in) :: name !! name of the quantity
       integer, intent(in) :: n_components !! numbers per point or cell
+      character(*), intent(in) :: dimension !! what it is measured in, as `unit_of` takes it
 
       call self%enter(section)
+      self%label = unit_of(self%units, dimension)
       self%markup = self%markup//'        <DataArray type="'//type//'" Name="'//name//'"'
       ! Readers take a stated single component for a column, an unstated one for a plain array.
       if (n_components > 1) self%markup = self%markup//' NumberOfComponents="'//to_text(n_components)//'"'
@@ -89,7 +97,11 @@ contains
    pure subroutine vtk_file_end_array(self)
       class(vtk_file_t), intent(inout) :: self !! the grid
 
-      self%markup = '</DataArray>'//newline
+      self%markup = ''
+      ! The key that readers on VTK know. It follows the numbers, where no other reader looks for them.
+      if (len(self%label) > 0) self%markup = '<InformationKey name="UNITS_LABEL" location="vtkDataArray">'// &
+         xml_escaped(self%label)//'</InformationKey>'
+      self%markup = self%markup//'</DataArray>'//newline
    end subroutine vtk_file_end_array
 
    !> Completes the markup behind the last array.
@@ -112,10 +124,11 @@ contains
    end subroutine vtk_file_enter
 
    !> Hands over an array of reals.
-   subroutine vtk_file_put_reals(self, section, name, n_components, values)
+   subroutine vtk_file_put_reals(self, section, name, dimension, n_components, values)
       class(vtk_file_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! 'PointData', 'CellData', 'Points' or 'Cells', in this order
       character(*), intent(in) :: name !! name of the quantity
+      character(*), intent(in) :: dimension !! what it is measured in
       integer, intent(in) :: n_components !! numbers per point or cell
       real(dp), intent(in) :: values(:) !! the values, those of one point or cell together
       character(:), allocatable :: bytes
@@ -128,7 +141,7 @@ contains
       allocate (character(bytes_per_length + n_bytes) :: bytes)
       bytes(:bytes_per_length) = transfer(n_bytes, bytes(:bytes_per_length))
       bytes(bytes_per_length + 1:) = transfer(values, bytes(bytes_per_length + 1:))
-      call self%begin_array(section, 'Float64', name, n_components)
+      call self%begin_array(section, 'Float64', name, n_components, dimension)
       call self%write_array(bytes)
    end subroutine vtk_file_put_reals
 
@@ -145,7 +158,7 @@ contains
       allocate (character(bytes_per_length + n_bytes) :: bytes)
       bytes(:bytes_per_length) = transfer(n_bytes, bytes(:bytes_per_length))
       bytes(bytes_per_length + 1:) = transfer(int(values, int32), bytes(bytes_per_length + 1:))
-      call self%begin_array(section, 'Int32', name, 1)
+      call self%begin_array(section, 'Int32', name, 1, '')
       call self%write_array(bytes)
    end subroutine vtk_file_put_integers
 
@@ -166,13 +179,14 @@ contains
    end subroutine vtk_file_write_array
 
    !> Hands over plane vectors, as vectors in space.
-   subroutine vtk_file_put_vectors(self, section, name, vectors)
+   subroutine vtk_file_put_vectors(self, section, name, dimension, vectors)
       class(vtk_file_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! 'PointData', 'CellData' or 'Points', in this order
       character(*), intent(in) :: name !! name of the quantity
+      character(*), intent(in) :: dimension !! what it is measured in
       real(dp), intent(in) :: vectors(:, :) !! the vectors (2, any)
 
-      call put_spread(self, section, name, vectors, [1, 2, 0])
+      call put_spread(self, section, name, dimension, vectors, [1, 2, 0])
    end subroutine vtk_file_put_vectors
 
    !> Hands over stresses xx, yy, xy, zz as VTK orders them: xx, yy, zz, xy, yz, xz.
@@ -182,14 +196,15 @@ contains
       character(*), intent(in) :: name !! name of the quantity
       real(dp), intent(in) :: stresses(:, :) !! the stresses (4, any)
 
-      call put_spread(self, section, name, stresses, [1, 2, 4, 3, 0, 0])
+      call put_spread(self, section, name, 'F/L^2', stresses, [1, 2, 4, 3, 0, 0])
    end subroutine vtk_file_put_stresses
 
    !> Hands over an array whose components stand in another order, with zeros between them.
-   subroutine put_spread(vtk, section, name, values, component)
+   subroutine put_spread(vtk, section, name, dimension, values, component)
       class(vtk_file_t), intent(inout) :: vtk !! the grid
       character(*), intent(in) :: section !! 'PointData', 'CellData' or 'Points', in this order
       character(*), intent(in) :: name !! name of the quantity
+      character(*), intent(in) :: dimension !! what it is measured in
       real(dp), intent(in) :: values(:, :) !! the values (components, any)
       integer, intent(in) :: component(:) !! which component each number is, 0 for a zero
       real(dp), allocatable :: spread_out(:)
@@ -201,7 +216,7 @@ contains
             spread_out((i - 1)*size(component) + k) = merge(values(max(1, component(k)), i), 0.0_dp, component(k) > 0)
          end do
       end do
-      call vtk%put_reals(section, name, size(component), spread_out)
+      call vtk%put_reals(section, name, dimension, size(component), spread_out)
    end subroutine put_spread
 
    !> Hands over the points and the cells.
@@ -212,7 +227,7 @@ contains
       integer, intent(in) :: ends(:) !! where the points of each cell end (n_cells)
       integer, intent(in) :: types(:) !! VTK's number of each cell's kind (n_cells)
 
-      call self%put_vectors('Points', 'points', coordinates)
+      call self%put_vectors('Points', 'points', 'L', coordinates)
       call self%put_integers('Cells', 'connectivity', connectivity - 1)
       call self%put_integers('Cells', 'offsets', ends)
       call self%put_integers('Cells', 'types', types)

@@ -19,15 +19,16 @@ module amontons_vtu
 contains
 
    !> Writes the file under its temporary name.
-   subroutine write_vtu(file, path, body, result, error)
+   subroutine write_vtu(file, path, units, body, result, error)
       type(output_file_t), intent(out) :: file !! the finished file
       character(*), intent(in) :: path !! name of the file
+      character(*), intent(in) :: units !! names of the units of the case
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! the file cannot be written
       type(vtk_file_t) :: vtk
 
-      call new_vtk_file(vtk, path, body%mesh%n_nodes, body%mesh%n_elements, error)
+      call new_vtk_file(vtk, path, units, body%mesh%n_nodes, body%mesh%n_elements, error)
       if (allocated(error)) return
       call show_body(vtk, body, result)
       call vtk%finish(file, error)
@@ -42,16 +43,16 @@ contains
 
       call new_stress_field(stress, body%mesh, body%materials, body%coloring, result%displacement, &
          result%load_case%thermal_strain)
-      call vtk%put_vectors('PointData', 'displacement', result%displacement)
+      call vtk%put_vectors('PointData', 'displacement', 'L', result%displacement)
       call put_contact(vtk, body, result)
       call vtk%put_stresses('PointData', 'nodal_stress', stress%node)
-      call vtk%put_reals('PointData', 'nodal_von_mises', 1, all_von_mises(stress%node))
+      call vtk%put_reals('PointData', 'nodal_von_mises', 'F/L^2', 1, all_von_mises(stress%node))
       call vtk%put_stresses('CellData', 'stress', stress%element)
-      call vtk%put_reals('CellData', 'von_mises', 1, all_von_mises(stress%element))
-      call vtk%put_reals('CellData', 'strain_energy_density', 1, stress%energy_density)
+      call vtk%put_reals('CellData', 'von_mises', 'F/L^2', 1, all_von_mises(stress%element))
+      call vtk%put_reals('CellData', 'strain_energy_density', 'F/L^2', 1, stress%energy_density)
       if (allocated(result%error_estimate)) then
          vtk%scale = result%error_estimate%norm
-         call vtk%put_reals('CellData', 'error_norm', 1, result%error_estimate%element)
+         call vtk%put_reals('CellData', 'error_norm', 'sqrt(F L)', 1, result%error_estimate%element)
          vtk%scale = 0.0_dp
       end if
       call vtk%put_integers('CellData', 'material', body%materials%of_element)
@@ -84,7 +85,8 @@ contains
       do i = 1, size(columns)
          if (.not. columns(i)%is_field) cycle
          vtk%scale = columns(i)%scale
-         call vtk%put_reals('PointData', trim(columns(i)%key), 1, at_nodes(body, columns(i)%values))
+         call vtk%put_reals('PointData', trim(columns(i)%key), trim(columns(i)%dimension), 1, &
+            at_nodes(body, columns(i)%values))
       end do
       vtk%scale = 0.0_dp
       status = 0

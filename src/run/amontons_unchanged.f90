@@ -50,7 +50,9 @@ contains
          call check(has_unchanged_inputs, inputs, config%reduced%path)
          return
       end if
-      call check(has_unchanged_inputs, inputs, config%mesh_file)
+      do i = 1, size(config%meshes)
+         call check(has_unchanged_inputs, inputs, config%meshes(i)%file)
+      end do
       do i = 1, size(config%contacts)
          associate (contact => config%contacts(i))
             call check(has_unchanged_inputs, inputs, contact%friction%file)

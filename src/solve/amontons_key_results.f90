@@ -19,9 +19,10 @@ contains
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
       type(quantity_t) :: list(2)
 
-      list = [quantity_t('normal_force', 'Normal forces', sum(force(:size(force)/2)), sum(abs(force))), &
+      list = [quantity_t('normal_force', 'Normal forces', sum(force(:size(force)/2)), sum(abs(force)), &
+         dimension='F'), &
          quantity_t('tangential_force', 'Tangential forces', sum(force(size(force)/2 + 1:)), &
-         sum(abs(force)))]
+         sum(abs(force)), dimension='F')]
    end function resultants
 
    !> The largest pressure, shear and slip of the contact points. The slip of a point that is open, or whose tangential
@@ -39,10 +40,11 @@ contains
       m = size(status)
       associate (zone => body%zone)
          area = merge(zone%area, 1.0_dp, zone%area > 0.0_dp)
-         list(1) = peak('max_contact_pressure', 'Max. pressure', force(:m)/area, zone%position, 0.0_dp)
-         list(2) = peak('max_contact_shear', 'Max. shear', abs(force(m + 1:))/area, zone%position, list(1)%value)
+         list(1) = peak('max_contact_pressure', 'Max. pressure', force(:m)/area, zone%position, 0.0_dp, 'F/L^2')
+         list(2) = peak('max_contact_shear', 'Max. shear', abs(force(m + 1:))/area, zone%position, list(1)%value, &
+            'F/L^2')
          list(3) = peak('max_slip', 'Max. slip', merge(abs(slip), 0.0_dp, &
-            status /= open_point .and. .not. zone%is_tangent_fixed), zone%position, scale)
+            status /= open_point .and. .not. zone%is_tangent_fixed), zone%position, scale, 'L')
       end associate
    end function contact_peaks
 
@@ -115,15 +117,15 @@ contains
       end associate
       suffix = number
       if (len(number) > 0) suffix = '_'//number
-      list = [quantity_t('contact_width'//suffix, 'Contact width '//number, widths(1), length), &
-         quantity_t('stick_width'//suffix, 'Stick width '//number, widths(2), length), &
-         quantity_t('contact_centroid_x'//suffix, 'Centroid x '//number, center(1), length), &
-         quantity_t('contact_centroid_y'//suffix, 'Centroid y '//number, center(2), length), &
-         quantity_t('contact_force_x'//suffix, 'Force x '//number, sums(1), scale), &
-         quantity_t('contact_force_y'//suffix, 'Force y '//number, sums(2), scale)]
+      list = [quantity_t('contact_width'//suffix, 'Contact width '//number, widths(1), length, dimension='L'), &
+         quantity_t('stick_width'//suffix, 'Stick width '//number, widths(2), length, dimension='L'), &
+         quantity_t('contact_centroid_x'//suffix, 'Centroid x '//number, center(1), length, dimension='L'), &
+         quantity_t('contact_centroid_y'//suffix, 'Centroid y '//number, center(2), length, dimension='L'), &
+         quantity_t('contact_force_x'//suffix, 'Force x '//number, sums(1), scale, dimension='F'), &
+         quantity_t('contact_force_y'//suffix, 'Force y '//number, sums(2), scale, dimension='F')]
       ! In a body of revolution the forces around the axis have no moment.
       if (.not. body%is_axisymmetric) list = [list, quantity_t('contact_moment'//suffix, 'Moment '//number, moment, &
-         length*scale)]
+         length*scale, dimension='F L')]
    end function results_of_set
 
    !> The largest displacement and von Mises stress of a node.
@@ -141,23 +143,25 @@ contains
       do i = 1, body%mesh%n_nodes
          mises(i) = von_mises(stress%node(:, i))
       end do
-      list = [peak('max_von_mises', 'Max. von Mises', mises, body%mesh%coordinates, 0.0_dp), &
-         peak('max_displacement', 'Max. displacement', norm2(displacement, dim=1), body%mesh%coordinates, 0.0_dp)]
+      list = [peak('max_von_mises', 'Max. von Mises', mises, body%mesh%coordinates, 0.0_dp, 'F/L^2'), &
+         peak('max_displacement', 'Max. displacement', norm2(displacement, dim=1), body%mesh%coordinates, 0.0_dp, &
+         'L')]
    end function body_peaks
 
    !> The largest of some values, the first of those that are equal but for rounding; 0 where all are
    !> rounding errors.
-   pure function peak(key, label, values, places, scale) result(quantity)
+   pure function peak(key, label, values, places, scale, dimension) result(quantity)
       character(*), intent(in) :: key !! its name in files
       character(*), intent(in) :: label !! its name in listings
       real(dp), intent(in) :: values(:) !! the values (any)
       real(dp), intent(in) :: places(:, :) !! where each is found (2, any) [L]
       real(dp), intent(in) :: scale !! what rounding errors of it are measured by
+      character(*), intent(in) :: dimension !! what it is measured in
       type(quantity_t) :: quantity
       real(dp), parameter :: rounding = 1.0e-9_dp
       integer :: i
 
-      quantity = at_place(key, label, 0.0_dp, [0.0_dp, 0.0_dp], scale)
+      quantity = at_place(key, label, 0.0_dp, [0.0_dp, 0.0_dp], scale, dimension)
       if (.not. any(values > rounding*scale)) return
       i = findloc(values >= (1.0_dp - rounding)*maxval(values), .true., dim=1)
       quantity%value = values(i)

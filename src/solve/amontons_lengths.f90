@@ -54,9 +54,9 @@ contains
       class(lengths_t), intent(in) :: self !! the lengths
       type(quantity_t) :: list(3)
 
-      list = [quantity_t('open_length', 'Open length', self%open, is_nodal=.true.), &
-         quantity_t('slip_length', 'Slip length', self%slip, is_nodal=.true.), &
-         quantity_t('stick_length', 'Stick length', self%stick, is_nodal=.true.)]
+      list = [quantity_t('open_length', 'Open length', self%open, is_nodal=.true., dimension='L'), &
+         quantity_t('slip_length', 'Slip length', self%slip, is_nodal=.true., dimension='L'), &
+         quantity_t('stick_length', 'Stick length', self%stick, is_nodal=.true., dimension='L')]
    end function lengths_quantities
 
 end module amontons_lengths

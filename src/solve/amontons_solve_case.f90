@@ -11,12 +11,10 @@ module amontons_solve_case
    use amontons_error, only: error_t
    use amontons_load_case, only: new_load_case
    use amontons_mesh, only: mesh_t
-   use amontons_mesh_file, only: read_used_mesh
+   use amontons_mesh_part, only: new_mesh
    use amontons_methods, only: new_contact_method
    use amontons_model_warnings, only: add_model_warnings, add_sweep_warnings
    use amontons_name_check, only: check_names
-   use amontons_rectangle, only: new_rectangle_mesh
-   use amontons_refined_mesh, only: refine_mesh
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_load_case
    use amontons_state, only: new_state, state_t
@@ -87,7 +85,7 @@ contains
       cache%key = ''
       cache%is_condensed = .false.
       allocate (cache%body)
-      call new_mesh(mesh, notes, config, error)
+      call new_mesh(mesh, config%meshes, notes, error)
       if (.not. allocated(error)) call check_names(config, mesh, error)
       if (allocated(error)) return
       call new_body(cache%body, mesh, config%materials, config%supports, config%contacts, error)
@@ -97,23 +95,6 @@ contains
       cache%first_case = config%name
       if (allocated(cache%state)) deallocate (cache%state)
    end subroutine make_body
-
-   !> Makes or reads the mesh of a case.
-   subroutine new_mesh(mesh, notes, config, error)
-      type(mesh_t), intent(out) :: mesh !! the mesh
-      character(:), allocatable, intent(out) :: notes !! what was put right in a file, a line of text for each
-      type(config_t), intent(in) :: config !! the case
-      type(error_t), allocatable, intent(out) :: error !! the file or the rectangle is at fault
-
-      notes = ''
-      if (len(config%mesh_file) > 0) then
-         call read_used_mesh(mesh, config%mesh_file, config%is_used, notes, error)
-      else
-         call new_rectangle_mesh(mesh, config%rectangle, error)
-      end if
-      if (.not. allocated(error)) call refine_mesh(mesh, config%n_refinements, error)
-      if (allocated(error)) error%message = config%mesh_origin//error%message
-   end subroutine new_mesh
 
    !> Whether the body at hand is that of a case.
    logical function has_body(cache, config)

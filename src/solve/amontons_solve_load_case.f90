@@ -100,8 +100,8 @@ contains
       ! A residual still at its first value, the largest number, means that no iteration gave a finite one.
       if (solution%residual < huge(solution%residual) .and. all(ieee_is_finite(solution%force)) &
          .and. all(ieee_is_finite(solution%displacement))) return
-      call new_error(error, numerical_failure, 'the contact method left the range of finite numbers: '// &
-         'stiffness, load and friction differ by more than the arithmetic can hold')
+      call new_error(error, numerical_failure, 'floating-point overflow in the contact method: '// &
+         'check the units of stiffness, load and friction')
    end subroutine check_finite
 
    !> Computes the displacements of all nodes, the certificate and the lengths, and refuses numbers that are not finite.

@@ -88,10 +88,13 @@ contains
       real(dp), intent(in) :: tolerance !! tolerance of the method [-]
       integer, intent(out) :: status !! 0 or `status_not_converged`
       character(:), allocatable, intent(out) :: fault !! what the solution lacks; empty if nothing
+      ! A residual of sums of some hundred products; seldom is it less.
+      real(dp), parameter :: rounding = 1.0e-14_dp
 
       status = status_not_converged
       if (.not. is_converged) then
          fault = 'not converged: residual '//scientific(residual)//', tolerance '//scientific(tolerance)
+         if (tolerance < rounding) fault = fault//', which is below rounding (about '//scientific(rounding)//')'
       else if (.not. violation <= certificate_limit(tolerance)) then
          fault = 'the certificate FAILED: largest violation '//scientific(violation)//', limit '// &
             scientific(certificate_limit(tolerance))//'; see the listing'

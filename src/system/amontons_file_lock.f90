@@ -57,7 +57,7 @@ contains
 
       code = c_lock_path(path//c_null_char, lock%file)
       if (code == c_would_block()) then
-         call new_error(error, input_refused, path//': another run is at work on this file; wait until it ends, or '// &
+         call new_error(error, input_refused, path//': another run is writing this file; wait until it ends, or '// &
             'choose another directory with --output')
       else if (code /= 0) then
          call new_error(error, system_failure, path//': cannot write this file: '//error_text(int(code)))

@@ -2,7 +2,7 @@
 module amontons_number_table
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_text, only: newline, read_real, to_text
+   use amontons_text, only: line_end, newline, read_real, to_text
    use amontons_text_file, only: read_text_file
    implicit none (type, external)
    private
@@ -47,9 +47,9 @@ contains
       may_be_headings = .true.
       do while (first <= len(text))
          line = line + 1
-         last = first + index(text(first:)//newline, newline) - 2
+         last = line_end(text, first)
          start = first
-         call read_row(text(first:min(last, len(text))), row, is_row, is_empty)
+         call read_row(text(first:last), row, is_row, is_empty)
          first = last + 2
          if (is_row) then
             n_rows = n_rows + 1
@@ -61,7 +61,7 @@ contains
          may_be_headings = may_be_headings .and. is_empty
       end do
       table = rows(:, :n_rows)
-      if (n_rows < 2) call new_error(error, input_refused, file//': expected two rows of '//numbers//' at the least')
+      if (n_rows < 2) call new_error(error, input_refused, file//': expected at least two rows of '//numbers)
    end subroutine read_number_table
 
    !> Whether a text begins as no number does.

@@ -80,7 +80,7 @@ contains
          ! The run-time library of gfortran 12 loses what a full disk refuses without a word: only the size tells.
          inquire (file=self%temporary_path, size=n_bytes)
          if (n_bytes == next_byte - 1) return
-         reason = 'only '//to_text(max(n_bytes, 0_int64))//' of '//to_text(next_byte - 1)//' bytes found room'
+         reason = 'only '//to_text(max(n_bytes, 0_int64))//' of '//to_text(next_byte - 1)//' bytes could be written'
       end if
       call give_up(self, trim(reason), error)
    end subroutine output_file_finish

@@ -1,4 +1,5 @@
-/* The line on a terminal that tells what a long run is at: drawn anew each second, gone before anything is printed. */
+/* What a long run is doing: on a terminal a line drawn anew each second, gone before anything is printed; in a log
+   lines of their own, less and less often. */
 #define _DEFAULT_SOURCE
 
 #include <poll.h>
@@ -22,7 +23,7 @@ static pthread_cond_t closing;
 static int is_open = 0;
 static struct timespec begin;
 static char name[longest], work[longest];
-static int has_seconds;
+static int has_seconds, is_log;
 
 /* Draws. It takes no signals, so that a handler never finds itself inside of a drawing. */
 static pthread_t painter;
@@ -61,7 +62,7 @@ static void replace(const char *text, int n_columns)
 }
 
 /* Puts together the line as it is after some seconds, cut to the width of the terminal, between two characters. Returns
-   its length, 0 where there is nothing to tell. */
+   its length, 0 where there is nothing to tell. A log always has the seconds, for it shows no clock. */
 static int compose(char *line, long seconds)
 {
     struct winsize size;
@@ -69,7 +70,7 @@ static int compose(char *line, long seconds)
 
     pthread_mutex_lock(&words);
     if (work[0])
-        n = has_seconds ? snprintf(line, longest, "%s: %s, %ld s", name, work, seconds)
+        n = has_seconds || is_log ? snprintf(line, longest, "%s: %s, %ld s", name, work, seconds)
             : snprintf(line, longest, "%s: %s", name, work);
     pthread_mutex_unlock(&words);
     if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > echo && size.ws_col - echo <= n_most)
@@ -78,6 +79,18 @@ static int compose(char *line, long seconds)
         for (n = n_most; n > 0 && ((unsigned char)line[n] & 0xc0) == 0x80; n--)
             ;
     return n;
+}
+
+/* Writes the line as it is after some seconds to the log. One that takes no more is no fault. */
+static void write_to_log(long seconds)
+{
+    char line[longest + 1];
+    pthread_mutex_lock(&screen);
+    int n = compose(line, seconds);
+    line[n++] = '\n';
+    if (n > 1 && !atomic_load(&is_abandoned))
+        amontons_write(STDERR_FILENO, line, n);
+    pthread_mutex_unlock(&screen);
 }
 
 /* Draws the line as it is after some seconds. */
@@ -104,15 +117,21 @@ static int wait_until(long seconds)
     return answer;
 }
 
-/* Draws the line once a second until it is closed. */
+/* Draws the line once a second until it is closed; in a log, after 1, 2, 4 ... 64 seconds and each minute from then
+   on. */
 static void *paint(void *nothing)
 {
-    long seconds = 0;
+    long seconds = 0, due = 1;
     while (wait_until(seconds + 1)) {
         struct timespec now;
         clock_gettime(CLOCK_MONOTONIC, &now);
         seconds = now.tv_sec - begin.tv_sec - (now.tv_nsec < begin.tv_nsec);
-        draw(seconds);
+        if (!is_log)
+            draw(seconds);
+        else if (seconds >= due)
+            write_to_log(seconds);
+        while (due <= seconds)
+            due += due < 60 ? due : 60;
     }
     return nothing;
 }
@@ -128,12 +147,13 @@ static int start_painter(void)
     return code;
 }
 
-/* Opens the line of a case, if standard error is a terminal: what is noted from now on will be on it. Where there is no
-   thread to be had there is no line. */
-void amontons_open_line(const char *text)
+/* Opens the line of a case, if standard error is a terminal or a log is to have lines: what is noted from now on will
+   be on it. Where there is no thread to be had there is no line. */
+void amontons_open_line(const char *text, int has_log)
 {
     pthread_condattr_t monotonic;
-    if (is_open || !isatty(STDERR_FILENO))
+    is_log = !isatty(STDERR_FILENO);
+    if (is_open || (is_log && !has_log))
         return;
     snprintf(name, sizeof name, "%s", text);
     work[0] = '\0';

@@ -1,8 +1,8 @@
-!> The line on a terminal that tells what a long run is at.
+!> The line on a terminal that shows what a long run is doing, or its lines in a log.
 !>
 !> A program opens and closes it. Between the two it is drawn anew each second, from the end of the first one on;
-!> `print_line` removes it, until more work is noted. Without a terminal, or where no program has opened it, nothing is
-!> shown.
+!> `print_line` removes it, until more work is noted. A log gets a line of
+!> its own after 1, 2, 4 ... 64 seconds and each minute from then on. Where no program has opened it, nothing is shown.
 module amontons_status_line
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
    implicit none (type, external)
@@ -12,10 +12,11 @@ module amontons_status_line
 
    ! allow(assumed-size): C takes an address and knows no shape
    interface
-      subroutine c_open_line(name) bind(c, name='amontons_open_line')
-         import :: c_char
+      subroutine c_open_line(name, has_log) bind(c, name='amontons_open_line')
+         import :: c_char, c_int
          implicit none (type, external)
          character(c_char), intent(in) :: name(*)
+         integer(c_int), value :: has_log
       end subroutine c_open_line
 
       subroutine c_note_work(work, is_timed) bind(c, name='amontons_note_work')
@@ -33,11 +34,12 @@ module amontons_status_line
 
 contains
 
-   !> Opens the line of a case, if standard error is a terminal.
-   subroutine open_status_line(name)
+   !> Opens the line of a case, if standard error is a terminal or a log is to have lines.
+   subroutine open_status_line(name, has_log)
       character(*), intent(in) :: name !! name of the case; the line begins with it
+      logical, intent(in) :: has_log !! whether standard error gets lines where it is not a terminal
 
-      call c_open_line(name//c_null_char)
+      call c_open_line(name//c_null_char, merge(1_c_int, 0_c_int, has_log))
    end subroutine open_status_line
 
    !> Notes what is done from now on, for the line if there is one. Any thread may note.

@@ -11,7 +11,7 @@ module amontons_collection_check
    public :: check_collection, compare_collection
 
    !> What is said of a collection that is not in the form of the program.
-   character(*), parameter :: foreign = 'it is not written as the program writes a collection, from byte '
+   character(*), parameter :: foreign = 'not as the program writes a collection, from byte '
 
 contains
 
@@ -65,13 +65,13 @@ contains
       do i = 1, size(numbers)
          entries = case_entries(to_text(numbers(i)), folder//to_text(numbers(i)))
          if (index(text(at:min(len(text), at + len(entries) - 1)), entries) /= 1) then
-            call faults%add(path, 'the files of case '//to_text(numbers(i))//' do not stand where they should')
+            call faults%add(path, 'files of case '//to_text(numbers(i))//' are missing or misplaced')
             return
          end if
          at = at + len(entries)
       end do
       if (text(at:) /= collection_tail .or. len(text) - at + 1 /= len(collection_tail)) call faults%add(path, &
-         'there is more, or less, behind the last of '//to_text(size(numbers))//' cases')
+         'unexpected text after the last of '//to_text(size(numbers))//' cases')
    end subroutine compare_collection
 
    !> Reads a collection and its head.

@@ -5,7 +5,7 @@ module amontons_document_check
    use amontons_document, only: document_t, part_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_text, only: newline, read_real, to_text
+   use amontons_text, only: line_end, newline, read_real, to_text
    use amontons_text_file, only: read_text_file
    implicit none (type, external)
    private
@@ -76,13 +76,13 @@ contains
       first = 1
       number = line_number(stated, at)
       do while (first <= len(part%text))
-         last = first + index(part%text(first:), newline) - 2
+         last = line_end(part%text, first)
          if (at > len(stated)) then
             call faults%add(path, "it ends before the line '"//part%text(first:last)//"'")
             is_lost = .true.
             return
          end if
-         last_stated = at + index(stated(at:)//newline, newline) - 2
+         last_stated = line_end(stated, at)
          call compare_line(fault, stated(at:last_stated), part%text(first:last), header_of(document), part%scales, &
             least_difference, is_lost)
          if (len(fault) > 0) call faults%add(path//':'//to_text(number), fault)

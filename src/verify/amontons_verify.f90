@@ -99,7 +99,7 @@ contains
       call check_manifest(summary, directory)
       if (allocated(summary%text)) then
          if (summary%faults%n == 0 .and. index(summary%text, '"name": '//string(name//'.deck.nml')//',') == 0) then
-            call trust_summary(verdict, summary, 'without a deck nothing is computed again')
+            call trust_summary(verdict, summary, 'no deck: nothing was recomputed')
          else
             call verify_contents(verdict, summary, cache, stem, name)
          end if
@@ -127,7 +127,7 @@ contains
       if (config%reduced%is_given) then
          call verify_reduced(summary, config, stem, verdict%is_certified)
       else if (config%history%is_given) then
-         call trust_summary(verdict, summary, 'the steps of a history are not computed again')
+         call trust_summary(verdict, summary, 'the steps of a history were not recomputed')
       else if (config%sweep%is_given()) then
          call verify_sweep(summary, cache, config, stem, verdict%is_certified)
       else

@@ -71,7 +71,7 @@ contains
          call add_result_warnings(result, body)
          if (result%solution%is_converged) call check_law(summary%faults, body, result, stem//'.contact.csv', .true.)
          call check_texts(summary%faults, config, body, result, stem)
-         call check_grids(summary%faults, body, result, stem)
+         call check_grids(summary%faults, config%units, body, result, stem)
       end associate
       is_certified = result%solution%is_converged .and. &
          result%certificate%largest() <= certificate_limit(config%method%tolerance)
@@ -114,18 +114,19 @@ contains
    end subroutine check_texts
 
    !> Checks all that the two grids show: mesh, stresses, contact quantities.
-   subroutine check_grids(faults, body, result, stem)
+   subroutine check_grids(faults, units, body, result, stem)
       type(fault_text_t), intent(inout) :: faults !! gains what does not agree
+      character(*), intent(in) :: units !! names of the units of the case
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result as it was restored
       character(*), intent(in) :: stem !! directory and name of the case
       type(vtk_check_t) :: check
 
-      call new_vtk_check(check, stem//'.vtu', body%mesh%n_nodes, body%mesh%n_elements)
+      call new_vtk_check(check, stem//'.vtu', units, body%mesh%n_nodes, body%mesh%n_elements)
       call show_body(check, body, result)
       call check%close()
       call faults%append(check%faults)
-      call new_vtk_check(check, stem//'.contact.vtu', body%zone%n_points, n_line_cells(body%zone))
+      call new_vtk_check(check, stem//'.contact.vtu', units, body%zone%n_points, n_line_cells(body%zone))
       call show_contact_line(check, body, result)
       call check%close()
       call faults%append(check%faults)

@@ -93,7 +93,7 @@ contains
             if (ok) ok = number >= 0 .and. number < size(has_grids)
             if (ok) ok = has_grids(number) .and. (name == to_text(number)//'.vtu' .or. &
                name == to_text(number)//'.contact.vtu')
-            if (.not. ok) call summary%faults%add(folder//'/'//name, 'it is no grid of this sweep')
+            if (.not. ok) call summary%faults%add(folder//'/'//name, 'not a grid of this sweep')
          end associate
       end do
    end subroutine check_surplus
@@ -120,7 +120,7 @@ contains
       if (len(fault) > 0) return
       result%solution%status = case%status
       call judge(result, body)
-      call check_grids(summary%faults, body, result, grid)
+      call check_grids(summary%faults, config%units, body, result, grid)
       if (.not. result%certificate%largest() <= limit) call summary%faults%add(grid//'.vtu', &
          'equilibrium or contact law is violated by '//to_text(result%certificate%largest())// &
          ', more than the limit of '//to_text(limit))

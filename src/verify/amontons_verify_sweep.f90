@@ -182,7 +182,7 @@ contains
       if (ok) ok = certified >= 1 .and. certified <= size(has_converged)
       if (ok) ok = has_converged(certified)
       if (.not. ok) call summary%faults%add(summary%path, "certificate.case is '"// &
-         summary%value('certificate', 'case')//"', which is no case that has converged")
+         summary%value('certificate', 'case')//"', which is not a converged case")
    end subroutine find_certified
 
    !> Writes the texts again and compares.

@@ -36,15 +36,16 @@ module amontons_vtk_check
 contains
 
    !> Opens a grid.
-   subroutine new_vtk_check(check, path, n_points, n_cells)
+   subroutine new_vtk_check(check, path, units, n_points, n_cells)
       type(vtk_check_t), intent(out) :: check !! the grid
       character(*), intent(in) :: path !! name of the file
+      character(*), intent(in) :: units !! names of the units of the case
       integer, intent(in) :: n_points !! number of points that it should have
       integer, intent(in) :: n_cells !! number of cells that it should have
       logical :: is_open
 
       check%path = path
-      call check%begin_grid(n_points, n_cells)
+      call check%begin_grid(units, n_points, n_cells)
       call open_grid(check%unit, path, is_open)
       if (.not. is_open) call check%stop_at('cannot be read')
    end subroutine new_vtk_check
@@ -68,17 +69,18 @@ contains
    end subroutine open_grid
 
    !> Compares an array of reals.
-   subroutine vtk_check_put_reals(self, section, name, n_components, values)
+   subroutine vtk_check_put_reals(self, section, name, dimension, n_components, values)
       class(vtk_check_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: section !! the section of the array
       character(*), intent(in) :: name !! name of the quantity
+      character(*), intent(in) :: dimension !! what it is measured in
       integer, intent(in) :: n_components !! numbers per point or cell
       real(dp), intent(in) :: values(:) !! the values that should stand there
       character(:), allocatable :: bytes
       real(dp), allocatable :: found(:)
       integer :: place
 
-      call self%begin_array(section, 'Float64', name, n_components)
+      call self%begin_array(section, 'Float64', name, n_components, dimension)
       call self%read_array(name, 8_int64*size(values, kind=int64), bytes)
       if (.not. self%is_readable) return
       found = transfer(bytes, values, size(values))
@@ -98,7 +100,7 @@ contains
       integer(int32), allocatable :: found(:)
       integer :: place
 
-      call self%begin_array(section, 'Int32', name, 1)
+      call self%begin_array(section, 'Int32', name, 1, '')
       call self%read_array(name, 4_int64*size(values, kind=int64), bytes)
       if (.not. self%is_readable) return
       found = transfer(bytes, 0_int32, size(values))

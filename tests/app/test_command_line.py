@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The command line: options, names of decks and of cases."""
 import unittest
+from xml.etree import ElementTree
 
 from harness import CONTACT, HAS_SUITESPARSE, PRESSURE, PROGRAM, SOUND, SUPPORT, ProgramTest, block, results_of
 
@@ -40,13 +41,6 @@ class Options(ProgramTest):
                  r"MPI          (no|yes, MUMPS \d+\.\d+\.\d+)", r"OpenMP       20\d{4}, 1 threads"]
         self.assertRegex(run.stdout, "^" + "".join(fact + r"\n" for fact in facts) + "$")
         self.assertEqual(run.stderr, "")
-
-    def test_a_body_is_spread_over_the_ranks_of_a_run_only(self):
-        deck = self.write("spread.nml", SOUND + "&solver factorization = 'distributed' /\n")
-        for options in (), ("--check",):
-            run = self.run_program(*options, deck, status=1)
-            self.assertRegex(run.stderr, "^spread.nml: factorization = 'distributed' (needs MPI and MUMPS, and this "
-                             "program was built without them|is for a run on several ranks: mpiexec -n 2)")
 
     @unittest.skipIf(HAS_SUITESPARSE, "this build has SuiteSparse")
     def test_sparse_factorization_is_refused_without_suitesparse(self):
@@ -295,10 +289,32 @@ class Names(ProgramTest):
     def test_units_are_named(self):
         summary = self.solve(SOUND + "&case units = 'mm, N, MPa' /").summary
         self.assertEqual(summary["units"], "mm, N, MPa")
-        self.assertIn("  Units               mm, N, MPa\n", (self.directory/"case.lst").read_text(encoding="utf-8"))
-        self.assertEqual(self.solve(SOUND).summary["units"], "")
-        self.assertNotIn("  Units ", (self.directory/"case.lst").read_text(encoding="utf-8"))
+        listing = (self.directory/"case.lst").read_text(encoding="utf-8")
+        self.assertIn("  Units               mm, N, MPa\n", listing)
+        for pattern in (r"  Max\. pressure +[\d.]+ MPa at \(", r"  Contact width +4\.0 mm\n", r"  Force y +4\.0 N\n",
+                        r"  Strain energy +[\d.e-]+ N mm\n", r"  Error of stresses +[\d.e-]+ sqrt\(N mm\)\n",
+                        r"  Loads +\(.*\) N\n", r"\n  point .*\n( +mm){4}( +N){2}( +MPa){2}\n +1 "):
+            self.assertRegex(listing, pattern)
         self.run_program("--verify", ".")
+        self.assertEqual(self.solve(SOUND).summary["units"], "")
+        plain = (self.directory/"case.lst").read_text(encoding="utf-8")
+        self.assertNotIn("  Units ", plain)
+        self.assertNotRegex(plain, "mm|MPa")
+        self.run_program("--verify", ".")
+
+    def test_grids_have_units(self):
+        self.solve(SOUND + "&case units = 'mm, k<N' /")
+        expected = {"displacement": "mm", "contact_pressure": "k<N/mm^2", "von_mises": "k<N/mm^2", "points": "mm",
+                    "error_norm": "sqrt(k<N mm)", "status": None, "offsets": None}
+        found = {}
+        for array in ElementTree.parse(self.directory/"case.vtu").iter("DataArray"):
+            keys = array.findall("InformationKey[@name='UNITS_LABEL'][@location='vtkDataArray']")
+            found[array.get("Name")] = keys[0].text if keys else None
+        self.assertEqual({name: found[name] for name in expected}, expected)
+        self.run_program("--verify", ".")
+        other = (self.directory/"case.vtu").read_bytes().replace(b">mm<", b">in<", 1)
+        (self.directory/"case.vtu").write_bytes(other)
+        self.assertIn("case.vtu: it was changed", self.run_program("--verify", ".", status=4).stderr)
 
 
 class Forms(ProgramTest):

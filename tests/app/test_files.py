@@ -327,7 +327,8 @@ class Listing(ProgramTest):
         result = self.solve(block(SUPPORT, PRESSURE, CONTACT, PUSH))
         listing = self.contents()["case.lst"].decode()
         places = [listing.index(f"\n{title}") for title in ("Model\n", "Solution\n", "Contact line\n", "Resultants\n",
-                                                            "Certificate ", "Contact points (", "Time [s]\n")]
+                                                            "Checks on the full model (", "Contact points (",
+                                                            "Time [s]\n")]
         self.assertEqual(places, sorted(places))
         self.assertTrue(listing.endswith("\nEnd of listing\n"))
         rows = [line.split() for line in listing[places[5]:places[6]].splitlines() if re.match(r" +\d+ ", line)]

@@ -51,7 +51,7 @@ class Forged(Verification):
                 ("contact.vtu", cut_behind(displacement, 60), "the file ends within displacement"),
                 ("contact.vtu", cut_behind(types, 60), "the file ends within types"),
                 ("contact.vtu", lambda content: content[:-5], "the file ends behind the last array"),
-                ("contact.vtu", with_bytes("displacement", 8, no_number), "is no finite number, but")):
+                ("contact.vtu", with_bytes("displacement", 8, no_number), "is not a finite number, but")):
             with self.subTest(file=file, expected=expected):
                 self.assert_forgery_is_found(f"case_0.{file}", change, expected)
 
@@ -192,7 +192,7 @@ class Forged(Verification):
         for case in (b"0", b"6", b"x"):
             self.assert_forgery_is_found(
                 "case_0.summary.json", lambda content, case=case: re.sub(rb'"case": \d+', b'"case": ' + case, content),
-                f"certificate.case is '{case.decode()}', which is no case that has converged")
+                f"certificate.case is '{case.decode()}', which is not a converged case")
 
 
 class ForgedFields(Verification):
@@ -223,14 +223,15 @@ class ForgedFields(Verification):
                                      "the sum of its tangential forces is .* follows|equilibrium")
 
     def test_collection(self):
-        for change, expected in ((lambda content: content.replace(b'"9"', b'"8"'), "the files of case 9 do not stand"),
-                                 (lambda content: content.replace(b"  </Coll", b"\n  </Coll"), "behind the last of 3"),
+        for change, expected in ((lambda content: content.replace(b'"9"', b'"8"'), "files of case 9 are missing or "
+                                  "misplaced"),
+                                 (lambda content: content.replace(b"  </Coll", b"\n  </Coll"), "after the last of 3"),
                                  (lambda content: content[:40], "from byte 1 on")):
             self.assert_forgery_is_found("case_0.sweep.pvd", change, f"results/case_0.sweep.pvd: .*{expected}")
 
     def test_grids_that_belong_to_no_case(self):
         (self.results/"case_0.sweep/2.vtu").write_bytes((self.results/"case_0.sweep/1.vtu").read_bytes())
-        self.assertEqual(self.verify(status=4), "case_0: NOT VERIFIED\nresults/case_0.sweep/2.vtu: it is no grid of "
+        self.assertEqual(self.verify(status=4), "case_0: NOT VERIFIED\nresults/case_0.sweep/2.vtu: not a grid of "
                          "this sweep\n")
 
 
@@ -254,7 +255,7 @@ class Collection(Verification):
                             (content.replace(b'"3"', b'"1"'), None), (content.replace(b"&amp;", b"&"), None),
                             (content.replace(b'part="1"', b'part="2"'), None), (content + b"\n", None)):
             path.write_bytes(other)
-            self.assertRegex(self.verify(status=4), "^cases.pvd: NOT VERIFIED\nresults/cases.pvd: it is not written as "
+            self.assertRegex(self.verify(status=4), "^cases.pvd: NOT VERIFIED\nresults/cases.pvd: not as "
                              f"the program writes a collection, from byte {byte or '[0-9]+'} on\n$")
             # The cases stay what they are.
             self.assertEqual(self.run_program("--verify", "results", status=4).stdout.count(": verified\n"), 3)

@@ -182,7 +182,7 @@ class History(ProgramTest):
         self.walk(BAR)
         run = self.run_program("--verify", "out")
         self.assertEqual(run.stdout,
-                         "bar: verified by checksums alone; the steps of a history are not computed again\n")
+                         "bar: verified by checksums alone; the steps of a history were not recomputed\n")
         table = self.directory / "out" / "bar.history.csv"
         table.write_text(table.read_text().replace("0", "1", 1))
         run = self.run_program("--verify", "out", status=4)

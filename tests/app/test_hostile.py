@@ -104,10 +104,10 @@ class Decks(HostileTest):
     def test_cells_beyond_the_memory_there_is(self):
         for cells in ("5000, 5000", "100000, 1000", "30000000, 1", "3000, 3000  element = 'tri6'"):
             found = self.refuse("deck.nml", SOUND.replace("8, 4", cells), status=3)
-            self.assertRegex(found, r"^deck\.nml:1: rectangle: memory does not suffice: \d+ nodes need at least \d+ "
+            self.assertRegex(found, r"^deck\.nml:1: rectangle: not enough memory: \d+ nodes need at least \d+ "
                              r"MB, and \d+ MB are available\n$")
         found = self.refuse("deck.nml", SOUND.replace("8, 4", "8, 4  refine = 10"), status=3)
-        self.assertRegex(found, r"^deck\.nml:1: memory does not suffice: \d+ nodes need at least \d+ MB, and \d+ MB "
+        self.assertRegex(found, r"^deck\.nml:1: not enough memory: \d+ nodes need at least \d+ MB, and \d+ MB "
                          r"are available\n$")
 
     def test_numerals(self):
@@ -179,7 +179,7 @@ class Meshes(HostileTest):
         (self.directory / name).write_bytes(data)
         found = self.refuse("deck.nml", on_mesh(name))
         self.assertRegex(found, rf"^deck\.nml:1: {self.directory}/{name}:(\d+:)? .*(announced, but the file ends after "
-                         r"\d+ more bytes|out of range|than a file of this size can mean)( \(byte \d+\))?\n$")
+                         r"\d+ more bytes|out of range|than a file of this size can define)( \(byte \d+\))?\n$")
 
     def test_gmsh_2(self):
         head = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n"

@@ -91,7 +91,7 @@ class NearSingular(NumbersTest):
                  "; element 1 is 2e8 times as long as wide"),
                 (block(SUPPORT, PRESSURE, CONTACT, material="young = 1.0  poisson = 0.4999999999999999",
                        mesh="size = 4.0, 2.0  cells = 8, 4  element = 'tri3'"),
-                 "; Poisson's ratio of 0.4999999999999999 makes a material all but incompressible"),
+                 "; Poisson's ratio of 0.4999999999999999 makes a material nearly incompressible"),
                 (block("support set = 'left'  spring_n = 1e-15  spring_t = 1e-15", PRESSURE),
                  "; the stiffness of springs and that of the body differ by a factor of ")):
             status, message = self.attempt(text)
@@ -153,8 +153,8 @@ class Range(NumbersTest):
         status, message = self.attempt(text)
         if status in (1, 2):
             self.assertFalse(list((self.directory / "results").glob("*")), text)
-            self.assertRegex(message, "range of (double precision|finite numbers)|too little for its areas|singular to "
-                             "rounding")
+            self.assertRegex(message, "range of double precision|floating-point overflow|too little for its areas|"
+                             "singular to rounding")
             self.assertEqual(message.count("\n"), 1)
             return False
         self.assert_finite()

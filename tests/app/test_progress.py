@@ -179,6 +179,29 @@ class Progress(ProgramTest):
             self.assertEqual(each.shown, b"")
         self.assertEqual(piped.run.communicate(), (None, b""))
 
+    def test_log_gets_lines_where_it_is_asked_for(self):
+        log = self.start(ENDLESS, "--quiet", "--progress", stderr=subprocess.PIPE)
+        # A machine that has other things to do may come a second late.
+        for expected in (r"^case: solve, [12] s\n$", r"^case: solve, [23] s\n$", r"^case: solve, [45] s\n$"):
+            self.assertRegex(log.run.stderr.readline().decode(), expected)
+        log.run.terminate()
+        self.assertEqual(log.run.communicate(), (None, b""))
+        self.assertEqual(log.run.wait(self.timeout), -signal.SIGTERM)
+
+    def test_log_of_a_sweep_has_cases_and_seconds(self):
+        log = self.start(map_of_states(20000), "--progress", stderr=subprocess.PIPE)
+        self.assertRegex(log.run.stderr.readline().decode(),
+                         r"^case: \d+ of 4000000 cases, \d+ per second, \d+:\d\d:\d\d left, [12] s\n$")
+        for _ in range(2):
+            log.run.terminate()
+        log.run.communicate()
+
+    def test_terminal_has_its_line_where_a_log_is_asked_for(self):
+        terminal = self.start(ENDLESS, "--progress")
+        terminal.wait_for(r"\rcase: solve, 2 s$")
+        terminal.run.terminate()
+        self.assertEqual(terminal.end(-signal.SIGTERM), [""])
+
     def test_line_is_cut_to_the_terminal_between_two_characters(self):
         # Two bytes each, so that one of two widths ends between the bytes of one.
         narrow = {columns: self.start(ENDLESS, name="\u00e4"*20, columns=columns) for columns in (21, 22)}
@@ -209,7 +232,7 @@ class Progress(ProgramTest):
 
     def test_sweep_shows_its_cases(self):
         terminal = self.start(map_of_states(20000))
-        terminal.wait_for(r"\rcase: \d+ of 4000000 cases, \d+ a second, \d:\d\d:\d\d left$")
+        terminal.wait_for(r"\rcase: \d+ of 4000000 cases, \d+ per second, \d:\d\d:\d\d left$")
         terminal.run.send_signal(signal.SIGINT)
         self.assertRegex("\n".join(terminal.end(5)), r"^case\.nml: interrupted after \d+ of 4000000 cases; the same "
                          "command goes on from there\n$")

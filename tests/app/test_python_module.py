@@ -125,7 +125,7 @@ class Reduced(unittest.TestCase):
                 ((W, Q, -1), r"mu\(1\) = -1.0: expected a finite number, at least 0"),
                 ((W, Q*np.nan, MU), r"q\(1\) = NaN: expected a finite number"),
                 ((np.triu(W), Q, MU), r"W\(.*differ by more than rounding: expected a symmetric W"),
-                ((W, Q, MU, "gauss"), "no method is called 'gauss'"),
+                ((W, Q, MU, "gauss"), "unknown contact method 'gauss'"),
                 ((W, Q, MU, "psor", 2.0), "tolerance must lie above 0 and below 1")):
             with self.subTest(sentence), self.assertRaisesRegex(amontons.InputRefused, sentence):
                 amontons.solve_reduced(*arguments)

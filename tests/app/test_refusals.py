@@ -120,7 +120,7 @@ class Tables(ProgramTest):
         for key in ("friction_table", "slip_bound_table"):
             deck = SOUND.replace("friction = 0.3", f"{key} = 'table.txt'")
             run = self.run_program(self.write("case.nml", deck), status=1)
-            self.assertEqual(run.stderr, f"case.nml:5: {key} must have stations that ascend from row to row\n")
+            self.assertEqual(run.stderr, f"case.nml:5: {key} must have lengths that increase from row to row\n")
         self.assertEqual(self.files(), ["case.nml", "table.txt"])
 
     def test_line_of_a_plane(self):
@@ -128,6 +128,17 @@ class Tables(ProgramTest):
         deck = SOUND.replace("friction = 0.3", "line = 'table.txt'")
         run = self.run_program(self.write("case.nml", deck), status=1)
         self.assertEqual(run.stderr, "case.nml:5: line is only for obstacle = 'polyline'\n")
+
+
+class Builds(ProgramTest):
+    """What this build, or this run of it, cannot do."""
+
+    def test_ranks_without_a_run_on_several(self):
+        deck = self.write("spread.nml", SOUND + "&solver factorization = 'distributed' /\n")
+        for options in (), ("--check",):
+            run = self.run_program(*options, deck, status=1)
+            self.assertRegex(run.stderr, "^spread.nml: factorization = 'distributed' (needs MPI and MUMPS, and this "
+                             "program was built without them|is for a run on several ranks: mpiexec -n 2)")
 
 
 if __name__ == "__main__":

@@ -87,7 +87,7 @@ class Kept(Rerun):
         grid = self.results/"case_0.sweep/2.vtu"
         grid.write_bytes(grid.read_bytes()[:-1] + b" ")
         self.solve_into_results(sweep(6))
-        self.assertEqual(self.verify(status=4), "case_0: NOT VERIFIED\nresults/case_0.sweep/2.vtu: it is no grid of "
+        self.assertEqual(self.verify(status=4), "case_0: NOT VERIFIED\nresults/case_0.sweep/2.vtu: not a grid of "
                                                 "this sweep\n")
 
     def test_everything_where_the_manifest_is_broken(self):

@@ -14,7 +14,7 @@ from verification import checksum
 
 class Interruption(SweepTest):
     """A sweep that ends before its time goes on where it was."""
-    ANEW = b"all cases were solved anew"
+    ANEW = b"all cases were solved again"
 
     def setUp(self):
         super().setUp()
@@ -125,7 +125,7 @@ class Interruption(SweepTest):
         first = self.start("--quiet", "sweep.nml")
         self.wait_for_rows(first, 1)
         run = self.run_program("--quiet", "sweep.nml", status=1)
-        self.assertEqual(run.stderr, "sweep.nml: ./sweep.sweep.checkpoint: another run is at work on this file; wait "
+        self.assertEqual(run.stderr, "sweep.nml: ./sweep.sweep.checkpoint: another run is writing this file; wait "
                                      "until it ends, or choose another directory with --output\n")
         self.assertIsNone(first.poll())
         # The lock dies with its owner, who has no time to say goodbye.

@@ -78,8 +78,8 @@ class Sound(Verification):
         text = path.read_text(encoding="utf-8").rpartition(CHECKSUM)[0]
         path.write_text(f'{text}{CHECKSUM}"000006c5d716d14400706ec74e9bc6d4"\n}}\n', encoding="utf-8")
         self.assertEqual(self.verify(status=4),
-                         "case_0: NOT VERIFIED\nresults/case_0.summary.json: it is of an earlier version of the "
-                         "program, whose checksums are of another kind\n")
+                         "case_0: NOT VERIFIED\nresults/case_0.summary.json: written by an earlier version of the "
+                         "program, with checksums of another kind\n")
 
 
 class Unsound(Verification):

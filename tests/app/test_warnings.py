@@ -136,7 +136,7 @@ class Warnings(ProgramTest):
         self.assert_warnings("".join(f"&{group} /\n" for group in (
             "mesh kind = 'file'  file = 'squares.msh'", "material young = 100.0  poisson = 0.3",
             "support set = 'left'  ux = 0.0  uy = 0.0", "support set = 'right'  ux = 0.0  uy = 0.0",
-            "load body_force = 0.0, -1e-2")), "the body falls into 2 pieces that share no node")
+            "load body_force = 0.0, -1e-2")), "the body consists of 2 pieces that share no nodes")
 
     def test_mesh_file_of_another_hypothesis(self):
         mesh = (ROOT/"tests"/"meshes"/"quad8.inp").read_text(encoding="utf-8")

@@ -12,6 +12,7 @@ import unittest
 import zlib
 from pathlib import Path
 
+from field_error import displacement_error, stress_error
 from harness import ProgramTest
 
 HERE = Path(__file__).resolve().parent
@@ -54,6 +55,12 @@ class Benchmark(ProgramTest):
         self.tables.append(table)
         self.assertTrue(table.rows, table.caption)
         self.assertEqual(table.faults, [])
+
+    def field_errors(self, result, exact, material):
+        """Errors of displacement and stress of a solved case, and the effectivity of the estimate of the latter."""
+        grid = self.directory/"case.vtu"
+        norm, stress = stress_error(grid, exact, material)
+        return (displacement_error(grid, exact, material.depth), stress), result.summary["accuracy"]["error_norm"]/norm
 
     def assert_sound(self, result):
         """Checks that a case converged and passed its certificate."""

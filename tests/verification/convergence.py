@@ -7,6 +7,8 @@ import math
 # Observed orders approach the theoretical ones from either side. A study whose finest meshes are still on the way
 # states its own allowance, with the reason.
 ORDER_ALLOWANCE = 0.1
+# What the ratio of the estimated to the true error of the stresses may be on the finest mesh.
+EFFECTIVITY = (0.8, 1.25)
 # Deviations that may be no larger than this are not printed, only their bound: they change with the machine.
 ROUNDOFF = 1e-4
 
@@ -41,7 +43,8 @@ class Table:
 class ConvergenceTable(Table):
     """Errors against the mesh size h, for some quantities and kinds of mesh, usually the elements.
 
-    `orders` gives for every kind the order that each quantity must reach between the two finest meshes.
+    `orders` gives for every kind the order that each quantity must reach between the two finest meshes. A last column
+    has the effectivity of the estimate, its ratio to the true error of the stresses, where it is given.
     """
 
     def __init__(self, caption, quantities, orders, kind="element", allowance=ORDER_ALLOWANCE):
@@ -52,13 +55,18 @@ class ConvergenceTable(Table):
         self.orders = orders
         self.allowance = allowance
         self.errors = {}
+        self.effectivities = {}
 
-    def add(self, kind, h, *errors):
+    def add(self, kind, h, *errors, effectivity=None):
         """Adds a mesh; those of a kind follow each other, from coarse to fine."""
         self.errors.setdefault(kind, []).append((h, errors))
+        if effectivity is not None:
+            self.effectivities[kind, h] = effectivity
 
     def close(self):
         """Makes the rows, when all meshes are there."""
+        if self.effectivities:
+            self.headings.append("effectivity")
         for kind, meshes in self.errors.items():
             for number, (h, errors) in enumerate(meshes):
                 row = [kind, f"{h:.4g}"]
@@ -68,6 +76,10 @@ class ConvergenceTable(Table):
                     if number == len(meshes) - 1:
                         text = self.judge(order >= least - self.allowance, text, row)
                     row += [f"{error:.3e}", text, least]
+                if self.effectivities:
+                    ratio = self.effectivities[kind, h]
+                    row.append(self.judge(number < len(meshes) - 1 or EFFECTIVITY[0] <= ratio <= EFFECTIVITY[1],
+                                          f"{ratio:.2f}", row[:2]))
                 self.rows.append(row)
 
     def coarser(self, kind, number):

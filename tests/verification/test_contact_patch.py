@@ -8,7 +8,7 @@ $p$; that of the displacement is the $L_2$ norm over that of the displacement.
 """
 from benchmark import ELEMENTS, Benchmark, main, patch_mesh
 from convergence import RoundoffTable
-from displacement_error import displacement_error
+from field_error import displacement_error
 
 YOUNG, POISSON, PRESSURE = 1000.0, 0.3, 2.0
 

@@ -3,7 +3,7 @@
 import unittest
 
 from convergence import ConvergenceTable, RoundoffTable, ValueTable, observed_order
-from displacement_error import ELEMENT_OF_VTK, biquadratic, bilinear, reference_points, serendipity, triangle
+from field_error import ELEMENT_OF_VTK, biquadratic, bilinear, reference_points, serendipity, triangle
 
 NAN = float("nan")
 

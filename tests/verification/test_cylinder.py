@@ -8,7 +8,7 @@ radius.
 """
 from benchmark import ELEMENTS, Benchmark, main, with_points_held
 from convergence import ORDER_ALLOWANCE, ConvergenceTable, RoundoffTable
-from displacement_error import displacement_error
+from field_error import Elastic
 
 YOUNG, POISSON, WEIGHT, RADIUS, HEIGHT = 1000.0, 0.25, 6.0, 2.0, 3.0
 
@@ -21,28 +21,31 @@ def exact(r, z):
 class Cylinder(Benchmark):
     """Displacement of linear and of quadratic elements."""
 
-    def error(self, element, cells):
-        """The error on a mesh of so many cells along the radius."""
+    def errors(self, element, cells):
+        """The errors, and the effectivity of the estimate, on a mesh of so many cells along the radius."""
         columns = cells if element in ("tri3", "quad4") else 2*cells
         top = [(RADIUS*column/columns, HEIGHT) for column in range(columns + 1)]
         deck = self.deck("cylinder", element=element, cells=(cells, 3*cells//2))
-        self.assert_sound(self.solve(with_points_held(deck, top, exact)))
-        return displacement_error(self.directory/"case.vtu", exact, depth=lambda r: r)
+        result = self.solve(with_points_held(deck, top, exact))
+        self.assert_sound(result)
+        return self.field_errors(result, exact, Elastic(YOUNG, POISSON, "axisymmetric"))
 
     def test_linear_elements_converge(self):
-        table = ConvergenceTable("Linear elements", ["displacement"], {"tri3": (2,), "quad4": (2,)},
+        table = ConvergenceTable("Linear elements", ["displacement", "stress"],
+                                 {"tri3": (2, 1), "quad4": (2, 1)},
                                  allowance=self.meshes(0.2, ORDER_ALLOWANCE))
         for element in ("tri3", "quad4"):
             for cells in self.meshes((4, 8), (4, 8, 16, 32)):
-                table.add(element, RADIUS/cells, self.error(element, cells))
+                errors, effectivity = self.errors(element, cells)
+                table.add(element, RADIUS/cells, *errors, effectivity=effectivity)
         table.close()
         self.assert_table(table)
 
     def test_quadratic_elements_are_exact(self):
         # A condition number of some thousand times 1e-16.
-        table = RoundoffTable("Quadratic elements", ["element"], ["displacement"], 1e-11)
+        table = RoundoffTable("Quadratic elements", ["element"], ["displacement", "stress"], 1e-9)
         for element in ELEMENTS[2:]:
-            table.add(element, errors=[self.error(element, self.meshes(4, 8))])
+            table.add(element, errors=self.errors(element, self.meshes(4, 8))[0])
         self.assert_table(table)
 
 

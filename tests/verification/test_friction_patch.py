@@ -9,7 +9,7 @@ displacement.
 """
 from benchmark import ELEMENTS, Benchmark, main, patch_mesh
 from convergence import RoundoffTable
-from displacement_error import displacement_error
+from field_error import displacement_error
 
 PRESSURE = 2.0
 # Deck, status, shear, displacement.

@@ -13,7 +13,7 @@ from math import hypot, log, pi
 
 from benchmark import ELEMENTS, Benchmark, main
 from convergence import ORDER_ALLOWANCE, ConvergenceTable, RoundoffTable
-from displacement_error import displacement_error
+from field_error import Elastic, displacement_error, stress_error
 from harness import read_vtu
 from mapped_mesh import mapped_mesh, sector, wall
 
@@ -112,6 +112,7 @@ class Heating(Benchmark):
                                        allowance=self.meshes(0.2, ORDER_ALLOWANCE))
         rounding = RoundoffTable("Beam, quadratic elements", ["hypothesis", "element"], ["displacement", "stress"],
                                  1e-10)
+        material = Elastic(YOUNG, POISSON, "plane stress", expansion=lambda x, y: EXPANSION*(20.0 + 20.0*y))
         for hypothesis, factor in (("plane stress", EXPANSION), ("plane strain", EXPANSION*(1 + POISSON))):
             def exact(x, y, a=factor):
                 return a*(20.0 + 20.0*y)*x, a*(20.0*y + 10.0*(y**2 - x**2))
@@ -124,8 +125,11 @@ class Heating(Benchmark):
                 continue
             for element in ELEMENTS[:2]:
                 for cells in self.meshes((4, 8), (4, 8, 16, 32)):
-                    self.assert_sound(self.solve(self.deck("heated_beam", element=element, cells=(2*cells, cells))))
-                    convergence.add(element, 2.0/cells, displacement_error(self.directory/"case.vtu", exact))
+                    result = self.solve(self.deck("heated_beam", element=element, cells=(2*cells, cells)))
+                    self.assert_sound(result)
+                    norm, _ = stress_error(self.directory/"case.vtu", exact, material)
+                    convergence.add(element, 2.0/cells, displacement_error(self.directory/"case.vtu", exact),
+                                    effectivity=result.summary["accuracy"]["error_norm"]/norm)
         convergence.close()
         self.assert_table(convergence)
         self.assert_table(rounding)
@@ -140,8 +144,11 @@ class Heating(Benchmark):
 
     def study(self, caption, mapping, ratio, exact, is_axisymmetric=False):
         """Fills the table of the tube; `ratio` cells around or along for one through the wall."""
-        orders = {element: ((2,) if element in ("tri3", "quad4") else (3,)) for element in ELEMENTS}
-        table = ConvergenceTable(caption, ["displacement"], orders, allowance=self.meshes(0.2, ORDER_ALLOWANCE))
+        orders = {element: ((2, 1) if element in ("tri3", "quad4") else (3, 2)) for element in ELEMENTS}
+        table = ConvergenceTable(caption, ["displacement", "stress"], orders,
+                                 allowance=self.meshes(0.2, ORDER_ALLOWANCE))
+        material = Elastic(1000.0, POISSON, "axisymmetric" if is_axisymmetric else "plane strain",
+                           expansion=lambda x, y: 1e-4*tube_temperature(x if is_axisymmetric else hypot(x, y)))
         for element in ELEMENTS:
             for cells in self.meshes((4, 8), (4, 8, 16, 32)):
                 mesh = mapped_mesh((cells, ratio*cells), element, mapping)
@@ -152,10 +159,10 @@ class Heating(Benchmark):
                 rows = [f"{number}, {tube_temperature(x if is_axisymmetric else hypot(x, y))!r}\n"
                         for number, x, y in node_lines(mesh)]
                 self.write("heated_tube.csv", "node, temperature\n" + "".join(rows))
-                self.assert_sound(self.solve(deck))
-                error = displacement_error(self.directory/"case.vtu", exact,
-                                           depth=(lambda r: r) if is_axisymmetric else (lambda r: 1.0))
-                table.add(element, (OUTER - INNER)/cells, error)
+                result = self.solve(deck)
+                self.assert_sound(result)
+                errors, effectivity = self.field_errors(result, exact, material)
+                table.add(element, (OUTER - INNER)/cells, *errors, effectivity=effectivity)
         table.close()
         self.assert_table(table)
 

@@ -17,7 +17,7 @@ from math import hypot, pi
 
 from benchmark import Benchmark, main
 from convergence import ORDER_ALLOWANCE, ConvergenceTable, ValueTable
-from displacement_error import displacement_error
+from field_error import Elastic
 from mapped_mesh import mapped_mesh, sector, wall
 from test_tube import INNER, OUTER, PRESSURE, YOUNG
 
@@ -33,22 +33,25 @@ class Incompressible(Benchmark):
                 r = hypot(x, y)
                 return radial(r, poisson)*x/r, radial(r, poisson)*y/r
             return displacement
-        self.study("Tube, plane strain", "tube_plane", sector(INNER, OUTER, 0.5*pi), 2, exact)
+        self.study("Tube, plane strain", "tube_plane", sector(INNER, OUTER, 0.5*pi), 2, exact, "plane strain")
 
     def test_revolution(self):
         self.study("Tube, axisymmetric", "tube_axisymmetric", wall(INNER, OUTER), 1,
-                   lambda poisson: lambda r, z: (radial(r, poisson), 0.0), depth=lambda r: r)
+                   lambda poisson: lambda r, z: (radial(r, poisson), 0.0), "axisymmetric")
 
-    def study(self, caption, name, mapping, ratio, exact, **depth):
+    def study(self, caption, name, mapping, ratio, exact, hypothesis):
         """Fills the table of one deck; `ratio` cells around or along for one through the wall."""
-        table = ConvergenceTable(caption, ["displacement"], {poisson: (2,) for poisson in RATIOS}, kind="nu",
+        table = ConvergenceTable(caption, ["displacement", "stress"], {poisson: (2, 1) for poisson in RATIOS},
+                                 kind="nu",
                                  allowance=self.meshes(0.2, ORDER_ALLOWANCE))
         for poisson in RATIOS:
             for cells in self.meshes((4, 8), (4, 8, 16, 32)):
                 mesh = mapped_mesh((cells, ratio*cells), "quad4", mapping)
-                self.assert_sound(self.solve(self.deck(name, mesh=mesh, poisson=poisson)))
-                table.add(poisson, (OUTER - INNER)/cells,
-                          displacement_error(self.directory/"case.vtu", exact(poisson), **depth))
+                result = self.solve(self.deck(name, mesh=mesh, poisson=poisson))
+                self.assert_sound(result)
+                errors, effectivity = self.field_errors(result, exact(poisson),
+                                                        Elastic(YOUNG, poisson, hypothesis, b_bar=True))
+                table.add(poisson, (OUTER - INNER)/cells, *errors, effectivity=effectivity)
         table.close()
         self.assert_table(table)
 

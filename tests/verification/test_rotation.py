@@ -12,7 +12,7 @@ from math import hypot, pi
 
 from benchmark import ELEMENTS, Benchmark, main, with_points_held
 from convergence import ORDER_ALLOWANCE, ConvergenceTable
-from displacement_error import displacement_error
+from field_error import Elastic
 from mapped_mesh import mapped_mesh, sector, wall
 
 YOUNG, POISSON, DENSITY, SPEED, INNER, OUTER = 1000.0, 0.3, 0.5, 10.0, 1.0, 2.0
@@ -56,15 +56,15 @@ class Rotation(Benchmark):
 
     def test_plane_stress(self):
         self.study("Annular disc, plane stress", "rotating_disc", sector(INNER, OUTER, 0.5*pi), 2,
-                   spread(lambda r: radial(r, YOUNG, POISSON)))
+                   spread(lambda r: radial(r, YOUNG, POISSON)), "plane stress")
 
     def test_plane_strain(self):
         self.study("Annular disc, plane strain", "rotating_disc", sector(INNER, OUTER, 0.5*pi), 2, spread(strained),
-                   values={"hypothesis": "plane strain"})
+                   "plane strain", values={"hypothesis": "plane strain"})
 
     def test_revolution(self):
         self.study("Hollow cylinder, axisymmetric", "rotating_cylinder", wall(INNER, OUTER), 1,
-                   lambda r, z: (strained(r), 0.0), depth=lambda r: r)
+                   lambda r, z: (strained(r), 0.0), "axisymmetric")
 
     def test_solid_disc(self):
         table = self.table("Solid disc, plane stress")
@@ -72,25 +72,29 @@ class Rotation(Benchmark):
             for cells in self.meshes((2, 4), (2, 4, 8, 16)):
                 points = edge(cells if element in ("tri3", "quad4") else 2*cells)
                 deck = with_points_held(self.deck("solid_disc", element=element, cells=(cells, cells)), points, solid)
-                self.assert_sound(self.solve(deck))
-                table.add(element, 1/cells, displacement_error(self.directory/"case.vtu", solid))
+                result = self.solve(deck)
+                self.assert_sound(result)
+                errors, effectivity = self.field_errors(result, solid, Elastic(YOUNG, POISSON, "plane stress"))
+                table.add(element, 1/cells, *errors, effectivity=effectivity)
         table.close()
         self.assert_table(table)
 
     def table(self, caption):
         """An empty table of all elements."""
-        orders = {element: ((2,) if element in ("tri3", "quad4") else (3,)) for element in ELEMENTS}
-        return ConvergenceTable(caption, ["displacement"], orders, allowance=self.meshes(0.2, ORDER_ALLOWANCE))
+        orders = {element: ((2, 1) if element in ("tri3", "quad4") else (3, 2)) for element in ELEMENTS}
+        return ConvergenceTable(caption, ["displacement", "stress"], orders,
+                                allowance=self.meshes(0.2, ORDER_ALLOWANCE))
 
-    def study(self, caption, name, mapping, ratio, exact, values=None, **depth):
+    def study(self, caption, name, mapping, ratio, exact, hypothesis, values=None):
         """Fills the table of one deck; `ratio` cells around or along for one through the wall."""
-        table = self.table(caption)
+        table, material = self.table(caption), Elastic(YOUNG, POISSON, hypothesis)
         for element in ELEMENTS:
             for cells in self.meshes((4, 8), (4, 8, 16, 32)):
                 mesh = mapped_mesh((cells, ratio*cells), element, mapping)
-                self.assert_sound(self.solve(self.deck(name, mesh=mesh, **(values or {}))))
-                error = displacement_error(self.directory/"case.vtu", exact, **depth)
-                table.add(element, (OUTER - INNER)/cells, error)
+                result = self.solve(self.deck(name, mesh=mesh, **(values or {})))
+                self.assert_sound(result)
+                errors, effectivity = self.field_errors(result, exact, material)
+                table.add(element, (OUTER - INNER)/cells, *errors, effectivity=effectivity)
         table.close()
         self.assert_table(table)
 

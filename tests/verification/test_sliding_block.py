@@ -13,7 +13,7 @@ from math import sqrt
 
 from benchmark import ELEMENTS, Benchmark, main, with_points_held
 from convergence import ORDER_ALLOWANCE, ConvergenceTable
-from displacement_error import displacement_error
+from field_error import Elastic
 from mapped_mesh import mapped_mesh
 from polynomial_field import PolynomialField, scaled, value
 
@@ -36,8 +36,8 @@ class SlidingBlock(Benchmark):
 
     def study(self, caption, mapping):
         """Fills the table of one kind of meshes."""
-        orders = {element: ((2, 1) if element in ("tri3", "quad4") else (3, 2)) for element in ELEMENTS}
-        table = ConvergenceTable(caption, ["displacement", "contact stress"], orders,
+        orders = {element: ((2, 1, 1) if element in ("tri3", "quad4") else (3, 2, 2)) for element in ELEMENTS}
+        table = ConvergenceTable(caption, ["displacement", "stress", "contact stress"], orders,
                                  allowance=self.meshes(0.2, ORDER_ALLOWANCE))
         for element in ELEMENTS:
             for cells in self.meshes((4, 8), (4, 8, 16, 32)):
@@ -49,8 +49,8 @@ class SlidingBlock(Benchmark):
                 # The shear is mu times the pressure to rounding, so that its error is the same.
                 shear = [FRICTION*force for force in result["normal_force"]]
                 self.assert_close(result["tangential_force"], shear, 1e-10)
-                table.add(element, HEIGHT/cells, displacement_error(self.directory/"case.vtu", EXACT),
-                          pressure_error(result))
+                errors, effectivity = self.field_errors(result, EXACT, Elastic(YOUNG, POISSON))
+                table.add(element, HEIGHT/cells, *errors, pressure_error(result), effectivity=effectivity)
         table.close()
         self.assert_table(table)
 

@@ -10,7 +10,7 @@ from math import hypot, pi
 
 from benchmark import ELEMENTS, Benchmark, main
 from convergence import ORDER_ALLOWANCE, ConvergenceTable
-from displacement_error import displacement_error
+from field_error import Elastic
 from mapped_mesh import mapped_mesh, sector, wall
 
 YOUNG, POISSON, PRESSURE, INNER, OUTER = 1000.0, 0.3, 30.0, 1.0, 2.0
@@ -32,22 +32,24 @@ class Tube(Benchmark):
     """Orders of convergence of the elements alone."""
 
     def test_plane_strain(self):
-        self.study("Plane strain", "tube_plane", sector(INNER, OUTER, 0.5*pi), 2, plane)
+        self.study("Plane strain", "tube_plane", sector(INNER, OUTER, 0.5*pi), 2, plane, Elastic(YOUNG, POISSON))
 
     def test_revolution(self):
         self.study("Axisymmetric", "tube_axisymmetric", wall(INNER, OUTER), 1, lambda r, z: (radial(r), 0.0),
-                   depth=lambda r: r)
+                   Elastic(YOUNG, POISSON, "axisymmetric"))
 
-    def study(self, caption, name, mapping, ratio, exact, **depth):
+    def study(self, caption, name, mapping, ratio, exact, material):
         """Fills the table of one deck; `ratio` cells around or along for one through the wall."""
-        orders = {element: ((2,) if element in ("tri3", "quad4") else (3,)) for element in ELEMENTS}
-        table = ConvergenceTable(caption, ["displacement"], orders, allowance=self.meshes(0.2, ORDER_ALLOWANCE))
+        orders = {element: ((2, 1) if element in ("tri3", "quad4") else (3, 2)) for element in ELEMENTS}
+        table = ConvergenceTable(caption, ["displacement", "stress"], orders,
+                                 allowance=self.meshes(0.2, ORDER_ALLOWANCE))
         for element in ELEMENTS:
             for cells in self.meshes((4, 8), (4, 8, 16, 32)):
                 mesh = mapped_mesh((cells, ratio*cells), element, mapping)
-                self.assert_sound(self.solve(self.deck(name, mesh=mesh)))
-                error = displacement_error(self.directory/"case.vtu", exact, **depth)
-                table.add(element, (OUTER - INNER)/cells, error)
+                result = self.solve(self.deck(name, mesh=mesh))
+                self.assert_sound(result)
+                errors, effectivity = self.field_errors(result, exact, material)
+                table.add(element, (OUTER - INNER)/cells, *errors, effectivity=effectivity)
         table.close()
         self.assert_table(table)
 

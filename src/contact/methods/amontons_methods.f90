@@ -78,7 +78,7 @@ contains
       case ('lemke')
          allocate (lemke_t :: method)
       case default
-         call new_error(error, input_refused, "no method is called '"//chosen%method//"'")
+         call new_error(error, input_refused, "unknown contact method '"//chosen%method//"'")
          return
       end select
       method%tolerance = chosen%tolerance

@@ -8,6 +8,7 @@ module amontons_body
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t, new_band_problem, new_contact_problem
+   use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_zone, only: contact_t, contact_zone_t, new_contact_zone
    use amontons_distributed, only: add_forces_of_ranks, n_ranks, new_distributed_condenser
    use amontons_dof_map, only: dof_map_t, new_dof_map
@@ -19,6 +20,8 @@ module amontons_body
    use amontons_mesh, only: mesh_t
    use amontons_new_cholesky, only: new_condenser
    use amontons_ordering, only: half_bandwidth
+   use amontons_pair_check, only: recompute_pairs
+   use amontons_rigid_modes, only: check_common_motion
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
@@ -44,6 +47,8 @@ module amontons_body
       type(rigid_motions_t), allocatable :: motions(:) !! the rigid motions of each piece that the supports leave free
       type(contact_zone_t) :: zone !! the contact points
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
+      type(contact_rows_t) :: checked_rows !! the rows of the points, those of pairs integrated on another way
+      real(dp), allocatable :: gap_change(:) !! how much larger the meshes' gaps are on that way (m) [L]
       type(dof_map_t) :: dof_map !! numbers of the unknowns
       type(condensation_t) :: condensation !! the factorized stiffness, after `condense_body`
    contains
@@ -88,6 +93,7 @@ contains
       call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric)
       call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error)
       if (allocated(error)) return
+      call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
       call new_dof_map(body%dof_map, body%constraints, body%zone%node)
       call measure_cells(body, contacts, error)
    end subroutine new_body
@@ -197,8 +203,9 @@ contains
          displacement, thermal_strain)
    end subroutine body_internal_forces
 
-   !> Refuses a body of which a piece is held by neither supports nor contact points.
-   pure subroutine check_held(body, error)
+   !> Refuses a body of which a piece is held by neither supports nor contact points, and pieces that contact holds to
+   !> each other alone.
+   subroutine check_held(body, error)
       type(body_t), intent(in) :: body !! the body
       type(error_t), allocatable, intent(out) :: error !! nothing holds a piece; names a motion
       logical :: may_touch(body%mesh%n_nodes)
@@ -214,6 +221,7 @@ contains
             return
          end associate
       end do
+      if (any(body%zone%pairs%is_set())) call check_common_motion(body%zone, body%motions, body%mesh%coordinates, error)
    end subroutine check_held
 
    !> Says of a stiffness that the factorization refused where it is singular, how ill-conditioned it must be and why.

@@ -4,7 +4,6 @@ module amontons_certificate
    use amontons_assembly, only: spring_forces, strained_share, thermal_work, uncancelled_forces
    use amontons_body, only: body_t
    use amontons_constraints, only: constraints_t
-   use amontons_contact_zone, only: contact_zone_t
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_quantity, only: quantity_t
@@ -29,6 +28,11 @@ module amontons_certificate
       real(dp) :: moment = 0.0_dp !! |moment of these| / (sum of their magnitudes times half the body's size) [-]
       real(dp) :: energy = 0.0_dp
          !! |u . (K u - f_th) - work of all forces| / sum of the magnitudes of the terms, or more [-]
+      logical :: has_pairs = .false. !! whether there are pairs of bodies
+      real(dp) :: pair_force = 0.0_dp
+         !! |sum of the contact forces on both bodies of the pairs| / sum of their magnitudes [-]
+      real(dp) :: pair_moment = 0.0_dp
+         !! |their moment less the couple of the forces across the gaps| / (these magnitudes times half the size) [-]
       logical :: has_duality_gap = .false. !! whether no point rubs by Coulomb's law, so that both energies exist
       real(dp) :: duality_gap = 0.0_dp
          !! |primal energy of u - dual energy of lambda| / the same, of a given slip bound or none [-]
@@ -70,7 +74,8 @@ contains
          if (.not. any(abs(loads) > 0.0_dp)) least_scale = unstrained_scale(body, displacement, force_size, &
             allocated(load_case%thermal_strain))
          certificate%force_scale = max(maxval(abs(loads)), maxval(abs(reaction)), maxval(abs(contact)), least_scale)
-         call check_points(certificate, body%zone, load_case, displacement, force)
+         call check_points(certificate, body, load_case, displacement, force)
+         call check_pairs(certificate, body, contact, force)
          springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
          call check_resultants(certificate, body, max(least_scale, sum(abs(springs))), loads, reaction - springs, &
             contact)
@@ -158,22 +163,23 @@ contains
    end subroutine split_imbalance
 
    !> Checks the contact law at every point.
-   pure subroutine check_points(certificate, zone, load_case, displacement, force)
+   pure subroutine check_points(certificate, body, load_case, displacement, force)
       type(certificate_t), intent(inout) :: certificate !! the certificate, its scale of forces set
-      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! gaps and friction
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
-      real(dp) :: distance(zone%n_points), slip(zone%n_points), largest_displacement
-      real(dp) :: at_points(2*zone%n_points)
+      real(dp) :: distance(body%zone%n_points), slip(body%zone%n_points), largest_displacement
+      real(dp) :: at_points(2*body%zone%n_points)
       integer :: m
 
-      m = zone%n_points
-      at_points = zone%rows%displacement(displacement)
+      m = body%zone%n_points
+      at_points = body%checked_rows%displacement(displacement)
       distance = load_case%gap - at_points(:m)
+      where (load_case%contacts(body%zone%set)%pairing%has_mesh_gap()) distance = distance + body%gap_change
       slip = at_points(m + 1:) - load_case%anchor
       largest_displacement = maxval(abs(displacement))
-      associate (normal => force(:m), tangential => force(m + 1:), &
+      associate (zone => body%zone, normal => force(:m), tangential => force(m + 1:), &
          bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &
          largest_force => certificate%force_scale)
          certificate%penetration = relative(max(0.0_dp, maxval(-distance)), largest_displacement)
@@ -192,6 +198,36 @@ contains
             + sum(bound*abs(slip) - tangential*slip, mask=.not. zone%is_tangent_fixed))
       end associate
    end subroutine check_points
+
+   !> Checks that the forces on both bodies of every pair cancel, and their moments but for the couple that shear
+   !> makes across a gap. In a body of revolution the forces around it have no moment.
+   pure subroutine check_pairs(certificate, body, contact, force)
+      type(certificate_t), intent(inout) :: certificate !! the certificate
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: contact(:, :) !! nodal contact forces (2, n_nodes) [F]
+      real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
+      real(dp), allocatable :: on_nodes(:, :)
+      real(dp) :: of_pairs(size(force)), jump(size(force)), norm, moment
+      logical :: is_paired(body%zone%n_points)
+      integer :: m
+
+      m = body%zone%n_points
+      is_paired = body%zone%pairs(body%zone%set)%is_set()
+      certificate%has_pairs = any(is_paired)
+      if (.not. certificate%has_pairs) return
+      of_pairs = merge(force, 0.0_dp, [is_paired, is_paired])
+      on_nodes = contact
+      if (.not. all(is_paired)) on_nodes = body%zone%rows%forces(of_pairs, body%mesh%n_nodes)
+      norm = sum(abs(on_nodes))
+      certificate%pair_force = relative(norm2(sum(on_nodes, dim=2)), norm)
+      if (body%is_axisymmetric) return
+      associate (x => body%mesh%coordinates)
+         jump = body%checked_rows%displacement(x)
+         moment = sum(x(1, :)*on_nodes(2, :) - x(2, :)*on_nodes(1, :)) &
+            + sum(jump(:m)*of_pairs(m + 1:) - jump(m + 1:)*of_pairs(:m))
+         certificate%pair_moment = relative(abs(moment), norm*0.5_dp*maxval(maxval(x, dim=2) - minval(x, dim=2)))
+      end associate
+   end subroutine check_pairs
 
    !> Checks that all forces on the body balance. In a body of revolution only those along the axis need to.
    pure subroutine check_resultants(certificate, body, least_scale, loads, reaction, contact)
@@ -257,6 +293,8 @@ contains
          quantity_t('resultant', 'Resultant', self%resultant, 1.0_dp), &
          quantity_t('moment', 'Moment', self%moment, 1.0_dp), &
          quantity_t('energy', 'Energy balance', self%energy, 1.0_dp)]
+      if (self%has_pairs) list = [list, quantity_t('pair_force', 'Forces of pairs', self%pair_force, 1.0_dp), &
+         quantity_t('pair_moment', 'Moments of pairs', self%pair_moment, 1.0_dp)]
       if (self%has_duality_gap) list = [list, quantity_t('duality_gap', 'Duality gap', self%duality_gap, 1.0_dp)]
    end function certificate_violations
 
@@ -265,8 +303,9 @@ contains
       class(certificate_t), intent(in) :: self !! the certificate
       type(quantity_t) :: list(2)
 
-      list = [quantity_t('strain_energy', 'Strain energy', self%strain_energy, self%strain_energy), &
-         quantity_t('dissipation', 'Work of friction', self%dissipation, self%strain_energy)]
+      list = [quantity_t('strain_energy', 'Strain energy', self%strain_energy, self%strain_energy, &
+         dimension='F L'), &
+         quantity_t('dissipation', 'Work of friction', self%dissipation, self%strain_energy, dimension='F L')]
    end function certificate_energies
 
    !> The largest of the violations [-].

@@ -137,7 +137,7 @@ contains
       end if
       condensation%is_held = is_held
       condensation%n_unknowns = dof_map%n_trailing
-      if (any(zone%is_cell)) then
+      if (.not. zone%is_nodal) then
          call map_rows(condensation, zone, constraints, dof_map)
       else
          call map_points(condensation, zone, constraints, dof_map)
@@ -186,7 +186,7 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, parameter :: least_points = 501
 
-      may_suit_band = form /= 'dense' .and. .not. any(zone%is_cell)
+      may_suit_band = form /= 'dense' .and. zone%is_nodal
       associate (n => real(n_unknowns, dp), m => real(zone%n_points, dp))
          if (form == 'auto') may_suit_band = may_suit_band .and. zone%n_points >= least_points &
             .and. .not. slowness*n*(n/m)**2 > m**3

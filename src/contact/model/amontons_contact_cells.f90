@@ -13,14 +13,23 @@ module amontons_contact_cells
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_side, only: new_side_geometry, side_geometry_t
+   use amontons_surface, only: side_order
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: contact_cells_t, new_contact_cells
+   public :: contact_cells_t, new_contact_cells, segment_t
 
    !> Nodes and quadrature points of a part of a side.
    integer, parameter :: n_segment_nodes = 3, n_segment_points = 3
+
+   !> A part of a side that belongs to one cell.
+   type :: segment_t
+      integer :: side = 0 !! the side
+      integer :: cell = 0 !! the cell
+      real(dp) :: range(2) = [-1.0_dp, 1.0_dp] !! where it begins and ends on the side, which goes from -1 to 1 [-]
+      real(dp) :: arc_length = 0.0_dp !! length along the line where the side begins [L]
+   end type segment_t
 
    !> The cells in the order of the line.
    type :: contact_cells_t
@@ -32,15 +41,8 @@ module amontons_contact_cells
       real(dp), allocatable :: normal(:, :) !! mean unit normal (2, n_cells) [-]
       type(contact_rows_t) :: rows !! the nodes' shares in the mean displacements
       type(contact_quadrature_t) :: quadrature !! the quadrature points
+      type(segment_t), allocatable :: segments(:) !! the parts of the sides, cell by cell
    end type contact_cells_t
-
-   !> A part of a side that belongs to one cell.
-   type :: segment_t
-      integer :: side = 0 !! the side
-      integer :: cell = 0 !! the cell
-      real(dp) :: range(2) = [-1.0_dp, 1.0_dp] !! where it begins and ends on the side, which goes from -1 to 1 [-]
-      real(dp) :: arc_length = 0.0_dp !! length along the line where the side begins [L]
-   end type segment_t
 
 contains
 
@@ -55,34 +57,20 @@ contains
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
       type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
       integer, allocatable :: sides(:, :)
-      type(segment_t), allocatable :: segments(:)
 
       call mesh%set_sides(set, sides, error)
       if (allocated(error)) return
       sides = sides(:, side_order(sides, line, mesh%n_nodes))
-      call cut_line(cells, segments, sides, mesh%coordinates, partition, error)
+      call cut_line(cells, sides, mesh%coordinates, partition, error)
       if (allocated(error)) return
-      call integrate(cells, segments, sides, mesh, materials, direction)
+      call integrate(cells, sides, mesh, materials, direction)
       call check_normals(cells, error)
    end subroutine new_contact_cells
 
-   !> The sides in the order of the line.
-   pure function side_order(sides, line, n_nodes) result(order)
-      integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)
-      type(boundary_line_t), intent(in) :: line !! the line
-      integer, intent(in) :: n_nodes !! number of nodes of the mesh
-      integer, allocatable :: order(:)
-      integer :: side_from(n_nodes), i
-
-      side_from = 0
-      side_from(sides(1, :)) = [(i, i=1, size(sides, 2))]
-      order = pack(side_from(line%node), side_from(line%node) > 0)
-   end function side_order
-
    !> Cuts each piece of the line into cells.
-   pure subroutine cut_line(cells, segments, sides, coordinates, partition, error)
-      type(contact_cells_t), intent(inout) :: cells !! gains the number of cells and how they follow each other
-      type(segment_t), allocatable, intent(out) :: segments(:) !! the parts of the sides, cell by cell
+   pure subroutine cut_line(cells, sides, coordinates, partition, error)
+      type(contact_cells_t), intent(inout) :: cells
+         !! gains the number of cells, how they follow each other and their parts of the sides
       integer, intent(in) :: sides(:, :) !! the sides in order (4, sides)
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
       type(cell_partition_t), intent(in) :: partition !! how to cut
@@ -92,7 +80,7 @@ contains
       integer :: first, last, i, n
 
       lengths = [(length_up_to(sides(:3, i), coordinates, 1.0_dp), i=1, size(sides, 2))]
-      allocate (segments(0), cells%next(0))
+      allocate (cells%segments(0), cells%next(0))
       arc_length = 0.0_dp
       first = 1
       do while (first <= size(sides, 2))
@@ -109,7 +97,7 @@ contains
             + norm2(coordinates(:, sides(1, first)) - coordinates(:, sides(2, first - 1)))
          call partition%cell_ends(lengths(first:last), ends, error)
          if (allocated(error)) return
-         call cut_piece(segments, sides, coordinates, first, lengths(first:last), ends, cells%n_cells, arc_length)
+         call cut_piece(cells%segments, sides, coordinates, first, lengths(first:last), ends, cells%n_cells, arc_length)
          n = size(ends) - 1
          cells%next = [cells%next, [(cells%n_cells + i, i=2, n)], 0]
          if (sides(2, last) == sides(1, first) .and. n > 1) cells%next(cells%n_cells + n) = cells%n_cells + 1
@@ -184,26 +172,28 @@ contains
    end function place_at
 
    !> Areas, centers, normals, rows and quadrature points of the cells.
-   pure subroutine integrate(cells, segments, sides, mesh, materials, direction)
+   pure subroutine integrate(cells, sides, mesh, materials, direction)
       type(contact_cells_t), intent(inout) :: cells !! the cells
-      type(segment_t), intent(in) :: segments(:) !! the parts of the sides, cell by cell
       integer, intent(in) :: sides(:, :) !! the sides in order (4, sides)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
+      type(segment_t) :: segment
       integer :: i, n, cell
 
-      n = n_segment_points*size(segments)
+      n = n_segment_points*size(cells%segments)
       allocate (cells%length(cells%n_cells), cells%area(cells%n_cells), cells%center(2, cells%n_cells), &
          cells%normal(2, cells%n_cells), source=0.0_dp)
-      allocate (cells%rows%node(n_segment_nodes*size(segments)))
+      allocate (cells%rows%node(n_segment_nodes*size(cells%segments)))
       allocate (cells%rows%part(2, size(cells%rows%node)), source=0.0_dp)
       allocate (cells%quadrature%position(2, n), cells%quadrature%normal(2, n), cells%quadrature%outward(n), &
-         cells%quadrature%arc_length(n), cells%quadrature%share(n))
-      cells%rows%start = [1, (1 + n_segment_nodes*count(segments%cell <= cell), cell=1, cells%n_cells)]
-      cells%quadrature%start = [1, (1 + n_segment_points*count(segments%cell <= cell), cell=1, cells%n_cells)]
-      do i = 1, size(segments)
-         call add_segment(cells, i, segments(i), sides(:, segments(i)%side), mesh, materials, direction)
+         cells%quadrature%arc_length(n), cells%quadrature%gap(n), cells%quadrature%share(n))
+      cells%quadrature%gap = 0.0_dp
+      cells%rows%start = [1, (1 + n_segment_nodes*count(cells%segments%cell <= cell), cell=1, cells%n_cells)]
+      cells%quadrature%start = [1, (1 + n_segment_points*count(cells%segments%cell <= cell), cell=1, cells%n_cells)]
+      do i = 1, size(cells%segments)
+         segment = cells%segments(i)
+         call add_segment(cells, i, segment, sides(:, segment%side), mesh, materials, direction)
       end do
       do cell = 1, cells%n_cells
          cells%center(:, cell) = cells%center(:, cell)/cells%area(cell)

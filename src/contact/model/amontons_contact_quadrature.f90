@@ -16,6 +16,8 @@ module amontons_contact_quadrature
       real(dp), allocatable :: outward(:)
          !! cosine of the angle between n and the body's outward normal: 1 unless n is given (quadrature points) [-]
       real(dp), allocatable :: arc_length(:) !! length along the line from its first node (quadrature points) [L]
+      real(dp), allocatable :: gap(:)
+         !! distance to the other body of a pair, along n; of no meaning with a rigid obstacle (quadrature points) [L]
       real(dp), allocatable :: share(:) !! share of the point's area; they sum to 1 over a point (quadrature points) [-]
    contains
       procedure :: add => contact_quadrature_add
@@ -36,6 +38,7 @@ contains
       self%normal = reshape([self%normal, others%normal], [2, n])
       self%outward = [self%outward, others%outward]
       self%arc_length = [self%arc_length, others%arc_length]
+      self%gap = [self%gap, others%gap]
       self%share = [self%share, others%share]
    end subroutine contact_quadrature_add
 
@@ -52,6 +55,7 @@ contains
       picked%normal = self%normal(:, places)
       picked%outward = self%outward(places)
       picked%arc_length = self%arc_length(places)
+      picked%gap = self%gap(places)
       picked%share = self%share(places)
    end function contact_quadrature_picked
 

@@ -20,6 +20,7 @@ module amontons_contact_rows
    contains
       procedure :: add => contact_rows_add
       procedure :: picked => contact_rows_picked
+      procedure :: merge_nodes => contact_rows_merge_nodes
       procedure :: displacement => contact_rows_displacement
       procedure :: forces => contact_rows_forces
    end type contact_rows_t
@@ -56,6 +57,32 @@ contains
       picked%node = self%node(places)
       picked%part = self%part(:, places)
    end function contact_rows_picked
+
+   !> Makes one part of all parts that a node has in the displacement of a point, and leaves out those of 0.
+   pure subroutine contact_rows_merge_nodes(self)
+      class(contact_rows_t), intent(inout) :: self !! the rows
+      integer :: p, i, k, n, first
+
+      n = 0
+      do p = 1, size(self%start) - 1
+         first = n + 1
+         do i = self%start(p), self%start(p + 1) - 1
+            if (.not. any(abs(self%part(:, i)) > 0.0_dp)) cycle
+            k = findloc(self%node(first:n), self%node(i), dim=1)
+            if (k > 0) then
+               self%part(:, first + k - 1) = self%part(:, first + k - 1) + self%part(:, i)
+            else
+               n = n + 1
+               self%node(n) = self%node(i)
+               self%part(:, n) = self%part(:, i)
+            end if
+         end do
+         self%start(p) = first
+      end do
+      self%start(size(self%start)) = n + 1
+      self%node = self%node(:n)
+      self%part = self%part(:, :n)
+   end subroutine contact_rows_merge_nodes
 
    !> C u: normal displacements of all points, then the tangential ones (2m).
    pure function contact_rows_displacement(self, field) result(displacement)

@@ -12,18 +12,24 @@ module amontons_contact_zone
    use amontons_line_field, only: line_field_t
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
+   use amontons_mortar_cells, only: choose_cells
+   use amontons_mortar_pair, only: check_overlap, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
+   use amontons_mortar_points, only: mortar_points_t
    use amontons_obstacle, only: obstacle_names, obstacle_t
+   use amontons_pairing, only: pairing_t
    implicit none (type, external)
    private
 
    public :: contact_t, contact_zone_t, new_contact, new_contact_zone
 
-   !> A boundary set that may touch a rigid obstacle, and the friction there: |lambda_T| <= g + phi lambda_N.
+   !> A boundary set that may touch a rigid obstacle or another body, and the friction there: |lambda_T| <= g + phi
+   !> lambda_N.
    type :: contact_t
       character(:), allocatable :: name
          !! its name, by which a load history knows it besides its set; empty or not allocated without one
       character(:), allocatable :: set !! name of the boundary set
-      type(obstacle_t) :: obstacle !! the obstacle
+      type(obstacle_t) :: obstacle !! the rigid obstacle, if the set is not paired
+      type(pairing_t) :: pairing !! the other body, if the set is paired
       real(dp) :: direction(2) = 0.0_dp !! along which gaps count, towards the obstacle; 0, 0 for the body's normal [-]
       real(dp) :: extra_gap = 0.0_dp !! added to every gap; negative for an interference [L]
       type(line_field_t) :: friction !! Coulomb's coefficient phi, at least 0 [-]
@@ -35,12 +41,16 @@ module amontons_contact_zone
    !> The contact points of all contact sets, each set in the order of its line, body on the left.
    type :: contact_zone_t
       integer :: n_points = 0 !! number m of contact points
+      logical :: is_nodal = .true. !! whether each point's displacement is that of one node
       integer, allocatable :: node(:)
-         !! the nodes whose displacements the points are made of; node by node those of the points if none is a cell
+         !! the nodes whose displacements the points are made of; node by node those of the points if these are nodal
       logical, allocatable :: is_cell(:) !! whether the point is a cell of constant multipliers; a node otherwise (m)
       type(contact_rows_t) :: rows !! the nodes' shares in the displacements of the points
       type(contact_quadrature_t) :: quadrature !! where gaps and friction are measured
       real(dp), allocatable :: position(:, :) !! coordinates of the node or of the center of the cell (2, m) [L]
+      real(dp), allocatable :: foot(:, :)
+         !! mean position on the other body of a pair; the point's own with a rigid obstacle (2, m) [L]
+      type(mortar_pair_t), allocatable :: pairs(:) !! the surfaces of each contact set that is paired (contact sets)
       integer, allocatable :: set(:) !! which contact set the point belongs to (m)
       integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (m)
       real(dp), allocatable :: normal(:, :) !! unit normal n towards the obstacle; the tangent is t = (-n_y, n_x) (2, m)
@@ -77,33 +87,21 @@ contains
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(constraints_t), intent(in) :: constraints !! the supports
       type(error_t), allocatable, intent(out) :: error !! a missing set, or no point at all
-      type(boundary_line_t), allocatable :: lines(:)
       logical :: is_taken(mesh%n_nodes)
       integer :: i
 
-      allocate (lines(size(contacts)))
+      call empty_zone(zone)
+      allocate (zone%pairs(size(contacts)))
+      is_taken = .false.
       do i = 1, size(contacts)
-         call new_boundary_line(lines(i), mesh, contacts(i)%set, error, materials)
+         if (contacts(i)%pairing%is_pair()) then
+            call add_pair(zone, i, contacts(i), mesh, materials, constraints, is_taken, error)
+         else
+            call add_set(zone, i, contacts(i), mesh, materials, constraints, is_taken, error)
+         end if
          if (.not. allocated(error)) cycle
          error%message = contacts(i)%origin//error%message
          return
-      end do
-      call empty_zone(zone)
-      is_taken = .false.
-      do i = 1, size(contacts)
-         if (all(is_taken(lines(i)%node))) then
-            call new_error(error, input_refused, contacts(i)%origin// &
-               'every node of this contact set belongs to an earlier one')
-            return
-         end if
-         if (contacts(i)%partition%is_constant) then
-            call add_cells(zone, i, contacts(i), lines(i), mesh, materials, constraints, error)
-            if (allocated(error)) error%message = contacts(i)%origin//error%message
-            if (allocated(error)) return
-         else
-            call add_line(zone, i, contacts(i)%direction, lines(i), mesh, constraints, is_taken)
-         end if
-         is_taken(lines(i)%node) = .true.
       end do
       if (size(contacts) == 0 .or. zone%n_points > 0) return
       if (size(zone%zero_area_node) > 0) then
@@ -115,6 +113,32 @@ contains
       end if
    end subroutine new_contact_zone
 
+   !> Adds the points of a set that faces a rigid obstacle.
+   subroutine add_set(zone, set, contact, mesh, materials, constraints, is_taken, error)
+      type(contact_zone_t), intent(inout) :: zone !! the zone
+      integer, intent(in) :: set !! number of the contact set
+      type(contact_t), intent(in) :: contact !! the contact set
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(constraints_t), intent(in) :: constraints !! the supports
+      logical, intent(inout) :: is_taken(:) !! whether a node belongs to an earlier contact set; gains those of this one
+      type(error_t), allocatable, intent(out) :: error !! a missing set, or nothing is left of it
+      type(boundary_line_t) :: line
+
+      call new_boundary_line(line, mesh, contact%set, error, materials)
+      if (allocated(error)) return
+      if (all(is_taken(line%node))) then
+         call new_error(error, input_refused, 'every node of this contact set belongs to an earlier one')
+         return
+      end if
+      if (contact%partition%is_constant) then
+         call add_cells(zone, set, contact, line, mesh, materials, constraints, error)
+      else
+         call add_line(zone, set, contact%direction, line, mesh, constraints, is_taken)
+      end if
+      is_taken(line%node) = .true.
+   end subroutine add_set
+
    !> A zone without points.
    pure subroutine empty_zone(zone)
       type(contact_zone_t), intent(inout) :: zone !! the zone
@@ -122,11 +146,12 @@ contains
       type(contact_quadrature_t) :: no_quadrature
 
       allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), &
-         zone%zero_area_node(0), zone%is_cell(0), zone%is_tangent_fixed(0), zone%position(2, 0), zone%normal(2, 0), &
+         zone%zero_area_node(0), zone%is_cell(0), zone%is_tangent_fixed(0), zone%position(2, 0), zone%foot(2, 0), &
+         zone%normal(2, 0), &
          zone%weight(0), zone%area(0))
       allocate (no_rows%start(1), no_quadrature%start(1), source=1)
       allocate (no_rows%node(0), no_rows%part(2, 0), no_quadrature%position(2, 0), no_quadrature%normal(2, 0), &
-         no_quadrature%outward(0), no_quadrature%arc_length(0), no_quadrature%share(0))
+         no_quadrature%outward(0), no_quadrature%arc_length(0), no_quadrature%gap(0), no_quadrature%share(0))
       zone%rows = no_rows
       zone%quadrature = no_quadrature
    end subroutine empty_zone
@@ -145,6 +170,11 @@ contains
       zone%is_cell = [zone%is_cell, points%is_cell]
       zone%is_tangent_fixed = [zone%is_tangent_fixed, points%is_tangent_fixed]
       zone%position = reshape([zone%position, points%position], [2, zone%n_points])
+      if (allocated(points%foot)) then
+         zone%foot = reshape([zone%foot, points%foot], [2, zone%n_points])
+      else
+         zone%foot = reshape([zone%foot, points%position], [2, zone%n_points])
+      end if
       zone%normal = reshape([zone%normal, points%normal], [2, zone%n_points])
       zone%weight = [zone%weight, points%weight]
       zone%area = [zone%area, points%area]
@@ -204,7 +234,7 @@ contains
          points%rows = contact_rows_t(start=[(k, k=1, n + 1)], node=node, part=points%normal)
          points%quadrature = contact_quadrature_t(start=points%rows%start, position=points%position, &
             normal=points%normal, outward=sum(points%normal*line%normal(:, place), dim=1), &
-            arc_length=arc_length(place), share=spread(1.0_dp, 1, n))
+            arc_length=arc_length(place), gap=spread(0.0_dp, 1, n), share=spread(1.0_dp, 1, n))
          zone%node = [zone%node, node]
       end associate
       call add_points(zone, points)
@@ -228,6 +258,7 @@ contains
 
       call new_contact_cells(cells, mesh, materials, contact%set, line, contact%partition, contact%direction, error)
       if (allocated(error)) return
+      zone%is_nodal = .false.
       do k = 1, line%n_nodes
          if (all(zone%node /= line%node(k))) zone%node = [zone%node, line%node(k)]
       end do
@@ -258,5 +289,57 @@ contains
       end do
       call add_points(zone, points)
    end subroutine add_cells
+
+   !> Adds the points of a pair of surfaces: corners of the slave, or cells.
+   subroutine add_pair(zone, set, contact, mesh, materials, constraints, is_taken, error)
+      type(contact_zone_t), intent(inout) :: zone !! the zone
+      integer, intent(in) :: set !! number of the contact set
+      type(contact_t), intent(in) :: contact !! the contact set
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(constraints_t), intent(in) :: constraints !! the supports
+      logical, intent(inout) :: is_taken(:) !! whether a node belongs to an earlier contact set; gains those of this one
+      type(error_t), allocatable, intent(out) :: error !! the sets do not face each other, or overlap by far
+      type(mortar_points_t) :: integrals
+      type(contact_zone_t) :: points
+      integer :: k, n
+
+      associate (pair => zone%pairs(set))
+         call new_mortar_pair(pair, contact%set, contact%pairing, mesh, materials, constraints, is_taken, error)
+         if (allocated(error)) return
+         if (contact%partition%is_constant) call choose_cells(pair, contact%set, contact%partition, mesh, materials, &
+            constraints, error)
+         if (allocated(error)) return
+         call integrate_pair(integrals, pair, pair%segments, n_quadrature_points)
+         if (contact%pairing%has_mesh_gap()) call check_overlap(pair, integrals, contact%set, contact%pairing, error)
+         if (allocated(error)) return
+         n = size(integrals%area)
+         points%next = pair%next
+         points%is_tangent_fixed = pair%is_tangent_fixed
+         points%normal = pair%normal
+         if (contact%partition%is_constant) then
+            points%position = integrals%center
+         else
+            points%position = mesh%coordinates(:, pair%node)
+         end if
+         zone%held_node = [zone%held_node, pair%held_node]
+         zone%shared_node = [zone%shared_node, pair%shared_node]
+         zone%n_held_cells = zone%n_held_cells + pair%n_held_cells
+         is_taken(pair%line%node) = .true.
+      end associate
+      points%n_points = n
+      points%set = spread(set, 1, n)
+      points%is_cell = spread(contact%partition%is_constant, 1, n)
+      points%foot = integrals%foot
+      points%weight = integrals%length
+      points%area = integrals%area
+      points%rows = integrals%rows
+      points%quadrature = integrals%quadrature
+      zone%is_nodal = .false.
+      do k = 1, size(integrals%rows%node)
+         if (all(zone%node /= integrals%rows%node(k))) zone%node = [zone%node, integrals%rows%node(k)]
+      end do
+      call add_points(zone, points)
+   end subroutine add_pair
 
 end module amontons_contact_zone

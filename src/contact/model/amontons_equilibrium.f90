@@ -21,35 +21,94 @@ module amontons_equilibrium
 
 contains
 
-   !> Refuses loads that drive a piece of the body away.
+   !> Refuses loads that drive a piece of the body away. Pieces that share points of contact are looked at together.
    pure subroutine check_balance(body, load_case, error)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
       type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
-      integer :: i
+      integer :: leader(size(body%motions)), i
 
       ! A given slip bound can bear any small shear of any sign: what it holds is left to the method to find.
       if (any(load_case%slip_bound > 0.0_dp)) return
-      do i = 1, size(body%motions)
-         if (body%motions(i)%n_free > 0) call check_piece(body%motions(i), body, load_case, error)
+      leader = leading_pieces(body)
+      do i = 1, size(leader)
+         if (leader(i) == i .and. body%motions(i)%n_free > 0) call check_pieces(pack([(i, i=1, size(leader))], &
+            leader == i), body, load_case, error)
          if (allocated(error)) return
       end do
    end subroutine check_balance
 
-   !> Refuses loads that drive a piece away. Of a cell that other pieces touch, too, its own part counts.
-   pure subroutine check_piece(motions, body, load_case, error)
-      type(rigid_motions_t), intent(in) :: motions !! the motions of the piece that the supports leave free
+   !> The first of the pieces that supports do not hold and that share points of contact with each piece.
+   pure function leading_pieces(body) result(leader)
+      type(body_t), intent(in) :: body !! the body
+      integer :: leader(size(body%motions))
+      integer :: piece(body%mesh%n_nodes), p, i, first, second
+
+      do i = 1, size(leader)
+         piece(body%motions(i)%node) = i
+         leader(i) = i
+      end do
+      associate (rows => body%zone%rows)
+         do p = 1, body%zone%n_points
+            first = 0
+            do i = rows%start(p), rows%start(p + 1) - 1
+               second = leader(piece(rows%node(i)))
+               if (body%motions(piece(rows%node(i)))%n_free == 0 .or. second == first) cycle
+               if (first > 0) where (leader == max(first, second)) leader = min(first, second)
+               first = merge(second, min(first, second), first == 0)
+            end do
+         end do
+      end associate
+   end function leading_pieces
+
+   !> Refuses loads that drive some of the pieces away.
+   pure subroutine check_pieces(pieces, body, load_case, error)
+      integer, intent(in) :: pieces(:) !! the pieces
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
       type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
       real(dp), parameter :: unbalanced = 1.0e-9_dp
-      real(dp) :: cone(motions%n_free, 3*body%zone%n_points), work(motions%n_free), remainder(motions%n_free)
-      real(dp) :: motion(2, motions%n_free), shear(2), scale
+      real(dp), allocatable :: cone(:, :), work(:), remainder(:)
+      character(:), allocatable :: motion
+      integer :: first(size(pieces) + 1), i, k
+      real(dp) :: scale
+
+      first(1) = 1
+      do k = 1, size(pieces)
+         first(k + 1) = first(k) + body%motions(pieces(k))%n_free
+      end do
+      allocate (cone(first(size(first)) - 1, 3*body%zone%n_points), work(first(size(first)) - 1), source=0.0_dp)
+      scale = 0.0_dp
+      do k = 1, size(pieces)
+         call add_works(cone(first(k):first(k + 1) - 1, :), work(first(k):first(k + 1) - 1), scale, &
+            body%motions(pieces(k)), body, load_case)
+      end do
+      allocate (remainder, source=nonnegative_remainder(cone, work))
+      if (norm2(remainder) <= unbalanced*scale) return
+      i = maxloc([(norm2(remainder(first(k):first(k + 1) - 1)), k=1, size(pieces))], dim=1)
+      motion = body%motions(pieces(i))%describe(remainder(first(i):first(i + 1) - 1))
+      if (body%zone%n_points == 0) then
+         call new_error(error, numerical_failure, 'no equilibrium: nothing balances the loads; '//motion// &
+            '; add a support or a contact set')
+      else
+         call new_error(error, numerical_failure, &
+            'no equilibrium: contact and friction cannot balance the loads; '//motion// &
+            '; add a support, or a load that presses the body on its obstacle')
+      end if
+   end subroutine check_pieces
+
+   !> Adds the works on the free motions of a piece: those of the loads, and those of the extreme forces of the points.
+   pure subroutine add_works(cone, work, scale, motions, body, load_case)
+      real(dp), intent(inout) :: cone(:, :) !! works of the extreme forces (n_free, 3m)
+      real(dp), intent(inout) :: work(:) !! works of the loads (n_free)
+      real(dp), intent(inout) :: scale !! sum of the magnitudes of what makes up these works
+      type(rigid_motions_t), intent(in) :: motions !! the motions of the piece that the supports leave free
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
+      real(dp) :: motion(2, motions%n_free), shear(2)
       logical :: is_inside(body%mesh%n_nodes)
       integer :: i, p
 
-      work = 0.0_dp
-      scale = 0.0_dp
       do i = 1, size(motions%node)
          associate (force => load_case%force(:, motions%node(i)))
             if (.not. any(abs(force) > 0.0_dp)) cycle
@@ -60,7 +119,6 @@ contains
       end do
       is_inside = .false.
       is_inside(motions%node) = .true.
-      cone = 0.0_dp
       associate (zone => body%zone)
          do p = 1, zone%n_points
             if (.not. load_case%is_in_reach(p)) cycle
@@ -76,17 +134,7 @@ contains
             end do
          end do
       end associate
-      remainder = nonnegative_remainder(cone, work)
-      if (norm2(remainder) <= unbalanced*scale) return
-      if (body%zone%n_points == 0) then
-         call new_error(error, numerical_failure, 'no equilibrium: nothing balances the loads; '// &
-            motions%describe(remainder)//'; add a support or a contact set')
-      else
-         call new_error(error, numerical_failure, &
-            'no equilibrium: contact and friction cannot balance the loads; '//motions%describe(remainder)// &
-            '; add a support, or a load that presses the body on its obstacle')
-      end if
-   end subroutine check_piece
+   end subroutine add_works
 
    !> What is left of a vector after its best approximation by columns with factors at least 0: Lawson and Hanson's
    !> algorithm (Solving Least Squares Problems, 1974, chapter 23).

@@ -138,9 +138,15 @@ contains
       associate (quadrature => zone%quadrature)
          do i = quadrature%start(p), quadrature%start(p + 1) - 1
             associate (position => quadrature%position(:, i), share => quadrature%share(i))
-               call contact%obstacle%measure(position, quadrature%normal(:, i), gap, is_met, cosine)
-               ! A given direction must lead out of the body.
-               is_met = is_met .and. quadrature%outward(i) >= steepest_cosine
+               if (contact%pairing%is_pair()) then
+                  gap = merge(quadrature%gap(i), 0.0_dp, contact%pairing%has_mesh_gap())
+                  is_met = .true.
+                  cosine = 1.0_dp
+               else
+                  call contact%obstacle%measure(position, quadrature%normal(:, i), gap, is_met, cosine)
+                  ! A given direction must lead out of the body.
+                  is_met = is_met .and. quadrature%outward(i) >= steepest_cosine
+               end if
                if (.not. is_met) load_case%depth(p) = max(load_case%depth(p), contact%obstacle%depth(position))
                load_case%is_in_reach(p) = load_case%is_in_reach(p) .and. is_met
                load_case%cosine(p) = min(load_case%cosine(p), cosine)

@@ -8,6 +8,7 @@ module amontons_rigid_fit
    use amontons_dense, only: symmetric_eigenvectors
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
+   use amontons_rigid_modes, only: find_rigid_modes
    implicit none (type, external)
    private
 
@@ -30,37 +31,10 @@ contains
       if (all(body%motions%n_free == 0)) return
       counts = [load_case%is_in_reach, load_case%is_in_reach .and. .not. body%zone%is_tangent_fixed]
       aim = merge([load_case%free_gap, load_case%anchor], 0.0_dp, counts)
-      call find_modes(modes, body)
+      call find_rigid_modes(modes, body%zone, body%motions, body%mesh%coordinates)
       motion = matmul(modes, amounts_of(merge(modes, 0.0_dp, spread(counts, 2, size(modes, 2))), aim))
       if (maxval(abs(aim - motion), mask=counts) > much*maxval(abs(aim))) motion = 0.0_dp
    end subroutine fit_rigid_motion
-
-   !> The displacements of the points under each free rigid motion of each piece.
-   subroutine find_modes(modes, body)
-      real(dp), allocatable, intent(out) :: modes(:, :) !! (u_N; u_T) of the points under each motion (2m, motions) [-]
-      type(body_t), intent(in) :: body !! the body
-      real(dp) :: field(2, body%mesh%n_nodes, 3), at_node(2, 3)
-      integer :: i, j, k, m
-
-      m = body%zone%n_points
-      allocate (modes(2*m, sum(body%motions%n_free)))
-      k = 0
-      do i = 1, size(body%motions)
-         associate (motions => body%motions(i))
-            field = 0.0_dp
-            do j = 1, size(motions%node)
-               at_node(:, :motions%n_free) = motions%displacement(body%mesh%coordinates(:, motions%node(j)))
-               field(:, motions%node(j), :motions%n_free) = at_node(:, :motions%n_free)
-            end do
-            do j = 1, motions%n_free
-               k = k + 1
-               modes(:, k) = body%zone%rows%displacement(field(:, :, j))
-               ! The contact problem does not know the slip that a support prevents.
-               modes(m + 1:, k) = merge(0.0_dp, modes(m + 1:, k), body%zone%is_tangent_fixed)
-            end do
-         end associate
-      end do
-   end subroutine find_modes
 
    !> The least amounts of some modes whose sum comes closest to an aim.
    function amounts_of(modes, aim) result(amounts)

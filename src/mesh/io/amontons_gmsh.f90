@@ -46,7 +46,7 @@ contains
       if (draft%node_tag%n == 0) call input%refuse('the file has no section $Nodes with nodes in it')
       if (draft%cell_tag%n == 0) call input%refuse('the file has no section $Elements with elements in it')
       if (all(draft%cell_kind%items() < 0)) call input%refuse( &
-         'no triangles and no quadrilaterals: where there are physical groups, only surfaces in one are saved')
+         'no triangles or quadrilaterals: once there are physical groups, Gmsh saves only the surfaces in them')
       if (.not. allocated(input%error)) call groups%put(draft, input)
    end subroutine read_gmsh
 

@@ -121,7 +121,7 @@ contains
       end if
       mesh%n_elements = size(cell_of)
       if (mesh%n_elements == 0) then
-         call input%refuse('the file holds no triangles and no quadrilaterals', len(input%text))
+         call input%refuse('the file holds no triangles or quadrilaterals', len(input%text))
          return
       end if
       allocate (mesh%node_start(mesh%n_elements + 1))
@@ -310,7 +310,8 @@ contains
       integer :: n_pieces
 
       call number_pieces(mesh, piece, n_pieces)
-      if (n_pieces > 1) call mesh%warnings%add('the body falls into '//to_text(n_pieces)//' pieces that share no node')
+      if (n_pieces > 1) call mesh%warnings%add( &
+         'the body consists of '//to_text(n_pieces)//' pieces that share no nodes')
    end subroutine warn_of_pieces
 
    !> Warns where elements touch without sharing nodes.

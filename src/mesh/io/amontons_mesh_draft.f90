@@ -254,7 +254,7 @@ contains
       integer, intent(in) :: n_more !! number of things to come
 
       if (n_more > free_members + len(input%text) - self%n_members) then
-         call input%refuse('the sets name more things than a file of this size can mean')
+         call input%refuse('the sets have more members than a file of this size can define')
       else
          self%n_members = self%n_members + n_more
       end if

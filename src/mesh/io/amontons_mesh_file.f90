@@ -44,7 +44,7 @@ contains
       if (.not. allocated(input%error)) call new_clean_mesh(mesh, draft, input)
       call move_alloc(input%error, error)
       mesh%source = file
-      mesh%is_file = .true.
+      call mesh%files%add(file)
       notes = ''
       if (allocated(draft%notes)) notes = draft%notes
    end subroutine read_used_mesh

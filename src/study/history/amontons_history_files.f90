@@ -1,6 +1,7 @@
 !> The files that grow with the steps of a history: its table, the table of the contact points, the grids of some steps.
 module amontons_history_files
    use amontons_body, only: body_t
+   use amontons_case_label, only: case_label_t
    use amontons_collection, only: collection_t, new_collection
    use amontons_error, only: error_t
    use amontons_grids, only: write_grids
@@ -38,24 +39,24 @@ module amontons_history_files
 contains
 
    !> Opens the files that the deck asks for.
-   subroutine new_history_files(files, model, directory, name, error)
+   subroutine new_history_files(files, model, directory, label, error)
       type(history_files_t), intent(out) :: files !! the files
       type(history_model_t), intent(in) :: model !! the history
       character(*), intent(in) :: directory !! output directory, made if it is not there
-      character(*), intent(in) :: name !! name of the case
+      class(case_label_t), intent(in) :: label !! what the case is called
       type(error_t), allocatable, intent(out) :: error !! a file cannot be opened
       integer :: state
 
       files%directory = directory//'/'
-      files%folder = name//'.history/'
+      files%folder = label%name//'.history/'
       call make_directory(directory, error)
-      if (.not. allocated(error)) call new_output_file(files%table, files%directory//name//'.history.csv', .true., &
-         error)
+      if (.not. allocated(error)) call new_output_file(files%table, &
+         files%directory//label%name//'.history.csv', .true., error)
       if (allocated(error)) return
       write (files%table%unit, iostat=state) history_header(model%history)
       files%state = state
       if (model%history%points_every > 0) then
-         call new_output_file(files%points, files%directory//name//'.points.csv', .true., error)
+         call new_output_file(files%points, files%directory//label%name//'.points.csv', .true., error)
          if (allocated(error)) return
          files%has_points = .true.
          if (state == 0) write (files%points%unit, iostat=state) points_header(model%history)
@@ -63,7 +64,8 @@ contains
       end if
       if (model%history%fields_every == 0) return
       call make_directory(files%directory//files%folder, error)
-      if (.not. allocated(error)) call new_collection(files%collection, files%directory//name//'.history.pvd', error)
+      if (.not. allocated(error)) call new_collection(files%collection, &
+         files%directory//label%name//'.history.pvd', label%units, error)
       files%has_fields = .not. allocated(error)
    end subroutine new_history_files
 
@@ -92,7 +94,7 @@ contains
       type(result_t), intent(in) :: result !! its result
       type(error_t), allocatable, intent(out) :: error !! a grid cannot be written
 
-      call write_grids(self%collection%grids, self%directory, self%folder, to_text(number), body, result, error)
+      call write_grids(self%collection, self%directory, self%folder, to_text(number), body, result, error)
       if (.not. allocated(error)) call self%collection%add(time, self%folder//to_text(number))
    end subroutine history_files_add_fields
 

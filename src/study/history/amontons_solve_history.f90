@@ -64,7 +64,7 @@ contains
       call prepare_history(cache, config, method, model, result%last, error)
       if (allocated(error)) return
       call result%last%timings%begin(phase_solve)
-      call new_history_files(files, model, directory, config%name, error)
+      call new_history_files(files, model, directory, config, error)
       if (.not. allocated(error)) call take_steps(cache, model, method, files, monitor, result, error)
       if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, result, error)
       if (.not. (allocated(error) .or. result%is_interrupted)) call finish_files(files, config, result%files, error)

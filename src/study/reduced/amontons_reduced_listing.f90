@@ -33,10 +33,10 @@ contains
       call listing%add(warnings_text(result%warnings))
       call listing%add(problem_text(config, result%system))
       call listing%record(solution_text(config, result))
-      call listing%add(heading('Check on the problem as read (violations, each over its natural scale)')// &
+      call listing%add(heading('Checks on the problem as read (relative errors)')// &
          violations_text(result%check%violations(), certificate_limit(config%method%tolerance)), [1.0_dp])
       call listing%add(points_text('Contacts (u and r as in the file: a tangential force opposes its slip)', columns, &
-         result%solution%status), [0.0_dp, columns%scale, 0.0_dp])
+         result%solution%status, config%units), [0.0_dp, columns%scale, 0.0_dp])
       call listing%record(times_text(result%timings, [phase_read, phase_solve, phase_recover]))
    end subroutine new_reduced_listing
 
@@ -60,7 +60,7 @@ contains
       end if
       if (config%reduced%has_friction) text = text//line('', "the deck's, in the place of the file's")
       if (system%asymmetry > 0.0_dp) text = text//line('Note', 'W differs from its transpose by up to '// &
-         scientific(system%asymmetry)//'; the forces below solve the problem with W as it stands in the file')
+         scientific(system%asymmetry)//'; the forces below solve the problem with W as given in the file')
    end function problem_text
 
    !> How the problem was solved.
@@ -93,6 +93,7 @@ contains
          allocate (list(4))
          list%key = [character(16) :: 'gap', 'slip', 'normal_force', 'tangential_force']
          list%label = [character(12) :: 'gap', 'slip', 'normal force', 'tang. force']
+         list%dimension = [character(9) :: 'L', 'L', 'F', 'F']
          list%scale = [length, length, force, force]
          list(1)%values = u(1::2)
          list(2)%values = u(2::2)

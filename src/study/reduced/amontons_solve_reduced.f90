@@ -192,7 +192,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! it is not finite
 
       if (solution%residual < huge(solution%residual) .and. all(ieee_is_finite(solution%force))) return
-      call new_error(error, numerical_failure, 'the contact method left the range of finite numbers')
+      call new_error(error, numerical_failure, 'floating-point overflow in the contact method: '// &
+         'check the units of W, q and mu')
    end subroutine check_finite
 
    !> Judges forces by the problem as it was read: displacements, residual and statuses that belong to them.

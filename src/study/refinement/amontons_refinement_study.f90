@@ -49,7 +49,7 @@ contains
       config%accuracy%n_refinements = 0
       allocate (levels(0:self%config%accuracy%n_refinements))
       do level = 0, self%config%accuracy%n_refinements
-         config%n_refinements = self%config%n_refinements + level
+         config%meshes%n_refinements = self%config%meshes%n_refinements + level
          call solve_case(cache, config, result, error)
          if (allocated(error)) exit
          levels(level)%quantities = [result%lengths%quantities(), result%key_results]

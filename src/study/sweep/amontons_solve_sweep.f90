@@ -78,6 +78,7 @@ contains
          task%is_auto = .true.
       end select
       task%sweep = config%sweep
+      task%units = config%units
       call new_sweep_model(task%model, cache%body, cache%problem, result%certified%load_case, config, error)
       if (allocated(error)) return
 
@@ -89,23 +90,24 @@ contains
       if (allocated(error)) return
       result%n_resumed = result%statistics%n_cases
       call solve_batches(task, cache%body, monitor, result, error)
-      if (.not. allocated(error)) call finish_sweep(task, cache%body, directory, config%name, monitor, result, error)
+      if (.not. allocated(error)) call finish_sweep(task, cache%body, directory, config, monitor, result, error)
       if (allocated(error) .or. result%is_interrupted) call result%checkpoint%close()
    end subroutine solve_sweep
 
    !> Keeps the fields that are asked for and certifies one case, unless the sweep was interrupted.
-   subroutine finish_sweep(task, body, directory, name, monitor, result, error)
+   subroutine finish_sweep(task, body, directory, config, monitor, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
       character(*), intent(in) :: directory !! output directory
-      character(*), intent(in) :: name !! name of the case
+      type(config_t), intent(in) :: config !! the deck
       class(study_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
       type(sweep_result_t), intent(inout) :: result !! gains the case and its certificate
       type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
 
       call result%certified%timings%begin(phase_write)
       result%is_interrupted = result%statistics%n_cases < task%sweep%n_cases()
-      call keep_fields(task, body, directory, name, monitor, result, error)
+      if (.not. result%is_interrupted .and. task%sweep%n_fields() > 0) call write_sweep_fields(result%collection, &
+         result%grids, task, body, directory//'/'//config%name, monitor, result%is_interrupted, error)
       if (allocated(error)) return
       call result%certified%timings%begin(phase_recover)
       if (.not. result%is_interrupted .and. result%statistics%worst_case > 0) then
@@ -115,21 +117,6 @@ contains
       call result%statistics%add_warnings(result%certified%warnings)
       call result%certified%timings%begin(phase_write)
    end subroutine finish_sweep
-
-   !> Writes the fields that the deck asks for, once all cases are done.
-   subroutine keep_fields(task, body, directory, name, monitor, result, error)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
-      character(*), intent(in) :: directory !! output directory
-      character(*), intent(in) :: name !! name of the case
-      class(study_monitor_t), intent(inout) :: monitor !! is told how far the fields are, and may stop the sweep
-      type(sweep_result_t), intent(inout) :: result !! gains the collection and the manifest of the fields
-      type(error_t), allocatable, intent(out) :: error !! the fields cannot be written
-
-      if (result%is_interrupted .or. task%sweep%n_fields() == 0) return
-      call write_sweep_fields(result%collection, result%grids, task, body, directory//'/'//name, monitor, &
-         result%is_interrupted, error)
-   end subroutine keep_fields
 
    !> What the rows of a sweep depend on, lines of text.
    function sweep_key(config, model) result(key)

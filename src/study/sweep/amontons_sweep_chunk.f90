@@ -32,6 +32,7 @@ module amontons_sweep_chunk
       type(sweep_t) :: sweep !! the cases
       type(sweep_model_t) :: model !! their contact problems
       class(contact_method_t), allocatable :: method !! the deck's method
+      character(:), allocatable :: units !! names of the units of the case
       integer :: n_quantities = 0 !! numbers that are kept of a case
       logical :: is_auto = .false. !! whether the deck leaves the method to the program
    end type sweep_task_t

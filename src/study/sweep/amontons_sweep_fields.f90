@@ -45,7 +45,7 @@ contains
       slash = index(stem, '/', back=.true.)
       call make_directory(stem//'.sweep', error)
       if (allocated(error)) return
-      call new_collection(collection, stem//'.sweep.pvd', error)
+      call new_collection(collection, stem//'.sweep.pvd', task%units, error)
       if (allocated(error)) return
       problem = task%model%problem
       n_cases = int(task%sweep%n_cases())
@@ -89,7 +89,7 @@ contains
          call task%model%load_case(task%sweep%values(number), result%load_case)
          call condense_load_case(result%load_case, body)
          call recover_displacement(result%displacement, body, result%load_case, result%solution%displacement)
-         call write_grids(collection%grids, directory, folder, to_text(number), body, result, error)
+         call write_grids(collection, directory, folder, to_text(number), body, result, error)
          if (allocated(error)) return
          call collection%add(to_text(number), folder//to_text(number))
       end do

@@ -110,13 +110,13 @@ contains
                line(trim(outcome_labels(i)), to_text(statistics%n_outcomes(i))//' cases')
          end do
          text = text//line('Iterations', to_text(statistics%n_iterations)//', '// &
-            short(real(statistics%n_iterations, dp)/max(1, statistics%n_cases))//' a case')
+            scientific(real(statistics%n_iterations, dp)/max(1, statistics%n_cases))//' per case')
          if (statistics%residual_case > 0) text = text//line('Largest residual', scientific(statistics%residual)// &
             ' in case '//to_text(statistics%residual_case)//', tolerance '//scientific(config%method%tolerance))
          if (result%n_resumed > 0) text = text//line('Done earlier', to_text(result%n_resumed)//' cases')
-         if (result%checkpoint%is_anew) text = text//line('Note', 'an interrupted run had left rows of another '// &
-            'deck or version, or damaged ones: all cases were solved anew')
-         text = text//line('Cases a second', short(result%cases_per_second()))
+         if (result%checkpoint%is_anew) text = text//line('Note', 'the rows of an interrupted run are damaged or '// &
+            'of another deck or version: all cases were solved again')
+         text = text//line('Cases per second', short(result%cases_per_second()))
       end associate
    end function solution_text
 

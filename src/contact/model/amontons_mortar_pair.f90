@@ -1,0 +1,271 @@
+!> A pair of boundary sets that face each other: their surfaces, their segments, and the corners of the slave that carry
+!> multipliers.
+module amontons_mortar_pair
+   use amontons_boundary, only: boundary_line_t, new_boundary_line
+   use amontons_constraints, only: constraints_t
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_material, only: materials_t
+   use amontons_mesh, only: mesh_t
+   use amontons_mortar_points, only: cell_pieces, corner_pieces, integrate_pieces, mortar_piece_t, mortar_points_t
+   use amontons_mortar_segments, only: find_segments, meet_master, mortar_segment_t
+   use amontons_pairing, only: pairing_t
+   use amontons_surface, only: new_surface, surface_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: check_overlap, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
+
+   !> Points of the quadrature on a segment: exact for straight sides, and rounding is all that is left of the normals'
+   !> curvature.
+   integer, parameter :: n_quadrature_points = 7
+
+   !> The surfaces of a pair.
+   type :: mortar_pair_t
+      type(boundary_line_t) :: line !! the slave's line
+      type(surface_t) :: slave !! the surface that carries the multipliers
+      type(surface_t) :: master !! the other one
+      type(mortar_segment_t), allocatable :: segments(:) !! where they face each other
+      real(dp) :: search = 0.0_dp !! how far gaps may reach, either way [L]
+      integer, allocatable :: node(:) !! the slave's corners that are points, in the order of the line (n)
+      integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (n)
+      logical, allocatable :: is_tangent_fixed(:) !! whether a support bears the shear of a point (n)
+      integer, allocatable :: held_node(:) !! corners that are no points since supports hold them
+      integer, allocatable :: shared_node(:) !! corners that are no points since they belong to an earlier set
+      integer, allocatable :: open_node(:) !! corners that face nothing
+      integer, allocatable :: point_of(:, :) !! the point that each corner of each side is, 0 for none (2, sides)
+      type(mortar_segment_t), allocatable :: cells(:)
+         !! parts of the slave's sides in cells of constant multipliers, and in the place of the master the point that
+         !! the cell is, 0 for none; not allocated where the points are corners
+      real(dp), allocatable :: normal(:, :) !! unit normal of each point (2, n) [-]
+      integer :: n_held_cells = 0 !! number of cells that are no points since supports hold all their nodes
+      integer :: sliver_side = 0 !! a side that faces so little of the master that it is left out, 0 for none
+      real(dp) :: sliver_share = 0.0_dp !! what it faces, as a share of the side [-]
+   contains
+      procedure :: is_set => mortar_pair_is_set
+      procedure, private :: number_points => mortar_pair_number_points
+   end type mortar_pair_t
+
+contains
+
+   !> Whether there is a pair: a contact set with a rigid obstacle has none.
+   elemental logical function mortar_pair_is_set(self) result(is_set)
+      class(mortar_pair_t), intent(in) :: self !! the pair
+
+      is_set = allocated(self%segments)
+   end function mortar_pair_is_set
+
+   !> Finds where two boundary sets face each other.
+   subroutine new_mortar_pair(pair, set, pairing, mesh, materials, constraints, is_taken, error)
+      type(mortar_pair_t), intent(out) :: pair !! the pair
+      character(*), intent(in) :: set !! name of the slave's boundary set
+      type(pairing_t), intent(in) :: pairing !! the master, and how far gaps may reach
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, for the areas of the line
+      type(constraints_t), intent(in) :: constraints !! the supports
+      logical, intent(in) :: is_taken(:) !! whether a node carries multipliers of an earlier set (nodes)
+      type(error_t), allocatable, intent(out) :: error
+         !! a missing set, bodies that are joined, corners in the slave, or sets that do not face each other
+      type(boundary_line_t) :: master_line
+      character(:), allocatable :: against
+
+      against = pairing%against
+      if (set == against) then
+         call new_error(error, input_refused, "self contact of the set '"//set//"': split the set in two")
+         return
+      end if
+      call new_boundary_line(pair%line, mesh, set, error, materials)
+      if (allocated(error)) return
+      call new_boundary_line(master_line, mesh, against, error)
+      if (allocated(error)) return
+      call check_joints(pair%line, master_line, set, against, mesh, error)
+      if (allocated(error)) return
+      call new_surface(pair%slave, mesh, set, pair%line, materials, constraints, error)
+      if (allocated(error)) return
+      call new_surface(pair%master, mesh, against, master_line, materials, constraints, error)
+      if (allocated(error)) return
+      if (pair%slave%corner_node > 0) then
+         call new_error(error, input_refused, "the set '"//set//"' has a corner of more than 40 degrees at "// &
+            place_text(mesh%coordinates(:, pair%slave%corner_node))//': make a set of each side of it')
+         return
+      end if
+      pair%search = pairing%search
+      if (.not. pairing%search > 0.0_dp) pair%search = 2.0_dp*max(pair%slave%longest, pair%master%longest)
+      call find_segments(pair%segments, pair%slave, pair%master, pair%search)
+      call drop_slivers(pair)
+      if (size(pair%segments) == 0) then
+         call explain_distance(pair, set, against, error)
+         return
+      end if
+      call pair%number_points(constraints, is_taken, master_line, mesh%n_nodes)
+   end subroutine new_mortar_pair
+
+   !> Refuses bodies that are joined where they should meet; at an end of the slave they may be, as at a crack's tip.
+   pure subroutine check_joints(line, master_line, set, against, mesh, error)
+      type(boundary_line_t), intent(in) :: line !! the slave's line
+      type(boundary_line_t), intent(in) :: master_line !! the master's line
+      character(*), intent(in) :: set !! name of the slave's set
+      character(*), intent(in) :: against !! name of the master's set
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(error_t), allocatable, intent(out) :: error !! they share a node that is no end
+      integer :: i
+
+      do i = 1, line%n_nodes
+         if (all(master_line%node /= line%node(i))) cycle
+         if (line%next(i) == 0 .or. all(line%next /= i)) cycle
+         call new_error(error, input_refused, "'"//set//"' and '"//against//"' share nodes, as at "// &
+            place_text(mesh%coordinates(:, line%node(i)))//': these bodies are joined there')
+         return
+      end do
+   end subroutine check_joints
+
+   !> Leaves out sides of the slave that face next to nothing.
+   pure subroutine drop_slivers(pair)
+      type(mortar_pair_t), intent(inout) :: pair !! the pair, with its segments
+      real(dp), parameter :: least_share = 1.0e-6_dp
+      real(dp) :: share(pair%slave%n_sides)
+      integer :: i
+
+      share = 0.0_dp
+      do i = 1, size(pair%segments)
+         associate (segment => pair%segments(i))
+            share(segment%slave) = share(segment%slave) + 0.5_dp*(segment%range(2) - segment%range(1))
+         end associate
+      end do
+      pair%segments = pack(pair%segments, share(pair%segments%slave) >= least_share)
+      pair%sliver_side = findloc(share > 0.0_dp .and. share < least_share, .true., dim=1)
+      if (pair%sliver_side > 0) pair%sliver_share = share(pair%sliver_side)
+   end subroutine drop_slivers
+
+   !> Says why two sets do not face each other.
+   pure subroutine explain_distance(pair, set, against, error)
+      type(mortar_pair_t), intent(in) :: pair !! the pair, without segments
+      character(*), intent(in) :: set !! name of the slave's set
+      character(*), intent(in) :: against !! name of the master's set
+      type(error_t), allocatable, intent(out) :: error !! the reason
+      real(dp) :: distance, least
+      integer :: i, k, j, l, at(2)
+
+      least = huge(least)
+      at = 1
+      do i = 1, pair%slave%n_sides
+         do k = 1, pair%master%n_sides
+            do j = 1, 3
+               do l = 1, 3
+                  distance = norm2(pair%slave%corner(:, j, i) - pair%master%corner(:, l, k))
+                  if (distance < least) at = [i, k]
+                  least = min(least, distance)
+               end do
+            end do
+         end do
+      end do
+      if (dot_product(pair%slave%normal(:, 3, at(1)), pair%master%normal(:, 3, at(2))) > 0.0_dp) then
+         call new_error(error, input_refused, "the normals of '"//set//"' point away from '"//against// &
+            "', or those of '"//against//"' away from '"//set//"': both sets face the same way")
+      else
+         call new_error(error, input_refused, "the sets '"//set//"' and '"//against//"' do not face each other: no "// &
+            "normal of '"//set//"' meets '"//against//"' within search = "//to_text(pair%search)// &
+            '; the smallest distance is '//to_text(least))
+      end if
+   end subroutine explain_distance
+
+   !> Chooses the corners that are points.
+   pure subroutine mortar_pair_number_points(self, constraints, is_taken, master_line, n_nodes)
+      class(mortar_pair_t), intent(inout) :: self !! the pair, with its segments
+      type(constraints_t), intent(in) :: constraints !! the supports
+      logical, intent(in) :: is_taken(:) !! whether a node carries multipliers of an earlier set (nodes)
+      type(boundary_line_t), intent(in) :: master_line !! the master's line
+      integer, intent(in) :: n_nodes !! number of nodes of the mesh
+      real(dp) :: normal(2, n_nodes)
+      logical :: is_corner(n_nodes), faces(n_nodes)
+      integer :: i
+
+      is_corner = .false.
+      faces = .false.
+      do i = 1, self%slave%n_sides
+         is_corner(self%slave%side(:2, i)) = .true.
+         normal(:, self%slave%side(:2, i)) = self%slave%normal(:, :2, i)
+      end do
+      do i = 1, size(self%segments)
+         faces(self%slave%side(:2, self%segments(i)%slave)) = .true.
+      end do
+      self%open_node = pack(self%line%node, is_corner(self%line%node) .and. .not. faces(self%line%node))
+      allocate (self%held_node(0), self%shared_node(0), self%node(0), self%is_tangent_fixed(0))
+      do i = 1, self%line%n_nodes
+         associate (node => self%line%node(i))
+            if (.not. faces(node)) cycle
+            if (is_taken(node) .or. any(master_line%node == node)) then
+               self%shared_node = [self%shared_node, node]
+            else if (.not. constraints%leaves_free(node, normal(:, node))) then
+               self%held_node = [self%held_node, node]
+            else
+               self%node = [self%node, node]
+               self%is_tangent_fixed = [self%is_tangent_fixed, .not. all(constraints%is_free(:, node))]
+            end if
+         end associate
+      end do
+      self%normal = normal(:, self%node)
+      call link_points(self, n_nodes)
+   end subroutine mortar_pair_number_points
+
+   !> Notes which corners of the sides are points, and which point follows each.
+   pure subroutine link_points(pair, n_nodes)
+      type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
+      integer, intent(in) :: n_nodes !! number of nodes of the mesh
+      integer :: point(n_nodes), i
+
+      point = 0
+      point(pair%node) = [(i, i=1, size(pair%node))]
+      allocate (pair%point_of(2, pair%slave%n_sides), pair%next(size(pair%node)))
+      pair%next = 0
+      do i = 1, pair%slave%n_sides
+         pair%point_of(:, i) = point(pair%slave%side(:2, i))
+         if (pair%point_of(1, i) > 0) pair%next(pair%point_of(1, i)) = pair%point_of(2, i)
+      end do
+   end subroutine link_points
+
+   !> Refuses meshes that overlap by more than half of a side.
+   pure subroutine check_overlap(pair, points, set, pairing, error)
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      type(mortar_points_t), intent(in) :: points !! its integrals
+      character(*), intent(in) :: set !! name of the slave's set
+      type(pairing_t), intent(in) :: pairing !! the master
+      type(error_t), allocatable, intent(out) :: error !! they do
+      integer :: q
+
+      if (size(points%quadrature%gap) == 0) return
+      q = minloc(points%quadrature%gap, dim=1)
+      if (points%quadrature%gap(q) >= -0.5_dp*pair%slave%longest) return
+      call new_error(error, input_refused, "'"//set//"' and '"//pairing%against//"' overlap by up to "// &
+         to_text(-points%quadrature%gap(q))//' before any load (side at '// &
+         place_text(points%quadrature%position(:, q))//'), more than half a side: give extra_gap for an '// &
+         "interference, or gap = 'touching'")
+   end subroutine check_overlap
+
+   !> Integrates over the points of a pair.
+   pure subroutine integrate_pair(points, pair, segments, n_points)
+      type(mortar_points_t), intent(out) :: points !! the points
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      type(mortar_segment_t), intent(in) :: segments(:) !! its segments, or another cut of the same surfaces
+      integer, intent(in) :: n_points !! number of points of the quadrature
+      type(mortar_piece_t), allocatable :: pieces(:)
+
+      if (allocated(pair%cells)) then
+         call cell_pieces(pieces, segments, pair%cells)
+      else
+         call corner_pieces(pieces, segments, pair%point_of, pair%slave, n_points)
+      end if
+      call integrate_pieces(points, pieces, size(pair%normal, 2), pair%slave, pair%master, n_points)
+      call points%set_normals(pair%normal)
+   end subroutine integrate_pair
+
+   !> Coordinates as text.
+   pure function place_text(position) result(text)
+      real(dp), intent(in) :: position(2) !! the coordinates [L]
+      character(:), allocatable :: text
+
+      text = to_text(position(1))//', '//to_text(position(2))
+   end function place_text
+
+end module amontons_mortar_pair

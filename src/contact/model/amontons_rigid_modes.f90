@@ -1,0 +1,71 @@
+!> What the contact points see of the rigid motions that supports leave free.
+module amontons_rigid_modes
+   use amontons_contact_zone, only: contact_zone_t
+   use amontons_dense, only: symmetric_eigenvectors
+   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_kinds, only: dp
+   use amontons_rigid_motion, only: rigid_motions_t
+   implicit none (type, external)
+   private
+
+   public :: check_common_motion, find_rigid_modes
+
+contains
+
+   !> The displacements of the points under each free rigid motion of each piece.
+   subroutine find_rigid_modes(modes, zone, motions, coordinates)
+      real(dp), allocatable, intent(out) :: modes(:, :) !! (u_N; u_T) of the points under each motion (2m, motions) [-]
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      real(dp), allocatable :: field(:, :, :)
+      real(dp) :: at_node(2, 3)
+      integer :: i, j, k, m
+
+      m = zone%n_points
+      allocate (modes(2*m, sum(motions%n_free)), field(2, size(coordinates, 2), 3))
+      k = 0
+      do i = 1, size(motions)
+         associate (motion => motions(i))
+            field = 0.0_dp
+            do j = 1, size(motion%node)
+               at_node(:, :motion%n_free) = motion%displacement(coordinates(:, motion%node(j)))
+               field(:, motion%node(j), :motion%n_free) = at_node(:, :motion%n_free)
+            end do
+            do j = 1, motion%n_free
+               k = k + 1
+               modes(:, k) = zone%rows%displacement(field(:, :, j))
+               ! The contact problem does not know the slip that a support prevents.
+               modes(m + 1:, k) = merge(0.0_dp, modes(m + 1:, k), zone%is_tangent_fixed)
+            end do
+         end associate
+      end do
+   end subroutine find_rigid_modes
+
+   !> Refuses pieces that can move together so that no contact point notices.
+   subroutine check_common_motion(zone, motions, coordinates, error)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      type(error_t), allocatable, intent(out) :: error !! they can; names the motion of one of them
+      ! Squares of displacements have half of the digits, and meshes of curves meet to a few.
+      real(dp), parameter :: negligible = 1.0e-12_dp
+      real(dp), allocatable :: modes(:, :), gram(:, :), values(:)
+      integer :: last(0:size(motions)), i, info
+
+      if (all(motions%n_free == 0)) return
+      call find_rigid_modes(modes, zone, motions, coordinates)
+      allocate (gram, source=matmul(transpose(modes), modes))
+      allocate (values(size(gram, 1)))
+      call symmetric_eigenvectors(gram, values, info)
+      if (info /= 0 .or. values(1) > negligible*values(size(values))) return
+      last(0) = 0
+      do i = 1, size(motions)
+         last(i) = last(i - 1) + motions(i)%n_free
+      end do
+      i = maxloc([(norm2(gram(last(i - 1) + 1:last(i), 1)), i=1, size(motions))], dim=1)
+      call new_error(error, numerical_failure, 'nothing holds the bodies together against a common motion: '// &
+         motions(i)%describe(gram(last(i - 1) + 1:last(i), 1))//'; contact between them cannot; add a support')
+   end subroutine check_common_motion
+
+end module amontons_rigid_modes

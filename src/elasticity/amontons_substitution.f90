@@ -1,0 +1,155 @@
+!> Displacements of nodes that are not unknowns themselves: those of the slave of a pair follow from the displacements
+!> of other nodes and unknowns of their own, u = P y.
+!>
+!> Of most nodes u = y. The own unknown of a corner of a slave is its relative displacement w, that of a middle node
+!> between two corners its deviation from their mean; a bonded node has none. Stiffness and load of the unknowns are
+!> P^T K P and P^T f, computed element by element.
+module amontons_substitution
+   use amontons_kinds, only: dp
+   implicit none (type, external)
+   private
+
+   public :: substitution_t
+
+   !> The rows of P of the nodes that are substituted: those of node i from `start(i)` to `start(i + 1) - 1`, none where
+   !> u = y.
+   type :: substitution_t
+      integer, allocatable :: start(:) !! not allocated where no node is substituted (n_nodes + 1)
+      integer, allocatable :: node(:) !! node whose own unknowns take part
+      real(dp), allocatable :: block(:, :, :) !! how, in x and y: u = sum block y (2, 2, blocks) [-]
+   contains
+      procedure :: add_blocks => substitution_add_blocks
+      procedure :: displacement => substitution_displacement
+      procedure :: element_nodes => substitution_element_nodes
+      procedure :: forces => substitution_forces
+      procedure :: is_substituted => substitution_is_substituted
+      procedure :: transform => substitution_transform
+   end type substitution_t
+
+contains
+
+   !> Whether any of some nodes is substituted.
+   pure logical function substitution_is_substituted(self, nodes) result(is_substituted)
+      class(substitution_t), intent(in) :: self !! the substitution
+      integer, intent(in) :: nodes(:) !! the nodes
+
+      is_substituted = .false.
+      if (allocated(self%start)) is_substituted = any(self%start(nodes + 1) > self%start(nodes))
+   end function substitution_is_substituted
+
+   !> P y: the displacements of all nodes.
+   pure function substitution_displacement(self, own) result(displacement)
+      class(substitution_t), intent(in) :: self !! the substitution
+      real(dp), intent(in) :: own(:, :) !! y, the nodes' own unknowns (2, n_nodes) [L]
+      real(dp), allocatable :: displacement(:, :)
+      integer :: node, i
+
+      displacement = own
+      if (.not. allocated(self%start)) return
+      do node = 1, size(own, 2)
+         if (self%start(node) == self%start(node + 1)) cycle
+         displacement(:, node) = 0.0_dp
+         do i = self%start(node), self%start(node + 1) - 1
+            displacement(:, node) = displacement(:, node) + matmul(self%block(:, :, i), own(:, self%node(i)))
+         end do
+      end do
+   end function substitution_displacement
+
+   !> P^T f: nodal forces on the nodes' own unknowns.
+   pure function substitution_forces(self, forces) result(own)
+      class(substitution_t), intent(in) :: self !! the substitution
+      real(dp), intent(in) :: forces(:, :) !! f, nodal forces (2, n_nodes) [F]
+      real(dp), allocatable :: own(:, :)
+      integer :: node, i
+
+      own = forces
+      if (.not. allocated(self%start)) return
+      do node = 1, size(own, 2)
+         if (self%start(node) < self%start(node + 1)) own(:, node) = 0.0_dp
+      end do
+      do node = 1, size(own, 2)
+         do i = self%start(node), self%start(node + 1) - 1
+            own(:, self%node(i)) = own(:, self%node(i)) + matmul(forces(:, node), self%block(:, :, i))
+         end do
+      end do
+   end function substitution_forces
+
+   !> The nodes whose own unknowns the displacements of some nodes are made of, each once.
+   pure function substitution_element_nodes(self, nodes) result(own_nodes)
+      class(substitution_t), intent(in) :: self !! the substitution
+      integer, intent(in) :: nodes(:) !! the nodes
+      integer, allocatable :: own_nodes(:)
+      integer :: i, k
+
+      allocate (own_nodes(0))
+      do i = 1, size(nodes)
+         if (.not. self%is_substituted(nodes(i:i))) then
+            if (all(own_nodes /= nodes(i))) own_nodes = [own_nodes, nodes(i)]
+            cycle
+         end if
+         do k = self%start(nodes(i)), self%start(nodes(i) + 1) - 1
+            if (all(own_nodes /= self%node(k))) own_nodes = [own_nodes, self%node(k)]
+         end do
+      end do
+   end function substitution_element_nodes
+
+   !> The rows of P of some nodes, in the columns of the nodes of `element_nodes` (2 nodes, 2 own_nodes) [-].
+   pure function substitution_transform(self, nodes, own_nodes) result(transform)
+      class(substitution_t), intent(in) :: self !! the substitution
+      integer, intent(in) :: nodes(:) !! the nodes
+      integer, intent(in) :: own_nodes(:) !! the nodes whose own unknowns they are made of
+      real(dp), allocatable :: transform(:, :)
+      integer :: i, k, j
+
+      allocate (transform(2*size(nodes), 2*size(own_nodes)), source=0.0_dp)
+      do i = 1, size(nodes)
+         if (.not. self%is_substituted(nodes(i:i))) then
+            j = findloc(own_nodes, nodes(i), dim=1)
+            transform(2*i - 1, 2*j - 1) = 1.0_dp
+            transform(2*i, 2*j) = 1.0_dp
+            cycle
+         end if
+         do k = self%start(nodes(i)), self%start(nodes(i) + 1) - 1
+            j = findloc(own_nodes, self%node(k), dim=1)
+            transform(2*i - 1:2*i, 2*j - 1:2*j) = transform(2*i - 1:2*i, 2*j - 1:2*j) + self%block(:, :, k)
+         end do
+      end do
+   end function substitution_transform
+
+   !> Adds a multiple of a node's displacement to a list of blocks, each node once: what it is made of where it is
+   !> substituted, or its own unknowns.
+   pure subroutine substitution_add_blocks(self, nodes, blocks, node, factor)
+      class(substitution_t), intent(in) :: self !! the substitution
+      integer, allocatable, intent(inout) :: nodes(:) !! the nodes of the list
+      real(dp), allocatable, intent(inout) :: blocks(:, :, :) !! their blocks (2, 2, nodes) [-]
+      integer, intent(in) :: node !! the node to add
+      real(dp), intent(in) :: factor(2, 2) !! what its displacement is multiplied by [-]
+      integer :: k
+
+      if (.not. self%is_substituted([node])) then
+         call add_block(nodes, blocks, node, factor)
+         return
+      end if
+      do k = self%start(node), self%start(node + 1) - 1
+         call add_block(nodes, blocks, self%node(k), matmul(factor, self%block(:, :, k)))
+      end do
+   end subroutine substitution_add_blocks
+
+   !> Adds a block to a list of blocks, each node once.
+   pure subroutine add_block(nodes, blocks, node, block)
+      integer, allocatable, intent(inout) :: nodes(:) !! the nodes of the list
+      real(dp), allocatable, intent(inout) :: blocks(:, :, :) !! their blocks (2, 2, nodes) [-]
+      integer, intent(in) :: node !! the node of the block
+      real(dp), intent(in) :: block(2, 2) !! the block [-]
+      integer :: k
+
+      k = findloc(nodes, node, dim=1)
+      if (k > 0) then
+         blocks(:, :, k) = blocks(:, :, k) + block
+      else
+         nodes = [nodes, node]
+         blocks = reshape([blocks, block], [2, 2, size(nodes)])
+      end if
+   end subroutine add_block
+
+end module amontons_substitution

@@ -1,0 +1,182 @@
+!> Several bodies in one mesh: names that tell their sets apart, and meshes put behind each other. No nodes are merged.
+module amontons_joined_mesh
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_mesh, only: boundary_set_t, mesh_t, node_set_t, region_t
+   implicit none (type, external)
+   private
+
+   public :: append_mesh, name_mesh
+
+contains
+
+   !> Puts a name and a point before the names of all sets and regions of a mesh; the whole mesh becomes the region of
+   !> that name.
+   pure subroutine name_mesh(mesh, name)
+      type(mesh_t), intent(inout) :: mesh !! the mesh
+      character(*), intent(in) :: name !! the name
+      type(region_t), allocatable :: regions(:)
+      integer :: i
+
+      call complete_sets(mesh)
+      do i = 1, size(mesh%sets)
+         mesh%sets(i)%name = name//'.'//mesh%sets(i)%name
+      end do
+      do i = 1, size(mesh%node_sets)
+         mesh%node_sets(i)%name = name//'.'//mesh%node_sets(i)%name
+      end do
+      allocate (regions(size(mesh%regions) + 1))
+      do i = 1, size(mesh%regions)
+         regions(i + 1)%name = name//'.'//mesh%regions(i)%name
+         regions(i + 1)%element = mesh%regions(i)%element
+      end do
+      regions(1)%name = name
+      allocate (regions(1)%element(mesh%n_elements))
+      do i = 1, mesh%n_elements
+         regions(1)%element(i) = i
+      end do
+      call move_alloc(regions, mesh%regions)
+      mesh%source = name//': '//mesh%source
+   end subroutine name_mesh
+
+   !> Puts a mesh behind another one, whose nodes and elements keep their numbers. The numbers that nodes have in files
+   !> go on behind the largest one before.
+   pure subroutine append_mesh(mesh, other, error)
+      type(mesh_t), intent(inout) :: mesh !! the first mesh, both on return
+      type(mesh_t), intent(in) :: other !! the mesh to append
+      type(error_t), allocatable, intent(out) :: error !! both have a set or region of the same name
+      real(dp), allocatable :: coordinates(:, :)
+      integer :: i
+
+      call append_sets(mesh, other, error)
+      if (allocated(error)) return
+      call append_tags(mesh, other)
+      allocate (coordinates(2, mesh%n_nodes + other%n_nodes))
+      coordinates(:, :mesh%n_nodes) = mesh%coordinates
+      coordinates(:, mesh%n_nodes + 1:) = other%coordinates
+      call move_alloc(coordinates, mesh%coordinates)
+      call append(mesh%node_start, size(mesh%node) + other%node_start(2:))
+      call append(mesh%node, mesh%n_nodes + other%node)
+      call append(mesh%element_kind, other%element_kind)
+      mesh%n_nodes = mesh%n_nodes + other%n_nodes
+      mesh%n_elements = mesh%n_elements + other%n_elements
+      mesh%source = mesh%source//'; '//other%source
+      if (mesh%hypothesis == '') mesh%hypothesis = other%hypothesis
+      do i = 1, other%files%n()
+         call mesh%files%add(other%files%item(i))
+      end do
+      do i = 1, other%warnings%n()
+         call mesh%warnings%add(other%warnings%item(i))
+      end do
+   end subroutine append_mesh
+
+   !> Appends the sets and regions.
+   pure subroutine append_sets(mesh, other, error)
+      type(mesh_t), intent(inout) :: mesh !! the first mesh, its nodes and elements still alone
+      type(mesh_t), intent(in) :: other !! the mesh to append
+      type(error_t), allocatable, intent(out) :: error !! both have a set or region of the same name
+      type(mesh_t) :: behind
+      type(boundary_set_t), allocatable :: sets(:)
+      type(node_set_t), allocatable :: node_sets(:)
+      type(region_t), allocatable :: regions(:)
+      integer :: i, n(3)
+
+      behind = other
+      call complete_sets(mesh)
+      call complete_sets(behind)
+      do i = 1, size(behind%sets)
+         if (has_set(mesh, behind%sets(i)%name)) call refuse_double('set', behind%sets(i)%name, error)
+         behind%sets(i)%element = mesh%n_elements + behind%sets(i)%element
+      end do
+      do i = 1, size(behind%node_sets)
+         if (has_set(mesh, behind%node_sets(i)%name)) call refuse_double('set', behind%node_sets(i)%name, error)
+         behind%node_sets(i)%node = mesh%n_nodes + behind%node_sets(i)%node
+      end do
+      do i = 1, size(behind%regions)
+         if (mesh%find_region(behind%regions(i)%name) > 0) call refuse_double('region', behind%regions(i)%name, error)
+         behind%regions(i)%element = mesh%n_elements + behind%regions(i)%element
+      end do
+      n = [size(mesh%sets), size(mesh%node_sets), size(mesh%regions)]
+      allocate (sets(n(1) + size(behind%sets)), node_sets(n(2) + size(behind%node_sets)), &
+         regions(n(3) + size(behind%regions)))
+      sets(:n(1)) = mesh%sets
+      sets(n(1) + 1:) = behind%sets
+      node_sets(:n(2)) = mesh%node_sets
+      node_sets(n(2) + 1:) = behind%node_sets
+      regions(:n(3)) = mesh%regions
+      regions(n(3) + 1:) = behind%regions
+      call move_alloc(sets, mesh%sets)
+      call move_alloc(node_sets, mesh%node_sets)
+      call move_alloc(regions, mesh%regions)
+   end subroutine append_sets
+
+   !> Whether a mesh has a boundary set or a set of nodes of a name.
+   pure logical function has_set(mesh, name)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      character(*), intent(in) :: name !! the name
+
+      has_set = mesh%find_set(name) > 0 .or. mesh%find_node_set(name) > 0
+   end function has_set
+
+   !> Refuses a name that two meshes have.
+   pure subroutine refuse_double(noun, name, error)
+      character(*), intent(in) :: noun !! what it is the name of
+      character(*), intent(in) :: name !! the name
+      type(error_t), allocatable, intent(inout) :: error !! gains the fault, unless there is one
+
+      if (.not. allocated(error)) call new_error(error, input_refused, 'another &mesh has the '//noun//" '"//name// &
+         "' too; give each &mesh a name of its own")
+   end subroutine refuse_double
+
+   !> Gives a mesh lists of node sets and regions where it has none.
+   pure subroutine complete_sets(mesh)
+      type(mesh_t), intent(inout) :: mesh !! the mesh
+
+      if (.not. allocated(mesh%node_sets)) allocate (mesh%node_sets(0))
+      if (.not. allocated(mesh%regions)) allocate (mesh%regions(0))
+   end subroutine complete_sets
+
+   !> Appends the numbers that nodes have in files; a mesh without a file has its own, a node of refinement has none.
+   pure subroutine append_tags(mesh, other)
+      type(mesh_t), intent(inout) :: mesh !! the first mesh, its nodes still alone
+      type(mesh_t), intent(in) :: other !! the mesh to append
+      integer, allocatable :: tags(:)
+      integer :: before
+
+      if (.not. (allocated(mesh%node_tag) .or. allocated(other%node_tag))) return
+      tags = tags_of(mesh)
+      before = maxval(tags)
+      call append(tags, tags_of(other))
+      where (tags(mesh%n_nodes + 1:) > 0) tags(mesh%n_nodes + 1:) = before + tags(mesh%n_nodes + 1:)
+      call move_alloc(tags, mesh%node_tag)
+   end subroutine append_tags
+
+   !> The numbers that the nodes of a mesh have in its file, 0 for a node of refinement.
+   pure function tags_of(mesh) result(tags)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, allocatable :: tags(:)
+      integer :: i
+
+      allocate (tags(mesh%n_nodes), source=0)
+      if (allocated(mesh%node_tag)) then
+         tags(:size(mesh%node_tag)) = mesh%node_tag
+      else
+         do i = 1, size(tags)
+            tags(i) = i
+         end do
+      end if
+   end function tags_of
+
+   !> Appends whole numbers to others.
+   pure subroutine append(numbers, more)
+      integer, allocatable, intent(inout) :: numbers(:) !! the numbers
+      integer, intent(in) :: more(:) !! those to append
+      integer, allocatable :: longer(:)
+
+      allocate (longer(size(numbers) + size(more)))
+      longer(:size(numbers)) = numbers
+      longer(size(numbers) + 1:) = more
+      call move_alloc(longer, numbers)
+   end subroutine append
+
+end module amontons_joined_mesh
