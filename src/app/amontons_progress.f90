@@ -1,4 +1,4 @@
-!> The progress of a sweep on the status line, and the signals that interrupt it.
+!> The progress of a sweep or history on the status line, and the signals that interrupt it.
 module amontons_progress
    use amontons_kinds, only: dp
    use amontons_status_line, only: note_work
@@ -11,7 +11,8 @@ module amontons_progress
 
    public :: progress_t
 
-   !> Watches a sweep. From the first report until `finish`, SIGINT and SIGTERM stop it after the cases under way.
+   !> Watches a study. From the first report until `finish`, SIGINT and SIGTERM stop it after the cases or the step
+   !> under way.
    type, extends(study_monitor_t) :: progress_t
       private
       real(dp) :: start = 0.0_dp !! when the first report came [s]
@@ -34,18 +35,19 @@ contains
       end associate
    end function progress_is_stopped
 
-   !> Shows how far the sweep is.
-   subroutine progress_report(self, n_done, n_cases)
+   !> Shows how far the study is.
+   subroutine progress_report(self, n_done, n_cases, things)
       class(progress_t), intent(inout) :: self !! the watch
       integer, intent(in) :: n_done !! cases done
       integer, intent(in) :: n_cases !! all cases
+      character(*), intent(in) :: things !! what they are: 'cases' or 'steps'
 
       if (self%n_before < 0) then
          self%n_before = n_done
          self%start = wall_seconds()
          call hold_interrupts()
       end if
-      call note_work(progress_text(n_done, n_cases, n_done - self%n_before, wall_seconds() - self%start), &
+      call note_work(progress_text(n_done, n_cases, things, n_done - self%n_before, wall_seconds() - self%start), &
          is_timed=.false.)
    end subroutine progress_report
 
@@ -67,10 +69,11 @@ contains
       if (self%n_before >= 0) call release_interrupts()
    end subroutine progress_finish
 
-   !> How far a sweep is, how fast, and how long it will take: '128 of 861 cases, 10500 per second, 0:00:12 left'.
-   pure function progress_text(n_done, n_cases, n_timed, seconds) result(text)
+   !> How far a study is, how fast, and how long it will take: '128 of 861 cases, 10500 per second, 0:00:12 left'.
+   pure function progress_text(n_done, n_cases, things, n_timed, seconds) result(text)
       integer, intent(in) :: n_done !! cases done
       integer, intent(in) :: n_cases !! all cases
+      character(*), intent(in) :: things !! what they are
       integer, intent(in) :: n_timed !! those of the cases done that the time counts for
       real(dp), intent(in) :: seconds !! the time [s]
       character(:), allocatable :: text
@@ -78,7 +81,7 @@ contains
       character(8) :: minutes
       integer :: left
 
-      text = to_text(n_done)//' of '//to_text(n_cases)//' cases'
+      text = to_text(n_done)//' of '//to_text(n_cases)//' '//things
       if (n_timed < 1 .or. .not. seconds > 0.0_dp) return
       left = nint(min(longest, seconds*real(n_cases - n_done, dp)/n_timed))
       write (minutes, '(i2.2, ":", i2.2)') mod(left/60, 60), mod(left, 60)

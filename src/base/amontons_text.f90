@@ -7,7 +7,7 @@ module amontons_text
    private
 
    public :: as_lines, comma_separated, line_end, lower_case, nearest_word, newline, put_decimals, quoted, &
-      read_integer, read_real, to_short_text, to_text, utf_8_width, xml_escaped
+      read_integer, read_real, read_reals, to_short_text, to_text, utf_8_width, xml_escaped
 
    !> The end of a line.
    character(*), parameter :: newline = new_line('a')
@@ -88,6 +88,23 @@ contains
       call put_decimals(buffer, length, values)
       text = buffer(2:length)
    end function comma_separated
+
+   !> Reads reals with commas between them.
+   pure subroutine read_reals(text, values, ok)
+      character(*), intent(in) :: text !! the text
+      real(dp), allocatable, intent(out) :: values(:) !! the numbers
+      logical, intent(out) :: ok !! whether there is nothing else
+      integer :: i, first, last
+
+      allocate (values(1 + count([(text(i:i) == ',', i=1, len(text))])))
+      first = 1
+      do i = 1, size(values)
+         last = first + index(text(first:)//',', ',') - 2
+         call read_real(text(first:last), values(i), ok)
+         if (.not. ok) return
+         first = last + 2
+      end do
+   end subroutine read_reals
 
    !> Puts numbers behind what a text holds so far, a comma before each.
    ! allow(C072): the text is the caller's, who knows its room

@@ -339,10 +339,13 @@ contains
             method%space == 'primal'), 'space', &
             "space must be 'dual' for a reduced problem, which has no stiffness to sweep on")
          if (.not. allocated(config%contacts)) return
-         call visitor%require(.not. (config%condensation == 'band' .and. any(config%contacts%partition%is_constant)), &
-            'condensation', "condensation must be 'dense' or 'auto' with constant multipliers")
          call visitor%require(.not. (config%condensation == 'band' .and. config%factorization == 'distributed'), &
             'condensation', "condensation must be 'dense' or 'auto' with factorization 'distributed'")
+         associate (contacts => config%contacts)
+            call visitor%require(.not. (config%condensation == 'band' .and. any(contacts%partition%is_constant .or. &
+               contacts%pairing%is_pair())), 'condensation', &
+               "condensation must be 'dense' or 'auto' with constant multipliers and with contact against another body")
+         end associate
       end associate
    end subroutine describe_solver
 
@@ -352,11 +355,12 @@ contains
       type(sweep_t), intent(inout) :: sweep !! the sweep
       type(history_t), intent(inout) :: history !! the history
       integer :: fields_every
-      logical :: has_fields, has_points, has_probes
+      logical :: has_fields, has_points, has_states, has_probes
 
       fields_every = max(sweep%fields_every, history%fields_every)
       has_fields = fields_every > 0
       has_points = history%points_every > 0
+      has_states = history%states_every > 0
       has_probes = history%n_probes() > 0
       call visitor%open_group(output_group)
       call visitor%whole(key_t('fields_every', 'with `&sweep` or `&history`: the fields of case or step 1 and of'// &
@@ -365,6 +369,9 @@ contains
       call visitor%whole(key_t('points_every', 'with `&history`: the contact points of step 1 and of every'// &
          ' so-many-th step behind it are written as a table', default='none', at_least=1.0_dp), history%points_every, &
          has_points)
+      call visitor%whole(key_t('states_every', 'with `&history`: all that another history needs to `start` from'// &
+         ' step 1 or from a so-many-th step behind it is written', default='none', at_least=1.0_dp), &
+         history%states_every, has_states)
       call visitor%list(key_t('probe', 'with `&history`: coordinates of nodes, x and y in turn, whose displacements'// &
          ' the table of the history shows', 'L', default='none', also='probes'), history%probes, has_probes)
       call visitor%close_group()
@@ -372,6 +379,7 @@ contains
       if (history%is_given) history%fields_every = fields_every
       call visitor%only('fields_every', sweep%is_given() .or. history%is_given, 'a deck with &sweep or &history')
       call visitor%only('points_every', history%is_given, 'a deck with &history')
+      call visitor%only('states_every', history%is_given, 'a deck with &history')
       call visitor%only('probe', history%is_given, 'a deck with &history')
       if (has_probes) call visitor%require(modulo(size(history%probes), 2) == 0, 'probe', &
          'probe needs two coordinates for each node, found '//to_text(size(history%probes))//' numbers')

@@ -69,11 +69,13 @@ contains
    subroutine describe_times(visitor, history)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(history_t), intent(inout) :: history !! the history
-      logical :: has_times, has_tolerance, has_least
+      logical :: has_times, has_tolerance, has_least, has_start, has_start_step
 
       has_times = history%is_given
       has_tolerance = history%step_tolerance < huge(1.0_dp)
       has_least = history%min_step > 0.0_dp
+      has_start = is_filled(history%start)
+      has_start_step = history%start_step > 0
       if (.not. allocated(history%name)) history%name = 'time'
       call visitor%open_group(history_group)
       call visitor%list(key_t('times', 'ascending values of the pseudo-time; the body is at rest and unstressed'// &
@@ -88,11 +90,17 @@ contains
          history%step_tolerance, has_tolerance)
       call visitor%real(key_t('min_step', 'steps are not halved below this', default='1/1024 of a step', &
          above=0.0_dp, also='dtmin'), history%min_step, has_least)
+      call visitor%text(key_t('start', 'a file `NAME.states.csv`: the body is in a state of that file before the'// &
+         ' first step, which leads to the time behind it', default='at rest', is_file=.true., is_filled=.true., &
+         also='restart initial'), history%start, has_start)
+      call visitor%whole(key_t('start_step', 'with `start`: the step of the state', default='the last in the file', &
+         at_least=1.0_dp), history%start_step, has_start_step)
       call visitor%close_group()
       history%is_given = has_times
       if (.not. visitor%is_judging()) return
       call visitor%require(visitor%deck%count_groups('sweep') == 0, '', &
          'a deck has either &history or &sweep; give each a deck of its own')
+      call visitor%only('start_step', is_filled(history%start), 'start')
       call visitor%require( &
          verify(history%name, 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_') == 0 .and. &
          len(history%name) > 0, 'name', 'name must consist of letters, digits and _')
@@ -310,7 +318,8 @@ contains
       case (stepped_support)
          has_target = any([(supports(i)%name == change%name .and. any(supports(i)%is_held), i=1, size(supports))])
       case default
-         has_target = any([(change%acts_on(contacts(i)), i=1, size(contacts))])
+         has_target = any([(change%acts_on(contacts(i)) .and. (change%target == stepped_friction .or. &
+            .not. contacts(i)%pairing%is_pair()), i=1, size(contacts))])
       end select
    end function has_target
 
@@ -335,6 +344,8 @@ contains
          text = 'no &load has the name'
       case (stepped_support)
          text = 'no &support with ux, uy, un or ut has the name'
+      case (stepped_obstacle)
+         text = 'no &contact with a rigid obstacle has the name or set'
       case default
          text = 'no &contact has the name or set'
       end select

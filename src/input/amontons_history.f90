@@ -7,7 +7,7 @@ module amontons_history
    implicit none (type, external)
    private
 
-   public :: history_t, moved_things, steps_t
+   public :: history_t, is_shown, moved_things, steps_t
 
    !> What changes: the factor of all loads of a name.
    integer, parameter, public :: stepped_load = 1
@@ -50,8 +50,12 @@ module amontons_history
       type(steps_t), allocatable :: steps(:) !! what changes
       integer :: fields_every = 0 !! the fields of the first step and of every so many behind it are written; 0 for none
       integer :: points_every = 0 !! the same of the contact points
+      integer :: states_every = 0 !! the same of the states from which a history can go on
+      character(:), allocatable :: start !! file of such states, of which one is the start; empty or not allocated: rest
+      integer :: start_step = 0 !! the step of the state; 0 for the last one
       real(dp), allocatable :: probes(:) !! coordinates of the nodes whose displacements are shown, x and y in turn [L]
    contains
+      procedure :: has_start => history_has_start
       procedure :: n_probes => history_n_probes
       procedure :: n_steps => history_n_steps
       procedure :: numbers => history_numbers
@@ -103,6 +107,23 @@ contains
 
       n = merge(3, 1, self%target == stepped_obstacle)
    end function steps_n_numbers
+
+   !> Whether something of a step is written.
+   pure logical function is_shown(step, every)
+      integer, intent(in) :: step !! the step
+      integer, intent(in) :: every !! it is written of the first step and of every so many behind it; 0 for none
+
+      is_shown = .false.
+      if (every > 0) is_shown = modulo(step - 1, every) == 0
+   end function is_shown
+
+   !> Whether the history starts from a state of another, not from rest.
+   pure logical function history_has_start(self) result(has_start)
+      class(history_t), intent(in) :: self !! the history
+
+      has_start = .false.
+      if (allocated(self%start)) has_start = len(self%start) > 0
+   end function history_has_start
 
    !> Number of nodes whose displacements are written.
    pure integer function history_n_probes(self) result(n)

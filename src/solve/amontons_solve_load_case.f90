@@ -10,6 +10,7 @@ module amontons_solve_load_case
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_error_bound, only: find_error_bound
    use amontons_estimate_error, only: estimate_error
    use amontons_key_results, only: body_peaks, contact_peaks, find_zones, set_results
    use amontons_kinds, only: dp
@@ -51,6 +52,8 @@ contains
       call result%timings%begin(phase_recover)
       call certify(result, body, error)
       if (allocated(error)) return
+      if (result%wants_error_estimate .and. result%solution%is_converged) call find_error_bound(result%error_bound, &
+         body, problem, result%load_case, result%solution, result%displacement)
       call add_result_warnings(result, body)
       call new_uniqueness(result%uniqueness, problem)
       ! What the caller does with the result is to write it.

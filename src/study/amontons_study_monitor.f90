@@ -25,12 +25,13 @@ contains
    end function study_monitor_is_stopped
 
    !> Reports how far the study is: before the first batch of cases and after each.
-   subroutine study_monitor_report(self, n_done, n_cases)
+   subroutine study_monitor_report(self, n_done, n_cases, things)
       class(study_monitor_t), intent(inout) :: self !! the monitor
       integer, intent(in) :: n_done !! cases done, those of an earlier run included
       integer, intent(in) :: n_cases !! all cases
+      character(*), intent(in) :: things !! what they are: 'cases' or 'steps'
 
-      associate (unused => self, done => n_done, all => n_cases)
+      associate (unused => self, done => n_done, all => n_cases, words => things)
       end associate
    end subroutine study_monitor_report
 

@@ -11,7 +11,7 @@ module amontons_output_file
    implicit none (type, external)
    private
 
-   public :: commit_files, new_output_file, output_file_t, write_text_file
+   public :: adopt_file, commit_files, new_output_file, output_file_t, write_text_file
 
    !> A file being written. Until `commit` the final name is untouched.
    type :: output_file_t
@@ -20,6 +20,7 @@ module amontons_output_file
       character(:), allocatable, public :: path !! final name
       character(:), allocatable, public :: temporary_path !! name until `commit`
       logical :: is_open = .false. !! whether the unit is open
+      logical :: is_kept = .false. !! whether it stays under its temporary name if it is discarded
    contains
       procedure, public :: commit => output_file_commit
       procedure, public :: discard => output_file_discard
@@ -46,6 +47,17 @@ contains
       file%is_open = status == 0
       if (status /= 0) call give_up(file, trim(reason), error)
    end subroutine new_output_file
+
+   !> Takes a complete file that waits for its final name under one of its own, and keeps that if it does not get it.
+   pure subroutine adopt_file(file, path, present_path)
+      type(output_file_t), intent(out) :: file !! the finished file
+      character(*), intent(in) :: path !! final name
+      character(*), intent(in) :: present_path !! its present name
+
+      file%path = path
+      file%temporary_path = present_path
+      file%is_kept = .true.
+   end subroutine adopt_file
 
    !> Writes a text, lines with their ends, under a temporary name beside the final one.
    subroutine write_text_file(file, path, text, error)
@@ -154,7 +166,7 @@ contains
       call release_signals()
    end subroutine put_in_place
 
-   !> Removes what was written; the final name stays as it was.
+   !> Removes what was written, unless it is kept; the final name stays as it was.
    subroutine output_file_discard(self)
       class(output_file_t), intent(inout) :: self !! the file, open or finished
       integer :: status
@@ -164,7 +176,7 @@ contains
       if (self%is_open) close (self%unit, iostat=status)
       self%is_open = .false.
       if (.not. allocated(self%temporary_path)) return
-      call remove_file(self%temporary_path)
+      if (.not. self%is_kept) call remove_file(self%temporary_path)
       call forget_temporary(self%temporary_path)
       deallocate (self%temporary_path)
    end subroutine output_file_discard

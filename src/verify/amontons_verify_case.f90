@@ -11,7 +11,7 @@ module amontons_verify_case
    use amontons_config, only: config_t
    use amontons_contact_check, only: check_statuses, contact_state_t, new_law_scales, read_points
    use amontons_contact_solution, only: new_contact_solution
-   use amontons_contact_vtu, only: n_line_cells, show_contact_line
+   use amontons_contact_vtu, only: n_line_cells, n_line_points, show_contact_line
    use amontons_document, only: document_t
    use amontons_document_check, only: compare_document
    use amontons_error, only: error_t
@@ -126,7 +126,7 @@ contains
       call show_body(check, body, result)
       call check%close()
       call faults%append(check%faults)
-      call new_vtk_check(check, stem//'.contact.vtu', units, body%zone%n_points, n_line_cells(body%zone))
+      call new_vtk_check(check, stem//'.contact.vtu', units, n_line_points(body%zone), n_line_cells(body%zone))
       call show_contact_line(check, body, result)
       call check%close()
       call faults%append(check%faults)

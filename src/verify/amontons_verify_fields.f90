@@ -5,6 +5,7 @@ module amontons_verify_fields
    use amontons_collection_check, only: compare_collection
    use amontons_config, only: config_t
    use amontons_contact_solution, only: new_contact_solution
+   use amontons_contact_vtu, only: n_line_points
    use amontons_directory, only: file_name_t, list_directory
    use amontons_document_check, only: compare_line
    use amontons_error, only: error_t
@@ -134,12 +135,15 @@ contains
       type(body_t), intent(in) :: body !! the body
       character(*), intent(in) :: path !! name of the grid of the contact line
       character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
-      real(dp) :: pressure(body%zone%n_points), shear(body%zone%n_points)
+      real(dp), allocatable :: pressure(:), shear(:)
 
+      allocate (pressure(n_line_points(body%zone)), shear(n_line_points(body%zone)))
       call read_array(path, 'contact_pressure', 1, pressure, fault)
       if (len(fault) > 0) return
       call read_array(path, 'contact_shear', 1, shear, fault)
-      result%solution%force = [pressure*body%zone%area, shear*body%zone%area]
+      associate (m => body%zone%n_points, area => body%zone%area)
+         result%solution%force = [pressure(:m)*area, shear(:m)*area]
+      end associate
    end subroutine restore_force
 
    !> Compares the row of a case with the numbers that follow from its grids.

@@ -3,7 +3,9 @@
 import csv
 import io
 import json
+import random
 import re
+import shutil
 import signal
 import subprocess
 import time
@@ -29,6 +31,8 @@ BLOCK = """&case name = 'block' /
 &load set = 'top'  pressure = 1.0 /
 &contact set = 'bottom'  friction = 0.3 /
 """
+# The files that grow with the steps of the bar, where it asks for all.
+GROWING = ("history.csv", "points.csv", "states.csv", "history.pvd")
 
 
 class History(ProgramTest):
@@ -132,7 +136,7 @@ class History(ProgramTest):
     def test_jump_is_warned_about(self):
         self.walk(BAR.replace("substeps = 4", "step_tolerance = 1e-3  min_step = 0.2"))
         warnings = self.summary("bar")["warnings"]
-        self.assertTrue(any("cannot be made shorter" in warning for warning in warnings), warnings)
+        self.assertTrue(any("steps cannot be made shorter although" in warning for warning in warnings), warnings)
 
     def test_step_that_does_not_converge_ends_the_history(self):
         run = self.walk(BAR + "&solver method = 'psor'  max_iterations = 3 /\n", status=4)
@@ -153,20 +157,111 @@ class History(ProgramTest):
                          "&steps obstacle = 'bottom'  shift_y = 0.0, 4.0 /\n", status=4)
         self.assertIn("the body overlaps the obstacle", run.stderr)
 
-    def test_interrupted_history_leaves_nothing(self):
-        deck = self.write("deck.nml", BAR.replace("substeps = 4", "substeps = 200000"))
-        run = subprocess.Popen([PROGRAM, "--quiet", "--output", "out", deck], cwd=self.directory, encoding="utf-8",
-                               stderr=subprocess.PIPE)
+    def start(self, text):
+        """Starts the program on a deck and does not wait for it."""
+        run = subprocess.Popen([PROGRAM, "--quiet", "--output", "out", self.write("deck.nml", text)],
+                               cwd=self.directory, encoding="utf-8", stderr=subprocess.PIPE)
         self.addCleanup(run.kill)
-        while run.poll() is None and not self.contents_of_results():
+        return run
+
+    def n_noted(self):
+        """How many lines the checkpoint has behind its key."""
+        try:
+            return (self.directory / "out" / "bar.history.checkpoint").read_bytes().count(b" rows\n")
+        except FileNotFoundError:
+            return 0
+
+    def growing(self):
+        """The tables and grids of the bar's history, by name."""
+        results = self.directory / "out"
+        paths = [results / f"bar.{kind}" for kind in GROWING] + list(results.glob("bar.history/*.vtu"))
+        return {path.name: path.read_bytes() for path in paths}
+
+    def test_interrupted_history_goes_on(self):
+        text = BAR.replace("substeps = 4", "substeps = 200000")
+        run = self.start(text)
+        while self.n_noted() == 0 and run.poll() is None:
             time.sleep(0.005)
-        # The first report, which lets interrupts wait for the end of a step, comes with the file.
-        time.sleep(0.2)
         run.send_signal(signal.SIGINT)
         _, message = run.communicate()
         self.assertEqual(run.returncode, 5)
-        self.assertRegex(message, "^deck.nml: interrupted after step [0-9]+; no files of the history are left")
-        self.assertEqual(self.contents_of_results(), [])
+        self.assertRegex(message, "^deck.nml: interrupted after step [0-9]+; the same command goes on from there")
+        self.assertEqual(sorted(path.name for path in self.contents_of_results()),
+                         ["bar.history.checkpoint", "bar.history.csv.part"])
+        # Another deck begins anew, and says so.
+        self.walk(BAR)
+        self.assertEqual(self.summary("bar")["load_history"]["steps_done_earlier"], 0)
+        self.assertIn("all steps were taken anew", self.text("bar.lst"))
+        self.assertFalse((self.directory / "out" / "bar.history.checkpoint").exists())
+
+    def test_history_killed_at_any_moment_has_the_same_bytes(self):
+        chance = random.Random(2006)
+        # Halved steps, grids between the notes, and enough rows that notes are written every so often.
+        text = (BAR.replace("substeps = 4", "substeps = 1000  step_tolerance = 1e-4")
+                + "&output fields_every = 700  points_every = 5  states_every = 500  probe = 0.0, 0.0 /\n")
+        begin = time.monotonic()
+        self.walk(text)
+        duration = time.monotonic() - begin
+        expected, summary = self.growing(), self.summary("bar")
+        summary["load_history"].pop("steps_done_earlier")
+        listing = re.search("Energies of the history.*Last step", self.text("bar.lst"), re.DOTALL).group()
+        n_resumed = 0
+        for _ in range(6):
+            for path in self.contents_of_results():
+                if path.is_file():
+                    path.unlink()
+            for _ in range(3):
+                run = self.start(text)
+                time.sleep((0.3 + 0.6*chance.random())*duration)
+                run.kill()
+                run.communicate()
+            self.walk(text)
+            found = self.summary("bar")
+            self.assertEqual(self.growing(), expected)
+            n_resumed += found["load_history"].pop("steps_done_earlier") > 0
+            self.assertEqual(found["load_history"], summary["load_history"])
+            self.assertEqual(found["certificate"], summary["certificate"])
+            self.assertIn(listing, self.text("bar.lst"))
+        self.assertGreater(n_resumed, 0)
+
+    def test_restart_from_any_written_step_has_the_same_bytes(self):
+        text = (BAR.replace("substeps = 4", "substeps = 4  step_tolerance = 0.1")
+                + "&output points_every = 1  states_every = 3 /\n")
+        self.walk(text)
+        rows = self.text("bar.history.csv").splitlines()
+        points = self.text("bar.points.csv").splitlines()
+        states = [row.split(",")[0] for row in self.text("bar.states.csv").splitlines()[1:]]
+        self.assertEqual(states, [str(step) for step in range(1, len(rows), 3)])
+        contact = self.text("bar.contact.csv")
+        shutil.copy(self.directory / "out" / "bar.states.csv", self.directory)
+        for step in states:
+            start = "" if step == states[-1] else f"  start_step = {step}"
+            self.walk(text.replace("substeps = 4", f"substeps = 4  start = 'bar.states.csv'{start}"))
+            self.assertEqual(self.text("bar.history.csv").splitlines(), [rows[0], *rows[int(step) + 1:]])
+            behind = [row for row in points[1:] if int(row.split(",")[0]) > int(step)]
+            self.assertEqual(self.text("bar.points.csv").splitlines(), [points[0], *behind])
+            self.assertEqual(self.text("bar.contact.csv"), contact)
+        self.assertIn("bar.states.csv", self.text("bar.lst"))
+        self.run_program("--quiet", "--verify", "out")
+
+    def test_start_that_does_not_fit_is_refused(self):
+        self.walk(BAR + "&output states_every = 20 /\n")
+        shutil.copy(self.directory / "out" / "bar.states.csv", self.directory)
+        started = BAR.replace("&history", "&history start = 'bar.states.csv'")
+        for text, message in (
+                (started.replace("cells = 32", "cells = 16"),
+                 "bar.states.csv: this state cannot be the start: it is of 33 contact points, the body has 17"),
+                (started.replace("start = 'bar.states.csv'", "start = 'bar.states.csv'  start_step = 2"),
+                 "bar.states.csv: expected the state of step 2, as NAME.states.csv has it"),
+                (started.replace("times = 0.0", "times = 0.5").replace("'bar.states.csv'",
+                                                                       "'bar.states.csv'  start_step = 1"),
+                 "bar.states.csv: this state cannot be the start: it is of the time 0.0, the times are from 0.5 to "
+                 "5.0"),
+                (started.replace("bar.states.csv", "deck.nml"),
+                 "deck.nml: expected states of a history, as NAME.states.csv has them"),
+                (started.replace("bar.states.csv", "nothing.csv"), "nothing.csv: cannot read this file: No such")):
+            run = self.walk(text, status=1)
+            self.assertIn(message, run.stderr)
 
     def contents_of_results(self):
         """The files in the folder of the results, if there is one."""

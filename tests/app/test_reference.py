@@ -23,11 +23,14 @@ COMPANIONS = {
     ("sweep", "count"): {"load": "'push'", "factor": "1.0, 2.0"},
     ("sweep", "combine"): {"load": "'push'", "factor": "1.0, 2.0"},
     ("contact", "radius"): {"set": "'bottom'", "obstacle": "'circle'"},
+    **{("contact", key): {"set": "'bottom'", "against": "'below.top'"} for key in ("search", "gap")},
     ("contact", "cells"): {"set": "'bottom'", "multipliers": "'constant'"},
     ("contact", "cell_ends"): {"set": "'bottom'", "multipliers": "'constant'"},
     ("problem", "friction"): {"kind": "'reduced'", "file": "'none.dat'"},
     **{("history", key): {"times": "0.0, 1.0"}
        for key in ("times", "name", "substeps", "step_tolerance", "min_step")},
+    ("history", "start"): {"times": "0.0, 1.0"},
+    ("history", "start_step"): {"times": "0.0, 1.0", "start": "'none.csv'"},
     **{("steps", key): {"load": "'push'", "factor": "1.0"} for key in ("load", "factor")},
     **{("steps", key): {"obstacle": "'bottom'", "shift_x": "0.0", "turn": "0.0"}
        for key in ("obstacle", "shift_x", "shift_y", "turn", "pivot")},
@@ -35,9 +38,14 @@ COMPANIONS = {
 }
 # What a deck needs besides, for a key to stand in it.
 HISTORY = {"history": {"times": "0.0"}}
+SECOND_BODY = {"mesh name = 'below'  size = 4.0, 2.0  cells = 3, 2  origin = 0.0, -2.0": {},
+               "support set = 'below.bottom'  ux = 0.0  uy = 0.0": {}}
 BESIDES = {
+    ("contact", "search"): SECOND_BODY,
+    ("contact", "gap"): SECOND_BODY,
     ("output", "fields_every"): {"sweep": {"friction": "0.1, 0.2"}},
     ("output", "points_every"): HISTORY,
+    ("output", "states_every"): HISTORY,
     ("output", "probe"): HISTORY,
     **{("steps", key): HISTORY for key in ("load", "factor", "obstacle", "shift_x", "shift_y", "turn", "pivot",
                                           "friction_factor")},

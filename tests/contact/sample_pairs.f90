@@ -23,9 +23,12 @@ contains
       real(dp), intent(in) :: size(2) !! width and height [L]
       integer, intent(in) :: cells(2) !! number of cells along x and y
       character(*), intent(in) :: element !! kind of element
+      type(rectangle_t) :: rectangle
       type(error_t), allocatable :: error
 
-      call new_rectangle_mesh(mesh, rectangle_t(size, cells, trim(element), 'right'), error)
+      rectangle = rectangle_t(size, cells, diagonal='right')
+      rectangle%element = trim(element)
+      call new_rectangle_mesh(mesh, rectangle, error)
       mesh%coordinates = mesh%coordinates + spread(origin, 2, mesh%n_nodes)
       call name_mesh(mesh, name)
    end subroutine block_mesh

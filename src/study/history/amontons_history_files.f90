@@ -1,16 +1,21 @@
-!> The files that grow with the steps of a history: its table, the table of the contact points, the grids of some steps.
+!> The files that grow with the steps of a history: its table, that of the contact points, that of the states from which
+!> it can go on, the grids of some steps.
+!>
+!> The tables are those of a checkpoint: a history that dies goes on behind the rows that it noted last.
 module amontons_history_files
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
-   use amontons_collection, only: collection_t, new_collection
+   use amontons_checkpoint, only: checkpoint_t, milestone_t, new_checkpoint
+   use amontons_collection, only: case_entries, collection_head, collection_t, collection_tail
    use amontons_error, only: error_t
    use amontons_grids, only: write_grids
+   use amontons_history, only: is_shown
    use amontons_history_model, only: history_model_t
-   use amontons_history_table, only: history_header, history_row, points_header, points_rows
+   use amontons_history_table, only: history_header, history_row, points_header, points_rows, states_header, states_row
+   use amontons_history_walk, only: history_walk_t
    use amontons_manifest, only: manifest_t
-   use amontons_output_file, only: new_output_file, output_file_t
+   use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
-   use amontons_stepper, only: step_state_t
    use amontons_system, only: make_directory
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -18,71 +23,88 @@ module amontons_history_files
 
    public :: history_files_t, new_history_files
 
-   !> The files, under their temporary names until the history is reported.
+   !> Endings of the tables, the first always there.
+   character(*), parameter :: endings(4) = [character(12) :: '.history.csv', '.points.csv', '.states.csv', &
+      '.history.pvd']
+   !> The number of each table in this list.
+   integer, parameter :: history_table = 1, points_table = 2, states_table = 3, collection_table = 4
+
+   !> The files, under names of their own until the history is reported.
    type :: history_files_t
       private
       character(:), allocatable :: directory !! output directory, a slash behind it
+      character(:), allocatable :: name !! name of the case
       character(:), allocatable :: folder !! folder of the grids in it, a slash behind it
-      type(output_file_t) :: table !! NAME.history.csv
-      type(output_file_t) :: points !! NAME.points.csv
-      type(collection_t) :: collection !! NAME.history.pvd
-      logical :: has_points = .false. !! whether the contact points are written
-      logical :: has_fields = .false. !! whether grids are written
-      integer :: state = 0 !! status of the last write statement; nothing is written after a failure
+      type(checkpoint_t), public :: checkpoint !! the tables
+      integer :: place(size(endings)) = 0 !! the place of each table in the checkpoint; 0 if it is not written
+      type(collection_t) :: collection !! the units of the grids, and their manifest
    contains
       procedure, public :: add_fields => history_files_add_fields
       procedure, public :: add_step => history_files_add_step
-      procedure, public :: discard => history_files_discard
       procedure, public :: finish => history_files_finish
+      procedure, public :: open => history_files_open
    end type history_files_t
 
 contains
 
-   !> Opens the files that the deck asks for.
-   subroutine new_history_files(files, model, directory, label, error)
+   !> Names the files that the deck asks for.
+   pure subroutine new_history_files(files, model, body, directory, label)
       type(history_files_t), intent(out) :: files !! the files
       type(history_model_t), intent(in) :: model !! the history
-      character(*), intent(in) :: directory !! output directory, made if it is not there
+      type(body_t), intent(in) :: body !! the body
+      character(*), intent(in) :: directory !! output directory
       class(case_label_t), intent(in) :: label !! what the case is called
-      type(error_t), allocatable, intent(out) :: error !! a file cannot be opened
-      integer :: state
 
       files%directory = directory//'/'
+      files%name = label%name
       files%folder = label%name//'.history/'
-      call make_directory(directory, error)
-      if (.not. allocated(error)) call new_output_file(files%table, &
-         files%directory//label%name//'.history.csv', .true., error)
-      if (allocated(error)) return
-      write (files%table%unit, iostat=state) history_header(model%history)
-      files%state = state
-      if (model%history%points_every > 0) then
-         call new_output_file(files%points, files%directory//label%name//'.points.csv', .true., error)
-         if (allocated(error)) return
-         files%has_points = .true.
-         if (state == 0) write (files%points%unit, iostat=state) points_header(model%history)
-         files%state = state
-      end if
-      if (model%history%fields_every == 0) return
-      call make_directory(files%directory//files%folder, error)
-      if (.not. allocated(error)) call new_collection(files%collection, &
-         files%directory//label%name//'.history.pvd', label%units, error)
-      files%has_fields = .not. allocated(error)
+      files%collection%units = label%units
+      call new_checkpoint(files%checkpoint, directory//'/'//label%name//'.history')
+      call add_table(files, history_table, history_header(model%history))
+      if (model%history%points_every > 0) call add_table(files, points_table, points_header(model%history))
+      if (model%history%states_every > 0) call add_table(files, states_table, &
+         states_header(model%history, body%zone%n_points))
+      if (model%history%fields_every > 0) call add_table(files, collection_table, collection_head)
    end subroutine new_history_files
 
-   !> Writes the row of a step, and the rows of its contact points where they are asked for.
-   subroutine history_files_add_step(self, model, body, number, state)
+   !> Adds a table.
+   pure subroutine add_table(files, table, header)
+      type(history_files_t), intent(inout) :: files !! the files
+      integer, intent(in) :: table !! which table
+      character(*), intent(in) :: header !! what it begins with
+
+      call files%checkpoint%add_table(files%directory//files%name//trim(endings(table))//'.part', header)
+      files%place(table) = maxval(files%place) + 1
+   end subroutine add_table
+
+   !> Opens the files, behind what an earlier run has left of the same history.
+   subroutine history_files_open(self, model, key, milestone, error)
+      class(history_files_t), intent(inout) :: self !! the files
+      type(history_model_t), intent(in) :: model !! the history
+      character(*), intent(in) :: key !! what the history depends on, lines of text
+      class(milestone_t), intent(inout) :: milestone !! none; gains how far the earlier run came
+      type(error_t), allocatable, intent(out) :: error !! they cannot be written
+
+      call make_directory(self%directory, error)
+      if (.not. allocated(error) .and. model%history%fields_every > 0) call make_directory(self%directory// &
+         self%folder, error)
+      if (.not. allocated(error)) call self%checkpoint%open(key, milestone, error)
+   end subroutine history_files_open
+
+   !> Adds the row of a step, and those of its contact points and its state where they are asked for.
+   subroutine history_files_add_step(self, model, body, walk)
       class(history_files_t), intent(inout) :: self !! the files
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
-      integer, intent(in) :: number !! number of the step
-      type(step_state_t), intent(in) :: state !! the state at its end
+      type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
 
-      ! allow(C181): `finish` checks the state
-      if (self%state == 0) write (self%table%unit, iostat=self%state) history_row(model, body, number, state)
-      if (.not. self%has_points) return
-      if (modulo(number - 1, model%history%points_every) /= 0) return
-      ! allow(C181): `finish` checks the state
-      if (self%state == 0) write (self%points%unit, iostat=self%state) points_rows(model, body, number, state)
+      associate (history => model%history, number => walk%n_steps, checkpoint => self%checkpoint)
+         call checkpoint%add_rows(1, history_row(model, body, number, walk%state))
+         if (is_shown(number, history%points_every)) call checkpoint%add_rows(self%place(points_table), &
+            points_rows(model, body, number, walk%state))
+         if (is_shown(number, history%states_every)) call checkpoint%add_rows(self%place(states_table), &
+            states_row(walk))
+      end associate
    end subroutine history_files_add_step
 
    !> Writes the grids of a step.
@@ -95,40 +117,39 @@ contains
       type(error_t), allocatable, intent(out) :: error !! a grid cannot be written
 
       call write_grids(self%collection, self%directory, self%folder, to_text(number), body, result, error)
-      if (.not. allocated(error)) call self%collection%add(time, self%folder//to_text(number))
+      if (.not. allocated(error)) call self%checkpoint%add_rows(self%place(collection_table), case_entries(time, &
+         self%folder//to_text(number)))
    end subroutine history_files_add_fields
 
-   !> Closes all files; they still have their temporary names.
-   subroutine history_files_finish(self, finished, manifest, error)
+   !> Ends the tables; they still have names of their own. Grids that an earlier run wrote are listed as they are.
+   subroutine history_files_finish(self, model, n_steps, n_resumed, finished, manifest, error)
       class(history_files_t), intent(inout) :: self !! the files
-      type(output_file_t), allocatable, intent(out) :: finished(:) !! the finished files
+      type(history_model_t), intent(in) :: model !! the history
+      integer, intent(in) :: n_steps !! number of its last step
+      integer, intent(in) :: n_resumed !! number of the last step of an earlier run
+      type(output_file_t), allocatable, intent(out) :: finished(:) !! the finished tables
       type(manifest_t), intent(out) :: manifest !! the manifest of the grids
       type(error_t), allocatable, intent(out) :: error !! not everything could be written
-      integer :: n
+      integer :: table, number
 
-      allocate (finished(1 + count([self%has_points, self%has_fields])))
-      call self%table%finish(self%state, error)
-      if (allocated(error)) return
-      finished(1) = self%table
-      n = 1
-      if (self%has_points) then
-         call self%points%finish(0, error)
+      if (self%place(collection_table) > 0) call self%checkpoint%end_table(self%place(collection_table), &
+         collection_tail, error)
+      do number = 1, min(n_steps, n_resumed)
          if (allocated(error)) return
-         n = n + 1
-         finished(n) = self%points
-      end if
-      if (.not. self%has_fields) return
-      call self%collection%finish(finished(n + 1), error)
+         if (.not. is_shown(number, model%history%fields_every)) cycle
+         associate (stem => self%directory//self%folder//to_text(number))
+            call self%collection%grids%add_written(stem//'.vtu', stem//'.vtu', self%folder, error)
+            if (.not. allocated(error)) call self%collection%grids%add_written(stem//'.contact.vtu', &
+               stem//'.contact.vtu', self%folder, error)
+         end associate
+      end do
+      if (allocated(error)) return
       manifest = self%collection%grids
+      allocate (finished(maxval(self%place)))
+      do table = 1, size(endings)
+         if (self%place(table) > 0) call self%checkpoint%table_file(finished(self%place(table)), self%place(table), &
+            self%directory//self%name//trim(endings(table)))
+      end do
    end subroutine history_files_finish
-
-   !> Removes what was written, but for grids that have their names already.
-   subroutine history_files_discard(self)
-      class(history_files_t), intent(inout) :: self !! the files
-
-      call self%table%discard()
-      if (self%has_points) call self%points%discard()
-      if (self%has_fields) call self%collection%discard()
-   end subroutine history_files_discard
 
 end module amontons_history_files

@@ -4,6 +4,7 @@
 !> of them serves all steps. Part 1 is what does not change.
 module amontons_history_model
    use amontons_body, only: body_t
+   use amontons_checksum, only: checksum_t
    use amontons_config, only: config_t
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t
@@ -36,6 +37,7 @@ module amontons_history_model
       real(dp), allocatable, private :: probe_row(:, :) !! their displacements per contact displacement (2m, 2 probes)
    contains
       procedure :: at => history_model_at
+      procedure :: fingerprint => history_model_fingerprint
       procedure :: load_case => history_model_load_case
       procedure :: pose => history_model_pose
       procedure :: probed => history_model_probed
@@ -303,5 +305,26 @@ contains
             + matmul(self%energies%field(:, self%probe(i), :), factor)
       end do
    end function history_model_probed
+
+   !> A text that tells whether two models are the same to the last bit: files that a deck names may have changed
+   !> although the deck has not.
+   pure function history_model_fingerprint(self) result(text)
+      class(history_model_t), intent(in) :: self !! the model
+      character(:), allocatable :: text
+      type(checksum_t) :: checksum
+      integer :: i
+
+      call checksum%add([self%fixed%gap, self%fixed%friction, self%fixed%slip_bound])
+      do i = 1, size(self%parts)
+         call checksum%add(self%load(:, i))
+         ! The fields of the parts know the whole stiffness.
+         call checksum%add(reshape(self%energies%field(:, :, i), [size(self%energies%field(:, :, i))]))
+      end do
+      do i = 1, size(self%history%steps)
+         if (allocated(self%history%steps(i)%table)) call checksum%add(reshape(self%history%steps(i)%table, &
+            [size(self%history%steps(i)%table)]))
+      end do
+      text = to_text(checksum%value())
+   end function history_model_fingerprint
 
 end module amontons_history_model

@@ -19,9 +19,8 @@ module amontons_history_report
 contains
 
    !> The section of the listing.
-   function history_listing(config, body, result) result(text)
+   function history_listing(config, result) result(text)
       type(config_t), intent(in) :: config !! the deck
-      type(body_t), intent(in) :: body !! the body
       type(history_result_t), intent(in) :: result !! the result
       character(:), allocatable :: text
       integer :: i
@@ -34,6 +33,11 @@ contains
          text = text//constant_loads_text(config)
          if (len(walk%fault) > 0) text = text//line('INCOMPLETE', walk%fault)
          text = text//line('Steps', to_text(walk%n_steps)//', row by row in '//config%name//'.history.csv')
+         if (history%has_start()) text = text//line('Start', history%start)
+         if (result%n_resumed > 0) text = text//line('Resumed', 'behind step '//to_text(result%n_resumed)// &
+            ' of an interrupted run')
+         if (result%checkpoint%is_anew) text = text//line('Note', 'an interrupted run had left steps of another'// &
+            ' deck; all steps were taken anew')
          if (walk%n_given_up > 0) text = text//line('Halved', to_text(walk%n_given_up)//' steps')
          text = text//line('Iterations', to_text(walk%n_iterations)//', '// &
             short(real(walk%n_iterations, dp)/max(1, walk%n_steps))//' per step')// &
@@ -41,7 +45,7 @@ contains
             worst_text('Step indicator', result%indicator)//line('Certified', to_text(result%n_certified)// &
             ' steps; largest violation '//scientific(result%violation%value)//' in step '// &
             to_text(result%violation%step))
-         text = text//balance_text(walk%state)//times_table(history, body, result%reached)
+         text = text//balance_text(walk%state)//times_table(history, result%reached)
          text = text//heading('Last step (slips count from its beginning, displacements from rest)')
       end associate
    end function history_listing
@@ -112,28 +116,20 @@ contains
    end function balance_text
 
    !> The states at the times of the deck, with what the time since the one before took.
-   pure function times_table(history, body, reached) result(text)
+   pure function times_table(history, reached) result(text)
       type(history_t), intent(in) :: history !! the history
-      type(body_t), intent(in) :: body !! the body
-      type(step_state_t), intent(in) :: reached(:) !! the states at its times that were reached
+      real(dp), intent(in) :: reached(:, :) !! the times, each with what is known of it
       character(:), allocatable :: text
-      character(140) :: rows(0:size(reached))
-      type(lengths_t) :: lengths
-      real(dp) :: work, before(2)
+      character(140) :: rows(0:size(reached, 2))
+      real(dp) :: before(2)
       integer :: i
 
       write (rows(0), '(9a13)') history%name(:min(12, len(history%name))), 'open', 'slip', 'stick', 'normal force', &
          'tang. force', 'strain energy', 'work', 'dissipated'
       before = 0.0_dp
-      do i = 1, size(reached)
-         associate (state => reached(i), m => body%zone%n_points)
-            call new_lengths(lengths, body%zone, state%solution%status)
-            work = state%load_work + state%support_work + state%obstacle_work
-            rows(i) = columns([state%instant%time, lengths%open, lengths%slip, lengths%stick, &
-               sum(state%solution%force(:m)), sum(state%solution%force(m + 1:)), state%strain_energy, &
-               work - before(1), sum(state%dissipation) - before(2)])
-            before = [work, sum(state%dissipation)]
-         end associate
+      do i = 1, size(reached, 2)
+         rows(i) = columns([reached(:7, i), reached(8:, i) - before])
+         before = reached(8:, i)
       end do
       text = heading('States at the times of the deck (work and dissipation: since the time before)')//as_lines(rows)
    end function times_table
@@ -147,8 +143,8 @@ contains
 
       associate (walk => result%walk, state => result%walk%state)
          text = '{"complete": '//truth(len(walk%fault) == 0)//', "end": '//string(walk%fault)//', "steps": '// &
-            to_text(walk%n_steps)//', "steps_given_up": '//to_text(walk%n_given_up)//', "iterations": '// &
-            to_text(walk%n_iterations)//', "changes": ['
+            to_text(walk%n_steps)//', "steps_done_earlier": '//to_text(result%n_resumed)//', "steps_given_up": '// &
+            to_text(walk%n_given_up)//', "iterations": '//to_text(walk%n_iterations)//', "changes": ['
          do i = 1, size(config%history%steps)
             do k = 1, config%history%steps(i)%n_numbers()
                if (i > 1 .or. k > 1) text = text//', '

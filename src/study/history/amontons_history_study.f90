@@ -78,14 +78,16 @@ contains
       if (result%is_interrupted) then
          outcome%status = status_interrupted
          outcome%word = 'interrupted'
-         outcome%message = 'interrupted after step '//to_text(result%walk%n_steps)//'; no files of the history are'// &
-            ' left, and the same command begins anew'
+         outcome%message = 'interrupted after step '//to_text(result%walk%n_steps)//'; the same command goes on'// &
+            ' from there'
          return
       end if
       result%last%is_complete = len(result%walk%fault) == 0
-      result%last%study_listing = history_listing(self%config, cache%body, result)
+      result%last%study_listing = history_listing(self%config, result)
       result%last%study_members = history_members(self%config, result)
       call write_report(options%directory, self%config, cache%body, result%last, error, result%files)
+      if (.not. allocated(error)) call result%checkpoint%remove()
+      call result%checkpoint%close()
       if (allocated(error)) return
       outcome%text = solved_text(self%config%name, result)
       outcome%warnings = result%last%warnings

@@ -1,25 +1,30 @@
-!> NAME.history.csv and NAME.points.csv: a row for each step of a history, and one for each contact point of some.
+!> NAME.history.csv, NAME.points.csv and NAME.states.csv: a row for each step of a history, one for each contact point
+!> of some, and one with all that a history needs to go on behind a step.
 module amontons_history_table
    use amontons_body, only: body_t
    use amontons_decimal, only: longest_decimal
    use amontons_friction_law, only: status_names
    use amontons_history, only: history_t
    use amontons_history_model, only: history_model_t
+   use amontons_history_walk, only: history_walk_t
    use amontons_kinds, only: dp
    use amontons_lengths, only: lengths_t, new_lengths
    use amontons_row_text, only: field, status_runs
    use amontons_stepper, only: step_state_t
-   use amontons_text, only: newline, put_decimals
+   use amontons_text, only: comma_separated, newline, put_decimals, to_text
    implicit none (type, external)
    private
 
-   public :: history_header, history_row, points_header, points_rows
+   public :: history_header, history_row, points_header, points_rows, states_header, states_row
 
    !> Numbers that every step has besides those of its changes and probes, in the order of `history_row`.
    character(20), parameter :: labels(*) = [character(20) :: 'open_length', 'slip_length', 'stick_length', &
       'normal_force', 'tangential_force', 'work_loads', 'work_supports', 'work_obstacles', 'strain_energy', &
       'dissipation_step', 'dissipation', 'closing_loss', 'step_indicator', 'energy_error', 'max_slip', &
       'max_slip_accumulated', 'residual']
+   !> What the states have of each contact point.
+   character(23), parameter :: state_labels(*) = [character(23) :: 'normal_force', 'tangential_force', &
+      'normal_displacement', 'tangential_displacement', 'anchor', 'slip_accumulated', 'dissipation']
    !> The columns of the contact points behind step and time.
    character(*), parameter :: point_labels = 'point,normal_force,tangential_force,gap,slip,slip_step,'// &
       'slip_accumulated,dissipation,status'
@@ -123,5 +128,34 @@ contains
       end do
       rows = buffer(:length)
    end function points_rows
+
+   !> The header of the states.
+   pure function states_header(history, n_points) result(text)
+      type(history_t), intent(in) :: history !! the history
+      integer, intent(in) :: n_points !! number of contact points
+      character(:), allocatable :: text
+      character(12) :: number
+      integer :: i, p
+
+      text = 'step,steps_given_up,iterations,length,'//history%name// &
+         ',work_loads,work_supports,work_obstacles,residual,iterations_step'
+      do i = 1, size(state_labels)
+         do p = 1, n_points
+            write (number, '(i0)') p
+            text = text//','//trim(state_labels(i))//'_'//trim(number)
+         end do
+      end do
+      text = text//newline
+   end function states_header
+
+   !> The row of a state: what a history needs to go on from there.
+   pure function states_row(walk) result(row)
+      type(history_walk_t), intent(in) :: walk !! the way
+      character(:), allocatable :: row
+      real(dp), allocatable :: numbers(:)
+
+      numbers = walk%numbers()
+      row = to_text(walk%n_steps)//','//comma_separated(numbers(2:))//newline
+   end function states_row
 
 end module amontons_history_table

@@ -11,7 +11,7 @@ module amontons_history_walk
    use amontons_history, only: history_t
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_kinds, only: dp
-   use amontons_stepper, only: new_step_state, step_state_t, take_step
+   use amontons_stepper, only: new_step_state, restore_step_state, step_state_t, take_step
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -23,6 +23,9 @@ module amontons_history_walk
    !> Its length in the smallest steps.
    integer, parameter :: n_ticks = 2**most_halvings
 
+   !> Numbers that the way keeps besides those of its state.
+   integer, parameter :: n_own = 4
+
    !> Where the way has come to.
    type :: history_walk_t
       type(step_state_t) :: state !! the state at the end of the last step that was kept
@@ -32,11 +35,13 @@ module amontons_history_walk
       integer :: n_iterations = 0 !! iterations of all steps, those given up included
       logical :: is_ended = .false. !! whether there is no way on: all times are reached, or a step cannot be taken
       character(:), allocatable :: fault !! why a step cannot be taken; empty as long as all could
-      character(:), allocatable :: notes !! of the last step: that its energies do not balance; empty else
+      logical :: is_jump = .false. !! whether the energies of the last step do not balance
       integer, private :: tick = 0 !! how far it is on the way to the next planned time, in smallest steps
       integer, private :: length = n_ticks !! length of the next step in smallest steps
    contains
       procedure :: advance => history_walk_advance
+      procedure :: numbers => history_walk_numbers
+      procedure :: restore => history_walk_restore
       procedure, private :: can_halve => history_walk_can_halve
       procedure, private :: plan => history_walk_plan
    end type history_walk_t
@@ -51,8 +56,45 @@ contains
 
       call new_step_state(walk%state, model, body)
       walk%fault = ''
-      walk%notes = ''
    end subroutine new_history_walk
+
+   !> What the way must be restored from.
+   pure function history_walk_numbers(self) result(numbers)
+      class(history_walk_t), intent(in) :: self !! the way
+      real(dp), allocatable :: numbers(:)
+
+      numbers = [real([self%n_steps, self%n_given_up, self%n_iterations, self%length], dp), self%state%numbers()]
+   end function history_walk_numbers
+
+   !> Goes to where the way was when it gave its numbers, perhaps through a history of other times.
+   subroutine history_walk_restore(self, model, body, problem, numbers, error)
+      class(history_walk_t), intent(inout) :: self !! the way, new
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem
+      real(dp), intent(in) :: numbers(:) !! the numbers
+      type(error_t), allocatable, intent(out) :: error !! they do not fit body and history
+      integer :: i
+      real(dp) :: start
+
+      call restore_step_state(self%state, model, body, problem, numbers(n_own + 1:), error)
+      if (allocated(error)) return
+      self%n_steps = nint(numbers(1))
+      self%n_given_up = nint(numbers(2))
+      self%n_iterations = nint(numbers(3))
+      associate (time => self%state%instant%time, history => model%history)
+         self%n_planned = count([(history%planned_time(i) <= time, i=1, history%n_steps())])
+         self%is_ended = self%n_planned == history%n_steps()
+         if (self%is_ended) return
+         start = history%planned_time(self%n_planned)
+         self%tick = nint(n_ticks*((time - start)/(history%planned_time(self%n_planned + 1) - start)))
+      end associate
+      ! Times of another history may lie elsewhere: from one of its smallest steps to the next it goes on anyway.
+      self%length = nint(numbers(n_own))
+      do while (modulo(self%tick, self%length) /= 0)
+         self%length = self%length/2
+      end do
+   end subroutine history_walk_restore
 
    !> Takes the next step, as short as it must be. At the end of all times, or where there is no way on, it stays.
    subroutine history_walk_advance(self, model, body, problem, method)
@@ -66,7 +108,7 @@ contains
       logical :: is_balanced
       real(dp) :: time
 
-      self%notes = ''
+      self%is_jump = .false.
       do while (.not. self%is_ended)
          time = self%plan(model%history)
          call try_step(self, model, body, problem, method, time, next, error)
@@ -93,7 +135,7 @@ contains
       else if (.not. next%solution%is_converged) then
          call give_up(walk, time, 'not converged with the smallest step')
       else
-         if (.not. is_balanced) walk%notes = jump_note(walk%n_steps + 1, time, next)
+         walk%is_jump = .not. is_balanced
          call keep(walk, history, next)
       end if
    end subroutine end_step
@@ -123,18 +165,6 @@ contains
       has_balance = state%solution%is_converged
       if (has_balance) has_balance = rounded(state%indicator) <= history%step_tolerance
    end function has_balance
-
-   !> What is said of a step that is kept although its energies do not balance.
-   pure function jump_note(number, time, state) result(note)
-      integer, intent(in) :: number !! number of the step
-      real(dp), intent(in) :: time !! the time that it leads to [-]
-      type(step_state_t), intent(in) :: state !! the state at its end
-      character(:), allocatable :: note
-
-      note = 'step '//to_text(number)//' (to '//to_text(time)// &
-         ') cannot be made shorter, and its energy error is '//to_text(rounded(state%indicator))// &
-         ' of its energies: the state jumps there'
-   end function jump_note
 
    !> Ends the way at the last step that was kept.
    pure subroutine give_up(walk, time, reason)

@@ -1,12 +1,18 @@
 !> The way of a history from its deck to the files that grow with it, and to the result of its last step.
 module amontons_solve_history
-   use amontons_config, only: config_t
+   use amontons_body, only: body_t
+   use amontons_checkpoint, only: checkpoint_t
+   use amontons_config, only: config_t, effective_deck
    use amontons_contact_method, only: contact_method_t
    use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_history, only: history_t, is_shown
    use amontons_history_files, only: history_files_t, new_history_files
+   use amontons_history_milestone, only: history_milestone_t, read_start
    use amontons_history_model, only: history_model_t, new_history_model
    use amontons_history_walk, only: history_walk_t, new_history_walk
    use amontons_kinds, only: dp
+   use amontons_lengths, only: lengths_t, new_lengths
+   use amontons_listing_text, only: scientific
    use amontons_load_case, only: condense_load_case
    use amontons_manifest, only: manifest_t
    use amontons_methods, only: new_contact_method
@@ -17,13 +23,17 @@ module amontons_solve_history
    use amontons_solve_load_case, only: certify, set_factor
    use amontons_stepper, only: step_state_t
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_text, only: to_text
+   use amontons_text, only: newline, to_text
    use amontons_timings, only: phase_recover, phase_solve, phase_write
    use amontons_uniqueness, only: new_uniqueness
+   use amontons_version, only: version
    implicit none (type, external)
    private
 
    public :: history_result_t, solve_history
+
+   !> Numbers that are kept of each time that was reached.
+   integer, parameter :: n_reached_numbers = 9
 
    !> The largest of a number over all steps, and where it was.
    type, public :: worst_step_t
@@ -31,6 +41,7 @@ module amontons_solve_history
       integer :: step = 0 !! the step; 0 if none had more than 0
    contains
       procedure :: note => worst_step_note
+      procedure :: numbers => worst_step_numbers
    end type worst_step_t
 
    !> The result of a history. Its steps are on the disk.
@@ -38,12 +49,17 @@ module amontons_solve_history
       type(result_t) :: last !! the last step, certified on the full model; its times are those of the history
       type(history_walk_t) :: walk !! where the way ended
       type(study_files_t) :: files !! the files that grew with it
-      type(step_state_t), allocatable :: reached(:) !! the states at the times of the deck that were reached
+      type(checkpoint_t) :: checkpoint !! their checkpoint, locked unless the history was interrupted
+      real(dp), allocatable :: reached(:, :)
+         !! the times of the deck that were reached, each with zones, forces, strain energy, work, dissipation (9, n)
       type(worst_step_t) :: residual !! largest residual of the contact problems
       type(worst_step_t) :: imbalance !! largest violation of the energy identities
       type(worst_step_t) :: indicator !! largest energy error of a step over its energies
       type(worst_step_t) :: violation !! largest violation of the certificates
+      type(worst_step_t) :: jump !! largest energy error of a step that cannot be made shorter, over its energies
+      integer :: n_jumps = 0 !! number of such steps
       integer :: n_certified = 0 !! number of steps that were certified
+      integer :: n_resumed = 0 !! number of the last step that an earlier run had done
       logical :: is_interrupted = .false. !! whether the monitor stopped it
    end type history_result_t
 
@@ -64,12 +80,92 @@ contains
       call prepare_history(cache, config, method, model, result%last, error)
       if (allocated(error)) return
       call result%last%timings%begin(phase_solve)
-      call new_history_files(files, model, directory, config, error)
-      if (.not. allocated(error)) call take_steps(cache, model, method, files, monitor, result, error)
-      if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, result, error)
-      if (.not. (allocated(error) .or. result%is_interrupted)) call finish_files(files, config, result%files, error)
-      if (allocated(error) .or. result%is_interrupted) call files%discard()
+      call begin_history(cache, config, directory, model, files, result, error)
+      if (allocated(error)) return
+      call take_steps(cache, model, method, files, monitor, result, error)
+      if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, config, files, &
+         result, error)
+      result%checkpoint = files%checkpoint
+      if (result%is_interrupted) then
+         call result%checkpoint%close()
+      else if (result%walk%n_steps == 0) then
+         call result%checkpoint%discard()
+      else if (allocated(error)) then
+         call result%checkpoint%close()
+      end if
    end subroutine solve_history
+
+   !> Begins where the deck starts, or behind the last step that an earlier run has noted.
+   subroutine begin_history(cache, config, directory, model, files, result, error)
+      type(cache_t), intent(inout) :: cache !! the body; its contact problem may become that of the last step
+      type(config_t), intent(in) :: config !! the deck
+      character(*), intent(in) :: directory !! output directory, made if it is not there
+      type(history_model_t), intent(in) :: model !! the history
+      type(history_files_t), intent(out) :: files !! the files
+      type(history_result_t), intent(inout) :: result !! gains the way, and what is known of it
+      type(error_t), allocatable, intent(out) :: error !! there is no such start, or the files cannot be written
+      type(history_milestone_t) :: milestone
+      character(:), allocatable :: key
+
+      allocate (result%reached(n_reached_numbers, 0))
+      call new_history_walk(result%walk, model, cache%body)
+      key = '! Amontons '//version//', a history under way; contact problem '//model%fingerprint()//newline// &
+         effective_deck(config)
+      if (config%history%has_start()) then
+         call read_start(milestone%numbers, config%history, error)
+         if (.not. allocated(error)) then
+            call result%walk%restore(model, cache%body, cache%problem, milestone%numbers, error)
+            if (allocated(error)) error%message = config%history%start//': this state cannot be the start: '// &
+               error%message
+         end if
+         if (allocated(error)) return
+         key = key//milestone%text()//newline
+         deallocate (milestone%numbers)
+      end if
+      call new_history_files(files, model, cache%body, directory, config)
+      call files%open(model, key, milestone, error)
+      if (.not. allocated(error) .and. allocated(milestone%numbers)) call go_on(cache, model, milestone%numbers, &
+         result, error)
+   end subroutine begin_history
+
+   !> Notes how far the history is.
+   subroutine note_milestone(files, result, error)
+      type(history_files_t), intent(inout) :: files !! the files
+      type(history_result_t), intent(in) :: result !! the history so far
+      type(error_t), allocatable, intent(out) :: error !! the files cannot be written
+      type(history_milestone_t) :: milestone
+
+      if (result%walk%n_steps == 0) return
+      milestone%numbers = [real(result%n_certified, dp), result%residual%numbers(), result%imbalance%numbers(), &
+         result%indicator%numbers(), result%violation%numbers(), result%jump%numbers(), real(result%n_jumps, dp), &
+         real(size(result%reached, 2), dp), reshape(result%reached, [size(result%reached)]), result%walk%numbers()]
+      call files%checkpoint%save(milestone, error)
+   end subroutine note_milestone
+
+   !> Goes on from such a note.
+   subroutine go_on(cache, model, numbers, result, error)
+      type(cache_t), intent(inout) :: cache !! the body
+      type(history_model_t), intent(in) :: model !! the history
+      real(dp), intent(in) :: numbers(:) !! the numbers of the note
+      type(history_result_t), intent(inout) :: result !! the history, new
+      type(error_t), allocatable, intent(out) :: error !! the note does not fit
+      integer, parameter :: n_before = 13
+      integer :: n_reached
+
+      result%n_certified = nint(numbers(1))
+      result%residual = worst_step_t(numbers(2), nint(numbers(3)))
+      result%imbalance = worst_step_t(numbers(4), nint(numbers(5)))
+      result%indicator = worst_step_t(numbers(6), nint(numbers(7)))
+      result%violation = worst_step_t(numbers(8), nint(numbers(9)))
+      result%jump = worst_step_t(numbers(10), nint(numbers(11)))
+      result%n_jumps = nint(numbers(12))
+      n_reached = nint(numbers(n_before))
+      associate (last => n_before + n_reached_numbers*n_reached)
+         result%reached = reshape(numbers(n_before + 1:last), [n_reached_numbers, n_reached])
+         call result%walk%restore(model, cache%body, cache%problem, numbers(last + 1:), error)
+      end associate
+      result%n_resumed = result%walk%n_steps
+   end subroutine go_on
 
    !> Makes what the steps need: the condensed body, the method and the model of the history.
    subroutine prepare_history(cache, config, method, model, last, error)
@@ -91,15 +187,16 @@ contains
       call set_factor(last%factor, cache%body)
    end subroutine prepare_history
 
-   !> Closes the files of a history, and lists them together with the tables that were read.
-   subroutine finish_files(files, config, finished, error)
+   !> Ends the files of a history, and lists them together with the tables that were read.
+   subroutine finish_files(files, model, config, result, error)
       type(history_files_t), intent(inout) :: files !! the files
+      type(history_model_t), intent(in) :: model !! the history
       type(config_t), intent(in) :: config !! the deck
-      type(study_files_t), intent(inout) :: finished !! gains the finished files and their manifest
+      type(history_result_t), intent(inout) :: result !! gains the finished files and their manifest
       type(error_t), allocatable, intent(out) :: error !! not everything could be written
 
-      call files%finish(finished%files, finished%manifest, error)
-      if (.not. allocated(error)) call add_tables(finished%manifest, config)
+      call files%finish(model, result%walk%n_steps, result%n_resumed, result%files%files, result%files%manifest, error)
+      if (.not. allocated(error)) call add_tables(result%files%manifest, config)
    end subroutine finish_files
 
    !> Adds the tables of changes to the files that were read.
@@ -111,6 +208,7 @@ contains
       do i = 1, size(config%history%steps)
          if (allocated(config%history%steps(i)%file)) call manifest%add_input(config%history%steps(i)%file)
       end do
+      if (config%history%has_start()) call manifest%add_input(config%history%start)
    end subroutine add_tables
 
    !> Whether anything changes.
@@ -131,37 +229,62 @@ contains
       type(history_result_t), intent(inout) :: result !! gains the way and its extremes
       type(error_t), allocatable, intent(out) :: error !! fields cannot be written
       integer, parameter :: n_between_reports = 64
-      integer :: n_kept, n_reached
+      integer :: n_kept
 
       associate (walk => result%walk, history => model%history)
-         call new_history_walk(walk, model, cache%body)
-         call monitor%report(0, history%n_steps())
-         allocate (result%reached(size(history%times)))
-         n_reached = 0
+         call monitor%report(walk%n_planned, history%n_steps(), 'steps')
          do while (.not. (walk%is_ended .or. result%is_interrupted))
             n_kept = walk%n_steps
             call walk%advance(model, cache%body, cache%problem, method)
-            if (modulo(walk%n_steps, n_between_reports) == 0) call monitor%report(walk%n_planned, history%n_steps())
+            if (modulo(walk%n_steps, n_between_reports) == 0) call monitor%report(walk%n_planned, history%n_steps(), &
+               'steps')
             result%is_interrupted = monitor%is_stopped()
             if (walk%n_steps == n_kept) exit
-            if (len(walk%notes) > 0) call result%last%warnings%add(walk%notes)
-            call files%add_step(model, cache%body, walk%n_steps, walk%state)
-            call result%residual%note(walk%state%solution%residual, walk%n_steps)
-            call result%imbalance%note(walk%state%imbalance, walk%n_steps)
-            call result%indicator%note(walk%state%indicator, walk%n_steps)
-            if (.not. walk%state%instant%time < history%times(n_reached + 1)) then
-               n_reached = n_reached + 1
-               result%reached(n_reached) = walk%state
-            end if
-            if (history%fields_every > 0) then
-               if (modulo(walk%n_steps - 1, history%fields_every) == 0) call add_fields(cache, model, files, result, &
-                  error)
-               if (allocated(error)) return
-            end if
+            call note_step(cache%body, history, result)
+            call files%add_step(model, cache%body, walk)
+            if (is_shown(walk%n_steps, history%fields_every)) call add_fields(cache, model, files, result, &
+               error)
+            if (allocated(error)) return
+            if (modulo(walk%n_steps, n_between_reports) /= 0) cycle
+            if (files%checkpoint%is_due()) call note_milestone(files, result, error)
+            if (allocated(error)) return
          end do
-         result%reached = result%reached(:n_reached)
       end associate
+      if (result%n_jumps > 0) call result%last%warnings%add(jumps_text(result))
+      call note_milestone(files, result, error)
    end subroutine take_steps
+
+   !> Notes what is remarkable of the last step.
+   pure subroutine note_step(body, history, result)
+      type(body_t), intent(in) :: body !! the body
+      type(history_t), intent(in) :: history !! the history
+      type(history_result_t), intent(inout) :: result !! the history so far
+      type(lengths_t) :: lengths
+
+      associate (walk => result%walk, state => result%walk%state, m => body%zone%n_points)
+         if (walk%is_jump) result%n_jumps = result%n_jumps + 1
+         if (walk%is_jump) call result%jump%note(state%indicator, walk%n_steps)
+         call result%residual%note(state%solution%residual, walk%n_steps)
+         call result%imbalance%note(state%imbalance, walk%n_steps)
+         call result%indicator%note(state%indicator, walk%n_steps)
+         if (.not. any(abs(state%instant%time - history%times) <= 0.0_dp)) return
+         call new_lengths(lengths, body%zone, state%solution%status)
+         result%reached = reshape([result%reached, state%instant%time, lengths%open, lengths%slip, lengths%stick, &
+            sum(state%solution%force(:m)), sum(state%solution%force(m + 1:)), state%strain_energy, &
+            state%load_work + state%support_work + state%obstacle_work, sum(state%dissipation)], &
+            [n_reached_numbers, size(result%reached, 2) + 1])
+      end associate
+   end subroutine note_step
+
+   !> Says where the state jumps.
+   pure function jumps_text(result) result(text)
+      type(history_result_t), intent(in) :: result !! the history
+      character(:), allocatable :: text
+
+      text = to_text(result%n_jumps)//' of '//to_text(result%walk%n_steps)// &
+         ' steps cannot be made shorter although their energy error is above step_tolerance: the state jumps there;'// &
+         ' most in step '//to_text(result%jump%step)//', '//scientific(result%jump%value)//' of its energies'
+   end function jumps_text
 
    !> Certifies the present step and writes its grids.
    subroutine add_fields(cache, model, files, result, error)
@@ -194,10 +317,12 @@ contains
       call certify(step, cache%body, error)
    end subroutine new_step_result
 
-   !> Certifies the last step, and gives it what its files show.
-   subroutine finish_history(cache, model, result, error)
+   !> Certifies the last step, gives it what its files show, and ends the tables.
+   subroutine finish_history(cache, model, config, files, result, error)
       type(cache_t), intent(inout) :: cache !! the body; its contact problem becomes that of the last step
       type(history_model_t), intent(in) :: model !! the history
+      type(config_t), intent(in) :: config !! the deck
+      type(history_files_t), intent(inout) :: files !! the files
       type(history_result_t), intent(inout) :: result !! gains the last step
       type(error_t), allocatable, intent(out) :: error !! there is no step, or its numbers are not finite
 
@@ -216,6 +341,7 @@ contains
       call add_result_warnings(result%last, cache%body)
       call new_uniqueness(result%last%uniqueness, cache%problem)
       call result%last%timings%begin(phase_write)
+      call finish_files(files, model, config, result, error)
    end subroutine finish_history
 
    !> Notes the number of a step.
@@ -228,5 +354,13 @@ contains
       self%value = value
       self%step = step
    end subroutine worst_step_note
+
+   !> The numbers of it.
+   pure function worst_step_numbers(self) result(numbers)
+      class(worst_step_t), intent(in) :: self !! the largest so far
+      real(dp) :: numbers(2)
+
+      numbers = [self%value, real(self%step, dp)]
+   end function worst_step_numbers
 
 end module amontons_solve_history

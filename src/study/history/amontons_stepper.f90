@@ -10,15 +10,21 @@ module amontons_stepper
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_equilibrium, only: check_balance
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, input_refused, new_error
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_newton, only: newton_t
+   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: new_step_state, step_state_t, take_step
+   public :: new_step_state, restore_step_state, step_state_t, take_step
+
+   !> Numbers of a state that are kept besides those of its contact points.
+   integer, parameter :: n_single = 6
+   !> Numbers that are kept of each contact point.
+   integer, parameter :: n_per_point = 7
 
    !> Where a step has led to.
    type :: step_state_t
@@ -41,6 +47,7 @@ module amontons_stepper
       real(dp) :: imbalance = 0.0_dp !! violation of the two energy identities of the step over their terms [-]
    contains
       procedure :: energy_error => step_state_energy_error
+      procedure :: numbers => step_state_numbers
    end type step_state_t
 
 contains
@@ -87,11 +94,74 @@ contains
       if (allocated(error)) return
       after%slip = after%solution%displacement(m + 1:) - after%anchor
       after%accumulated_slip = before%accumulated_slip + abs(after%slip)
-      after%bound = problem%bound(after%solution%force(:m))
-      after%reaction = model%energies%reactions(instant%factor, after%solution%displacement, after%solution%force)
-      after%strain_energy = model%energies%strain_energy(problem, instant%factor, after%solution%displacement)
+      call complete(after, model, problem)
       call add_works(after, model, problem, before)
    end subroutine take_step
+
+   !> Gives a state what follows from its forces and displacements.
+   pure subroutine complete(state, model, problem)
+      type(step_state_t), intent(inout) :: state !! the state
+      type(history_model_t), intent(in) :: model !! the model
+      type(contact_problem_t), intent(in) :: problem !! the contact problem of its step
+
+      associate (factor => state%instant%factor, v => state%solution%displacement, force => state%solution%force)
+         state%bound = problem%bound(force(:problem%n_points))
+         state%reaction = model%energies%reactions(factor, v, force)
+         state%strain_energy = model%energies%strain_energy(problem, factor, v)
+      end associate
+   end subroutine complete
+
+   !> What a state must be restored from: all else follows.
+   pure function step_state_numbers(self) result(numbers)
+      class(step_state_t), intent(in) :: self !! the state
+      real(dp), allocatable :: numbers(:)
+
+      numbers = [self%instant%time, self%load_work, self%support_work, self%obstacle_work, self%solution%residual, &
+         real(self%solution%n_iterations, dp), self%solution%force, self%solution%displacement, self%anchor, &
+         self%accumulated_slip, self%dissipation]
+   end function step_state_numbers
+
+   !> Restores a state from its numbers, to the last bit.
+   subroutine restore_step_state(state, model, body, problem, numbers, error)
+      type(step_state_t), intent(out) :: state !! the state
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem; left with what acts
+      real(dp), intent(in) :: numbers(:) !! the numbers
+      type(error_t), allocatable, intent(out) :: error !! they are those of another body, or of another history
+      integer :: m
+
+      m = body%zone%n_points
+      if (size(numbers) /= n_single + n_per_point*m) then
+         call new_error(error, input_refused, 'it is of '//to_text((size(numbers) - n_single)/n_per_point)// &
+            ' contact points, the body has '//to_text(m))
+      else if (numbers(1) < model%history%times(1) .or. &
+         numbers(1) > model%history%times(size(model%history%times))) then
+         call new_error(error, input_refused, 'it is of the time '//to_text(numbers(1))//', the times are from '// &
+            to_text(model%history%times(1))//' to '//to_text(model%history%times(size(model%history%times))))
+      end if
+      if (.not. allocated(error)) call model%at(body, numbers(1), state%instant, error)
+      if (allocated(error)) return
+      state%load_work = numbers(2)
+      state%support_work = numbers(3)
+      state%obstacle_work = numbers(4)
+      call new_contact_solution(state%solution, m)
+      associate (solution => state%solution, points => numbers(n_single + 1:))
+         solution%residual = numbers(5)
+         solution%n_iterations = nint(numbers(n_single))
+         solution%history = spread(solution%residual, 1, solution%n_iterations)
+         solution%is_converged = .true.
+         solution%force = points(:2*m)
+         solution%displacement = points(2*m + 1:4*m)
+         state%anchor = points(4*m + 1:5*m)
+         state%slip = solution%displacement(m + 1:) - state%anchor
+         state%accumulated_slip = points(5*m + 1:6*m)
+         state%dissipation = points(6*m + 1:)
+      end associate
+      call model%pose(body, state%instant, state%anchor, problem)
+      state%solution%status = problem%status(state%solution%displacement, state%solution%force)
+      call complete(state, model, problem)
+   end subroutine restore_step_state
 
    !> Solves the contact problem of a step: where the deck leaves the method to the program, by Newton from the state
    !> before, whose statuses are nearly right; otherwise, and where that fails, by the deck's method from there.

@@ -5,6 +5,7 @@
 module amontons_solve_sweep
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t
+   use amontons_checkpoint, only: checkpoint_t, new_checkpoint
    use amontons_config, only: config_t, effective_deck
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
@@ -19,7 +20,6 @@ module amontons_solve_sweep
    use amontons_solve_case, only: cache_t, condense_case, prepare_case
    use amontons_solve_load_case, only: certify, set_factor
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_sweep_checkpoint, only: open_sweep_checkpoint, sweep_checkpoint_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
    use amontons_sweep_fields, only: write_sweep_fields
    use amontons_sweep_model, only: new_sweep_model, sweep_model_t
@@ -41,7 +41,7 @@ module amontons_solve_sweep
          !! the converged case with the largest error estimate, certified on the full model; its times are those of the
          !! sweep
       type(sweep_statistics_t) :: statistics !! counts and extremes
-      type(sweep_checkpoint_t) :: checkpoint !! the table, still under its temporary name
+      type(checkpoint_t) :: checkpoint !! the table, still under its temporary name
       type(output_file_t), allocatable :: collection
          !! the collection of the fields, if there is one, still under its temporary name
       type(manifest_t) :: grids !! the manifest of the fields
@@ -85,8 +85,11 @@ contains
       call result%certified%timings%begin(phase_solve)
       call make_directory(directory, error)
       if (allocated(error)) return
-      call open_sweep_checkpoint(result%checkpoint, directory//'/'//config%name, sweep_key(config, task%model), &
-         sweep_header(config%sweep, case_keys(cache%body)), result%statistics, error)
+      associate (stem => directory//'/'//config%name//'.sweep')
+         call new_checkpoint(result%checkpoint, stem)
+         call result%checkpoint%add_table(stem//'.part', sweep_header(config%sweep, case_keys(cache%body)))
+      end associate
+      call result%checkpoint%open(sweep_key(config, task%model), result%statistics, error)
       if (allocated(error)) return
       result%n_resumed = result%statistics%n_cases
       call solve_batches(task, cache%body, monitor, result, error)
@@ -143,7 +146,7 @@ contains
 
       n_cases = int(task%sweep%n_cases())
       n_chunks = n_threads()
-      call monitor%report(result%statistics%n_cases, n_cases)
+      call monitor%report(result%statistics%n_cases, n_cases, 'cases')
       do while (result%statistics%n_cases < n_cases .and. .not. monitor%is_stopped())
          start = wall_seconds()
          allocate (chunks(min(n_chunks, (n_cases - result%statistics%n_cases - 1)/chunk_length + 1)))
@@ -153,9 +156,10 @@ contains
          call solve_chunks(task, body, monitor, chunks)
          call gather_chunks(chunks, rows, result%statistics)
          deallocate (chunks)
-         if (len(rows) > 0) call result%checkpoint%append(rows, result%statistics, error)
+         call result%checkpoint%add_rows(1, rows)
+         if (len(rows) > 0) call result%checkpoint%save(result%statistics, error)
          if (allocated(error)) return
-         call monitor%report(result%statistics%n_cases, n_cases)
+         call monitor%report(result%statistics%n_cases, n_cases, 'cases')
          growth = min(4.0_dp, batch_seconds/max(wall_seconds() - start, tiny(1.0_dp)))
          n_chunks = max(n_threads(), int(n_chunks*growth))
       end do

@@ -35,6 +35,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(output_file_t) :: files(n_files + merge(1, 0, allocated(result%collection)))
       type(file_name_t), allocatable :: earlier(:)
+      type(output_file_t) :: table
       type(manifest_t) :: manifest
       character(:), allocatable :: stem
 
@@ -43,7 +44,8 @@ contains
       call write_files(files, manifest, stem, config, body, result, error)
       if (.not. allocated(error)) call find_earlier_files(earlier, directory, config%name, manifest)
       call hold_signals()
-      if (.not. allocated(error)) call result%checkpoint%commit(stem//'.sweep.csv', error)
+      call result%checkpoint%table_file(table, 1, stem//'.sweep.csv')
+      if (.not. allocated(error)) call table%commit(error)
       call commit_files(files, error, earlier)
       if (.not. allocated(error)) call result%checkpoint%remove()
       call result%checkpoint%close()
@@ -82,7 +84,7 @@ contains
       manifest = result%grids
       call manifest%add_outputs(files, '', error)
       if (allocated(error)) return
-      call manifest%outputs%append_known(config%name//'.sweep.csv', result%checkpoint%table)
+      call manifest%outputs%append_known(config%name//'.sweep.csv', result%checkpoint%checksum(1))
       associate (load_case => result%certified%load_case)
          call manifest%add_inputs(body%mesh, load_case%contacts, load_case%loads)
       end associate

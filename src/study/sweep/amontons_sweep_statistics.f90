@@ -1,6 +1,7 @@
 !> What is known of the cases of a sweep together: how many converged, and the extremes of their results.
 module amontons_sweep_statistics
    use amontons_body, only: body_t
+   use amontons_checkpoint, only: milestone_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_key_results, only: contact_peaks, find_zones, resultants, set_results
    use amontons_kinds, only: dp, int64
@@ -39,7 +40,7 @@ module amontons_sweep_statistics
    end type case_result_t
 
    !> Counts and extremes of the first cases of a sweep. Extremes are those of converged cases.
-   type :: sweep_statistics_t
+   type, extends(milestone_t) :: sweep_statistics_t
       integer :: n_cases = 0 !! number of cases
       integer :: n_outcomes(size(outcome_names)) = 0 !! number of cases of each outcome
       integer(int64) :: n_iterations = 0 !! sum of their iterations

@@ -1,0 +1,359 @@
+!> Tables of a long study on the disk, such that a run which dies at any moment can be gone on with.
+!>
+!> The tables grow under names of their own and are renamed at the end. STEM.checkpoint begins with the key of the
+!> study, a text that tells studies apart; each further line counts the bytes of each table and holds the progress of
+!> the study, the checksums of the tables and that of the line. A line is written when its rows are on the disk. What
+!> stands behind the last whole line, or behind the bytes that it counts, was in flight and is cut off. Where a checksum
+!> is wrong, all begins anew.
+!>
+!> The checkpoint is locked as long as its run is at work: no second one writes to the same tables.
+module amontons_checkpoint
+   use amontons_checksum, only: checksum_t, file_checksum, text_checksum
+   use amontons_error, only: error_t, new_error, system_failure
+   use amontons_file_lock, only: file_lock_t, lock_file
+   use amontons_kinds, only: dp, int64
+   use amontons_output_file, only: adopt_file, output_file_t
+   use amontons_system, only: append_to_file, cut_file, remove_file, wall_seconds
+   use amontons_text, only: newline, to_text
+   use amontons_text_file, only: read_text_file
+   implicit none (type, external)
+   private
+
+   public :: checkpoint_t, milestone_t, new_checkpoint
+
+   !> What a whole line ends with.
+   character(*), parameter :: line_end = ' rows'//newline
+
+   !> How far a study is, in one line of text.
+   type, abstract :: milestone_t
+   contains
+      procedure(milestone_read), deferred :: read
+      procedure(milestone_text), deferred :: text
+   end type milestone_t
+
+   !> A table that grows.
+   type :: growing_table_t
+      character(:), allocatable :: path !! where it grows
+      character(:), allocatable :: header !! what it begins with
+      character(:), allocatable :: rows !! rows that are not on the disk yet, and room for more
+      integer :: length = 0 !! their length
+      type(checksum_t) :: checksum !! checksum and bytes of what is on the disk
+   end type growing_table_t
+
+   !> The tables and their notes.
+   type :: checkpoint_t
+      private
+      character(:), allocatable :: path !! where the progress is noted
+      type(growing_table_t), allocatable :: tables(:) !! the tables
+      logical, public :: is_anew = .false. !! whether an earlier run left rows that could not be gone on with
+      real(dp) :: start = 0.0_dp !! when it was opened [s]
+      real(dp) :: last_save = 0.0_dp !! when rows were last put on the disk [s]
+      type(file_lock_t) :: lock !! the lock on the notes
+   contains
+      procedure, public :: add_rows => checkpoint_add_rows
+      procedure, public :: add_table => checkpoint_add_table
+      procedure, public :: checksum => checkpoint_checksum
+      procedure, public :: close => checkpoint_close
+      procedure, public :: discard => checkpoint_discard
+      procedure, public :: end_table => checkpoint_end_table
+      procedure, public :: is_due => checkpoint_is_due
+      procedure, public :: open => checkpoint_open
+      procedure, public :: remove => checkpoint_remove
+      procedure, public :: save => checkpoint_save
+      procedure, public :: table_file => checkpoint_table_file
+   end type checkpoint_t
+
+   abstract interface
+      !> Reads the progress from its line.
+      pure subroutine milestone_read(self, text, ok)
+         import :: milestone_t
+         implicit none (type, external)
+         class(milestone_t), intent(inout) :: self !! none; gains the progress
+         character(*), intent(in) :: text !! the line
+         logical, intent(out) :: ok !! whether it is the line of such a progress
+      end subroutine milestone_read
+
+      !> The progress as a line that `read` understands, words between single blanks.
+      pure function milestone_text(self) result(text)
+         import :: milestone_t
+         implicit none (type, external)
+         class(milestone_t), intent(in) :: self !! the progress
+         character(:), allocatable :: text
+      end function milestone_text
+   end interface
+
+contains
+
+   !> Names a checkpoint. Its tables are added before it is opened.
+   pure subroutine new_checkpoint(checkpoint, stem)
+      type(checkpoint_t), intent(out) :: checkpoint !! the checkpoint
+      character(*), intent(in) :: stem !! its file without .checkpoint
+
+      checkpoint%path = stem//'.checkpoint'
+      allocate (checkpoint%tables(0))
+   end subroutine new_checkpoint
+
+   !> Adds a table.
+   pure subroutine checkpoint_add_table(self, path, header)
+      class(checkpoint_t), intent(inout) :: self !! the checkpoint, not open
+      character(*), intent(in) :: path !! where the table grows
+      character(*), intent(in) :: header !! what it begins with, lines of text
+      type(growing_table_t) :: table
+
+      table%path = path
+      table%header = header
+      table%rows = ''
+      self%tables = [self%tables, table]
+   end subroutine checkpoint_add_table
+
+   !> Opens the checkpoint: the one that an earlier run left, if it has the same key, or a new one.
+   subroutine checkpoint_open(self, key, progress, error)
+      class(checkpoint_t), intent(inout) :: self !! the checkpoint, with its tables
+      character(*), intent(in) :: key !! what the rows depend on, lines of text
+      class(milestone_t), intent(inout) :: progress !! none; gains what is done already
+      type(error_t), allocatable, intent(out) :: error !! the files cannot be written, or another run writes them
+      integer(int64) :: notes_bytes
+      logical :: is_found
+      integer :: i
+
+      call lock_file(self%lock, self%path, error)
+      if (allocated(error)) return
+      self%start = wall_seconds()
+      self%last_save = self%start
+      call find_progress(self, key, progress, notes_bytes, is_found)
+      do i = 1, size(self%tables)
+         if (allocated(error)) exit
+         associate (table => self%tables(i))
+            if (is_found) then
+               call cut_file(table%path, table%checksum%n_bytes, error)
+            else
+               ! What has this name now, a link perhaps, is not written through.
+               call remove_file(table%path)
+               call append_to_file(table%path, .true., table%header, error)
+               table%checksum = checksum_t()
+               call table%checksum%add(table%header)
+            end if
+         end associate
+      end do
+      ! The notes keep their file, which is locked.
+      if (.not. allocated(error)) call cut_file(self%path, merge(notes_bytes, 0_int64, is_found), error)
+      if (.not. (allocated(error) .or. is_found)) call append_to_file(self%path, .false., key, error)
+      if (allocated(error)) call self%close()
+   end subroutine checkpoint_open
+
+   !> Looks for notes with the same key, and for their last whole line.
+   subroutine find_progress(checkpoint, key, progress, notes_bytes, is_found)
+      class(checkpoint_t), intent(inout) :: checkpoint !! gains the bytes of the tables that count
+      character(*), intent(in) :: key !! what the rows depend on
+      class(milestone_t), intent(inout) :: progress !! none; gains that of the last whole line
+      integer(int64), intent(out) :: notes_bytes !! the bytes of the notes that count
+      logical, intent(out) :: is_found !! whether there is such a line, and the tables that it tells of
+      type(error_t), allocatable :: error
+      class(milestone_t), allocatable :: noted
+      character(:), allocatable :: text
+      integer(int64), dimension(size(checkpoint%tables)) :: n_bytes, checksums
+      integer :: last, first, i
+
+      is_found = .false.
+      notes_bytes = 0
+      call read_text_file(checkpoint%path, text, error)
+      if (allocated(error)) return
+      checkpoint%is_anew = index(text, line_end) > 0
+      if (index(text, key) /= 1) return
+      last = index(text, line_end, back=.true.) + len(line_end) - 1
+      if (last < len(key) + len(line_end)) return
+      first = index(text(:last - len(line_end)), newline, back=.true.) + 1
+      associate (line => text(first:last - len(line_end)))
+         do i = 1, size(checkpoint%tables)
+            if (.not. has_numbers(line, n_bytes, checksums)) return
+            call file_checksum(checkpoint%tables(i)%checksum, checkpoint%tables(i)%path, error, n_bytes(i))
+            if (allocated(error)) return
+            associate (found => checkpoint%tables(i)%checksum)
+               if (found%n_bytes /= n_bytes(i) .or. found%value() /= checksums(i)) return
+            end associate
+         end do
+         allocate (noted, mold=progress)
+         call noted%read(progress_part(line, size(n_bytes)), is_found)
+         if (is_found) call progress%read(progress_part(line, size(n_bytes)), is_found)
+      end associate
+      checkpoint%is_anew = .not. is_found
+      notes_bytes = last
+   end subroutine find_progress
+
+   !> Whether a line of the notes is as it was written: reads its bytes and checksums.
+   logical function has_numbers(line, n_bytes, checksums) result(ok)
+      character(*), intent(in) :: line !! the line without its end
+      integer(int64), intent(out) :: n_bytes(:) !! bytes of each table
+      integer(int64), intent(out) :: checksums(:) !! checksum of each table
+      integer :: own, status
+
+      n_bytes = 0
+      checksums = 0
+      own = index(line, ' ', back=.true.)
+      ok = own > 1
+      if (ok) ok = line == with_checksum(line(:own - 1))
+      if (.not. ok) return
+      ok = blank_before(line, size(checksums) + 1) > blank_behind(line, size(n_bytes))
+      if (ok) read (line, *, iostat=status) n_bytes
+      if (ok) ok = status == 0
+      if (ok) read (line(blank_before(line, size(checksums) + 1):), *, iostat=status) checksums
+      if (ok) ok = status == 0
+   end function has_numbers
+
+   !> What a line of the notes tells of the progress.
+   pure function progress_part(line, n_tables) result(text)
+      character(*), intent(in) :: line !! the line without its end, with its numbers
+      integer, intent(in) :: n_tables !! number of tables
+      character(:), allocatable :: text
+
+      text = line(blank_behind(line, n_tables):blank_before(line, n_tables + 1) - 1)
+   end function progress_part
+
+   !> The place of the blank behind the first words of a line; 0 if there is none.
+   pure integer function blank_behind(line, n_words) result(place)
+      character(*), intent(in) :: line !! the line
+      integer, intent(in) :: n_words !! how many words
+      integer :: i, step
+
+      place = 0
+      do i = 1, n_words
+         step = index(line(place + 1:), ' ')
+         place = merge(place + step, len(line), step > 0)
+      end do
+   end function blank_behind
+
+   !> The place of the blank before the last words of a line; 0 if there is none.
+   pure integer function blank_before(line, n_words) result(place)
+      character(*), intent(in) :: line !! the line
+      integer, intent(in) :: n_words !! how many words
+      integer :: i
+
+      place = len(line) + 1
+      do i = 1, n_words
+         place = index(line(:max(0, place - 1)), ' ', back=.true.)
+      end do
+   end function blank_before
+
+   !> A line of the notes with its checksum.
+   pure function with_checksum(line) result(text)
+      character(*), intent(in) :: line !! the line
+      character(:), allocatable :: text
+
+      text = line//' '//to_text(text_checksum(line))
+   end function with_checksum
+
+   !> Adds rows to a table; they are on the disk when they are saved.
+   pure subroutine checkpoint_add_rows(self, number, rows)
+      class(checkpoint_t), intent(inout) :: self !! the checkpoint
+      integer, intent(in) :: number !! number of the table, in the order in which they were added
+      character(*), intent(in) :: rows !! the rows, lines of text
+
+      associate (table => self%tables(number))
+         if (table%length + len(rows) > len(table%rows)) table%rows = table%rows(:table%length) &
+            //repeat(' ', table%length + len(rows))
+         table%rows(table%length + 1:table%length + len(rows)) = rows
+         table%length = table%length + len(rows)
+      end associate
+   end subroutine checkpoint_add_rows
+
+   !> Whether rows should be saved: many have come together, or some are older than a second and a hundredth of the time
+   !> that the run has taken, which bounds what notes of a large progress need.
+   logical function checkpoint_is_due(self) result(is_due)
+      class(checkpoint_t), intent(in) :: self !! the checkpoint
+      integer, parameter :: many = 2**20
+      real(dp) :: now
+
+      now = wall_seconds()
+      is_due = sum(self%tables%length) > many .or. &
+         now - self%last_save > max(1.0_dp, 0.01_dp*(now - self%start))
+   end function checkpoint_is_due
+
+   !> Puts the rows that were added on the disk, and the progress that they stand for.
+   subroutine checkpoint_save(self, progress, error)
+      class(checkpoint_t), intent(inout) :: self !! the checkpoint
+      class(milestone_t), intent(in) :: progress !! the progress
+      type(error_t), allocatable, intent(out) :: error !! the files cannot be written
+      character(:), allocatable :: line, checksums
+      integer(int64) :: found
+      integer :: i
+
+      line = ''
+      checksums = ''
+      do i = 1, size(self%tables)
+         associate (table => self%tables(i))
+            ! Not every file system has locks.
+            inquire (file=table%path, size=found)
+            if (found == table%checksum%n_bytes) then
+               call append_to_file(table%path, .false., table%rows(:table%length), error)
+            else
+               call new_error(error, system_failure, table%path//': cannot write this file: '//to_text(found)// &
+                  ' bytes in the place of '//to_text(table%checksum%n_bytes)//': another run may write to it')
+            end if
+            if (allocated(error)) return
+            call table%checksum%add(table%rows(:table%length))
+            table%length = 0
+            line = line//to_text(table%checksum%n_bytes)//' '
+            checksums = checksums//' '//to_text(table%checksum%value())
+         end associate
+      end do
+      call append_to_file(self%path, .false., with_checksum(line//progress%text()//checksums)//line_end, error)
+      self%last_save = wall_seconds()
+   end subroutine checkpoint_save
+
+   !> Puts on the disk what a table ends with. A run that goes on cuts it off.
+   subroutine checkpoint_end_table(self, number, text, error)
+      class(checkpoint_t), intent(inout) :: self !! the checkpoint, all rows saved
+      integer, intent(in) :: number !! number of the table
+      character(*), intent(in) :: text !! the end
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
+
+      call append_to_file(self%tables(number)%path, .false., text, error)
+      call self%tables(number)%checksum%add(text)
+   end subroutine checkpoint_end_table
+
+   !> Checksum and bytes of a table.
+   pure function checkpoint_checksum(self, number) result(checksum)
+      class(checkpoint_t), intent(in) :: self !! the checkpoint
+      integer, intent(in) :: number !! number of the table
+      type(checksum_t) :: checksum
+
+      checksum = self%tables(number)%checksum
+   end function checkpoint_checksum
+
+   !> A complete table as a finished file that waits for its final name.
+   pure subroutine checkpoint_table_file(self, file, number, path)
+      class(checkpoint_t), intent(in) :: self !! the checkpoint
+      type(output_file_t), intent(out) :: file !! the file
+      integer, intent(in) :: number !! number of the table
+      character(*), intent(in) :: path !! the final name
+
+      call adopt_file(file, path, self%tables(number)%path)
+   end subroutine checkpoint_table_file
+
+   !> Removes the notes: nothing is left to go on with.
+   subroutine checkpoint_remove(self)
+      class(checkpoint_t), intent(in) :: self !! the checkpoint
+
+      call remove_file(self%path)
+   end subroutine checkpoint_remove
+
+   !> Removes tables and notes.
+   subroutine checkpoint_discard(self)
+      class(checkpoint_t), intent(inout) :: self !! the checkpoint
+      integer :: i
+
+      do i = 1, size(self%tables)
+         call remove_file(self%tables(i)%path)
+      end do
+      call self%remove()
+      call self%close()
+   end subroutine checkpoint_discard
+
+   !> Lets another run have the files.
+   subroutine checkpoint_close(self)
+      class(checkpoint_t), intent(inout) :: self !! the checkpoint
+
+      call self%lock%release()
+   end subroutine checkpoint_close
+
+end module amontons_checkpoint
