@@ -42,7 +42,8 @@ def main():
         make_mesh(geometry, order, field, folder)
         summary, grid = solve(options, deck, folder)
         row = [number, summary["counts"]["nodes"], summary["counts"]["elements"],
-               *(summary["accuracy"][key] for key in COLUMNS[3:]), *(summary["key_results"][key] for key in options.keys)]
+               *(summary["accuracy"][key] for key in COLUMNS[3:]),
+               *(summary["key_results"][key] for key in options.keys)]
         rows.append(row)
         print_row(options, row, number == 1)
         table = [",".join([*COLUMNS, *options.keys]), *(",".join(map(repr, row)) for row in rows)]
@@ -71,7 +72,8 @@ def read_options():
     parser.add_argument("--key", dest="keys", action="append", default=[], metavar="NAME",
                         help="reach it instead in the change of this key result from mesh to mesh; may be repeated")
     parser.add_argument("--steps", type=int, default=10, help="most meshes (10)")
-    parser.add_argument("--output", type=Path, default=Path("adapt"), help="directory of the meshes and results (adapt)")
+    parser.add_argument("--output", type=Path, default=Path("adapt"),
+                        help="directory of the meshes and results (adapt)")
     return parser.parse_args()
 
 
@@ -124,8 +126,9 @@ def make_mesh(geometry, order, field, folder):
     command = ["gmsh", "-2", "-format", "msh41", "-order", str(order), str(geometry), "-o", str(folder/"part.msh")]
     if field:
         (folder/"size.pos").write_text(field, encoding="utf-8")
-        command += ["-bgm", str(folder/"size.pos"), "-setnumber", "Mesh.MeshSizeFromPoints", "0",
-                    "-setnumber", "Mesh.MeshSizeExtendFromBoundary", "0", "-setnumber", "Mesh.MeshSizeFromCurvature", "0"]
+        command += ["-bgm", str(folder/"size.pos")]
+        for source in ("FromPoints", "ExtendFromBoundary", "FromCurvature"):
+            command += ["-setnumber", f"Mesh.MeshSize{source}", "0"]
     run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
     if run.returncode != 0 or not (folder/"part.msh").exists():
         errors = [line.partition(":")[2].strip() for line in run.stdout.splitlines() if line.startswith("Error")]

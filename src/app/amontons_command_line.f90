@@ -10,8 +10,8 @@ module amontons_command_line
 
    !> Options, as they are written.
    character(16), parameter :: option_names(*) = [character(16) :: '--output', '--set', '--refine', '--check', &
-      '--quiet', '--progress', '--threads', '--skip-unchanged', '--reduced', '--write-reduced', '--all-solutions', '--verify', &
-      '--reference', '--help', '--version']
+      '--quiet', '--progress', '--threads', '--skip-unchanged', '--reduced', '--write-reduced', '--all-solutions', &
+      '--verify', '--reference', '--help', '--version']
 
    !> A word of the command line.
    type :: argument_t

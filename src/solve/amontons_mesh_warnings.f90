@@ -32,11 +32,10 @@ contains
          call add_short_zones(result%warnings, is_end, zone, 'contact', status /= open_point, n_per_side)
          call add_short_zones(result%warnings, is_end, zone, 'stick', status == stick_point, n_per_side)
       end associate
-      if (allocated(result%error_estimate) .and. any(is_end) .and. result%warnings%n() == n_before) &
-         call add_uncertain_ends(result, body, is_end)
+      if (result%warnings%n() == n_before) call add_uncertain_ends(result, body, is_end)
    end subroutine add_mesh_warnings
 
-   !> Warns of the shortest zone of a kind that ends within the line, if it has fewer than four sides. One point alone,
+   !> Warns of the first zone of a kind that ends within the line, if it has fewer than four sides. One point alone,
    !> as where a line of symmetry meets the line, is no zone.
    pure subroutine add_short_zones(warnings, is_end, zone, name, is_inside, n_per_side)
       type(warning_list_t), intent(inout) :: warnings !! gains the warning
@@ -46,34 +45,38 @@ contains
       logical, intent(in) :: is_inside(:) !! which points belong to such a zone (m)
       integer, intent(in) :: n_per_side !! number of points for each side
       integer, parameter :: enough_sides = 4
-      integer :: first, last, n, p
-      logical :: ends_within
+      integer :: before(zone%n_points), first, last, n, p
 
+      before = 0
       do p = 1, zone%n_points
-         associate (next => zone%next(p))
-            if (next == 0) cycle
-            if (is_inside(p) .neqv. is_inside(next)) is_end([p, next]) = .true.
-         end associate
+         if (zone%next(p) > 0) before(zone%next(p)) = p
       end do
       do first = 1, zone%n_points
-         if (.not. is_inside(first)) cycle
-         if (any(is_inside .and. zone%next == first)) cycle
-         ends_within = any(zone%next == first)
+         if (.not. is_inside(first) .or. is_in(is_inside, before(first))) cycle
          last = first
          n = 1
-         do while (zone%next(last) > 0)
-            if (.not. is_inside(zone%next(last))) exit
+         do while (is_in(is_inside, zone%next(last)))
             last = zone%next(last)
             n = n + 1
          end do
-         ends_within = ends_within .or. zone%next(last) > 0
-         if (.not. ends_within .or. n < 2 .or. (n - 1)/n_per_side >= enough_sides) cycle
+         if (before(first) > 0) is_end([before(first), first]) = .true.
+         if (zone%next(last) > 0) is_end([last, zone%next(last)]) = .true.
+         if (max(before(first), zone%next(last)) == 0 .or. n < 2 .or. (n - 1)/n_per_side >= enough_sides) cycle
          call warnings%add('the '//name//' zone from '//pair(zone%position(:, first))//' to '// &
-            pair(zone%position(:, last))//' has fewer than '//to_text(enough_sides)//' sides: its ends are known to '// &
-            'a side only; refine the mesh there, or see the error bars of --refine 2')
+            pair(zone%position(:, last))//' has fewer than '//to_text(enough_sides)//' sides: its ends are known '// &
+            'to a side only; refine the mesh there, or see the error bars of --refine 2')
          return
       end do
    end subroutine add_short_zones
+
+   !> Whether there is such a point, and it belongs to the zone.
+   pure logical function is_in(is_inside, point)
+      logical, intent(in) :: is_inside(:) !! which points belong to the zone (m)
+      integer, intent(in) :: point !! the point, 0 for none
+
+      is_in = point > 0
+      if (is_in) is_in = is_inside(point)
+   end function is_in
 
    !> Warns where the elements at the ends of zones make more than two thirds of a large estimated error.
    pure subroutine add_uncertain_ends(result, body, is_end)
@@ -85,7 +88,8 @@ contains
       real(dp) :: share
       integer :: i, p
 
-      if (any(body%zone%is_cell) .or. result%error_estimate%relative < large_error) return
+      if (.not. allocated(result%error_estimate) .or. any(body%zone%is_cell) .or. .not. any(is_end)) return
+      if (result%error_estimate%relative < large_error) return
       is_near = .false.
       do p = 1, body%zone%n_points
          if (is_end(p)) is_near(body%zone%rows%node(body%zone%rows%start(p))) = .true.
@@ -93,12 +97,12 @@ contains
       share = 0.0_dp
       associate (mesh => body%mesh, estimate => result%error_estimate)
          do i = 1, mesh%n_elements
-            if (any(is_near(mesh%node(mesh%node_start(i):mesh%node_start(i + 1) - 1)))) &
-               share = share + (estimate%element(i)/estimate%norm)**2
+            if (.not. any(is_near(mesh%node(mesh%node_start(i):mesh%node_start(i + 1) - 1)))) cycle
+            share = share + (estimate%element(i)/estimate%norm)**2
          end do
       end associate
-      if (share > most_of_it) call result%warnings%add(percent(share)//' of the estimated error is in the elements at '// &
-         'the ends of the contact and stick zones, the first at '// &
+      if (share > most_of_it) call result%warnings%add(percent(share)//' of the estimated error is in the elements '// &
+         'at the ends of the contact and stick zones, the first at '// &
          pair(body%zone%position(:, findloc(is_end, .true., dim=1)))//': refine the mesh there')
    end subroutine add_uncertain_ends
 

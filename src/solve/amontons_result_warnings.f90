@@ -169,8 +169,8 @@ contains
       peak = jump_at(zone, pressure)
       call warnings%add('the largest pressure '// &
          short(pressure(peak))//' at '//pair(zone%position(:, peak))//' is more than twice that of the points '// &
-         'beside it: the mesh is too coarse for it, or it grows without bound at an edge; refine it there, or see with '// &
-         '--refine 2 whether it converges')
+         'beside it: the mesh is too coarse for it, or it grows without bound at an edge; refine it there, or see '// &
+         'with --refine 2 whether it converges')
    end subroutine add_pressure_jump
 
    !> The point of the largest pressure, if that is more than twice that of each of its neighbors; else 0.
