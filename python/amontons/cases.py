@@ -5,7 +5,7 @@ from functools import cached_property
 from pathlib import Path
 
 from amontons.deck import read_deck
-from amontons.grid import read_grid
+from amontons.grid import part, read_grid
 
 SUMMARY = ".summary.json"
 ENDINGS = (SUMMARY, ".contact.csv", ".contact.vtu", ".sweep.csv", ".sweep.pvd", ".deck.nml", ".vtu", ".lst")
@@ -64,7 +64,16 @@ class Case:
 
     @cached_property
     def line(self):
-        """The contact line, NAME.contact.vtu."""
+        """The contact points, NAME.contact.vtu without the masters of pairs."""
+        return part(self._both_lines, self._both_lines.point_data["status"] > 0)
+
+    @cached_property
+    def master(self):
+        """The lines of the masters of pairs, the rest of NAME.contact.vtu."""
+        return part(self._both_lines, self._both_lines.point_data["status"] == 0)
+
+    @cached_property
+    def _both_lines(self):
         return read_grid(self.path + ".contact.vtu")
 
     @cached_property

@@ -65,7 +65,8 @@ def boundary(mesh):
 def initial_gaps(case):
     """The gap of each contact point before anything is loaded; not a number where it is out of reach."""
     line = case.line
-    gaps = line.point_data["gap"] + (line.point_data["displacement"] * line.point_data["normal"]).sum(axis=1)
+    moved = line.point_data.get("jump", line.point_data["displacement"])
+    gaps = line.point_data["gap"] + (moved * line.point_data["normal"]).sum(axis=1)
     size = np.ptp(case.mesh.points[:, :2], axis=0).max()
     return np.where(np.abs(gaps) > 2 * size, np.nan, gaps)
 
@@ -149,7 +150,7 @@ def surfaces(case, factor, window):
         contacts = case.contacts
     except OSError:
         contacts = []
-    for number in np.unique(line.point_data["set"]):
+    for number in np.setdiff1d(line.point_data["set"], case.master.point_data["set"]):
         here = (line.point_data["set"] == number) & np.isfinite(gaps)
         if factor == 1.0 or not (np.abs(gaps[here]) > UNIFORM * size).any():
             try:

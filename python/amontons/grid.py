@@ -30,6 +30,14 @@ def read_grid(path):
         raise ValueError(f"{path}: damaged, or not a grid of Amontons") from None
 
 
+def part(grid, wanted):
+    """The points of a grid that are wanted, and the cells between them; without data of cells."""
+    number = np.cumsum(wanted) - 1
+    cells = [(kind, number[nodes[wanted[nodes].all(axis=1)]]) for kind, nodes in grid.cells]
+    return Grid(grid.points[wanted], [(kind, nodes) for kind, nodes in cells if len(nodes)],
+                {name: values[wanted] for name, values in grid.point_data.items()}, {})
+
+
 def _values(array):
     """The numbers of an array."""
     values = np.frombuffer(base64.b64decode(array.text)[LENGTH:], TYPES[array.get("type")])

@@ -5,7 +5,8 @@ module amontons_config_contact
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
-   use amontons_obstacle, only: obstacle_names
+   use amontons_obstacle, only: obstacle_names, obstacle_t
+   use amontons_pairing, only: gap_names, pairing_t
    implicit none (type, external)
    private
 
@@ -33,18 +34,22 @@ contains
    subroutine describe_contact(visitor, contact)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(contact_t), intent(inout) :: contact !! the contact set
-      logical :: has_name
+      logical :: has_name, is_pair
 
       has_name = is_filled(contact%name)
       call visitor%open_group(contact_group)
       call visitor%text(key_t('name', 'by which `&steps` know it, besides its `set`', default='none', &
          is_filled=.true., also='label'), contact%name, has_name)
-      call visitor%text(key_t('set', 'the boundary set that may touch the obstacle', is_filled=.true., &
+      call visitor%text(key_t('set', 'the boundary set that may touch an obstacle, or another body', is_filled=.true., &
          is_required=.true., is_shared=.true., also='surface side'), contact%set)
       call describe_field(visitor, friction_keys, contact%friction)
       call describe_field(visitor, bound_keys, contact%slip_bound)
-      call describe_obstacle(visitor, contact)
-      call describe_partition(visitor, contact%partition)
+      call describe_pairing(visitor, contact%pairing)
+      is_pair = contact%pairing%is_pair()
+      call describe_obstacle(visitor, contact%obstacle, contact%direction, is_pair)
+      call visitor%real(key_t('extra_gap', 'added to every gap; negative for an interference', 'L', &
+         also='clearance interference'), contact%extra_gap)
+      call describe_partition(visitor, contact%partition, is_pair)
       call visitor%close_group()
       call visitor%locate('set', contact%origin)
       call judge_contact(visitor, contact)
@@ -73,47 +78,76 @@ contains
          trim(keys(3)%name)//' must have lengths that increase from row to row')
    end subroutine describe_field
 
-   !> Describes the keys of the obstacle and of the gap to it.
-   subroutine describe_obstacle(visitor, contact)
+   !> Describes the keys of a second deformable body.
+   subroutine describe_pairing(visitor, pairing)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(contact_t), intent(inout) :: contact !! the contact set
-      logical :: has_radius, has_line, has_direction
+      type(pairing_t), intent(inout) :: pairing !! the other body
+      character(:), allocatable :: gap
+      logical :: is_pair, has_search, has_gap
 
-      call visitor%word(key_t('obstacle', 'the rigid obstacle', also='kind type shape'), contact%obstacle%kind, &
-         obstacle_names)
-      has_radius = contact%obstacle%has_radius()
-      has_line = is_filled(contact%obstacle%file)
-      has_direction = any(abs(contact%direction) > 0.0_dp)
-      associate (obstacle => contact%obstacle)
-         call visitor%reals(key_t('point', 'a point of the obstacle: its apex; of a polyline, where its 0, 0 is put', &
-            'L', also='origin'), obstacle%point)
-         call visitor%reals(key_t('normal', "direction of the obstacle's outward normal there, of any length, to"// &
-            ' the body', is_nonzero=.true.), obstacle%normal)
-         call visitor%real(key_t('radius', 'of a circle or parabola, where it is required: radius of curvature;'// &
-            ' positive bulges to the body, negative is hollow', 'L', is_nonzero=.true., also='r'), obstacle%radius, &
-            has_radius)
-         call visitor%text(key_t('line', 'of a polyline, where it is required: file of its points', is_file=.true., &
-            is_filled=.true., also='file'), obstacle%file, has_line)
-         call visitor%table('line', obstacle%file, obstacle%line)
-      end associate
+      is_pair = pairing%is_pair()
+      has_search = pairing%search > 0.0_dp
+      has_gap = is_pair
+      gap = trim(pairing%gap)
+      call visitor%text(key_t('against', 'the boundary set of another deformable body, the master, in the place of'// &
+         ' a rigid obstacle; `set` is the slave', default='none', is_filled=.true., is_shared=.true., &
+         also='master target'), pairing%against, is_pair)
+      call visitor%real(key_t('search', 'with `against`: how far the master may be along the normal of the slave,'// &
+         ' either way', 'L', default='twice the longest side', above=0.0_dp, is_shared=.true.), pairing%search, &
+         has_search)
+      call visitor%word(key_t('gap', 'with `against`: where gaps come from: from the meshes, or 0 wherever the'// &
+         ' bodies face each other', is_shared=.true., also='adjust'), gap, gap_names, has_gap)
+      pairing%gap = gap
+   end subroutine describe_pairing
+
+   !> Describes the keys of a rigid obstacle and of the gap to it.
+   subroutine describe_obstacle(visitor, obstacle, direction, is_pair)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(obstacle_t), intent(inout) :: obstacle !! the obstacle
+      real(dp), intent(inout) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
+      logical, intent(in) :: is_pair !! whether there is another body in its place
+      logical :: has_kind, has_point, has_normal, has_radius, has_line, has_direction
+
+      has_kind = .not. is_pair
+      has_point = has_kind
+      has_normal = has_kind
+      call visitor%word(key_t('obstacle', 'the rigid obstacle', also='kind type shape'), obstacle%kind, &
+         obstacle_names, has_kind)
+      has_radius = obstacle%has_radius()
+      has_line = is_filled(obstacle%file)
+      has_direction = any(abs(direction) > 0.0_dp)
+      call visitor%reals(key_t('point', 'a point of the obstacle: its apex; of a polyline, where its 0, 0 is put', &
+         'L', also='origin'), obstacle%point, has_point)
+      call visitor%reals(key_t('normal', "direction of the obstacle's outward normal there, of any length, to"// &
+         ' the body', is_nonzero=.true.), obstacle%normal, has_normal)
+      call visitor%real(key_t('radius', 'of a circle or parabola, where it is required: radius of curvature;'// &
+         ' positive bulges to the body, negative is hollow', 'L', is_nonzero=.true., also='r'), obstacle%radius, &
+         has_radius)
+      call visitor%text(key_t('line', 'of a polyline, where it is required: file of its points', is_file=.true., &
+         is_filled=.true., also='file'), obstacle%file, has_line)
+      call visitor%table('line', obstacle%file, obstacle%line)
       call visitor%reals(key_t('gap_direction', 'along which gaps are measured and closed, to the obstacle', &
-         default="the body's normal", is_nonzero=.true., is_shared=.true.), contact%direction, has_direction)
-      call visitor%real(key_t('extra_gap', 'added to every gap; negative for an interference', 'L', &
-         also='gap clearance interference'), contact%extra_gap)
+         default="the body's normal", is_nonzero=.true., is_shared=.true.), direction, has_direction)
    end subroutine describe_obstacle
 
    !> Describes the keys of the multipliers.
-   subroutine describe_partition(visitor, partition)
+   subroutine describe_partition(visitor, partition, is_pair)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(cell_partition_t), intent(inout) :: partition !! the multipliers
+      logical, intent(in) :: is_pair !! whether two deformable bodies meet
       character(:), allocatable :: multipliers
       logical :: has_cells, has_ends
 
-      multipliers = trim(merge(multiplier_names(2), multiplier_names(1), partition%is_constant))
+      multipliers = trim(multiplier_names(merge(2, merge(3, 1, is_pair), partition%is_constant)))
       has_cells = partition%n_cells > 0
       has_ends = allocated(partition%ends)
-      call visitor%word(key_t('multipliers', 'contact forces at the nodes, or stresses that are constant on cells'// &
-         ' of the contact line', is_shared=.true.), multipliers, multiplier_names)
+      call visitor%word(key_t('multipliers', 'contact forces at the nodes, stresses that are constant on cells of'// &
+         ' the contact line, or with `against` mortar multipliers at the corners of the slave', &
+         default='nodal, but mortar with `against`', is_shared=.true.), multipliers, multiplier_names)
+      call visitor%require(is_pair .or. multipliers /= multiplier_names(3), 'multipliers', &
+         "multipliers = 'mortar' needs against")
+      call visitor%require(.not. is_pair .or. multipliers /= multiplier_names(1), 'multipliers', &
+         "multipliers must be 'mortar' or 'constant' with against")
       partition%is_constant = multipliers == multiplier_names(2)
       call visitor%whole(key_t('cells', "with `'constant'`: number of equal cells on each piece of the line", &
          default='every two sides', at_least=1.0_dp, is_shared=.true.), partition%n_cells, has_cells)
@@ -127,8 +161,20 @@ contains
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(contact_t), intent(in) :: contact !! the contact set
       character(*), parameter :: is_constant = "multipliers = 'constant'"
+      character(*), parameter :: obstacle_keys(*) = [character(13) :: 'obstacle', 'point', 'normal', 'radius', 'line', &
+         'gap_direction']
+      integer :: i
 
       if (.not. visitor%is_judging()) return
+      if (contact%pairing%is_pair()) then
+         do i = 1, size(obstacle_keys)
+            call visitor%only(trim(obstacle_keys(i)), .false., 'a rigid obstacle, not with against')
+         end do
+         call visitor%require(contact%pairing%against /= contact%set, 'against', 'against must name another set'// &
+            " than set; for self contact, split the set '"//contact%set//"' in two")
+      end if
+      call visitor%only('search', contact%pairing%is_pair(), 'contact against another body')
+      call visitor%only('gap', contact%pairing%is_pair(), 'contact against another body')
       associate (obstacle => contact%obstacle)
          call visitor%only('radius', obstacle%has_radius(), "obstacle = 'circle' or 'parabola'")
          call visitor%require(visitor%has('radius') .or. .not. obstacle%has_radius(), 'obstacle', &

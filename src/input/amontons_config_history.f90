@@ -318,7 +318,8 @@ contains
       case (stepped_support)
          has_target = any([(supports(i)%name == change%name .and. any(supports(i)%is_held), i=1, size(supports))])
       case default
-         has_target = any([(change%acts_on(contacts(i)), i=1, size(contacts))])
+         has_target = any([(change%acts_on(contacts(i)) .and. (change%target == stepped_friction .or. &
+            .not. contacts(i)%pairing%is_pair()), i=1, size(contacts))])
       end select
    end function has_target
 
@@ -343,6 +344,8 @@ contains
          text = 'no &load has the name'
       case (stepped_support)
          text = 'no &support with ux, uy, un or ut has the name'
+      case (stepped_obstacle)
+         text = 'no &contact with a rigid obstacle has the name or set'
       case default
          text = 'no &contact has the name or set'
       end select

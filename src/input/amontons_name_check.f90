@@ -30,6 +30,7 @@ contains
       end do
       do i = 1, size(config%contacts)
          call check_set(config%contacts(i)%origin, config%contacts(i)%set, mesh, error)
+         call check_set(config%contacts(i)%origin, config%contacts(i)%pairing%against, mesh, error)
       end do
    end subroutine check_names
 

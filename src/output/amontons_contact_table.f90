@@ -2,17 +2,19 @@
 !> those that are for them.
 module amontons_contact_table
    use amontons_body, only: body_t
+   use amontons_contact_zone, only: contact_t, contact_zone_t
    use amontons_document, only: document_t
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
    use amontons_listing_text, only: columns, heading, right
+   use amontons_master_line, only: has_pairs
    use amontons_result, only: result_t
-   use amontons_text, only: as_lines, comma_separated, newline, to_text
+   use amontons_text, only: as_lines, comma_separated, to_text
    use amontons_units, only: unit_of
    implicit none (type, external)
    private
 
-   public :: add_point_table, column_t, contact_columns, points_text, table_header, table_text
+   public :: add_point_table, at_nodes, column_t, contact_columns, pair_names, points_text
 
    !> A number of every contact point, a node or a cell of constant multipliers.
    type :: column_t
@@ -57,6 +59,10 @@ contains
          call add('contact_shear', 'shear', 'F/L^2', force(m + 1:)/zone%area, no_scale, .true.)
          call add('shear_bound', '', 'F/L^2', shear_bound(force(:m)/zone%area, load_case%friction, &
             load_case%slip_bound, zone%area), no_scale, .true.)
+         if (has_pairs(zone)) then
+            call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
+            call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
+         end if
       end associate
       if (allocated(result%slip_record)) then
          call add('slip_step', '', 'L', result%slip_record(:, 1), length, .true.)
@@ -88,6 +94,33 @@ contains
 
    end subroutine contact_columns
 
+   !> A quantity of the contact points at nodes: 0 at those that no point is made of, and the mean of several points by
+   !> their shares in the node (nodes).
+   pure function at_nodes(body, values, nodes) result(means)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: values(:) !! the quantity (m)
+      integer, intent(in) :: nodes(:) !! the nodes
+      real(dp), allocatable :: means(:)
+      real(dp) :: share, total(body%mesh%n_nodes)
+      integer :: p, k
+
+      allocate (means(body%mesh%n_nodes), source=0.0_dp)
+      total = 0.0_dp
+      associate (rows => body%zone%rows)
+         do p = 1, body%zone%n_points
+            do k = rows%start(p), rows%start(p + 1) - 1
+               share = norm2(rows%part(:, k))*body%zone%area(p)
+               if (.not. share > 0.0_dp) cycle
+               associate (node => rows%node(k))
+                  total(node) = total(node) + share
+                  means(node) = means(node) + share/total(node)*(values(p) - means(node))
+               end associate
+            end do
+         end do
+      end associate
+      means = means(nodes)
+   end function at_nodes
+
    !> The shear stress that friction can bear [F/L^2].
    elemental real(dp) function shear_bound(pressure, friction, slip_bound, area) result(bound)
       real(dp), intent(in) :: pressure !! contact pressure [F/L^2]
@@ -99,43 +132,61 @@ contains
       if (area > 0.0_dp) bound = bound + slip_bound/area
    end function shear_bound
 
-   !> The first line of a table of points.
-   pure function table_header(list) result(text)
-      type(column_t), intent(in) :: list(:) !! its columns of numbers
-      character(:), allocatable :: text
-      integer :: i
+   !> A table of points: number of the point, columns of numbers, pair, status.
+   pure function table_text(list, status, names) result(text)
+      type(column_t), intent(in) :: list(:) !! the columns of numbers
+      integer, intent(in) :: status(:) !! the statuses (m)
+      character(*), intent(in) :: names(:) !! the pairs of the points; none where there are no pairs (m, or 0)
+      character(:), allocatable :: text, rows(:)
+      integer :: p, i
 
+      allocate (character(26*(size(list) + 1) + len(names)) :: rows(0:size(status)))
       text = 'point'
       do i = 1, size(list)
          text = text//','//trim(list(i)%key)
       end do
-      text = text//',status'
-   end function table_header
-
-   !> A table of points: number of the point, columns of numbers, status.
-   pure function table_text(list, status) result(text)
-      type(column_t), intent(in) :: list(:) !! the columns of numbers
-      integer, intent(in) :: status(:) !! the statuses (m)
-      character(:), allocatable :: text
-      character(26*(size(list) + 1)), allocatable :: rows(:)
-      integer :: p, i
-
-      allocate (rows(size(status)))
+      if (size(names) > 0) text = text//',pair'
+      rows(0) = text//',status'
       do p = 1, size(status)
-         rows(p) = to_text(p)//','//comma_separated([(list(i)%values(p), i=1, size(list))])//','// &
-            status_names(status(p))
+         rows(p) = to_text(p)//','//comma_separated([(list(i)%values(p), i=1, size(list))])
+         if (size(names) > 0) rows(p) = trim(rows(p))//','//names(p)
+         rows(p) = trim(rows(p))//','//status_names(status(p))
       end do
-      text = table_header(list)//newline//as_lines(rows)
+      text = as_lines(rows)
    end function table_text
 
+   !> What the pairs of the contact points are called, SLAVE/MASTER, and SET where the obstacle is rigid; none where all
+   !> are. A comma would be the end of the field.
+   pure function pair_names(zone, contacts) result(names)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      character(:), allocatable :: names(:)
+      character(:), allocatable :: name
+      integer :: i, k, width
+
+      width = 0
+      do i = 1, size(contacts)
+         width = max(width, len(contacts(i)%pairing%label(contacts(i)%set)))
+      end do
+      allocate (character(width) :: names(merge(zone%n_points, 0, has_pairs(zone))))
+      do i = 1, size(names)
+         name = contacts(zone%set(i))%pairing%label(contacts(zone%set(i))%set)
+         do k = 1, len(name)
+            if (name(k:k) == ',') name(k:k) = ';'
+         end do
+         names(i) = name
+      end do
+   end function pair_names
+
    !> Makes NAME.contact.csv of a table of points.
-   pure subroutine add_point_table(document, list, status)
+   pure subroutine add_point_table(document, list, status, names)
       type(document_t), intent(inout) :: document !! gains the table
       type(column_t), intent(in) :: list(:) !! the columns of numbers
       integer, intent(in) :: status(:) !! the statuses (m)
+      character(*), intent(in) :: names(:) !! the pairs of the points; none where there are no pairs (m, or 0)
 
       document%ending = '.contact.csv'
-      call document%add(table_text(list, status), [0.0_dp, list%scale, 0.0_dp])
+      call document%add(table_text(list, status, names), [0.0_dp, list%scale, 0.0_dp])
    end subroutine add_point_table
 
    !> The table of points in a listing; a line below its headings has the units, where the case names them.

@@ -1,18 +1,20 @@
-!> NAME.contact.vtu: the contact line alone, as a grid of line segments, and of vertices where a point has no neighbor.
+!> NAME.contact.vtu: the contact line alone, as a grid of line segments, and of vertices where a point has no neighbor;
+!> behind it the lines of the masters of pairs, with what is transmitted to them.
 module amontons_contact_vtu
    use amontons_body, only: body_t
-   use amontons_contact_rows, only: turned
-   use amontons_contact_table, only: column_t, contact_columns
+   use amontons_contact_rows, only: contact_rows_t, turned
+   use amontons_contact_table, only: at_nodes, column_t, contact_columns
    use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_master_line, only: master_line_t, new_master_line, side_rows
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
    use amontons_vtk_file, only: new_vtk_file, vtk_file_t
    implicit none (type, external)
    private
 
-   public :: n_line_cells, show_contact_line, write_contact_vtu
+   public :: n_line_cells, n_line_points, show_contact_line, write_contact_vtu
 
    !> VTK's numbers of a vertex and of a line segment.
    integer, parameter :: vtk_vertex = 1, vtk_line = 3
@@ -29,7 +31,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the file cannot be written
       type(vtk_file_t) :: vtk
 
-      call new_vtk_file(vtk, path, units, body%zone%n_points, n_line_cells(body%zone), error)
+      call new_vtk_file(vtk, path, units, n_line_points(body%zone), n_line_cells(body%zone), error)
       if (allocated(error)) return
       call show_contact_line(vtk, body, result)
       call vtk%finish(file, error)
@@ -41,41 +43,94 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)
+      type(master_line_t) :: line
       integer :: i
 
       call contact_columns(columns, body, result)
-      call vtk%put_vectors('PointData', 'displacement', 'L', point_displacements(body, result))
-      call vtk%put_vectors('PointData', 'normal', '', body%zone%normal)
+      call new_master_line(line, body%zone)
+      call put_vectors(vtk, body, result, line)
       do i = 1, size(columns)
          if (.not. columns(i)%is_field) cycle
          vtk%scale = columns(i)%scale
-         call vtk%put_reals('PointData', trim(columns(i)%key), trim(columns(i)%dimension), 1, columns(i)%values)
+         call vtk%put_reals('PointData', trim(columns(i)%key), trim(columns(i)%dimension), 1, &
+            [columns(i)%values, at_nodes(body, columns(i)%values, line%node)])
       end do
       vtk%scale = 0.0_dp
-      call vtk%put_integers('PointData', 'status', result%solution%status)
-      call vtk%put_integers('PointData', 'set', body%zone%set)
-      call put_line(vtk, body%zone)
+      call vtk%put_integers('PointData', 'status', [result%solution%status, 0*line%node])
+      call vtk%put_integers('PointData', 'set', [body%zone%set, line%set])
+      call put_line(vtk, body, line)
    end subroutine show_contact_line
 
-   !> Hands over the points and the cells.
-   subroutine put_line(vtk, zone)
+   !> Hands over displacements and normals; where there are pairs, how far they move apart, and the forces, too.
+   subroutine put_vectors(vtk, body, result, line)
       class(vtk_file_t), intent(inout) :: vtk !! the file
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      integer, allocatable :: start(:), lone(:)
-      integer :: i
+      type(body_t), intent(in) :: body !! the body
+      type(result_t), intent(in) :: result !! the result
+      type(master_line_t), intent(in) :: line !! the lines of the masters
+      type(contact_rows_t) :: slave
 
-      start = pack([(i, i=1, zone%n_points)], zone%next > 0)
-      lone = pack([(i, i=1, zone%n_points)], .not. have_neighbor(zone))
-      call vtk%put_cells(zone%position, [(start(i), zone%next(start(i)), i=1, size(start)), lone], &
-         [(2*i, i=1, size(start)), (2*size(start) + i, i=1, size(lone))], &
-         [spread(vtk_line, 1, size(start)), spread(vtk_vertex, 1, size(lone))])
+      associate (zone => body%zone, u => result%displacement, force => result%solution%force)
+         slave = side_rows(zone, .false.)
+         call vtk%put_vectors('PointData', 'displacement', 'L', &
+            joined(vectors(zone, slave%displacement(u)), u(:, line%node)))
+         call vtk%put_vectors('PointData', 'normal', '', joined(zone%normal, line%normal))
+         if (line%n_nodes == 0) return
+         vtk%scale = maxval(abs(u))
+         call vtk%put_vectors('PointData', 'jump', 'L', &
+            joined(vectors(zone, zone%rows%displacement(u)), 0.0_dp*line%normal))
+         vtk%scale = maxval([0.0_dp, abs(force)])
+         call vtk%put_vectors('PointData', 'force', 'F', &
+            joined(-vectors(zone, force), line%forces(zone, force, body%mesh%n_nodes)))
+         vtk%scale = 0.0_dp
+      end associate
+   end subroutine put_vectors
+
+   !> Vectors of the contact points, those of the masters' nodes behind them.
+   pure function joined(at_points, at_masters)
+      real(dp), intent(in) :: at_points(:, :) !! the vectors of the points (2, m)
+      real(dp), intent(in) :: at_masters(:, :) !! those of the nodes (2, n_nodes)
+      real(dp), allocatable :: joined(:, :)
+
+      allocate (joined(2, size(at_points, 2) + size(at_masters, 2)))
+      joined(:, :size(at_points, 2)) = at_points
+      joined(:, size(at_points, 2) + 1:) = at_masters
+   end function joined
+
+   !> Hands over the points and the cells.
+   subroutine put_line(vtk, body, line)
+      class(vtk_file_t), intent(inout) :: vtk !! the file
+      type(body_t), intent(in) :: body !! the body
+      type(master_line_t), intent(in) :: line !! the lines of the masters
+      integer, allocatable :: start(:), lone(:)
+      integer :: i, n_lines
+
+      associate (zone => body%zone)
+         start = pack([(i, i=1, zone%n_points)], zone%next > 0)
+         lone = pack([(i, i=1, zone%n_points)], .not. have_neighbor(zone))
+         n_lines = size(start) + size(line%segment, 2)
+         call vtk%put_cells(joined(zone%position, body%mesh%coordinates(:, line%node)), &
+            [(start(i), zone%next(start(i)), i=1, size(start)), zone%n_points + [line%segment], lone], &
+            [(2*i, i=1, n_lines), (2*n_lines + i, i=1, size(lone))], &
+            [spread(vtk_line, 1, n_lines), spread(vtk_vertex, 1, size(lone))])
+      end associate
    end subroutine put_line
 
-   !> Number of the cells of the contact line: segments, and vertices where a point has no neighbor.
+   !> Number of the points of the grid: contact points and nodes of masters.
+   pure integer function n_line_points(zone) result(n)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(master_line_t) :: line
+
+      call new_master_line(line, zone)
+      n = zone%n_points + line%n_nodes
+   end function n_line_points
+
+   !> Number of the cells of the grid: segments, and vertices where a point has no neighbor.
    pure integer function n_line_cells(zone) result(n)
       type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(master_line_t) :: line
 
-      n = count(zone%next > 0) + count(.not. have_neighbor(zone))
+      call new_master_line(line, zone)
+      n = count(zone%next > 0) + count(.not. have_neighbor(zone)) + size(line%segment, 2)
    end function n_line_cells
 
    !> Which points are the end of a segment.
@@ -87,20 +142,16 @@ contains
       have_neighbor(pack(zone%next, zone%next > 0)) = .true.
    end function have_neighbor
 
-   !> The displacements of the contact points: of nodes their own, of cells the mean (2, m) [L].
-   pure function point_displacements(body, result) result(displacements)
-      type(body_t), intent(in) :: body !! the body
-      type(result_t), intent(in) :: result !! the result
-      real(dp), allocatable :: displacements(:, :)
-      real(dp) :: parts(2*body%zone%n_points)
+   !> Vectors of the contact points from their components along normals and tangents (2, m).
+   pure function vectors(zone, components)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      real(dp), intent(in) :: components(:) !! the normal ones, then the tangential ones (2m)
+      real(dp) :: vectors(2, zone%n_points)
       integer :: p
 
-      parts = body%zone%rows%displacement(result%displacement)
-      displacements = body%zone%normal
-      do p = 1, body%zone%n_points
-         displacements(:, p) = parts(p)*body%zone%normal(:, p) &
-            + parts(p + body%zone%n_points)*turned(body%zone%normal(:, p))
+      do p = 1, zone%n_points
+         vectors(:, p) = components(p)*zone%normal(:, p) + components(p + zone%n_points)*turned(zone%normal(:, p))
       end do
-   end function point_displacements
+   end function vectors
 
 end module amontons_contact_vtu

@@ -11,6 +11,7 @@ module amontons_listing_model
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_sides, load_t
    use amontons_material, only: material_t
+   use amontons_pairing, only: gap_names
    use amontons_text, only: line_end, to_text
    implicit none (type, external)
    private
@@ -81,16 +82,30 @@ contains
       type(contact_t), intent(in) :: contact !! the contact set
       character(:), allocatable :: text
 
+      text = "set '"//contact%set//"'"
+      if (contact%pairing%is_pair()) text = text//" (slave) against '"//contact%pairing%against//"' (master)"
+      text = text//field_text('friction', contact%friction)//field_text('slip bound', contact%slip_bound)
+      if (contact%pairing%is_pair()) then
+         if (contact%pairing%gap /= gap_names(1)) text = text//', '//trim(contact%pairing%gap)
+         if (contact%pairing%search > 0.0_dp) text = text//', search '//short(contact%pairing%search)
+      else
+         text = text//obstacle_text(contact)
+      end if
+      if (abs(contact%extra_gap) > 0.0_dp) text = text//', extra gap '//short(contact%extra_gap)
+   end function contact_text
+
+   !> The rigid obstacle of a contact set.
+   pure function obstacle_text(contact) result(text)
+      type(contact_t), intent(in) :: contact !! the contact set
+      character(:), allocatable :: text
+
       associate (obstacle => contact%obstacle)
-         text = "set '"//contact%set//"'"//field_text('friction', contact%friction) &
-            //field_text('slip bound', contact%slip_bound)//', '//obstacle%kind//' at '//pair(obstacle%point) &
-            //' with normal '//pair(obstacle%normal)
+         text = ', '//obstacle%kind//' at '//pair(obstacle%point)//' with normal '//pair(obstacle%normal)
          if (obstacle%has_radius()) text = text//', radius '//short(obstacle%radius)
          if (obstacle%kind == 'polyline') text = text//', points of '//obstacle%file
          if (any(abs(contact%direction) > 0.0_dp)) text = text//', gaps along '//pair(contact%direction)
-         if (abs(contact%extra_gap) > 0.0_dp) text = text//', extra gap '//short(contact%extra_gap)
       end associate
-   end function contact_text
+   end function obstacle_text
 
    !> The cells of the constant multipliers of a contact set, and how well the mesh can tell them apart.
    pure function cells_text(body, i) result(text)

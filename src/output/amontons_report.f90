@@ -3,7 +3,7 @@ module amontons_report
    use amontons_accuracy_text, only: convergence_table_text
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
-   use amontons_contact_table, only: add_point_table, column_t, contact_columns
+   use amontons_contact_table, only: add_point_table, column_t, contact_columns, pair_names
    use amontons_contact_vtu, only: write_contact_vtu
    use amontons_directory, only: file_name_t
    use amontons_document, only: document_t
@@ -67,7 +67,8 @@ contains
       allocate (documents(2 + count([len(deck) > 0, allocated(result%convergence), allocated(result%all_solutions)])))
       call new_listing(documents(1), label, body, result)
       call contact_columns(columns, body, result)
-      call add_point_table(documents(2), columns, result%solution%status)
+      call add_point_table(documents(2), columns, result%solution%status, &
+         pair_names(body%zone, result%load_case%contacts))
       if (len(deck) > 0) then
          documents(3)%ending = '.deck.nml'
          call documents(3)%add(deck)

@@ -1,7 +1,7 @@
 !> NAME.vtu: mesh, displacements, stresses and contact quantities for ParaView and meshio.
 module amontons_vtu
    use amontons_body, only: body_t
-   use amontons_contact_table, only: column_t, contact_columns
+   use amontons_contact_table, only: at_nodes, column_t, contact_columns
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_output_file, only: output_file_t
@@ -76,14 +76,15 @@ contains
       type(result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)
       real(dp) :: share, largest(body%mesh%n_nodes)
-      integer :: status(body%mesh%n_nodes), i, k, p
+      integer :: status(body%mesh%n_nodes), all_nodes(body%mesh%n_nodes), i, k, p
 
       call contact_columns(columns, body, result)
+      all_nodes = [(i, i=1, body%mesh%n_nodes)]
       do i = 1, size(columns)
          if (.not. columns(i)%is_field) cycle
          vtk%scale = columns(i)%scale
          call vtk%put_reals('PointData', trim(columns(i)%key), trim(columns(i)%dimension), 1, &
-            at_nodes(body, columns(i)%values))
+            at_nodes(body, columns(i)%values, all_nodes))
       end do
       vtk%scale = 0.0_dp
       status = 0
@@ -99,29 +100,5 @@ contains
       end associate
       call vtk%put_integers('PointData', 'status', status)
    end subroutine put_contact
-
-   !> A quantity of the contact points at the nodes (n_nodes).
-   pure function at_nodes(body, values) result(means)
-      type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: values(:) !! the quantity (m)
-      real(dp) :: means(body%mesh%n_nodes)
-      real(dp) :: share, total(body%mesh%n_nodes)
-      integer :: p, k
-
-      means = 0.0_dp
-      total = 0.0_dp
-      associate (rows => body%zone%rows)
-         do p = 1, body%zone%n_points
-            do k = rows%start(p), rows%start(p + 1) - 1
-               share = norm2(rows%part(:, k))*body%zone%area(p)
-               if (.not. share > 0.0_dp) cycle
-               associate (node => rows%node(k))
-                  total(node) = total(node) + share
-                  means(node) = means(node) + share/total(node)*(values(p) - means(node))
-               end associate
-            end do
-         end do
-      end associate
-   end function at_nodes
 
 end module amontons_vtu

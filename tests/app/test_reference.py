@@ -23,6 +23,7 @@ COMPANIONS = {
     ("sweep", "count"): {"load": "'push'", "factor": "1.0, 2.0"},
     ("sweep", "combine"): {"load": "'push'", "factor": "1.0, 2.0"},
     ("contact", "radius"): {"set": "'bottom'", "obstacle": "'circle'"},
+    **{("contact", key): {"set": "'bottom'", "against": "'below.top'"} for key in ("search", "gap")},
     ("contact", "cells"): {"set": "'bottom'", "multipliers": "'constant'"},
     ("contact", "cell_ends"): {"set": "'bottom'", "multipliers": "'constant'"},
     ("problem", "friction"): {"kind": "'reduced'", "file": "'none.dat'"},
@@ -37,8 +38,13 @@ COMPANIONS = {
 }
 # What a deck needs besides, for a key to stand in it.
 HISTORY = {"history": {"times": "0.0"}}
+SECOND_BODY = {"mesh name = 'below'  size = 4.0, 2.0  cells = 3, 2  origin = 0.0, -2.0": {},
+               "support set = 'below.bottom'  ux = 0.0  uy = 0.0": {}}
 BESIDES = {
+    ("contact", "search"): SECOND_BODY,
+    ("contact", "gap"): SECOND_BODY,
     ("output", "fields_every"): {"sweep": {"friction": "0.1, 0.2"}},
+    ("output", "key_results"): {"sweep": {"friction": "0.1, 0.2"}},
     ("output", "points_every"): HISTORY,
     ("output", "states_every"): HISTORY,
     ("output", "probe"): HISTORY,

@@ -9,8 +9,8 @@ module amontons_cell_partition
 
    public :: cell_partition_t, multiplier_names
 
-   !> Kinds of multipliers, as a deck writes them.
-   character(8), parameter :: multiplier_names(*) = [character(8) :: 'nodal', 'constant']
+   !> Kinds of multipliers, as a deck writes them: at the nodes, constant on cells, or at the corners of a pair's slave.
+   character(8), parameter :: multiplier_names(*) = [character(8) :: 'nodal', 'constant', 'mortar']
 
    !> The multipliers of a contact set. Constant ones have equal cells, cells with given ends or, without either, a
    !> cell for every two sides.

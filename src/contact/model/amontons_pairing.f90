@@ -21,6 +21,7 @@ module amontons_pairing
    contains
       procedure :: has_mesh_gap => pairing_has_mesh_gap
       procedure :: is_pair => pairing_is_pair
+      procedure :: label => pairing_label
    end type pairing_t
 
    !> A boundary set bonded to that of another body: no gap, no slip.
@@ -44,6 +45,16 @@ contains
       tie%to = to
       tie%origin = ''
    end subroutine new_tie
+
+   !> What a contact set is called together with what it is paired with: SLAVE/MASTER, and SET without another body.
+   pure function pairing_label(self, set) result(label)
+      class(pairing_t), intent(in) :: self !! the pairing
+      character(*), intent(in) :: set !! name of the contact set
+      character(:), allocatable :: label
+
+      label = set
+      if (self%is_pair()) label = label//'/'//self%against
+   end function pairing_label
 
    !> Whether there is another deformable body.
    elemental logical function pairing_is_pair(self) result(is_pair)

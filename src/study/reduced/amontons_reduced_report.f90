@@ -49,11 +49,12 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)
+      character(0) :: no_names(0)
 
       allocate (documents(3 + merge(1, 0, allocated(result%all_solutions))))
       call new_reduced_listing(documents(1), config, result)
       call reduced_columns(columns, result)
-      call add_point_table(documents(2), columns, result%solution%status)
+      call add_point_table(documents(2), columns, result%solution%status, no_names)
       documents(3)%ending = '.deck.nml'
       call documents(3)%add(config%deck_text())
       if (.not. allocated(result%all_solutions)) return

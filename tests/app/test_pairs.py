@@ -1,0 +1,118 @@
+#!/usr/bin/env python3
+"""Two deformable bodies in one deck, as a user meets them: their meshes, tables and grids, sweeps, histories, figures."""
+import csv
+import shutil
+import unittest
+from pathlib import Path
+
+from harness import ProgramTest, read_vtu
+
+MESHES = Path(__file__).resolve().parents[1] / "meshes"
+BODIES = """&mesh name = 'a'  size = 4.0, 2.0  cells = 8, 4 /
+&mesh name = 'b'  size = 6.0, 2.0  cells = 9, 3  origin = -1.0, -2.0 /
+&material young = 100.0  poisson = 0.25 /
+&support set = 'b.bottom'  ux = 0.0  uy = 0.0 /
+&support set = 'a.left'  ux = 0.0 /
+&load name = 'push'  set = 'a.top'  pressure = 1.0  traction = 0.3, 0.0 /
+"""
+CONTACT = "&contact set = 'a.bottom'  against = 'b.top'  friction = 0.2 /\n"
+N_SLAVE, N_MASTER = 9, 10
+
+
+class Pairs(ProgramTest):
+    """A block on another one that it does not share its mesh with."""
+
+    def rows(self, name="case"):
+        """The table of contact points."""
+        with open(self.directory / f"{name}.contact.csv", newline="", encoding="utf-8") as table:
+            return list(csv.DictReader(table))
+
+    def test_table_has_pair_and_foot(self):
+        result = self.solve(BODIES + CONTACT)
+        rows = self.rows()
+        self.assertEqual({row["pair"] for row in rows}, {"a.bottom/b.top"})
+        # The master's top is at y = 0; what lies opposite a corner's share of the line is not far from it.
+        for row in rows:
+            self.assertLess(abs(float(row["master_x"]) - float(row["x"])), 0.5)
+            self.assertAlmostEqual(float(row["master_y"]), 0.0, delta=1e-12)
+        # The pressure and all of the traction that friction takes from the wall.
+        self.assertAlmostEqual(sum(result["normal_force"]), 4.0, delta=1e-9)
+        listing = (self.directory / "case.lst").read_text(encoding="utf-8")
+        self.assertIn("set 'a.bottom' (slave) against 'b.top' (master), friction 0.2", listing)
+        self.run_program("--verify", ".")
+
+    def test_grid_shows_the_forces_on_both(self):
+        self.solve(BODIES + CONTACT)
+        arrays, n_points, n_cells = read_vtu((self.directory / "case.contact.vtu").read_bytes())
+        self.assertEqual((n_points, n_cells), (N_SLAVE + N_MASTER, N_SLAVE - 1 + N_MASTER - 1))
+        self.assertEqual(arrays["status"][N_SLAVE:], (0,)*N_MASTER)
+        force = arrays["force"]
+        for total in zip(*force):
+            self.assertAlmostEqual(sum(total), 0.0, delta=1e-12)
+        self.assertAlmostEqual(sum(vector[1] for vector in force[:N_SLAVE]), 4.0, delta=1e-9)
+        # What is closed moves together along the normal.
+        body, *_ = read_vtu((self.directory / "case.vtu").read_bytes())
+        places = dict(zip(body["points"][45:], body["displacement"][45:]))
+        for place, moved in zip(arrays["points"][N_SLAVE:], arrays["displacement"][N_SLAVE:]):
+            self.assertEqual(moved, places[place])
+        for jump, gap in zip(arrays["jump"][:N_SLAVE], arrays["gap"]):
+            self.assertAlmostEqual(jump[1], gap, delta=1e-12)
+        self.assertTrue(all(normal == (0.0, 1.0, 0.0) for normal in arrays["normal"][N_SLAVE:]))
+
+    def test_rigid_obstacle_beside_a_pair(self):
+        deck = BODIES.replace("uy = 0.0 /", "/") + CONTACT + "&contact set = 'b.bottom'  point = 0.0, -2.0 /\n"
+        result = self.solve(deck)
+        rows = self.rows()
+        self.assertEqual([row["pair"] for row in rows], ["a.bottom/b.top"]*N_SLAVE + ["b.bottom"]*N_MASTER)
+        for row in rows[N_SLAVE:]:
+            self.assertEqual((row["master_x"], row["master_y"]), (row["x"], row["y"]))
+        self.assertAlmostEqual(sum(result["normal_force"]), 8.0, delta=1e-9)
+        self.run_program("--verify", ".")
+
+    def test_names_with_commas_do_not_break_the_table(self):
+        self.solve((BODIES + CONTACT).replace("'a", "'x,1"))
+        self.assertEqual({row["pair"] for row in self.rows()}, {"x;1.bottom/b.top"})
+        self.run_program("--verify", ".")
+
+    def test_touching_forgets_the_gaps_of_the_meshes(self):
+        apart = BODIES.replace("-1.0, -2.0", "-1.0, -2.01")
+        touching = self.solve(apart + CONTACT.replace("friction", "gap = 'touching'  friction"))
+        self.assert_close(touching.forces, self.solve(BODIES + CONTACT).forces, 1e-9)
+        overlap = self.solve(apart + CONTACT.replace("friction", "gap = 'touching'  extra_gap = 0.01  friction"))
+        self.assert_close(overlap.forces, self.solve(apart + CONTACT).forces, 1e-9)
+
+    def test_file_and_rectangle_meet(self):
+        shutil.copy(MESHES / "quad4-41.msh", self.directory)
+        names = self.run_program("--check", self.write("names.nml", BODIES.replace(
+            "size = 4.0, 2.0  cells = 8, 4", "kind = 'file'  file = 'quad4-41.msh'") + CONTACT.replace(
+                "a.bottom", "a.none")), status=1).stderr
+        # The names of the file's sets, behind that of the body.
+        self.assertRegex(names, r"its sets are: a\.\w+, .*b\.left, b\.right, b\.bottom, b\.top")
+
+    def test_sweep_with_fields(self):
+        deck = BODIES + CONTACT + "&sweep load = 'push'  factor = 0.5, 1.5  count = 3 /\n&output fields_every = 1 /\n"
+        self.run_program("--quiet", self.write("case.nml", deck))
+        self.run_program("--verify", ".")
+        single = self.solve(BODIES + CONTACT, name="single")
+        arrays, *_ = read_vtu((self.directory / "case.sweep/2.contact.vtu").read_bytes())
+        self.assert_close(arrays["contact_pressure"][:N_SLAVE], single["contact_pressure"], 1e-9)
+
+    def test_history_ends_where_the_single_case_does(self):
+        # In one step from rest.
+        deck = BODIES + CONTACT + "&history times = 0.0, 1.0 /\n&steps load = 'push'  factor = 0.0, 1.0 /\n"
+        self.run_program("--quiet", self.write("case.nml", deck))
+        self.assert_close(self.result("case").forces, self.solve(BODIES + CONTACT, name="single").forces, 1e-9)
+        self.assertIn("slip_accumulated", self.rows()[0])
+
+    def test_decks_that_agree_in_the_pairing_share_the_factorization(self):
+        names = [self.write(f"{name}.nml", BODIES + CONTACT.replace("0.2", friction) + more)
+                 for name, friction, more in (("one", "0.2", ""), ("two", "0.3", ""), ("three", "0.3", "&contact set = "
+                                              "'a.right'  point = 5.0, 0.0  normal = -1.0, 0.0 /\n"))]
+        self.run_program("--quiet", *names)
+        shared = ["shared with case one" in (self.directory / f"{name}.lst").read_text(encoding="utf-8")
+                  for name in ("one", "two", "three")]
+        self.assertEqual(shared, [False, True, False])
+
+
+if __name__ == "__main__":
+    unittest.main()
