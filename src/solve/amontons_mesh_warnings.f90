@@ -4,9 +4,11 @@ module amontons_mesh_warnings
    use amontons_body, only: body_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: n_corners, n_element_nodes
+   use amontons_error_estimate, only: error_estimate_t
    use amontons_friction_law, only: open_point, stick_point
    use amontons_kinds, only: dp
    use amontons_listing_text, only: pair
+   use amontons_mesh, only: mesh_t
    use amontons_model_warnings, only: percent
    use amontons_result, only: result_t
    use amontons_text, only: to_text
@@ -84,26 +86,34 @@ contains
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_end(:) !! which points are beside an end of a zone (m)
       real(dp), parameter :: large_error = 0.05_dp, most_of_it = 2.0_dp/3.0_dp
-      logical :: is_near(body%mesh%n_nodes)
+      logical, allocatable :: is_near(:)
       real(dp) :: share
-      integer :: i, p
+      integer :: p
 
       if (.not. allocated(result%error_estimate) .or. any(body%zone%is_cell) .or. .not. any(is_end)) return
       if (result%error_estimate%relative < large_error) return
-      is_near = .false.
+      allocate (is_near(body%mesh%n_nodes), source=.false.)
       do p = 1, body%zone%n_points
          if (is_end(p)) is_near(body%zone%rows%node(body%zone%rows%start(p))) = .true.
       end do
-      share = 0.0_dp
-      associate (mesh => body%mesh, estimate => result%error_estimate)
-         do i = 1, mesh%n_elements
-            if (.not. any(is_near(mesh%node(mesh%node_start(i):mesh%node_start(i + 1) - 1)))) cycle
-            share = share + (estimate%element(i)/estimate%norm)**2
-         end do
-      end associate
+      share = share_near(result%error_estimate, body%mesh, is_near)
       if (share > most_of_it) call result%warnings%add(percent(share)//' of the estimated error is in the elements '// &
          'at the ends of the contact and stick zones, the first at '// &
          pair(body%zone%position(:, findloc(is_end, .true., dim=1)))//': refine the mesh there')
    end subroutine add_uncertain_ends
+
+   !> The share of the elements at some nodes in the square of the estimated error [-].
+   pure real(dp) function share_near(estimate, mesh, is_near) result(share)
+      type(error_estimate_t), intent(in) :: estimate !! the estimated error
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      logical, intent(in) :: is_near(:) !! the nodes (n_nodes)
+      integer :: i
+
+      share = 0.0_dp
+      do i = 1, mesh%n_elements
+         if (.not. any(is_near(mesh%node(mesh%node_start(i):mesh%node_start(i + 1) - 1)))) cycle
+         share = share + (estimate%element(i)/estimate%norm)**2
+      end do
+   end function share_near
 
 end module amontons_mesh_warnings
