@@ -34,7 +34,7 @@ module amontons_load_stepper
 
 contains
 
-   !> Makes a stepper of a deck with `&history`. Its `&steps` say what changes; their values and the times do not matter.
+   !> Makes a stepper of a deck with `&history`. Its `&steps` say what changes; their values and the times are not used.
    subroutine new_load_stepper(stepper, config, error)
       type(load_stepper_t), intent(out) :: stepper !! the stepper
       type(config_t), intent(in) :: config !! the deck
