@@ -36,12 +36,12 @@ contains
       real(dp) :: at_points(2*body%zone%n_points), length
       integer, parameter :: most_columns = 20
       real(dp), parameter :: no_scale = 0.0_dp
-      integer :: m, n
+      integer :: n
 
       n = 0
       allocate (list(most_columns))
-      associate (zone => body%zone, load_case => result%load_case, force => result%solution%force)
-         m = zone%n_points
+      associate (zone => body%zone, load_case => result%load_case, force => result%solution%force, &
+         m => body%zone%n_points)
          at_points = zone%rows%displacement(result%displacement)
          where (.not. zone%is_tangent_fixed) at_points(m + 1:) = result%solution%displacement(m + 1:)
          ! A gap is the difference of a gap and a displacement, a slip that of displacements.
@@ -59,10 +59,8 @@ contains
          call add('contact_shear', 'shear', 'F/L^2', force(m + 1:)/zone%area, no_scale, .true.)
          call add('shear_bound', '', 'F/L^2', shear_bound(force(:m)/zone%area, load_case%friction, &
             load_case%slip_bound, zone%area), no_scale, .true.)
-         if (has_pairs(zone)) then
-            call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
-            call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
-         end if
+         if (has_pairs(zone)) call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
+         if (has_pairs(zone)) call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
       end associate
       if (allocated(result%slip_record)) then
          call add('slip_step', '', 'L', result%slip_record(:, 1), length, .true.)
@@ -87,8 +85,7 @@ contains
          list(n)%label = label
          list(n)%dimension = dimension
          if (present(is_field)) list(n)%is_field = is_field
-         list(n)%scale = scale
-         if (size(values) > 0) list(n)%scale = max(scale, maxval(abs(values)))
+         list(n)%scale = max(scale, maxval(abs(values)))
          list(n)%values = values
       end subroutine add
 

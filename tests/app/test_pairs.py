@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Two deformable bodies in one deck, as a user meets them: their meshes, tables and grids, sweeps, histories, figures."""
+"""Two deformable bodies in one deck, as a user meets them: their meshes, tables and grids, sweeps, histories."""
 import csv
 import shutil
 import unittest
