@@ -31,7 +31,7 @@ module amontons_config
    use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
       space_names, variant_names
    use amontons_new_cholesky, only: factorization_names
-   use amontons_sweep, only: sweep_t
+   use amontons_sweep, only: key_result_names, sweep_t
    use amontons_system, only: absolute_path
    use amontons_text, only: lower_case, quoted, to_text
    implicit none (type, external)
@@ -352,8 +352,9 @@ contains
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(sweep_t), intent(inout) :: sweep !! the sweep
       type(history_t), intent(inout) :: history !! the history
+      character(:), allocatable :: key_results
       integer :: fields_every
-      logical :: has_fields, has_points, has_states, has_probes
+      logical :: has_fields, has_key_results, has_points, has_states, has_probes
 
       fields_every = max(sweep%fields_every, history%fields_every)
       has_fields = fields_every > 0
@@ -364,6 +365,12 @@ contains
       call visitor%whole(key_t('fields_every', 'with `&sweep` or `&history`: the fields of case or step 1 and of'// &
          ' every so-many-th behind it are written as `.vtu`', default='none', at_least=1.0_dp, &
          also='out every frequency'), fields_every, has_fields)
+      has_key_results = sweep%has_body_results
+      key_results = trim(key_result_names(merge(2, 1, sweep%has_body_results)))
+      call visitor%word(key_t('key_results', 'with `&sweep`: the key results of each case, those of the contact'// &
+         ' points or all, with the largest von Mises stress and displacement of the body, which take longer', &
+         default="`'contact'`"), key_results, key_result_names, has_key_results)
+      sweep%has_body_results = key_results == key_result_names(2)
       call visitor%whole(key_t('points_every', 'with `&history`: the contact points of step 1 and of every'// &
          ' so-many-th step behind it are written as a table', default='none', at_least=1.0_dp), history%points_every, &
          has_points)
@@ -376,6 +383,7 @@ contains
       if (sweep%is_given()) sweep%fields_every = fields_every
       if (history%is_given) history%fields_every = fields_every
       call visitor%only('fields_every', sweep%is_given() .or. history%is_given, 'a deck with &sweep or &history')
+      call visitor%only('key_results', sweep%is_given(), 'a deck with &sweep')
       call visitor%only('points_every', history%is_given, 'a deck with &history')
       call visitor%only('states_every', history%is_given, 'a deck with &history')
       call visitor%only('probe', history%is_given, 'a deck with &history')

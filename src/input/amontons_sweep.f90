@@ -8,7 +8,7 @@ module amontons_sweep
    implicit none (type, external)
    private
 
-   public :: combination_names, largest_n_cases, quantity_names, sweep_axis_t, sweep_t
+   public :: combination_names, key_result_names, largest_n_cases, quantity_names, sweep_axis_t, sweep_t
 
    !> What a sweep may vary: the factor of all loads of a name.
    integer, parameter, public :: swept_load = 1
@@ -21,6 +21,8 @@ module amontons_sweep
    character(15), parameter :: quantity_names(3) = [character(15) :: 'factor', 'friction', 'friction_factor']
    !> How a quantity is combined with those before it, as a deck writes it.
    character(7), parameter :: combination_names(2) = [character(7) :: 'product', 'paired']
+   !> Whose key results the table of a sweep has, as a deck writes it.
+   character(7), parameter :: key_result_names(2) = [character(7) :: 'contact', 'all']
    !> Most cases of a sweep.
    integer, parameter :: largest_n_cases = 1000000000
 
@@ -40,6 +42,7 @@ module amontons_sweep
    !> The quantities of a sweep; without any there is no sweep.
    type :: sweep_t
       type(sweep_axis_t), allocatable :: axes(:) !! the quantities, in the deck's order
+      logical :: has_body_results = .false. !! whether the key results of the whole body are kept of each case
       integer :: fields_every = 0 !! the fields of the first case and of every so many behind it are written; 0 for none
    contains
       procedure :: has_fields => sweep_has_fields

@@ -10,7 +10,7 @@ module amontons_key_results
    implicit none (type, external)
    private
 
-   public :: body_peaks, contact_peaks, find_zones, resultants, set_results
+   public :: body_peaks, body_peaks_at_rest, contact_peaks, find_zones, resultants, set_results
 
 contains
 
@@ -136,20 +136,29 @@ contains
          !! strain of free thermal expansion at the nodes of each element [-]
       type(quantity_t) :: list(2)
       type(stress_field_t) :: stress
-      real(dp) :: mises(body%mesh%n_nodes)
+      real(dp), allocatable :: mises(:)
       integer :: i
 
       call new_stress_field(stress, body%mesh, body%materials, body%coloring, displacement, thermal_strain)
+      allocate (mises(body%mesh%n_nodes))
       do i = 1, body%mesh%n_nodes
          mises(i) = von_mises(stress%node(:, i))
       end do
-      list = [peak('max_von_mises', 'Max. von Mises', mises, body%mesh%coordinates, 0.0_dp, 'F/L^2'), &
-         peak('max_displacement', 'Max. displacement', norm2(displacement, dim=1), body%mesh%coordinates, 0.0_dp, &
-         'L')]
+      list = body_peaks_at_rest()
+      call find_peak(list(1), mises, body%mesh%coordinates)
+      call find_peak(list(2), norm2(displacement, dim=1), body%mesh%coordinates)
    end function body_peaks
 
-   !> The largest of some values, the first of those that are equal but for rounding; 0 where all are
-   !> rounding errors.
+   !> What `body_peaks` finds of a body that nothing loads.
+   pure function body_peaks_at_rest() result(list)
+      type(quantity_t) :: list(2)
+      real(dp), parameter :: origin(2) = 0.0_dp
+
+      list = [at_place('max_von_mises', 'Max. von Mises', 0.0_dp, origin, 0.0_dp, 'F/L^2'), &
+         at_place('max_displacement', 'Max. displacement', 0.0_dp, origin, 0.0_dp, 'L')]
+   end function body_peaks_at_rest
+
+   !> The largest of some values, with its place.
    pure function peak(key, label, values, places, scale, dimension) result(quantity)
       character(*), intent(in) :: key !! its name in files
       character(*), intent(in) :: label !! its name in listings
@@ -158,14 +167,24 @@ contains
       real(dp), intent(in) :: scale !! what rounding errors of it are measured by
       character(*), intent(in) :: dimension !! what it is measured in
       type(quantity_t) :: quantity
+
+      quantity = at_place(key, label, 0.0_dp, [0.0_dp, 0.0_dp], scale, dimension)
+      call find_peak(quantity, values, places)
+   end function peak
+
+   !> Finds the largest of some values, the first of those that are equal but for rounding; 0 stays where all are
+   !> rounding errors.
+   pure subroutine find_peak(quantity, values, places)
+      type(quantity_t), intent(inout) :: quantity !! 0, with its scale; gains value and place
+      real(dp), intent(in) :: values(:) !! the values (any)
+      real(dp), intent(in) :: places(:, :) !! where each is found (2, any) [L]
       real(dp), parameter :: rounding = 1.0e-9_dp
       integer :: i
 
-      quantity = at_place(key, label, 0.0_dp, [0.0_dp, 0.0_dp], scale, dimension)
-      if (.not. any(values > rounding*scale)) return
+      if (.not. any(values > rounding*quantity%scale)) return
       i = findloc(values >= (1.0_dp - rounding)*maxval(values), .true., dim=1)
       quantity%value = values(i)
       quantity%place = places(:, i)
-   end function peak
+   end subroutine find_peak
 
 end module amontons_key_results

@@ -9,6 +9,7 @@ module amontons_verify_fields
    use amontons_directory, only: file_name_t, list_directory
    use amontons_document_check, only: compare_line
    use amontons_error, only: error_t
+   use amontons_key_results, only: body_peaks
    use amontons_kinds, only: dp
    use amontons_quantity, only: expanded, quantity_t, scales
    use amontons_result, only: certificate_limit, result_t
@@ -155,18 +156,20 @@ contains
       character(*), intent(in) :: path !! name of the table
       type(field_case_t), intent(in) :: case !! the case and its row
       type(case_result_t) :: computed
-      type(quantity_t), allocatable :: list(:), numbers(:)
+      type(quantity_t), allocatable :: list(:), numbers(:), peaks(:)
       character(:), allocatable :: text, runs, header, fault
       logical :: is_lost
 
       computed = case%result
-      list = case_quantities(body, result%solution, result%load_case%friction, result%load_case%slip_bound)
+      allocate (peaks(0))
+      if (config%sweep%has_body_results) peaks = body_peaks(body, result%displacement, result%load_case%thermal_strain)
+      list = case_quantities(body, result%solution, result%load_case%friction, result%load_case%slip_bound, peaks)
       numbers = expanded(list)
       computed%quantity = numbers%value
       call status_runs(runs, case%status, body%zone%set)
       text = ''
       call append_row(text, config%sweep, case%number, computed, runs)
-      header = sweep_header(config%sweep, case_keys(body))
+      header = sweep_header(config%sweep, case_keys(body, config%sweep))
       call compare_line(fault, case%row, text(:len(text) - 1), header(:len(header) - 1), &
          [spread(0.0_dp, 1, 1 + size(config%sweep%axes)), scales(list), 0.0_dp], 0.0_dp, is_lost)
       if (len(fault) > 0) call summary%faults%add(path//':'//to_text(case%number + 1), fault)

@@ -79,8 +79,8 @@ contains
       character(:), allocatable :: header
       integer :: i, n, n_quantities
 
-      header = sweep_header(config%sweep, case_keys(body))
-      n_quantities = size(case_keys(body))
+      header = sweep_header(config%sweep, case_keys(body, config%sweep))
+      n_quantities = size(case_keys(body, config%sweep))
       call read_csv_table(rows, path, header(:len(header) - 1), 6 + size(config%sweep%axes) + n_quantities, fault)
       if (len(fault) == 0 .and. rows%n_rows /= config%sweep%n_cases()) fault = to_text(rows%n_rows)// &
          ' rows, but the deck has '//to_text(config%sweep%n_cases())//' cases'
@@ -158,7 +158,7 @@ contains
       end if
       text = ''
       call append_row(text, config%sweep, case%number, computed, runs)
-      header = sweep_header(config%sweep, case_keys(body))
+      header = sweep_header(config%sweep, case_keys(body, config%sweep))
       call compare_line(fault, stated, text(:len(text) - 1), header(:len(header) - 1), [0.0_dp], 0.0_dp, is_lost)
       if (len(fault) == 0 .and. case%result%outcome == case_converged .and. &
          .not. case%result%residual <= config%method%tolerance) fault = &

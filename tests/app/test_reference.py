@@ -44,6 +44,7 @@ BESIDES = {
     ("contact", "search"): SECOND_BODY,
     ("contact", "gap"): SECOND_BODY,
     ("output", "fields_every"): {"sweep": {"friction": "0.1, 0.2"}},
+    ("output", "key_results"): {"sweep": {"friction": "0.1, 0.2"}},
     ("output", "points_every"): HISTORY,
     ("output", "states_every"): HISTORY,
     ("output", "probe"): HISTORY,

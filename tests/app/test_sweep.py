@@ -121,7 +121,8 @@ class Rows(SweepTest):
         singles = [block(*groups, heat.format(2.0*factor, 0.1*factor), spin.format(5.0*square**0.5), material=material)
                    for factor, square in values]
         swept = block(*groups, heat.format(2.0, 0.1), spin.format(5.0), "sweep load = 'heat'  factor = 0.0, 1.0, 3.0",
-                      "sweep load = 'spin'  factor = 0.0, 4.0", "output fields_every = 1", material=material)
+                      "sweep load = 'spin'  factor = 0.0, 4.0", "output fields_every = 1  key_results = 'all'",
+                      material=material)
         self.assert_rows(swept, singles)
         self.assertEqual(self.run_program("--verify", ".").stdout.count(": verified"), 7)
         for i in range(len(values)):
@@ -130,6 +131,12 @@ class Rows(SweepTest):
             for name in ("stress", "nodal_stress"):
                 self.assert_close([s for tensor in found[name] for s in tensor],
                                   [s for tensor in expected[name] for s in tensor], SOLVED, i)
+        # Every key result of a single deck; places of values that are equal but for rounding may be others.
+        rows, _ = self.table()
+        for i, row in enumerate(rows):
+            for key, value in self.summary(f"single{i}")["key_results"].items():
+                if not key.startswith("max_") or key[-2:] not in ("_x", "_y"):
+                    self.assertAlmostEqual(float(row[key]), value, delta=SOLVED*max(1.0, abs(value)), msg=(i, key))
 
     def test_loads_of_one_name_are_multiplied_together(self):
         both = "load {}set = 'top'  pressure = {}", "load {}set = 'right'  traction = {}, 0.0"
@@ -195,6 +202,27 @@ class Files(SweepTest):
         for threads in ("1", "2", "3"):
             self.run_program("--quiet", "--output", threads, "--threads", threads, "sweep.nml")
             self.assertEqual(self.contents(threads)["sweep.sweep.csv"], self.contents("1")["sweep.sweep.csv"])
+
+    def test_cases_are_ranked_by_results_of_the_body(self):
+        deck = map_of_states(2) + "&output key_results = 'all' /\n"
+        for threads in ("1", "3"):
+            self.run_program("--quiet", "--output", threads, "--threads", threads, self.write("sweep.nml", deck))
+            self.assertEqual(self.contents(threads)["sweep.sweep.csv"], self.contents("1")["sweep.sweep.csv"])
+        self.run_program("--verify", "1")
+        rows, columns = self.table(directory="1")
+        self.assertEqual(columns[columns.index("contact_moment") + 1:][:2], ["max_von_mises", "max_displacement"])
+        extremes = self.summary(directory="1")["extremes"]
+        for key in ("max_von_mises", "max_displacement"):
+            values = [float(row[key]) for row in rows]
+            self.assertEqual(extremes[key], {
+                "least": min(values), "least_case": values.index(min(values)) + 1,
+                "greatest": max(values), "greatest_case": values.index(max(values)) + 1})
+        self.assertIn("\n  max_von_mises ", (self.directory/"1/sweep.lst").read_text(encoding="utf-8"))
+        # Said explicitly, the default gives the same table as saying nothing.
+        for number, output in enumerate(("", "&output key_results = 'contact' /\n")):
+            deck = self.write("sweep.nml", map_of_states(2) + output)
+            self.run_program("--quiet", "--output", f"contact{number}", deck)
+        self.assertEqual(self.contents("contact0")["sweep.sweep.csv"], self.contents("contact1")["sweep.sweep.csv"])
 
     def test_check_counts_the_cases(self):
         run = self.run_program("--check", self.write("sweep.nml", map_of_states(3)))

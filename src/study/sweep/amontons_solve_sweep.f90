@@ -70,7 +70,7 @@ contains
       call condense_case(cache, config, result%certified, error)
       if (allocated(error)) return
       call set_factor(result%certified%factor, cache%body)
-      task%n_quantities = size(case_keys(cache%body))
+      task%n_quantities = size(case_keys(cache%body, config%sweep))
       call new_contact_method(task%method, config%method, error)
       if (allocated(error)) return
       select type (method => task%method)
@@ -87,7 +87,8 @@ contains
       if (allocated(error)) return
       associate (stem => directory//'/'//config%name//'.sweep')
          call new_checkpoint(result%checkpoint, stem)
-         call result%checkpoint%add_table(stem//'.part', sweep_header(config%sweep, case_keys(cache%body)))
+         call result%checkpoint%add_table(stem//'.part', sweep_header(config%sweep, &
+            case_keys(cache%body, config%sweep)))
       end associate
       call result%checkpoint%open(sweep_key(config, task%model), result%statistics, error)
       if (allocated(error)) return

@@ -9,9 +9,11 @@ module amontons_sweep_chunk
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
+   use amontons_key_results, only: body_peaks, body_peaks_at_rest
    use amontons_kinds, only: dp
-   use amontons_load_case, only: load_case_t
+   use amontons_load_case, only: condense_load_case, load_case_t, recover_displacement
    use amontons_newton, only: newton_t
+   use amontons_quantity, only: quantity_t
    use amontons_result_warnings, only: find_case_warnings
    use amontons_row_text, only: status_runs
    use amontons_sweep, only: sweep_t
@@ -125,13 +127,32 @@ contains
       end if
       associate (model => task%model)
          call new_case_result(kept, body, solution, model%fixed%friction + matmul(model%friction, &
-            task%sweep%values(number)), model%fixed%slip_bound)
+            task%sweep%values(number)), model%fixed%slip_bound, peaks_of(task, body, number, solution))
       end associate
       kept%error_estimate = error_estimate(problem, solution, &
          maxval(abs(task%model%case_forces(task%sweep%values(number)))))
       if (.not. is_solved) kept%n_iterations = kept%n_iterations + n_iterations
       if (solution%is_converged) call find_case_warnings(kept%is_warned, body%zone, task%model%size_of_body, solution)
    end subroutine solve_one
+
+   !> The key results of the whole body, if the deck asks for them.
+   function peaks_of(task, body, number, solution) result(peaks)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: number !! number of the case
+      type(contact_solution_t), intent(in) :: solution !! its solution
+      type(quantity_t), allocatable :: peaks(:)
+      type(load_case_t) :: load_case
+      real(dp), allocatable :: displacement(:, :)
+
+      peaks = body_peaks_at_rest()
+      if (.not. task%sweep%has_body_results) peaks = peaks(:0)
+      if (size(peaks) == 0 .or. .not. solution%residual < huge(1.0_dp)) return
+      call task%model%load_case(task%sweep%values(number), load_case)
+      call condense_load_case(load_case, body)
+      call recover_displacement(displacement, body, load_case, solution%displacement)
+      peaks = body_peaks(body, displacement, load_case%thermal_strain)
+   end function peaks_of
 
    !> What residual and rounding errors, as forces, are of the largest force that acts in a case [-].
    pure real(dp) function error_estimate(problem, solution, largest_load)

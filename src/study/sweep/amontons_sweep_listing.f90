@@ -9,7 +9,7 @@ module amontons_sweep_listing
    use amontons_listing_parts, only: head_text, method_text, times_text, warnings_text
    use amontons_listing_text, only: heading, line, right, scientific, short
    use amontons_solve_sweep, only: sweep_result_t
-   use amontons_sweep, only: sweep_axis_t, swept_load
+   use amontons_sweep, only: sweep_axis_t, sweep_t, swept_load
    use amontons_sweep_statistics, only: case_converged, outcome_labels, ranked_keys, sweep_statistics_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -33,7 +33,7 @@ contains
          call listing%add(model_text(body, certified%load_case)//loads_text(certified%load_case)//sweep_text(config))
          call listing%record(solution_text(config, result))
          if (statistics%residual_case > 0) then
-            call listing%add(extremes_text(body, statistics))
+            call listing%add(extremes_text(body, config%sweep, statistics))
             call add_certificate(listing, result)
          end if
          call listing%record(times_text(certified%timings, listed_phases))
@@ -121,15 +121,16 @@ contains
    end function solution_text
 
    !> Extremes of the cases that converged.
-   pure function extremes_text(body, statistics) result(text)
+   pure function extremes_text(body, sweep, statistics) result(text)
       type(body_t), intent(in) :: body !! the body
+      type(sweep_t), intent(in) :: sweep !! the sweep
       type(sweep_statistics_t), intent(in) :: statistics !! counts and extremes
       character(:), allocatable :: text
       character(32), allocatable :: keys(:)
       integer, parameter :: width = 14
       integer :: i
 
-      keys = ranked_keys(body)
+      keys = ranked_keys(body, sweep)
       text = heading('Extremes of the cases that converged')//line('', right('least', width)// &
          right('in case', width)//right('greatest', width)//right('in case', width))
       do i = 1, size(keys)

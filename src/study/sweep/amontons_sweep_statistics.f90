@@ -3,11 +3,12 @@ module amontons_sweep_statistics
    use amontons_body, only: body_t
    use amontons_checkpoint, only: milestone_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_key_results, only: contact_peaks, find_zones, resultants, set_results
+   use amontons_key_results, only: body_peaks_at_rest, contact_peaks, find_zones, resultants, set_results
    use amontons_kinds, only: dp, int64
    use amontons_lengths, only: lengths_t, new_lengths
    use amontons_quantity, only: expanded, quantity_t
    use amontons_result_warnings, only: case_warning_names, case_warning_sentences
+   use amontons_sweep, only: sweep_t
    use amontons_text, only: to_text
    use amontons_warning_list, only: warning_list_t
    use amontons_zone_edges, only: interval_t
@@ -64,12 +65,14 @@ module amontons_sweep_statistics
 
 contains
 
-   !> What is kept of a case: lengths, sums of forces, key results of the contact points.
-   pure function case_quantities(body, solution, friction, slip_bound) result(list)
+   !> What is kept of a case: lengths, sums of forces, key results of the contact points and, if they are asked for, of
+   !> the body.
+   pure function case_quantities(body, solution, friction, slip_bound, peaks) result(list)
       type(body_t), intent(in) :: body !! the body
       type(contact_solution_t), intent(in) :: solution !! the solution
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients of the points (m) [-]
       real(dp), intent(in) :: slip_bound(:) !! given bounds of their tangential forces (m) [F]
+      type(quantity_t), intent(in) :: peaks(:) !! `body_peaks`, or nothing
       type(quantity_t), allocatable :: list(:)
       type(interval_t), allocatable :: closed(:), stuck(:)
       type(lengths_t) :: lengths
@@ -79,52 +82,58 @@ contains
       associate (m => size(solution%status))
          list = [lengths%quantities(), resultants(solution%force), contact_peaks(body, &
             solution%displacement(m + 1:), solution%force, solution%status, maxval(abs(solution%displacement))), &
-            set_results(body, solution%force, closed, stuck)]
+            set_results(body, solution%force, closed, stuck), peaks]
       end associate
    end function case_quantities
 
    !> The names of the numbers that are kept of a case, in the order of the columns of NAME.sweep.csv.
-   pure function case_keys(body) result(keys)
+   pure function case_keys(body, sweep) result(keys)
       type(body_t), intent(in) :: body !! the body
+      type(sweep_t), intent(in) :: sweep !! the sweep
       character(32), allocatable :: keys(:)
       type(quantity_t), allocatable :: list(:)
 
-      list = expanded(quantities_at_rest(body))
+      list = expanded(quantities_at_rest(body, sweep))
       keys = list%key
    end function case_keys
 
    !> The first of these names, without those of places: what cases can be ranked by.
-   pure function ranked_keys(body) result(keys)
+   pure function ranked_keys(body, sweep) result(keys)
       type(body_t), intent(in) :: body !! the body
+      type(sweep_t), intent(in) :: sweep !! the sweep
       character(32), allocatable :: keys(:)
       type(quantity_t), allocatable :: list(:)
 
-      list = quantities_at_rest(body)
+      list = quantities_at_rest(body, sweep)
       keys = list%key
    end function ranked_keys
 
    !> What is kept of a case that nothing loads.
-   pure function quantities_at_rest(body) result(list)
+   pure function quantities_at_rest(body, sweep) result(list)
       type(body_t), intent(in) :: body !! the body
-      type(quantity_t), allocatable :: list(:)
+      type(sweep_t), intent(in) :: sweep !! the sweep
+      type(quantity_t), allocatable :: list(:), peaks(:)
       type(contact_solution_t) :: solution
       real(dp) :: zeros(body%zone%n_points)
 
       call new_contact_solution(solution, body%zone%n_points)
       zeros = 0.0_dp
-      list = case_quantities(body, solution, zeros, zeros)
+      peaks = body_peaks_at_rest()
+      if (.not. sweep%has_body_results) peaks = peaks(:0)
+      list = case_quantities(body, solution, zeros, zeros, peaks)
    end function quantities_at_rest
 
    !> Takes what is kept of a solved case from its solution.
-   pure subroutine new_case_result(result, body, solution, friction, slip_bound)
+   pure subroutine new_case_result(result, body, solution, friction, slip_bound, peaks)
       type(case_result_t), intent(out) :: result !! what is kept
       type(body_t), intent(in) :: body !! the body
       type(contact_solution_t), intent(in) :: solution !! the solution
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients of the points (m) [-]
       real(dp), intent(in) :: slip_bound(:) !! given bounds of their tangential forces (m) [F]
+      type(quantity_t), intent(in) :: peaks(:) !! `body_peaks`, or nothing
       type(quantity_t), allocatable :: list(:)
 
-      list = expanded(case_quantities(body, solution, friction, slip_bound))
+      list = expanded(case_quantities(body, solution, friction, slip_bound, peaks))
       result%quantity = list%value
       result%residual = solution%residual
       result%n_iterations = solution%n_iterations

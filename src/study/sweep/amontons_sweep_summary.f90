@@ -34,7 +34,7 @@ contains
          call summary%add(member('quantities', '['//quantities_text(config%sweep)//']'))
          if (statistics%residual_case > 0) then
             call summary%add(member('residual', number(statistics%residual)))
-            call summary%add(member('extremes', '{'//extremes_text(body, statistics)//'}'))
+            call summary%add(member('extremes', '{'//extremes_text(body, config%sweep, statistics)//'}'))
             call add_certificate(summary, result)
          end if
          if (certified%condition > 0.0_dp) call summary%record(member('condition', number(certified%condition)))
@@ -94,15 +94,16 @@ contains
    end function quantities_text
 
    !> Extremes of the cases that converged.
-   pure function extremes_text(body, statistics) result(text)
+   pure function extremes_text(body, sweep, statistics) result(text)
       type(body_t), intent(in) :: body !! the body
+      type(sweep_t), intent(in) :: sweep !! the sweep
       type(sweep_statistics_t), intent(in) :: statistics !! counts and extremes
       character(:), allocatable :: text
       character(32), allocatable :: keys(:)
       integer :: i
 
       text = ''
-      keys = ranked_keys(body)
+      keys = ranked_keys(body, sweep)
       do i = 1, size(keys)
          if (i > 1) text = text//', '
          text = text//'"'//trim(keys(i))//'": {"least": '//number(statistics%least(i))//', "least_case": '// &
