@@ -1,14 +1,16 @@
 !> A body made ready for loads: mesh, supports, contact zone, factorized and condensed stiffness.
 module amontons_body
-   use amontons_assembly, only: assemble_stiffness
+   use amontons_assembly, only: assemble_stiffness, forces_of_stress => internal_forces
    use amontons_coloring, only: coloring_t, new_coloring
-   use amontons_condensation, only: condensation_options_t, condensation_t, find_band_order, new_condensation
+   use amontons_condensation, only: condensation_options_t, condensation_t, find_band_order, may_suit_band, &
+      new_condensation, new_distributed_condensation
    use amontons_condenser, only: condenser_t
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t, new_band_problem, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_zone, only: contact_t, contact_zone_t, new_contact_zone
+   use amontons_distributed, only: add_forces_of_ranks, n_ranks, new_distributed_condenser
    use amontons_dof_map, only: dof_map_t, new_dof_map
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_foundation, only: new_foundation, spring_side_t
@@ -54,6 +56,8 @@ module amontons_body
       real(dp), allocatable :: gap_change(:) !! how much larger the meshes' gaps are on that way (m) [L]
       type(dof_map_t) :: dof_map !! numbers of the unknowns
       type(condensation_t) :: condensation !! the factorized stiffness, after `condense_body`
+   contains
+      procedure :: internal_forces => body_internal_forces
    end type body_t
 
    !> What condensing a body would take.
@@ -61,8 +65,9 @@ module amontons_body
       character(:), allocatable :: factorization !! the kind of factorization
       integer(int64) :: n_entries = 0 !! entries of the factor
       integer :: n_rows = 0 !! rows of the matrix that the contact problem is solved on
+      integer :: n_ranks = 1 !! number of ranks that the body is spread over
       integer :: half_width = 0 !! number of its subdiagonals if it is a band matrix of the whole body, else 0
-      real(dp) :: memory_mb = 0.0_dp !! the most memory the program would hold [MB]
+      real(dp) :: memory_mb = 0.0_dp !! the most memory the program would hold, of several ranks each at most [MB]
       real(dp) :: available_mb = 0.0_dp !! the memory there is for it, what it holds already included [MB]
    end type estimate_t
 
@@ -161,6 +166,7 @@ contains
       type(timings_t), intent(inout) :: timings !! gains the time of each step
       type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
       type(sparse_matrix_t) :: stiffness
+      class(condenser_t), allocatable :: condenser
       real(dp), allocatable :: condensed(:, :)
       logical :: is_held
 
@@ -168,12 +174,20 @@ contains
       call check_held(body, error)
       if (allocated(error)) return
       is_held = all(body%motions%n_free == 0)
-      call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, body%constraints, &
-         body%dof_map, error)
-      if (allocated(error)) return
-      call timings%begin(phase_factorize)
-      call new_condensation(body%condensation, stiffness, options, is_held, body%zone, body%constraints, &
-         body%dof_map, error)
+      if (is_distributed(body, options)) then
+         call timings%begin(phase_factorize)
+         call spread_body(condenser, body, is_held, error)
+         if (allocated(error)) return
+         call new_distributed_condensation(body%condensation, condenser, is_held, body%zone, body%constraints, &
+            body%dof_map, error)
+      else
+         call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, &
+            body%constraints, body%dof_map, error)
+         if (allocated(error)) return
+         call timings%begin(phase_factorize)
+         call new_condensation(body%condensation, stiffness, options, is_held, body%zone, body%constraints, &
+            body%dof_map, error)
+      end if
       if (allocated(error)) call explain_refusal(body, error)
       if (allocated(error)) return
       call timings%begin(phase_condense)
@@ -185,6 +199,48 @@ contains
          call new_contact_problem(problem, condensed, is_held)
       end if
    end subroutine condense_body
+
+   !> Whether a body is spread over the ranks of the run. A small one is quicker on one rank, a band matrix stays there,
+   !> and without unknowns besides those of the contact points there is nothing to spread.
+   pure logical function is_distributed(body, options)
+      type(body_t), intent(in) :: body !! the body
+      type(condensation_options_t), intent(in) :: options !! how to condense
+      ! Above what a band factorization is tried for.
+      integer, parameter :: least_unknowns = 10000
+
+      associate (n => body%dof_map%n_dofs)
+         is_distributed = body%dof_map%n_trailing < n .and. (options%factorization == 'distributed' .or. &
+            (options%factorization == 'auto' .and. n_ranks > 1 .and. n > least_unknowns .and. &
+            .not. may_suit_band(n, options%form, body%zone)))
+      end associate
+   end function is_distributed
+
+   !> Spreads a body over the ranks of the run, assembles its stiffness and analyzes it.
+   subroutine spread_body(condenser, body, is_held, error)
+      class(condenser_t), allocatable, intent(out) :: condenser !! has the stiffness
+      type(body_t), intent(in) :: body !! the body
+      logical, intent(in) :: is_held !! whether supports alone hold the body
+      type(error_t), allocatable, intent(out) :: error !! memory ran out, or the run has no ranks
+
+      call new_distributed_condenser(condenser, is_held, body%mesh, body%materials, body%springs, body%constraints, &
+         body%dof_map, error)
+   end subroutine spread_body
+
+   !> Nodal forces that stresses and springs of a displacement amount to: K u - f_th without ever forming K, on all
+   !> ranks that the body is spread over.
+   subroutine body_internal_forces(self, forces, displacement, thermal_strain)
+      class(body_t), intent(in) :: self !! the body
+      real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in), optional :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
+      logical :: is_done
+
+      allocate (forces(2, self%mesh%n_nodes), source=0.0_dp)
+      call add_forces_of_ranks(is_done, self%condensation%condenser, forces, displacement, thermal_strain)
+      if (.not. is_done) call forces_of_stress(forces, self%mesh, self%materials, self%springs, self%coloring, &
+         displacement, thermal_strain)
+   end subroutine body_internal_forces
 
    !> Refuses a body of which a piece is held by neither supports nor contact points, and pieces that contact holds to
    !> each other alone.
@@ -226,7 +282,8 @@ contains
       end associate
    end subroutine explain_refusal
 
-   !> Estimates the work without doing it: assembles and orders the stiffness, but makes no factor.
+   !> Estimates the work without doing it: assembles and orders the stiffness, but makes no factor. Of several ranks
+   !> rank 0 holds most besides the factor.
    subroutine estimate_body(body, options, timings, estimate, error)
       type(body_t), intent(in) :: body !! the body
       type(condensation_options_t), intent(in) :: options !! how to condense
@@ -238,17 +295,27 @@ contains
       integer, allocatable :: order(:)
 
       call timings%begin(phase_assemble)
-      call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, body%constraints, &
-         body%dof_map, error)
-      if (allocated(error)) return
-      call timings%begin(phase_factorize)
-      call find_band_order(stiffness, options%form, body%zone, order)
-      if (allocated(order)) estimate%half_width = half_bandwidth(stiffness, order)
-      call new_condenser(condenser, trim(options%factorization), stiffness, &
-         merge(0, body%dof_map%n_trailing, allocated(order)), error)
-      if (allocated(error)) return
-      estimate%n_rows = merge(stiffness%n, 2*body%zone%n_points, allocated(order))
-      stiffness = sparse_matrix_t()
+      estimate%n_rows = 2*body%zone%n_points
+      if (is_distributed(body, options)) then
+         estimate%n_ranks = n_ranks
+         call timings%begin(phase_factorize)
+         call spread_body(condenser, body, all(body%motions%n_free == 0), error)
+         if (allocated(error)) return
+      else
+         call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, &
+            body%constraints, body%dof_map, error)
+         if (allocated(error)) return
+         call timings%begin(phase_factorize)
+         call find_band_order(stiffness, options%form, body%zone, order)
+         if (allocated(order)) then
+            estimate%half_width = half_bandwidth(stiffness, order)
+            estimate%n_rows = stiffness%n
+         end if
+         call new_condenser(condenser, trim(options%factorization), stiffness, &
+            merge(0, body%dof_map%n_trailing, allocated(order)), error)
+         if (allocated(error)) return
+         stiffness = sparse_matrix_t()
+      end if
       call return_memory()
       estimate%factorization = condenser%name
       estimate%n_entries = condenser%n_factor_entries

@@ -1,6 +1,6 @@
 !> A load case: what acts on a body in one case, one step or one row of a sweep. The body itself never changes.
 module amontons_load_case
-   use amontons_assembly, only: from_unknowns, internal_forces, to_unknowns
+   use amontons_assembly, only: from_unknowns, to_unknowns
    use amontons_body, only: body_t
    use amontons_condensation, only: condensed_load_t
    use amontons_constraints, only: constraints_t, new_constraints, support_t
@@ -187,8 +187,7 @@ contains
       real(dp), allocatable :: forces(:, :)
 
       if (any(abs(load_case%prescribed) > 0.0_dp) .or. allocated(load_case%thermal_strain)) then
-         call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, load_case%prescribed, &
-            load_case%thermal_strain)
+         call body%internal_forces(forces, load_case%prescribed, load_case%thermal_strain)
          forces = load_case%force - forces
       else
          forces = load_case%force

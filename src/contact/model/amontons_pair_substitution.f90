@@ -114,8 +114,8 @@ contains
       call integrate_pair(points, pair, pair%segments, n_quadrature_points)
       allocate (ends(2, size(sum_of)), source=0)
       do i = 1, pair%slave%n_sides
-         if (pair%slave%side(3, i) > 0 .and. any(pair%point_of(:, i) > 0)) &
-            ends(:, pair%slave%side(3, i)) = pair%slave%side(:2, i)
+         if (pair%slave%side(3, i) == 0 .or. all(pair%point_of(:, i) == 0)) cycle
+         ends(:, pair%slave%side(3, i)) = pair%slave%side(:2, i)
       end do
       do i = 1, size(pair%node)
          call new_sum(sums, sum_of, pair%node(i))
