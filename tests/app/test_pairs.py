@@ -89,6 +89,13 @@ class Pairs(ProgramTest):
         # The names of the file's sets, behind that of the body.
         self.assertRegex(names, r"its sets are: a\.\w+, .*b\.left, b\.right, b\.bottom, b\.top")
 
+    def test_tie_is_listed_and_verified(self):
+        deck = BODIES.replace("&support set = 'a.left'  ux = 0.0 /\n", "") \
+            + "&tie set = 'a.bottom'  to = 'b.top' /\n&contact set = 'b.right'  point = 5.01, 0.0  normal = -1.0, 0.0 /\n"
+        self.solve(deck)
+        self.assertIn("a.bottom/b.top (slave/master)", (self.directory / "case.lst").read_text(encoding="utf-8"))
+        self.run_program("--verify", ".")
+
     def test_sweep_with_fields(self):
         deck = BODIES + CONTACT + "&sweep load = 'push'  factor = 0.5, 1.5  count = 3 /\n&output fields_every = 1 /\n"
         self.run_program("--quiet", self.write("case.nml", deck))
