@@ -346,11 +346,9 @@ contains
          if (.not. allocated(config%contacts)) return
          call visitor%require(.not. (config%condensation == 'band' .and. config%factorization == 'distributed'), &
             'condensation', "condensation must be 'dense' or 'auto' with factorization 'distributed'")
-         associate (contacts => config%contacts)
-            call visitor%require(.not. (config%condensation == 'band' .and. any(contacts%partition%is_constant .or. &
-               contacts%pairing%is_pair())), 'condensation', &
-               "condensation must be 'dense' or 'auto' with constant multipliers and with contact against another body")
-         end associate
+         call visitor%require(.not. (config%condensation == 'band' .and. any(config%contacts%partition%is_constant &
+            .or. config%contacts%pairing%is_pair())), 'condensation', &
+            "condensation must be 'dense' or 'auto' with constant multipliers and with contact against another body")
       end associate
    end subroutine describe_solver
 

@@ -2,8 +2,8 @@
 r"""Tied bar of two materials.
 
 Two bars with $\nu = 0$ are bonded to one by a tie between meshes that do not match, of any two kinds of elements, and
-pulled: stresses are $\sigma$ everywhere, and the end moves by $\sigma(L_1/E_1 + L_2/E_2) = 0.06$, exactly. Either bar is
-once the slave.
+pulled: stresses are $\sigma$ everywhere, and the end moves by $\sigma(L_1/E_1 + L_2/E_2) = 0.06$, exactly. Errors are
+the larger ones of two bars, of which one is the other mirrored.
 """
 from harness import read_vtu
 
