@@ -76,6 +76,7 @@ contains
       real(dp), allocatable :: remainder(:)
       character(:), allocatable :: motion
       real(dp) :: scale
+      integer :: k
 
       call balance(pieces, body, load_case, body%zone%rows%part, remainder, scale)
       if (norm2(remainder) > unbalanced*scale) then
@@ -88,7 +89,7 @@ contains
                'no equilibrium: contact and friction cannot balance the loads; '//motion// &
                '; add a support, or a load that presses the body on its obstacle')
          end if
-      else if (body%zone%is_nodal .and. body%zone%n_points > 0) then
+      else if (all(body%zone%rows%start == [(k, k=1, body%zone%n_points + 1)]) .and. .not. any(body%zone%is_cell)) then
          call balance(pieces, body, load_case, round_normals(body%zone), remainder, scale)
          if (norm2(remainder) > unbalanced_when_round*scale) call new_error(error, numerical_failure, &
             'no equilibrium but for the irregularities of the mesh: contact and friction on the round line that '// &
