@@ -23,8 +23,8 @@ contains
       real(dp) :: lengths(2), depths(2)
 
       name = "'"//pair%set//"' on '"//pair%against//"': "
-      if (size(pair%open_node) > 0) call warnings%add(name//to_text(size(pair%open_node))//" node(s) of '"//pair%set// &
-         "' face nothing within "//short(pair%search)//'; they stay open')
+      if (size(pair%open_node) > 0) call warnings%add(name//to_text(size(pair%open_node))// &
+         ' node(s) of the slave face nothing within '//short(pair%search)//'; they stay open')
       if (pair%sliver_side > 0) then
          associate (at => pair%slave%corner(:, 3, pair%sliver_side))
             call warnings%add(name//'the side at '//short(at(1))//', '//short(at(2))//' is covered to '// &
@@ -35,9 +35,9 @@ contains
       if (lengths(1) > coarse*lengths(2)) call warnings%add(name//'the slave is coarser than the master (sides '// &
          short(lengths(1))//' against '//short(lengths(2))//'): exchange both sets for a sharper contact')
       depths = [pair%slave%material(1)%thickness, pair%master%material(1)%thickness]
-      if (pair%slave%material(1)%is_plane_stress .and. abs(depths(1) - depths(2)) > epsilon(1.0_dp)*depths(1)) &
-         call warnings%add(name//'the thicknesses differ ('//short(depths(1))//', '//short(depths(2))// &
-         '): forces are matched, stresses are those of the slave')
+      if (.not. pair%slave%material(1)%is_plane_stress) return
+      if (abs(depths(1) - depths(2)) > epsilon(1.0_dp)*depths(1)) call warnings%add(name//'the thicknesses differ ('// &
+         short(depths(1))//', '//short(depths(2))//'): forces are matched, stresses are those of the slave')
    end subroutine add_pair_warnings
 
    !> Adds the warnings on the gaps that the meshes of a pair in contact have.
@@ -59,8 +59,8 @@ contains
       overlap = maxval(extra_gap - gap)
       if (bulge > rounding*pair%slave%longest .and. maxval(abs(gap)) < resolved*bulge) then
          call warnings%add(name//'gaps and interference of up to '//short(maxval(abs(gap)))//' are not much larger '// &
-            'than the distance between the two polygons ('//short(bulge)//"): refine, use quadratic elements, or gap "// &
-            "= 'touching'")
+            'than the distance between the two polygons ('//short(bulge)//'): refine, use quadratic elements, '// &
+            "or gap = 'touching'")
       else if (overlap > rounding*pair%slave%longest) then
          call warnings%add(name//'the meshes overlap by up to '//short(overlap)//' before any load: give '// &
             "extra_gap for an interference, or gap = 'touching'")
