@@ -22,7 +22,7 @@ contains
       character(:), allocatable :: name
       real(dp) :: lengths(2), depths(2)
 
-      name = "'"//pair%set//"' on '"//pair%against//"': "
+      name = pair%label//': '
       if (size(pair%open_node) > 0) call warnings%add(name//to_text(size(pair%open_node))// &
          ' node(s) of the slave face nothing within '//short(pair%search)//'; they stay open')
       if (pair%sliver_side > 0) then
@@ -54,7 +54,7 @@ contains
       real(dp) :: bulge, overlap
 
       if (size(gap) == 0) return
-      name = "'"//pair%set//"' on '"//pair%against//"': "
+      name = pair%label//': '
       bulge = largest_bulge(pair%slave) + largest_bulge(pair%master)
       overlap = maxval(extra_gap - gap)
       if (bulge > rounding*pair%slave%longest .and. maxval(abs(gap)) < resolved*bulge) then
