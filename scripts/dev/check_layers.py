@@ -39,7 +39,8 @@ MAY_USE = {
     "study/history": ["study", "output", "solve", "input", *CONTACT, "elasticity", "system"],
     "run": ["study", "study/reduced", "study/single", "study/refinement", "study/sweep", "study/history",
             "output", "input", "system"],
-    "verify": ["study/sweep", "study/single", "study/reduced", "output", "solve", "input", "contact/problem",
+    "verify": ["study/sweep", "study/history", "study/single", "study/reduced", "output", "solve", "input",
+               "contact/problem",
                "contact/model", "system"],
     "binding": ["run", "study", "study/reduced", "solve", "input", "contact/methods", "linalg"],
 }

@@ -18,12 +18,16 @@ module amontons_body
    use amontons_kinds, only: dp, int64
    use amontons_material, only: material_t, materials_t, new_materials
    use amontons_mesh, only: mesh_t
+   use amontons_mortar_pair, only: mortar_pair_t, new_tied_pairs
    use amontons_new_cholesky, only: new_condenser
    use amontons_ordering, only: half_bandwidth
    use amontons_pair_check, only: recompute_pairs
+   use amontons_pair_substitution, only: new_pair_substitution
+   use amontons_pairing, only: tie_t
    use amontons_rigid_modes, only: check_common_motion
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_substitution, only: substitution_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
    use amontons_text, only: to_text
    use amontons_timings, only: phase_assemble, phase_condense, phase_factorize, timings_t
@@ -47,6 +51,7 @@ module amontons_body
       type(rigid_motions_t), allocatable :: motions(:) !! the rigid motions of each piece that the supports leave free
       type(contact_zone_t) :: zone !! the contact points
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
+      type(mortar_pair_t), allocatable :: ties(:) !! the surfaces that are bonded
       type(contact_rows_t) :: checked_rows !! the rows of the points, those of pairs integrated on another way
       real(dp), allocatable :: gap_change(:) !! how much larger the meshes' gaps are on that way (m) [L]
       type(dof_map_t) :: dof_map !! numbers of the unknowns
@@ -69,14 +74,18 @@ module amontons_body
 contains
 
    !> Makes a body from its mesh, materials, supports and contact sets: everything but the costly part.
-   subroutine new_body(body, mesh, materials, supports, contacts, error)
+   subroutine new_body(body, mesh, materials, supports, contacts, error, ties)
       type(body_t), intent(out) :: body !! the body
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(material_t), intent(in) :: materials(:) !! its materials
       type(support_t), intent(in) :: supports(:) !! its supports
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
       type(error_t), allocatable, intent(out) :: error !! mesh, supports or contact sets do not fit together
+      type(tie_t), intent(in), optional :: ties(:) !! its bonded sets; none without them
+      type(substitution_t) :: substitution
       real(dp), allocatable :: prescribed(:, :)
+      logical, allocatable :: is_bonded(:)
+      integer :: i
 
       call mesh%check(error)
       if (allocated(error)) return
@@ -90,13 +99,43 @@ contains
       call new_foundation(body%springs, mesh, body%materials, supports, error)
       if (allocated(error)) return
       body%is_axisymmetric = materials(1)%is_axisymmetric
-      call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric)
-      call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error)
+      allocate (is_bonded(mesh%n_nodes), source=.false.)
+      allocate (body%ties(0))
+      if (present(ties)) call new_tied_pairs(body%ties, is_bonded, ties, mesh, body%materials, body%constraints, error)
+      if (allocated(error)) return
+      call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric, &
+         bonds(body%ties))
+      call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error, is_bonded)
       if (allocated(error)) return
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
-      call new_dof_map(body%dof_map, body%constraints, body%zone%node)
+      call new_pair_substitution(substitution, [body%ties, body%zone%pairs], [(i <= size(body%ties), &
+         i=1, size(body%ties) + size(body%zone%pairs))], body%constraints, mesh%coordinates, error)
+      if (allocated(error)) return
+      if (body%zone%is_nodal) then
+         call new_dof_map(body%dof_map, body%constraints, body%zone%node, substitution)
+      else
+         call new_dof_map(body%dof_map, body%constraints, substitution%element_nodes([body%zone%node, &
+            body%zone%rows%node]), substitution)
+      end if
       call measure_cells(body, contacts, error)
    end subroutine new_body
+
+   !> Nodes that ties hold together: one of either body for each segment (2, segments).
+   pure function bonds(ties)
+      type(mortar_pair_t), intent(in) :: ties(:) !! the surfaces that are bonded
+      integer, allocatable :: bonds(:, :)
+      integer :: i, k
+
+      allocate (bonds(2, 0))
+      do i = 1, size(ties)
+         do k = 1, size(ties(i)%segments)
+            associate (segment => ties(i)%segments(k))
+               bonds = reshape([bonds, ties(i)%slave%side(1, segment%slave), &
+                  ties(i)%master%side(1, segment%master)], [2, size(bonds, 2) + 1])
+            end associate
+         end do
+      end do
+   end function bonds
 
    !> Computes the inf-sup constants of the contact sets with constant multipliers, and refuses cells that the mesh
    !> cannot tell apart.

@@ -67,7 +67,8 @@ contains
       associate (loads => load_case%force, prescribed => load_case%prescribed)
          call body%internal_forces(internal, displacement, load_case%thermal_strain)
          contact = body%zone%rows%forces(force, body%mesh%n_nodes)
-         reaction = internal - loads - contact
+         ! What ties transmit cancels.
+         reaction = body%dof_map%substitution%forces(internal - loads - contact)
          call split_imbalance(body%constraints, reaction, certificate%equilibrium)
          force_size = max(norm2(loads), norm2(reaction), norm2(contact))
          least_scale = 0.0_dp

@@ -199,8 +199,10 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      real(dp) :: frame(2, 2), parts(2, 2)
-      integer :: p, i, k, axis, n
+      real(dp), allocatable :: transform(:, :)
+      real(dp) :: parts(2, 2)
+      integer, allocatable :: own(:)
+      integer :: p, i, k, n
 
       allocate (condensation%unknown(2, zone%n_points), source=0)
       n = 0
@@ -214,20 +216,39 @@ contains
       allocate (condensation%rows(n, dof_map%n_trailing), source=0.0_dp)
       do p = 1, zone%n_points
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
-            frame = constraints%frame(zone%rows%node(i))
+            own = dof_map%substitution%element_nodes(zone%rows%node(i:i))
+            transform = dof_map%substitution%transform(zone%rows%node(i:i), own)
             parts = reshape([zone%rows%part(:, i), turned(zone%rows%part(:, i))], [2, 2])
-            do axis = 1, 2
-               if (dof_map%dof(axis, zone%rows%node(i)) == 0) cycle
-               do k = 1, count(condensation%unknown(:, p) > 0)
-                  associate (c => condensation%rows(condensation%unknown(k, p), &
-                     dof_map%dof(axis, zone%rows%node(i)) - dof_map%n_dofs + dof_map%n_trailing))
-                     c = c + dot_product(parts(:, k), frame(:, axis))
-                  end associate
-               end do
+            do k = 1, size(own)
+               call add_part(condensation, p, own(k), matmul(transpose(transform(:, 2*k - 1:2*k)), parts), &
+                  constraints, dof_map)
             end do
          end do
       end do
    end subroutine map_rows
+
+   !> Adds a node's part in the displacements of a point to the rows of C.
+   pure subroutine add_part(condensation, p, node, parts, constraints, dof_map)
+      type(condensation_t), intent(inout) :: condensation !! the condensation
+      integer, intent(in) :: p !! number of the point
+      integer, intent(in) :: node !! the node
+      real(dp), intent(in) :: parts(2, 2) !! its parts in u_N and u_T of the point (2, 2) [-]
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      real(dp) :: frame(2, 2)
+      integer :: axis, k, column
+
+      frame = constraints%frame(node)
+      do axis = 1, 2
+         if (dof_map%dof(axis, node) == 0) cycle
+         column = dof_map%dof(axis, node) - dof_map%n_dofs + dof_map%n_trailing
+         do k = 1, count(condensation%unknown(:, p) > 0)
+            associate (c => condensation%rows(condensation%unknown(k, p), column))
+               c = c + dot_product(parts(:, k), frame(:, axis))
+            end associate
+         end do
+      end do
+   end subroutine add_part
 
    !> Finds the unknowns of every point and the map from (u_N, u_T) to them.
    !>

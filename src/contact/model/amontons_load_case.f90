@@ -25,7 +25,8 @@ module amontons_load_case
       type(load_t), allocatable :: loads(:) !! the loads
       type(contact_t), allocatable :: contacts(:) !! the contact sets, with their obstacles
       real(dp), allocatable :: force(:, :) !! nodal forces of the loads (2, n_nodes) [F]
-      real(dp), allocatable :: prescribed(:, :) !! displacements that the supports prescribe (2, n_nodes) [L]
+      real(dp), allocatable :: prescribed(:, :)
+         !! displacements that the supports prescribe, with what follows of them for slaves (2, n_nodes) [L]
       real(dp), allocatable :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node`; not allocated
          !! without temperatures [-]
@@ -68,6 +69,7 @@ contains
       end if
       call set_obstacles(load_case, body%zone, body%mesh, contacts, error)
       if (allocated(error)) return
+      load_case%prescribed = body%dof_map%substitution%displacement(load_case%prescribed)
       prescribed = body%zone%rows%displacement(load_case%prescribed)
       load_case%free_gap = load_case%gap - prescribed(:body%zone%n_points)
       call load_vector(load_case%force, body%mesh, body%materials, loads, error)
