@@ -80,15 +80,11 @@ contains
          character(*), intent(in) :: dimension !! what it is measured in
          real(dp), intent(in) :: values(:) !! its numbers (m)
          real(dp), intent(in) :: scale !! what rounding errors of it are measured by besides the numbers
-         logical, intent(in), optional :: is_field !! whether the grids show it; default no
+         logical, intent(in), optional :: is_field !! given, and true, if the grids show it
 
          n = n + 1
-         list(n)%key = key
-         list(n)%label = label
-         list(n)%dimension = dimension
-         if (present(is_field)) list(n)%is_field = is_field
-         list(n)%scale = scale
-         if (size(values) > 0) list(n)%scale = max(scale, maxval(abs(values)))
+         list(n) = column_t(key, label, dimension, present(is_field), max(scale, maxval(abs(values))))
+         ! gfortran 12 takes every other number where the constructor is given the row of a matrix.
          list(n)%values = values
       end subroutine add
 
