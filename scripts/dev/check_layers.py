@@ -19,10 +19,11 @@ MAY_USE = {
     "mesh": ["system"],
     "mesh/io": ["mesh", "system"],
     "elasticity": ["mesh", "linalg"],
+    "distributed": ["elasticity", "mesh", "cholesky", "linalg", "system"],
     "contact/problem": ["linalg"],
     "contact/methods": ["contact/problem", "linalg"],
     "contact/uniqueness": ["contact/problem", "linalg"],
-    "contact/model": ["contact/problem", "elasticity", "mesh", "cholesky", "linalg", "system"],
+    "contact/model": ["contact/problem", "distributed", "elasticity", "mesh", "cholesky", "linalg", "system"],
     "deck": ["system"],
     "input": ["deck", "contact/model", "contact/methods", "elasticity", "mesh", "mesh/io", "cholesky", "linalg",
               "system"],
@@ -38,7 +39,8 @@ MAY_USE = {
     "study/history": ["study", "output", "solve", "input", *CONTACT, "elasticity", "system"],
     "run": ["study", "study/reduced", "study/single", "study/refinement", "study/sweep", "study/history",
             "output", "input", "system"],
-    "verify": ["study/sweep", "study/single", "study/reduced", "output", "solve", "input", "contact/problem",
+    "verify": ["study/sweep", "study/history", "study/single", "study/reduced", "output", "solve", "input",
+               "contact/problem",
                "contact/model", "system"],
     "binding": ["run", "study", "study/reduced", "solve", "input", "contact/methods", "linalg"],
 }
@@ -49,6 +51,7 @@ FOREIGN_MODULES = {"omp_lib"}
 # Names of foreign libraries and routines, and the rooms that may say them.
 FOREIGN_WORDS = [(re.compile(r"umfpack", re.IGNORECASE), ["linalg"]),
                  (re.compile(r"camd|cholmod", re.IGNORECASE), ["cholesky"]),
+                 (re.compile(r"dmumps|\bmpi_(?!text)", re.IGNORECASE), ["distributed"]),
                  (re.compile(r"d[gp]btr[fs]", re.IGNORECASE), ["linalg", "cholesky"])]
 UNIT = re.compile(r"^\s*(?:module|program)\s+(?!procedure\b|subroutine\b|function\b)(\w+)\s*(?:!.*)?$", re.IGNORECASE)
 # gfortran takes a module and a procedure of C that share a name for one and calls the wrong one.

@@ -1,6 +1,7 @@
 !> What --help and --version print.
 module amontons_help
    use, intrinsic :: iso_fortran_env, only: compiler_version
+   use amontons_distributed, only: mpi_text
    use amontons_libraries, only: blas_text
    use amontons_suitesparse, only: suitesparse_text
    use amontons_text, only: newline, to_text
@@ -122,6 +123,7 @@ contains
          'build type   '//build_type, &
          'BLAS         '//blas_text(), &
          'SuiteSparse  '//suitesparse_text(), &
+         'MPI          '//mpi_text(), &
          'OpenMP       '//to_text(openmp_date)//', '//to_text(n_threads())//' threads'])
    end function version_text
 

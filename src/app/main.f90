@@ -1,7 +1,9 @@
-!> The program: reads the command line, runs the decks, ends with the exit status.
+!> The program: reads the command line, runs the decks, ends with the exit status. Of several ranks the first does so,
+!> and the others serve it.
 program main
    use, intrinsic :: iso_c_binding, only: c_int
    use amontons_command_line, only: command_line_t, read_command_line
+   use amontons_distributed, only: begin_ranks, dismiss_ranks, end_ranks, n_ranks, rank, serve
    use amontons_error, only: error_t
    use amontons_help, only: help_text, version_text
    use amontons_messages, only: print_error
@@ -28,25 +30,42 @@ program main
 
    call prepare_process()
    call return_large_arrays()
+   call begin_ranks()
    call read_command_line(command_line, error)
-   if (.not. allocated(error)) call obey(command_line, status, error)
-   if (allocated(error)) then
-      call print_error(error%message)
-      status = error%kind
+   call choose_threads(command_line%n_threads)
+   if (rank == 0) then
+      if (.not. allocated(error)) call obey(command_line, status, error)
+      if (allocated(error)) then
+         call print_error(error%message)
+         status = error%kind
+      end if
+      call dismiss_ranks()
+   else
+      call serve()
+      status = 0
    end if
+   call end_ranks()
    call c_exit(int(status, c_int))
 
 contains
 
+   !> Sets the number of threads: of a rank among several one, if nothing else is said.
+   subroutine choose_threads(n)
+      integer, intent(inout) :: n !! number of threads; 0 for what OMP_NUM_THREADS says, or all cores
+      integer :: length
+
+      call get_environment_variable('OMP_NUM_THREADS', length=length)
+      if (n == 0) n = merge(1, n_threads(), n_ranks > 1 .and. length == 0)
+      call set_threads(n)
+   end subroutine choose_threads
+
    !> Does what the command line asks for.
    subroutine obey(command_line, status, error)
-      type(command_line_t), intent(inout) :: command_line !! the command line; gains the number of threads
+      type(command_line_t), intent(in) :: command_line !! the command line
       integer, intent(out) :: status !! exit status
       type(error_t), allocatable, intent(out) :: error !! standard output takes no more
 
       status = 0
-      if (command_line%n_threads == 0) command_line%n_threads = n_threads()
-      call set_threads(command_line%n_threads)
       if (command_line%is_help) then
          call print_line(standard_output, help_text(), error)
       else if (command_line%is_version) then

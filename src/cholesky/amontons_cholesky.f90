@@ -23,9 +23,11 @@ module amontons_cholesky
       real(dp), allocatable :: diagonal(:) !! Diagonal of P K P^T, until its pivots are checked (n).
       type(sparse_matrix_t) :: matrix !! P K P^T, until `complete` has put it where the factor will be.
    contains
+      procedure(analyze), deferred :: analyze
       procedure(substitute), deferred :: substitute_forward
       procedure(substitute), deferred :: substitute_backward
       procedure(schur_factor), deferred :: schur_factor
+      procedure :: factorize => cholesky_factorize
       procedure :: solve => cholesky_solve
       procedure :: schur_complement => cholesky_schur_complement
       procedure :: condense => cholesky_condense
@@ -37,6 +39,17 @@ module amontons_cholesky
    end type cholesky_t
 
    abstract interface
+      !> Orders a matrix and finds the size of its factor. Takes what it needs of the matrix, which the caller may give
+      !> up before `complete`.
+      subroutine analyze(self, matrix, n_schur, error)
+         import :: cholesky_t, error_t, sparse_matrix_t
+         implicit none (type, external)
+         class(cholesky_t), intent(inout) :: self !! the factorization
+         type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
+         integer, intent(in) :: n_schur !! how many unknowns, the last ones, are Schur variables
+         type(error_t), allocatable, intent(out) :: error !! memory ran out
+      end subroutine analyze
+
       !> Does the steps of a substitution that belong to the first columns of L.
       subroutine substitute(self, n_steps, y)
          import :: cholesky_t, dp
@@ -57,6 +70,20 @@ module amontons_cholesky
    end interface
 
 contains
+
+   !> Factorizes a symmetric positive definite matrix.
+   subroutine cholesky_factorize(self, matrix, n_schur, error)
+      class(cholesky_t), intent(inout) :: self !! the factorization
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
+      integer, intent(in) :: n_schur !! how many unknowns, the last ones, are Schur variables
+      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory is short
+
+      call self%analyze(matrix, n_schur, error)
+      if (allocated(error)) return
+      call self%check_memory(error)
+      if (allocated(error)) return
+      call self%complete(error)
+   end subroutine cholesky_factorize
 
    !> Sets the order of elimination and takes the matrix in this order; for `analyze`.
    subroutine cholesky_set_order(self, matrix, n_schur, order, error)

@@ -7,7 +7,6 @@ module amontons_condenser
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dlacn2
-   use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_system, only: available_memory_mb, return_memory
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -24,15 +23,15 @@ module amontons_condenser
       integer(int64) :: n_work_entries = 0 !! Numbers that `complete` holds for a while, beside the factor's.
       real(dp) :: n_flops = 0.0_dp !! Floating-point operations of `complete`.
       real(dp) :: matrix_norm = 0.0_dp !! 1-norm of the matrix.
+      real(dp) :: regularization = 0.0_dp
+         !! What one that assembles the matrix itself has added to the diagonal entries of the Schur variables.
       integer :: refused_unknown = 0 !! The unknown whose pivot was not positive, 0 for none.
    contains
-      procedure(analyze), deferred :: analyze
       procedure(complete), deferred :: complete
       procedure(schur_complement), deferred :: schur_complement
       procedure(condense), deferred :: condense
       procedure(expand), deferred :: expand
       procedure(solve), deferred :: solve
-      procedure :: factorize => condenser_factorize
       procedure :: check_memory => condenser_check_memory
       procedure :: memory_mb => condenser_memory_mb
       procedure :: condition => condenser_condition
@@ -40,17 +39,6 @@ module amontons_condenser
    end type condenser_t
 
    abstract interface
-      !> Orders a matrix and finds the size of its factor. Takes what it needs of the matrix, which the caller may give
-      !> up before `complete`.
-      subroutine analyze(self, matrix, n_schur, error)
-         import :: condenser_t, error_t, sparse_matrix_t
-         implicit none (type, external)
-         class(condenser_t), intent(inout) :: self !! the condenser
-         type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-         integer, intent(in) :: n_schur !! how many unknowns, the last ones, are Schur variables
-         type(error_t), allocatable, intent(out) :: error !! memory ran out
-      end subroutine analyze
-
       !> Computes the factor of the matrix that was analyzed.
       subroutine complete(self, error)
          import :: condenser_t, error_t
@@ -99,20 +87,6 @@ module amontons_condenser
    end interface
 
 contains
-
-   !> Factorizes a symmetric positive definite matrix.
-   subroutine condenser_factorize(self, matrix, n_schur, error)
-      class(condenser_t), intent(inout) :: self !! the condenser
-      type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
-      integer, intent(in) :: n_schur !! how many unknowns, the last ones, are Schur variables
-      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory is short
-
-      call self%analyze(matrix, n_schur, error)
-      if (allocated(error)) return
-      call self%check_memory(error)
-      if (allocated(error)) return
-      call self%complete(error)
-   end subroutine condenser_factorize
 
    !> The memory that `complete` takes [MB].
    pure real(dp) function condenser_memory_mb(self)

@@ -14,10 +14,10 @@ module amontons_new_cholesky
 
    public :: factorization_names, new_cholesky, new_condenser
 
-   !> Kinds of factorizations, as a deck writes them; the first stands for the quicker one of band and multifrontal, the
-   !> last is the former word for multifrontal.
+   !> Kinds of factorizations, as a deck writes them; the first stands for the quicker one of band and multifrontal on
+   !> one rank, for distributed on several; the last is the former word for multifrontal.
    character(13), parameter :: factorization_names(*) = [character(13) :: 'auto', 'band', 'multifrontal', 'sparse', &
-      'substructured']
+      'distributed', 'substructured']
 
    !> Number of operations of a band factorization up to which it is the quicker one; measured on squares, where it
    !> meets the multifrontal one at about 4 000 unknowns.
@@ -39,8 +39,8 @@ contains
 
       call choose(cholesky, kind, matrix, n_schur, error)
       if (allocated(error)) return
+      call cholesky%analyze(matrix, n_schur, error)
       call move_alloc(cholesky, condenser)
-      call condenser%analyze(matrix, n_schur, error)
    end subroutine new_condenser
 
    !> Makes a Cholesky factorization of a matrix.

@@ -32,36 +32,75 @@ contains
       type(error_t), allocatable, intent(out) :: error !! too large for the memory
       type(element_geometry_t) :: geometry
       real(dp) :: block(2*max_nodes, 2*max_nodes)
-      integer :: unknowns(2*max_nodes), color, i, k, n
+      integer, allocatable :: start(:), unknowns(:)
+      integer :: color, i, n
 
-      call new_sparse_matrix(stiffness, dof_map%n_dofs, 2*mesh%node_start - 1, element_unknowns(mesh, dof_map), error)
+      call list_unknowns(start, unknowns, mesh, dof_map)
+      call new_sparse_matrix(stiffness, dof_map%n_dofs, start, unknowns, error)
       if (allocated(error)) return
       call place_unknowns(stiffness, mesh, dof_map)
       do color = 1, coloring%n_colors
-         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(block, unknowns, k, n) &
+         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(block, n) &
          !$omp shared(stiffness, mesh, materials, coloring, constraints, dof_map, color) &
          !$omp if (mesh%n_elements >= worth_threads)
          do i = coloring%start(color), coloring%start(color + 1) - 1
-            associate (material => materials%list(materials%of_element(coloring%element(i))))
-               call new_element_geometry(geometry, mesh, coloring%element(i), material)
-               call element_stiffness(geometry, material, block)
+            associate (element => coloring%element(i))
+               ! Elements of one color may share the unknowns that substituted displacements are made of.
+               if (is_substituted(dof_map, mesh, element)) cycle
+               call new_element_geometry(geometry, mesh, element, materials%list(materials%of_element(element)))
+               call element_stiffness(geometry, materials%list(materials%of_element(element)), block)
             end associate
             n = geometry%n_nodes
-            call turn_to_frames(block, geometry%node(:n), constraints)
-            do k = 1, n
-               unknowns(2*k - 1:2*k) = dof_map%dof(:, geometry%node(k))
-            end do
-            call stiffness%add_element(unknowns(:2*n), block(:2*n, :2*n))
+            call add_block(stiffness, geometry%node(:n), block(:2*n, :2*n), constraints, dof_map)
          end do
          !$omp end parallel do
       end do
+      do i = 1, mesh%n_elements
+         if (.not. is_substituted(dof_map, mesh, i)) cycle
+         call new_element_geometry(geometry, mesh, i, materials%list(materials%of_element(i)))
+         call element_stiffness(geometry, materials%list(materials%of_element(i)), block)
+         n = geometry%n_nodes
+         call add_block(stiffness, geometry%node(:n), block(:2*n, :2*n), constraints, dof_map)
+      end do
       do i = 1, size(springs)
          n = springs(i)%n_nodes
-         block(:2*n, :2*n) = springs(i)%stiffness(:2*n, :2*n)
-         call turn_to_frames(block, springs(i)%node(:n), constraints)
-         call stiffness%add_element(reshape(dof_map%dof(:, springs(i)%node(:n)), [2*n]), block(:2*n, :2*n))
+         call add_block(stiffness, springs(i)%node(:n), springs(i)%stiffness(:2*n, :2*n), constraints, dof_map)
       end do
    end subroutine assemble_stiffness
+
+   !> Whether the displacement of a node of an element is no unknown.
+   pure logical function is_substituted(dof_map, mesh, element)
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: element !! the element
+
+      is_substituted = .false.
+      if (.not. allocated(dof_map%substitution%start)) return
+      is_substituted = dof_map%substitution%is_substituted( &
+         mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1))
+   end function is_substituted
+
+   !> Adds the stiffness between some nodes to that of the unknowns.
+   pure subroutine add_block(stiffness, nodes, block, constraints, dof_map)
+      type(sparse_matrix_t), intent(inout) :: stiffness !! stiffness of the unknowns
+      integer, intent(in) :: nodes(:) !! the nodes
+      real(dp), intent(in) :: block(:, :) !! stiffness in x and y (2 nodes, 2 nodes) [F/L]
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      integer, allocatable :: own(:)
+      real(dp), allocatable :: transform(:, :), turned(:, :)
+
+      if (dof_map%substitution%is_substituted(nodes)) then
+         own = dof_map%substitution%element_nodes(nodes)
+         transform = dof_map%substitution%transform(nodes, own)
+         turned = matmul(transpose(transform), matmul(block, transform))
+      else
+         own = nodes
+         turned = block
+      end if
+      call turn_to_frames(turned, own, constraints)
+      call stiffness%add_element(reshape(dof_map%dof(:, own), [2*size(own)]), turned)
+   end subroutine add_block
 
    !> Tells the matrix where its unknowns sit, for the ordering.
    pure subroutine place_unknowns(stiffness, mesh, dof_map)
@@ -78,18 +117,27 @@ contains
       end do
    end subroutine place_unknowns
 
-   !> The unknowns of all elements, one element after the other; 0 for a held component.
-   pure function element_unknowns(mesh, dof_map) result(unknowns)
+   !> Lists the unknowns of all elements, one element after the other; 0 for a held component.
+   pure subroutine list_unknowns(start, unknowns, mesh, dof_map)
+      integer, allocatable, intent(out) :: start(:) !! where each element starts (n_elements + 1)
+      integer, allocatable, intent(out) :: unknowns(:) !! the unknowns
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      integer, allocatable :: unknowns(:)
+      integer, allocatable :: node(:)
       integer :: i
 
-      allocate (unknowns(2*size(mesh%node)))
-      do i = 1, size(mesh%node)
-         unknowns(2*i - 1:2*i) = dof_map%dof(:, mesh%node(i))
+      if (allocated(dof_map%substitution%start)) then
+         call dof_map%substitution%own_nodes_of_elements(mesh%node_start, mesh%node, start, node)
+      else
+         start = mesh%node_start
+         node = mesh%node
+      end if
+      allocate (unknowns(2*size(node)))
+      do i = 1, size(node)
+         unknowns(2*i - 1:2*i) = dof_map%dof(:, node(i))
       end do
-   end function element_unknowns
+      start = 2*start - 1
+   end subroutine list_unknowns
 
    !> Turns an element's stiffness from x and y to the frames of its nodes.
    pure subroutine turn_to_frames(block, nodes, constraints)
@@ -235,21 +283,22 @@ contains
       end do
    end function spring_forces
 
-   !> Collects a nodal field into a vector of the unknowns: its components along the free axes.
+   !> Collects nodal forces into a vector of the unknowns: their components along the free axes.
    pure function to_unknowns(field, constraints, dof_map) result(vector)
-      real(dp), intent(in) :: field(:, :) !! values at the nodes, x and y (2, n_nodes)
+      real(dp), intent(in) :: field(:, :) !! forces on the nodes, x and y (2, n_nodes) [F]
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      real(dp), allocatable :: vector(:)
+      real(dp), allocatable :: vector(:), own(:, :)
       real(dp) :: frame(2, 2)
       integer :: node, axis
 
       allocate (vector(dof_map%n_dofs))
+      own = dof_map%substitution%forces(field)
       do node = 1, size(field, 2)
          frame = constraints%frame(node)
          do axis = 1, 2
             if (dof_map%dof(axis, node) == 0) cycle
-            vector(dof_map%dof(axis, node)) = dot_product(frame(:, axis), field(:, node))
+            vector(dof_map%dof(axis, node)) = dot_product(frame(:, axis), own(:, node))
          end do
       end do
    end function to_unknowns
@@ -264,7 +313,7 @@ contains
       real(dp) :: frame(2, 2)
       integer :: node, axis
 
-      displacement = prescribed
+      allocate (displacement(2, size(prescribed, 2)), source=0.0_dp)
       do node = 1, size(displacement, 2)
          frame = constraints%frame(node)
          do axis = 1, 2
@@ -272,6 +321,7 @@ contains
             displacement(:, node) = displacement(:, node) + frame(:, axis)*vector(dof_map%dof(axis, node))
          end do
       end do
+      displacement = prescribed + dof_map%substitution%displacement(displacement)
    end function from_unknowns
 
 end module amontons_assembly

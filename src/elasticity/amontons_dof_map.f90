@@ -1,6 +1,7 @@
 !> Numbers of the unknowns: free displacement components, those of chosen nodes last.
 module amontons_dof_map
    use amontons_constraints, only: constraints_t
+   use amontons_substitution, only: substitution_t
    implicit none (type, external)
    private
 
@@ -11,27 +12,35 @@ module amontons_dof_map
       integer :: n_dofs = 0 !! number of unknowns
       integer :: n_trailing = 0 !! how many of them belong to the nodes put last
       integer, allocatable :: dof(:, :) !! unknown of the component along e1, e2 of a node, 0 if held (2, n_nodes)
+      type(substitution_t) :: substitution !! how the displacements of nodes follow from the unknowns
    end type dof_map_t
 
 contains
 
    !> Numbers the free components node by node; the given nodes come last, in the order given.
-   pure subroutine new_dof_map(dof_map, constraints, last_nodes)
+   pure subroutine new_dof_map(dof_map, constraints, last_nodes, substitution)
       type(dof_map_t), intent(out) :: dof_map !! the numbers
       type(constraints_t), intent(in) :: constraints !! the supports
       integer, intent(in) :: last_nodes(:) !! nodes whose unknowns come last
-      logical :: is_last(size(constraints%is_free, 2))
+      type(substitution_t), intent(in), optional :: substitution
+         !! nodes whose displacements are no unknowns; all are without it
+      logical :: is_last(size(constraints%is_free, 2)), is_free(2, size(constraints%is_free, 2))
       integer :: i, node
 
+      is_free = constraints%is_free
+      if (present(substitution)) then
+         dof_map%substitution = substitution
+         if (allocated(substitution%is_bonded)) is_free = is_free .and. .not. spread(substitution%is_bonded, 1, 2)
+      end if
       is_last = .false.
       is_last(last_nodes) = .true.
       allocate (dof_map%dof(2, size(is_last)), source=0)
       do node = 1, size(is_last)
-         if (.not. is_last(node)) call number_node(dof_map, constraints%is_free(:, node), node)
+         if (.not. is_last(node)) call number_node(dof_map, is_free(:, node), node)
       end do
       dof_map%n_trailing = -dof_map%n_dofs
       do i = 1, size(last_nodes)
-         call number_node(dof_map, constraints%is_free(:, last_nodes(i)), last_nodes(i))
+         call number_node(dof_map, is_free(:, last_nodes(i)), last_nodes(i))
       end do
       dof_map%n_trailing = dof_map%n_trailing + dof_map%n_dofs
    end subroutine new_dof_map

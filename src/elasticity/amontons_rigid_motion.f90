@@ -28,16 +28,17 @@ module amontons_rigid_motion
 contains
 
    !> Finds the rigid motions of each piece of a body that violate no support.
-   subroutine new_rigid_motions(motions, mesh, constraints, springs, is_axisymmetric)
+   subroutine new_rigid_motions(motions, mesh, constraints, springs, is_axisymmetric, bonds)
       type(rigid_motions_t), allocatable, intent(out) :: motions(:) !! the free motions of each piece
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
       logical, intent(in) :: is_axisymmetric !! whether only the translation along the axis (y) is a rigid motion
+      integer, intent(in), optional :: bonds(:, :) !! pairs of nodes that hold together, too (2, bonds)
       integer, allocatable :: piece(:), spring_piece(:), place(:)
       integer :: i, n_pieces, node
 
-      call number_pieces(mesh, piece, n_pieces)
+      call number_pieces(mesh, piece, n_pieces, bonds)
       spring_piece = [(piece(springs(i)%node(1)), i=1, size(springs))]
       allocate (motions(n_pieces), place(n_pieces))
       place = 0

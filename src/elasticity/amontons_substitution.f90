@@ -17,12 +17,13 @@ module amontons_substitution
       integer, allocatable :: start(:) !! not allocated where no node is substituted (n_nodes + 1)
       integer, allocatable :: node(:) !! node whose own unknowns take part
       real(dp), allocatable :: block(:, :, :) !! how, in x and y: u = sum block y (2, 2, blocks) [-]
+      logical, allocatable :: is_bonded(:) !! whether a node has no unknowns of its own; allocated as `start` (n_nodes)
    contains
-      procedure :: add_blocks => substitution_add_blocks
       procedure :: displacement => substitution_displacement
       procedure :: element_nodes => substitution_element_nodes
       procedure :: forces => substitution_forces
       procedure :: is_substituted => substitution_is_substituted
+      procedure :: own_nodes_of_elements => substitution_own_nodes_of_elements
       procedure :: transform => substitution_transform
    end type substitution_t
 
@@ -93,6 +94,30 @@ contains
       end do
    end function substitution_element_nodes
 
+   !> The nodes whose own unknowns the displacements of each element are made of.
+   pure subroutine substitution_own_nodes_of_elements(self, start, node, own_start, own_node)
+      class(substitution_t), intent(in) :: self !! the substitution
+      integer, intent(in) :: start(:) !! where the nodes of each element begin (n_elements + 1)
+      integer, intent(in) :: node(:) !! the nodes of the elements
+      integer, allocatable, intent(out) :: own_start(:) !! where those of each element begin (n_elements + 1)
+      integer, allocatable, intent(out) :: own_node(:) !! the nodes whose own unknowns take part
+      integer, allocatable :: own(:)
+      integer :: element, turn
+
+      allocate (own_start(size(start)))
+      ! Counted first, then listed.
+      do turn = 1, 2
+         own_start(1) = 1
+         do element = 1, size(start) - 1
+            own = node(start(element):start(element + 1) - 1)
+            if (self%is_substituted(own)) own = self%element_nodes(own)
+            own_start(element + 1) = own_start(element) + size(own)
+            if (turn == 2) own_node(own_start(element):own_start(element + 1) - 1) = own
+         end do
+         if (turn == 1) allocate (own_node(own_start(size(start)) - 1))
+      end do
+   end subroutine substitution_own_nodes_of_elements
+
    !> The rows of P of some nodes, in the columns of the nodes of `element_nodes` (2 nodes, 2 own_nodes) [-].
    pure function substitution_transform(self, nodes, own_nodes) result(transform)
       class(substitution_t), intent(in) :: self !! the substitution
@@ -115,41 +140,5 @@ contains
          end do
       end do
    end function substitution_transform
-
-   !> Adds a multiple of a node's displacement to a list of blocks, each node once: what it is made of where it is
-   !> substituted, or its own unknowns.
-   pure subroutine substitution_add_blocks(self, nodes, blocks, node, factor)
-      class(substitution_t), intent(in) :: self !! the substitution
-      integer, allocatable, intent(inout) :: nodes(:) !! the nodes of the list
-      real(dp), allocatable, intent(inout) :: blocks(:, :, :) !! their blocks (2, 2, nodes) [-]
-      integer, intent(in) :: node !! the node to add
-      real(dp), intent(in) :: factor(2, 2) !! what its displacement is multiplied by [-]
-      integer :: k
-
-      if (.not. self%is_substituted([node])) then
-         call add_block(nodes, blocks, node, factor)
-         return
-      end if
-      do k = self%start(node), self%start(node + 1) - 1
-         call add_block(nodes, blocks, self%node(k), matmul(factor, self%block(:, :, k)))
-      end do
-   end subroutine substitution_add_blocks
-
-   !> Adds a block to a list of blocks, each node once.
-   pure subroutine add_block(nodes, blocks, node, block)
-      integer, allocatable, intent(inout) :: nodes(:) !! the nodes of the list
-      real(dp), allocatable, intent(inout) :: blocks(:, :, :) !! their blocks (2, 2, nodes) [-]
-      integer, intent(in) :: node !! the node of the block
-      real(dp), intent(in) :: block(2, 2) !! the block [-]
-      integer :: k
-
-      k = findloc(nodes, node, dim=1)
-      if (k > 0) then
-         blocks(:, :, k) = blocks(:, :, k) + block
-      else
-         nodes = [nodes, node]
-         blocks = reshape([blocks, block], [2, 2, size(nodes)])
-      end if
-   end subroutine add_block
 
 end module amontons_substitution

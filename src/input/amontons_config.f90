@@ -329,8 +329,8 @@ contains
          call visitor%whole(key_t('max_iterations', 'most iterations, of all stages together with `auto`', &
             at_least=1.0_dp, also='maxit max_iter itmax iterations'), method%max_iterations)
          call visitor%word(key_t('factorization', 'Cholesky factorization of the stiffness: band, multifrontal '// &
-            "(formerly `'substructured'`), that of SuiteSparse where it was built in, or the quicker one of the "// &
-            'first two', is_shared=.true.), config%factorization, factorization_names)
+            "(formerly `'substructured'`), that of SuiteSparse, distributed over the ranks of an MPI run, or the "// &
+            'one that suits', is_shared=.true.), config%factorization, factorization_names)
          call visitor%word(key_t('condensation', 'form of the stiffness of the contact points: a dense matrix, or a'// &
             ' band matrix of the whole body, which is quicker for long contact lines of slender bodies', &
             is_shared=.true.), config%condensation, condensation_names)
@@ -339,6 +339,8 @@ contains
             method%space == 'primal'), 'space', &
             "space must be 'dual' for a reduced problem, which has no stiffness to sweep on")
          if (.not. allocated(config%contacts)) return
+         call visitor%require(.not. (config%condensation == 'band' .and. config%factorization == 'distributed'), &
+            'condensation', "condensation must be 'dense' or 'auto' with factorization 'distributed'")
          associate (contacts => config%contacts)
             call visitor%require(.not. (config%condensation == 'band' .and. any(contacts%partition%is_constant .or. &
                contacts%pairing%is_pair())), 'condensation', &

@@ -6,7 +6,8 @@ module amontons_threads
    implicit none (type, external)
    private
 
-   public :: limit_nested_threads, n_threads, openmp_date, restore_nested_threads, set_threads, thread_state_t
+   public :: limit_nested_threads, n_threads, openmp_date, restore_nested_threads, set_threads, thread_state_t, &
+      use_blas_threads
 
    !> Year and month of the OpenMP standard that the compiler follows.
    integer, parameter :: openmp_date = openmp_version
@@ -47,6 +48,13 @@ contains
       call set_blas_threads(1_c_int)
       call end_blas_threads()
    end subroutine set_threads
+
+   !> Lets the BLAS have threads of its own, for a library that has no other; one gives them back.
+   subroutine use_blas_threads(n)
+      integer, intent(in) :: n !! number of threads, at least 1
+
+      call set_blas_threads(int(n, c_int))
+   end subroutine use_blas_threads
 
    !> The number of threads a parallel loop gets.
    integer function n_threads()

@@ -9,10 +9,11 @@ module amontons_pieces
 contains
 
    !> Numbers the pieces in the order of their first nodes.
-   pure subroutine number_pieces(mesh, piece, n_pieces)
+   pure subroutine number_pieces(mesh, piece, n_pieces, bonds)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, allocatable, intent(out) :: piece(:) !! the piece that each node belongs to (n_nodes)
       integer, intent(out) :: n_pieces !! number of pieces
+      integer, intent(in), optional :: bonds(:, :) !! pairs of nodes that hold together, too (2, bonds)
       integer :: parent(mesh%n_nodes), element, i, node, one, other
 
       ! Every node points to another one of its piece that comes before it, the first node of each piece to itself.
@@ -27,6 +28,15 @@ contains
             one = min(one, other)
          end do
       end do
+      if (present(bonds)) then
+         do i = 1, size(bonds, 2)
+            one = bonds(1, i)
+            other = bonds(2, i)
+            call find_root(parent, one)
+            call find_root(parent, other)
+            parent(max(one, other)) = min(one, other)
+         end do
+      end if
       allocate (piece(mesh%n_nodes))
       n_pieces = 0
       do node = 1, mesh%n_nodes

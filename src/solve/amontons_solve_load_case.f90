@@ -18,7 +18,7 @@ module amontons_solve_load_case
    use amontons_load_case, only: condense_load_case, load_case_t, pose_problem, recover_displacement
    use amontons_result, only: factor_t, result_t
    use amontons_result_warnings, only: add_result_warnings
-   use amontons_rigid_fit, only: fit_rigid_motion
+   use amontons_rigid_fit, only: fit_rigid_motion, fit_travel
    use amontons_timings, only: phase_condense, phase_recover, phase_solve, phase_write
    use amontons_uniqueness, only: new_uniqueness
    implicit none (type, external)
@@ -73,6 +73,7 @@ contains
    end subroutine set_factor
 
    !> Solves the contact problem of a load case, its displacements counted from where the body meets its obstacles.
+   !> Where they turn out to be little else than another rigid motion, solves it once more, counted from this one, too.
    subroutine solve_from_obstacles(method, body, load_case, problem, solution, error)
       class(contact_method_t), intent(in) :: method !! the contact method
       type(body_t), intent(in) :: body !! the body
@@ -80,20 +81,45 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! its contact problem; stays as it is
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
-      real(dp), allocatable :: motion(:), gap(:), anchor(:)
+      type(contact_solution_t) :: first
+      real(dp), allocatable :: motion(:), travel(:)
 
       call fit_rigid_motion(motion, body, load_case)
+      ! Nothing has a place before it meets its obstacles: a start at rest is there.
+      if (.not. any(abs(solution%force) > 0.0_dp)) solution%displacement = solution%displacement + motion
+      call solve_from(motion, method, problem, solution, error)
+      if (allocated(error) .or. solution%is_at_rest) return
+      call fit_travel(travel, body, solution%displacement - motion)
+      if (.not. any(abs(travel) > 0.0_dp)) return
+      first = solution
+      call solve_from(motion + travel, method, problem, solution, error)
+      if (allocated(error)) return
+      if (solution%is_converged .or. .not. first%is_converged) then
+         call solution%follow(first)
+      else
+         solution = first
+      end if
+   end subroutine solve_from_obstacles
+
+   !> Solves a contact problem, its displacements counted from a rigid motion.
+   subroutine solve_from(motion, method, problem, solution, error)
+      real(dp), intent(in) :: motion(:) !! displacements of the points under the motion (2m) [L]
+      class(contact_method_t), intent(in) :: method !! the contact method
+      type(contact_problem_t), intent(inout) :: problem !! the contact problem; stays as it is
+      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      real(dp), allocatable :: gap(:), anchor(:)
+
       gap = problem%gap
       anchor = problem%anchor
       problem%gap = gap - motion(:size(gap))
       problem%anchor = anchor - motion(size(gap) + 1:)
-      ! Nothing has a place before it meets its obstacles: a start at rest is there.
-      if (any(abs(solution%force) > 0.0_dp)) solution%displacement = solution%displacement - motion
+      solution%displacement = solution%displacement - motion
       call solve_components(method, problem, solution, error)
       solution%displacement = solution%displacement + motion
       problem%gap = gap
       problem%anchor = anchor
-   end subroutine solve_from_obstacles
+   end subroutine solve_from
 
    !> Refuses a solution whose numbers have left the finite range.
    pure subroutine check_finite(solution, error)

@@ -56,6 +56,7 @@ contains
       end if
       text = text//', '//estimate%factorization//' factor of '//to_text(estimate%n_entries)//' entries, about '// &
          to_text(ceiling(estimate%memory_mb))//' MB of memory'
+      if (estimate%n_ranks > 1) text = text//' on each of '//to_text(estimate%n_ranks)//' ranks at most'
       if (estimate%memory_mb > estimate%available_mb) text = text//', but only '// &
          to_text(floor(estimate%available_mb))//' MB are available'
    end function estimate_text

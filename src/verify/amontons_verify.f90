@@ -16,6 +16,7 @@ module amontons_verify
    use amontons_summary_file, only: summary_file_t
    use amontons_text, only: to_text
    use amontons_verify_case, only: verify_case
+   use amontons_verify_history, only: verify_history
    use amontons_verify_reduced, only: verify_reduced
    use amontons_verify_sweep, only: verify_sweep
    implicit none (type, external)
@@ -127,7 +128,7 @@ contains
       if (config%reduced%is_given) then
          call verify_reduced(summary, config, stem, verdict%is_certified)
       else if (config%history%is_given) then
-         call trust_summary(verdict, summary, 'the steps of a history were not recomputed')
+         call verify_history(summary, cache, config, stem, verdict%is_certified)
       else if (config%sweep%is_given()) then
          call verify_sweep(summary, cache, config, stem, verdict%is_certified)
       else

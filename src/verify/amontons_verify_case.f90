@@ -27,7 +27,7 @@ module amontons_verify_case
    implicit none (type, external)
    private
 
-   public :: check_grids, check_law, restore_displacement, verify_case
+   public :: check_grids, check_law, restore_displacement, verify_case, verify_result
 
 contains
 
@@ -41,7 +41,6 @@ contains
       type(result_t) :: result
       type(document_t) :: listing, answer
       type(error_t), allocatable :: error
-      character(:), allocatable :: fault
 
       is_certified = .false.
       call prepare_case(cache, config, result, error)
@@ -56,26 +55,39 @@ contains
          call summary%faults%add(stem//'.deck.nml', error%message)
          return
       end if
-      associate (body => cache%body)
-         call new_contact_solution(result%solution, body%zone%n_points)
-         call read_points(stem//'.contact.csv', body%zone%n_points, result%solution%force, &
-            result%solution%status, fault)
-         if (len(fault) > 0) call summary%faults%add(stem//'.contact.csv', fault)
-         if (len(fault) > 0) return
-         call restore_displacement(result, body, stem//'.vtu', fault)
-         if (len(fault) > 0) call summary%faults%add(stem//'.vtu', fault)
-         if (len(fault) > 0) return
-         result%solution%is_converged = summary%value('', 'converged') == 'true'
-         result%condition = summary%number('', 'condition')
-         call judge(result, body)
-         call add_result_warnings(result, body)
-         if (result%solution%is_converged) call check_law(summary%faults, body, result, stem//'.contact.csv', .true.)
-         call check_texts(summary%faults, config, body, result, stem)
-         call check_grids(summary%faults, config%units, body, result, stem)
-      end associate
+      call verify_result(summary, cache%body, config, stem, result, is_certified)
+   end subroutine verify_case
+
+   !> Checks the files of a load case, which may be a step of a history.
+   subroutine verify_result(summary, body, config, stem, result, is_certified)
+      type(summary_file_t), intent(inout) :: summary !! the summary; gains the faults of all files
+      type(body_t), intent(in) :: body !! the body
+      type(config_t), intent(in) :: config !! the case as its effective deck has it
+      character(*), intent(in) :: stem !! directory and name of the case
+      type(result_t), intent(inout) :: result !! the load case; gains what the files state, and what follows
+      logical, intent(out) :: is_certified !! whether it converged and its certificate passes
+      character(:), allocatable :: fault
+
+      is_certified = .false.
+      call new_contact_solution(result%solution, body%zone%n_points)
+      call read_points(stem//'.contact.csv', body%zone%n_points, result%solution%force, &
+         result%solution%status, fault)
+      if (len(fault) > 0) call summary%faults%add(stem//'.contact.csv', fault)
+      if (len(fault) > 0) return
+      call restore_displacement(result, body, stem//'.vtu', fault)
+      if (len(fault) > 0) call summary%faults%add(stem//'.vtu', fault)
+      if (len(fault) > 0) return
+      ! The last step of a history that ended early has converged.
+      result%solution%is_converged = summary%value('', 'converged') == 'true' .or. .not. result%is_complete
+      result%condition = summary%number('', 'condition')
+      call judge(result, body)
+      call add_result_warnings(result, body)
+      if (result%solution%is_converged) call check_law(summary%faults, body, result, stem//'.contact.csv', .true.)
+      call check_texts(summary%faults, config, body, result, stem)
+      call check_grids(summary%faults, config%units, body, result, stem)
       is_certified = result%solution%is_converged .and. &
          result%certificate%largest() <= certificate_limit(config%method%tolerance)
-   end subroutine verify_case
+   end subroutine verify_result
 
    !> Reads the displacements of the nodes, and finds those of the contact points.
    subroutine restore_displacement(result, body, path, fault)

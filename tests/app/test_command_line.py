@@ -38,7 +38,7 @@ class Options(ProgramTest):
         run = self.run_program("--version")
         facts = [r"amontons \d+\.\d+\.\d+", r"compiler     .*version \d+.*", r"build type   \w+.*",
                  r"BLAS         \S.*", r"SuiteSparse  (none|\d+\.\d+\.\d+, CHOLMOD \d+\.\d+\.\d+)",
-                 r"OpenMP       20\d{4}, 1 threads"]
+                 r"MPI          (no|yes, MUMPS \d+\.\d+\.\d+)", r"OpenMP       20\d{4}, 1 threads"]
         self.assertRegex(run.stdout, "^" + "".join(fact + r"\n" for fact in facts) + "$")
         self.assertEqual(run.stderr, "")
 

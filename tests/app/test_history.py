@@ -11,7 +11,8 @@ import subprocess
 import time
 import unittest
 
-from harness import PROGRAM, ProgramTest
+from harness import PROGRAM
+from verification import Verification
 
 BAR = """&case name = 'bar' /
 &mesh size = 40.0, 40.0  cells = 32, 10 /
@@ -35,8 +36,12 @@ BLOCK = """&case name = 'block' /
 GROWING = ("history.csv", "points.csv", "states.csv", "history.pvd")
 
 
-class History(ProgramTest):
+class History(Verification):
     """Decks with &history."""
+
+    def setUp(self):
+        super().setUp()
+        self.results = self.directory / "out"
 
     def walk(self, text, status=0):
         """Runs a deck."""
@@ -273,15 +278,48 @@ class History(ProgramTest):
             run = self.run_program(option, deck, status=1)
             self.assertIn("take single cases, found a deck with &history", run.stderr)
 
-    def test_verification_says_that_steps_are_not_computed_again(self):
-        self.walk(BAR)
-        run = self.run_program("--verify", "out")
-        self.assertEqual(run.stdout,
-                         "bar: verified by checksums alone; the steps of a history were not recomputed\n")
-        table = self.directory / "out" / "bar.history.csv"
-        table.write_text(table.read_text().replace("0", "1", 1))
+    def test_verification_takes_the_steps_again(self):
+        self.walk(BAR.replace("substeps = 4", "substeps = 4  step_tolerance = 1e-2  min_step = 0.1")
+                  + "&output fields_every = 7  points_every = 5  states_every = 6  probe = 0.0, 0.0 /\n")
+        self.assertTrue(any("state jumps" in warning for warning in self.summary("bar")["warnings"]))
+        self.assertEqual(self.run_program("--verify", "out").stdout, "bar: verified\n")
+        for name, column, expected in (
+                ("bar.history.csv", "dissipation", r"out/bar\.history\.csv:4: dissipation is .* follows from the"),
+                ("bar.points.csv", "slip", r"out/bar\.points\.csv:4: slip is .* follows from the other"),
+                ("bar.states.csv", "anchor_9", r"out/bar\.states\.csv:4: it is not the state of step 13"),
+                ("bar.history.pvd", None, "it does not list the grids of the steps at their times")):
+            path = self.directory / "out" / name
+            sound = path.read_text(encoding="utf-8")
+            lines = sound.splitlines(keepends=True)
+            if column:
+                fields = lines[3].split(",")
+                place = lines[0].split(",").index(column)
+                fields[place] = repr(float(fields[place])*(1 + 1e-5) + 1e-5)
+                lines[3] = ",".join(fields)
+            else:
+                lines[3] = lines[3].replace("0.0", "0.5")
+            with self.subTest(name=name):
+                path.write_text("".join(lines), encoding="utf-8")
+                self.renew_manifest("bar")
+                self.assertRegex(self.run_program("--verify", "out", status=4).stderr, expected)
+            path.write_text(sound, encoding="utf-8")
+        path = self.directory / "out" / "bar.history.csv"
+        rows = path.read_text(encoding="utf-8").splitlines(keepends=True)
+        late = re.sub("^2,[^,]*", "2,-1.0", rows[2])
+        # Behind the residual: two displacements of the probe, iterations and statuses.
+        poor = re.sub(",[^,]*(,[^,]*,[^,]*,[0-9]*,[^,]*)$", r",1e-3\1", rows[2])
+        for changed, expected in ((rows[:-1], "follows from the other files"),
+                                  (rows[:2] + [late] + rows[3:], "the times do not ascend"),
+                                  (rows[:2] + [poor] + rows[3:], "the residual is above the tolerance"),
+                                  ([rows[0].replace("step,", "steps,"), *rows[1:]], "not the header of this table")):
+            path.write_text("".join(changed), encoding="utf-8")
+            self.renew_manifest("bar")
+            self.assertRegex(self.run_program("--verify", "out", status=4).stderr, expected)
+
+    def test_incomplete_history_is_verified_and_not_certified(self):
+        self.walk(BLOCK + "&history times = 0.0, 1.0 /\n&steps load = 'push'  factor = 0.0, 1.0 /\n", status=4)
         run = self.run_program("--verify", "out", status=4)
-        self.assertIn("bar: NOT VERIFIED\nout/bar.history.csv: ", run.stderr)
+        self.assertRegex(run.stdout + run.stderr, "^block: as it was written, but not converged or not certified")
 
 
 if __name__ == "__main__":

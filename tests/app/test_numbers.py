@@ -271,6 +271,25 @@ class IllPosed(NumbersTest):
             self.assertEqual(self.attempt(block(f"support {support}", f"{CONTACT}  {groups[0]}", *groups[1:])), (0, ""))
             self.run_program("--verify", "results")
 
+    def test_body_that_turns_far_beyond_its_strain_keeps_its_digits(self):
+        # Hollow obstacles carry the body at its corners, which turn it: no rigid motion fits their gaps. Forces of
+        # rotated displacements alone would be wrong by more than the loads times 1e-9, and their work by 1e-8.
+        for size, cells, element, young, traction, pressure, slope, friction, gap, radius, tilt in (
+                ((0.679851, 3.49091), (7, 5), "quad8", 1304.53, 2.15004e-6, 1.04891e-3, 1.73477e-4, 0.1, 2.2703e-3,
+                 -34.0025, -7.7318565e-3),
+                ((4.11963, 4.91169), (24, 10), "quad9", 71534.1, -1.05604e-3, 7.98207e-3, -3.34211e-4, 1.0, 2.12299e-4,
+                 -592.551, 5.65951452e-3)):
+            self.assertEqual(self.attempt("\n".join((
+                f"&mesh size = {size[0]}, {size[1]}  cells = {cells[0]}, {cells[1]}  element = '{element}' /",
+                f"&material young = {young}  poisson = 0.3  hypothesis = 'plane stress' /",
+                f"&load set = 'left'  traction = {traction}, 0.0 /",
+                f"&load set = 'top'  pressure = {pressure}  pressure_slope = {slope}, 0.0 /",
+                f"&contact set = 'bottom'  friction = {friction}  extra_gap = {gap}  point = {0.5*size[0]}, 0.0"
+                f"  normal = {tilt}, 1.0  obstacle = 'circle'  radius = {radius} /"))), (0, ""))
+            certificate = self.result("case", "results").summary["certificate"]
+            self.assertLess(max(certificate[key] for key in ("resultant", "moment", "energy")), 1e-10)
+            self.run_program("--verify", "results")
+
     def test_forces_that_are_rounding_errors_are_solved(self):
         # An overlap is let go of by a rigid motion, or all that is held moves alike: what is left is rounding.
         overlap = CONTACT + "  extra_gap = -0.2"

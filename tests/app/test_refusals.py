@@ -130,5 +130,16 @@ class Tables(ProgramTest):
         self.assertEqual(run.stderr, "case.nml:5: line is only for obstacle = 'polyline'\n")
 
 
+class Builds(ProgramTest):
+    """What this build, or this run of it, cannot do."""
+
+    def test_ranks_without_a_run_on_several(self):
+        deck = self.write("spread.nml", SOUND + "&solver factorization = 'distributed' /\n")
+        for options in (), ("--check",):
+            run = self.run_program(*options, deck, status=1)
+            self.assertRegex(run.stderr, "^spread.nml: factorization = 'distributed' (needs MPI and MUMPS, and this "
+                             "program was built without them|is for a run on several ranks: mpiexec -n 2)")
+
+
 if __name__ == "__main__":
     unittest.main()

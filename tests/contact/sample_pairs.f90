@@ -42,8 +42,8 @@ contains
       type(mesh_t) :: other
       type(error_t), allocatable :: error
 
-      call block_mesh(mesh, 'lower', [0.0_dp, 0.0_dp], [3.0_dp, 1.0_dp], [cells(1), 2], lower)
-      call block_mesh(other, 'upper', [0.0_dp, 1.0_dp], [3.0_dp, 1.0_dp], [cells(2), 2], upper)
+      call block_mesh(mesh, 'lower', [0.0_dp, 0.0_dp], [3.0_dp, 1.0_dp], [cells(1), 1], lower)
+      call block_mesh(other, 'upper', [0.0_dp, 1.0_dp], [3.0_dp, 1.0_dp], [cells(2), 1], upper)
       call append_mesh(mesh, other, error)
    end subroutine pair_of_blocks
 

@@ -6,7 +6,7 @@ module sample_problems
    implicit none (type, external)
    private
 
-   public :: arbitrary_matrix, arbitrary_numbers, arbitrary_problem, free_problem, inverse, one_point, &
+   public :: arbitrary_matrix, arbitrary_numbers, arbitrary_problem, bar_problem, free_problem, inverse, one_point, &
       reduced, semidefinite_problem, sparse_form, three_solutions, two_points, written_problem
 
    !> Stiffness of the point in `one_point`.
@@ -51,6 +51,31 @@ contains
       stiffness(3:, 3:) = stiffness(:2, :2)
       call written_problem(problem, stiffness, load, [0.0_dp, 0.0_dp], [0.4_dp, 0.4_dp])
    end subroutine two_points
+
+   !> Points along a bar: springs of stiffness 1 between neighbors, and one between the first point and the ground, in
+   !> one direction; in the other, one of stiffness 1 between each point and the ground. Without its spring to the
+   !> ground the bar is free.
+   subroutine bar_problem(problem, n_points, is_normal, ground)
+      type(contact_problem_t), intent(out) :: problem !! the problem; set its load, gap and friction next
+      integer, intent(in) :: n_points !! number of points
+      logical, intent(in) :: is_normal !! whether the bar points along the normals, else along the contact line
+      real(dp), intent(in) :: ground !! stiffness of the spring to the ground
+      real(dp) :: stiffness(2*n_points, 2*n_points)
+      integer :: i, first
+
+      stiffness = 0.0_dp
+      do i = 1, 2*n_points
+         stiffness(i, i) = 1.0_dp
+      end do
+      first = merge(0, n_points, is_normal)
+      do i = first + 1, first + n_points
+         stiffness(i, i) = merge(1.0_dp, 2.0_dp, i == first + n_points)
+         if (i > first + 1) stiffness(i, i - 1) = -1.0_dp
+         if (i < first + n_points) stiffness(i, i + 1) = -1.0_dp
+      end do
+      stiffness(first + 1, first + 1) = 1.0_dp + ground
+      call new_contact_problem(problem, stiffness, is_held=ground > 0.0_dp)
+   end subroutine bar_problem
 
    !> Two points that nothing holds in the normal direction: a spring of stiffness 1 between u_N1 + u_T1 / 2 and u_N2,
    !> the rest of the stiffness 3 in each tangential direction; gap 0, friction 0.5.

@@ -56,7 +56,7 @@ contains
       class(newton_system_t), allocatable :: system
       type(active_set_t) :: active_set, last
       type(visited_sets_t) :: visited
-      real(dp), dimension(2*problem%n_points) :: displacement, force, rho
+      real(dp), dimension(2*problem%n_points) :: displacement, force, rho, before
       real(dp) :: scale, regularization, min_regularization, residual, previous, violation, imbalance
       integer :: n_spring_steps, info
       logical :: is_repeated, may_continue
@@ -73,6 +73,7 @@ contains
       min_regularization = system%min_regularization
       previous = huge(previous)
       do while (solution%n_iterations < self%max_iterations)
+         before = displacement
          call system%solve(problem, active_set, regularization, displacement, force, imbalance, info)
          call solution%effort%add(system%effort)
          system%effort = effort_t()
@@ -84,6 +85,7 @@ contains
             cycle
          end if
          last = active_set
+         call halt(problem, rho, scale, before, displacement, force, imbalance, solution%effort)
          call active_set%update(problem, rho, displacement, force, violation)
          residual = max(violation, imbalance)/problem%force_scale(force)
          if (residual <= self%tolerance) then
@@ -164,6 +166,62 @@ contains
          hardness = factor*hardness
       end do
    end subroutine harden
+
+   !> Whether a step is one of a loose body that its active set lets slide or fly, held by the regularization alone:
+   !> much longer than forces of the size at hand deform a body.
+   pure logical function leaps(problem, rho, scale, step)
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: rho(:) !! stiffness of the points (2m) [F/L]
+      real(dp), intent(in) :: scale !! the force that residuals are measured by [F]
+      real(dp), intent(in) :: step(:) !! the step (2m) [L]
+      real(dp), parameter :: longest = 1.0e3_dp
+
+      leaps = .not. (problem%is_held .or. problem%is_reduced())
+      if (leaps) leaps = any(rho*abs(step) > longest*problem%n_points*scale)
+   end function leaps
+
+   !> Ends a step that leaps where the contact law would end it: where the forces of springs between the points and the
+   !> obstacle, cut to the law, first do as much work against the step as the loads do along it.
+   pure subroutine halt(problem, rho, scale, before, displacement, force, imbalance, effort)
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(in) :: rho(:) !! stiffness of the points (2m) [F/L]
+      real(dp), intent(in) :: scale !! the force that residuals are measured by [F]
+      real(dp), intent(in) :: before(:) !! v before the step (2m) [L]
+      real(dp), intent(inout) :: displacement(:) !! v after the step, and then where it halts (2m) [L]
+      real(dp), intent(inout) :: force(:) !! lambda after the step, and then that of no shear (2m) [F]
+      real(dp), intent(inout) :: imbalance !! violation of the equilibrium, and then the scale: it is not known [F]
+      type(effort_t), intent(inout) :: effort !! gains that of the products
+      integer, parameter :: n_halvings = 100
+      real(dp), dimension(size(force)) :: step, drive, stiffening, augmented, bound
+      real(dp) :: low, high, middle
+      integer :: i, m
+
+      step = displacement - before
+      if (.not. leaps(problem, rho, scale, step)) return
+      m = problem%n_points
+      call problem%multiply_stiffness(before, drive)
+      drive = problem%load - drive
+      call problem%multiply_stiffness(step, stiffening)
+      call effort%multiply(2.0_dp)
+      force(:m) = max(0.0_dp, force(:m))
+      force(m + 1:) = 0.0_dp
+      low = 0.0_dp
+      high = 1.0_dp
+      do i = 1, n_halvings
+         middle = 0.5_dp*(low + high)
+         augmented = force + rho*(before + middle*step - problem%reference())
+         augmented(:m) = max(0.0_dp, augmented(:m))
+         bound(:m) = problem%bound(augmented(:m))
+         augmented(m + 1:) = max(-bound(:m), min(bound(:m), augmented(m + 1:)))
+         if (dot_product(step, drive - middle*stiffening - augmented) > 0.0_dp) then
+            low = middle
+         else
+            high = middle
+         end if
+      end do
+      displacement = before + high*step
+      imbalance = scale
+   end subroutine halt
 
    !> Whether the last steps brought no pair that is better. Cycles of active sets may creep on all the same.
    pure logical function newton_is_stuck(self, solution, n_spring_steps) result(is_stuck)

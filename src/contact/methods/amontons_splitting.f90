@@ -49,6 +49,15 @@ module amontons_splitting
       procedure :: solve => splitting_solve
    end type splitting_t
 
+   !> Where the proximal steps of a body that only contact holds are counted from.
+   type :: proximal_center_t
+      real(dp), allocatable :: place(:) !! the displacements (2m) [L]
+      real(dp), allocatable :: step(:) !! the last step from them (2m) [L]
+      real(dp) :: ahead = 0.0_dp !! how many steps the last move went ahead [-]
+   contains
+      procedure :: move => proximal_center_move
+   end type proximal_center_t
+
 contains
 
    !> Alternates the two half steps until the residual is small or, in the inexact variants, the forces come to rest.
@@ -57,121 +66,239 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
-      real(dp), allocatable :: normal(:), tangential(:), displacement(:), b(:), a11_factor(:, :), schur(:, :)
-      ! Forces that rest while the residual is this many tolerances away will not lower it any more.
-      real(dp), parameter :: far_from_solved = 1.0e3_dp
-      ! Half steps a hundredth as wrong as the forces may be.
-      real(dp), parameter :: half_step_part = 1.0e-2_dp
-      real(dp) :: change, force_scale, accuracy
-      integer :: m, iteration
-      logical :: may_continue
+      real(dp), allocatable :: force(:), displacement(:), a11_factor(:, :), schur(:, :)
+      type(proximal_center_t) :: center
+      ! An iteration that leaves more of the residual may have met the rounding errors of A.
+      real(dp), parameter :: slow = 0.9_dp
+      real(dp) :: change, force_scale, previous
+      integer :: iteration
+      logical :: may_continue, is_refining
 
       call solution%reset()
       call solution%effort%factorize(.not. allocated(problem%compliance))
       call problem%prepare_compliance(error)
       if (allocated(error)) return
-      m = problem%n_points
-      normal = max(0.0_dp, solution%force(:m))
-      tangential = solution%force(m + 1:)
-      b = problem%dual_load(solution%displacement)
+      force = solution%force
+      force(:problem%n_points) = max(0.0_dp, force(:problem%n_points))
+      center%place = solution%displacement
+      allocate (displacement, source=problem%displacement(problem%dual_load(center%place), force))
       force_scale = problem%force_scale()
-      if (self%variant /= 'exact') a11_factor = factor_of_a11(problem)
-      call solution%effort%factorize(self%variant /= 'exact')
-      if (self%variant == 'printed') then
-         schur = printed_schur(problem, a11_factor)
-         call solution%effort%multiply(quarter*m)
-      end if
-      call solution%effort%multiply(1.0_dp)
+      call prepare_variant(self%variant, problem, a11_factor, schur, solution%effort)
+      call solution%effort%multiply(2.0_dp)
+      previous = huge(previous)
+      is_refining = .false.
 
       do iteration = 1, self%max_iterations
-         accuracy = half_step_part*self%tolerance*problem%force_scale([normal, tangential])
-         call half_steps(self, problem, b, accuracy, a11_factor, schur, normal, tangential, solution%effort)
-         displacement = problem%displacement(b, [normal, tangential])
-         call solution%effort%multiply(1.0_dp)
+         solution%force = force
+         call iterate(self, problem, center%place, is_refining, a11_factor, schur, force, displacement, &
+            solution%effort)
          ! A proximal step counts as the force that it takes.
-         change = maxval(abs([[normal, tangential] - solution%force, &
-            problem%proximal_parameter*(displacement - solution%displacement)]))/force_scale
-         call solution%record(problem, displacement, [normal, tangential], self%tolerance, may_continue)
+         change = maxval(abs([force - solution%force, problem%proximal_parameter*(displacement - center%place)])) &
+            /force_scale
+         call solution%record(problem, displacement, force, self%tolerance, may_continue)
          if (.not. may_continue) return
-         ! The paper's stop, which is no sign of a solution.
-         solution%is_at_rest = self%variant /= 'exact' .and. change <= self%tolerance &
-            .and. solution%residual > far_from_solved*self%tolerance
+         solution%is_at_rest = is_stopped(self, change, solution%residual)
          if (solution%is_at_rest) return
-         ! A body that only contact holds: a proximal step moves the center to the displacement just found.
-         if (problem%is_held) cycle
-         b = problem%dual_load(solution%displacement)
-         call solution%effort%multiply(1.0_dp)
+         is_refining = is_refining .or. solution%residual > slow*previous .and. .not. problem%is_reduced()
+         previous = solution%residual
+         if (.not. problem%is_held) call center%move(problem, displacement, solution%effort)
       end do
    end subroutine splitting_solve
 
-   !> One iteration: lambda_T from lambda_N, then lambda_N from lambda_T, in the reading of the variant.
-   pure subroutine half_steps(self, problem, b, accuracy, a11_factor, schur, normal, tangential, effort)
-      type(splitting_t), intent(in) :: self !! the method
+   !> Whether the paper's stop ends the iteration, which is no sign of a solution.
+   pure logical function is_stopped(self, change, residual)
+      class(splitting_t), intent(in) :: self !! the method
+      real(dp), intent(in) :: change !! largest change of a force, over the force scale [-]
+      real(dp), intent(in) :: residual !! the residual [-]
+      ! Forces that rest while the residual is this many tolerances away will not lower it any more.
+      real(dp), parameter :: far_from_solved = 1.0e3_dp
+
+      is_stopped = self%variant /= 'exact' .and. change <= self%tolerance &
+         .and. residual > far_from_solved*self%tolerance
+   end function is_stopped
+
+   !> One iteration: both half steps, and the displacements of the forces that they lead to.
+   ! allow(S902): the variants' matrices come along
+   pure subroutine iterate(self, problem, center, is_refining, a11_factor, schur, force, displacement, effort)
+      class(splitting_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(in) :: b(:) !! dual load B (2m) [L]
-      real(dp), intent(in) :: accuracy !! of the quadratic programs [F]
+      real(dp), intent(in) :: center(:) !! center of the proximal step (2m) [L]
+      logical, intent(in) :: is_refining !! whether rounding errors of A are taken out
       real(dp), allocatable, intent(in) :: a11_factor(:, :) !! Cholesky factor of A11, for `clip` and `printed` (m, m)
       real(dp), allocatable, intent(in) :: schur(:, :) !! the paper's S, for `printed` (m, m) [L/F]
-      real(dp), intent(inout) :: normal(:) !! lambda_N (m) [F]
-      real(dp), intent(inout) :: tangential(:) !! lambda_T (m) [F]
+      real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
+      real(dp), intent(inout) :: displacement(:) !! v of these forces (2m) [L]
+      type(effort_t), intent(inout) :: effort !! gains theirs
+      ! Half steps a hundredth as wrong as the forces may be.
+      real(dp), parameter :: half_step_part = 1.0e-2_dp
+      real(dp) :: before(size(force)), product(size(force)), accuracy
+      real(dp), allocatable :: b(:)
+
+      before = force
+      accuracy = half_step_part*self%tolerance*problem%force_scale(force)
+      ! On an ill-conditioned A a small move down its parabolas may violate the law by a large force.
+      if (is_refining) accuracy = accuracy*minval(problem%compliance%reciprocal_diagonal()/problem%augmentation())
+      allocate (b, source=displacement - problem%reference())
+      if (self%variant == 'exact') then
+         call half_steps(self, problem, b, accuracy, force, effort)
+      else
+         call half_steps_of_variant(self, problem, b, problem%dual_load(center), accuracy, a11_factor, schur, force, &
+            effort)
+      end if
+      call problem%compliance%multiply(force - before, product)
+      displacement = displacement - product
+      call effort%multiply(1.0_dp)
+      if (is_refining) call refine(problem, center, force, displacement, effort)
+   end subroutine iterate
+
+   !> Makes what the readings of the paper's half steps take besides A.
+   pure subroutine prepare_variant(variant, problem, a11_factor, schur, effort)
+      character(*), intent(in) :: variant !! which reading
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), allocatable, intent(out) :: a11_factor(:, :) !! Cholesky factor of A11, for `clip` and `printed` (m, m)
+      real(dp), allocatable, intent(out) :: schur(:, :) !! the paper's S, for `printed` (m, m) [L/F]
       type(effort_t), intent(inout) :: effort !! gains theirs
 
-      ! A21 lambda_N, or with the paper's S in its place, and A12 lambda_T.
-      call effort%multiply(2.0_dp*quarter)
-      associate (b1 => b(:problem%n_points), b2 => b(problem%n_points + 1:))
-         select case (self%variant)
-         case ('exact')
-            call tangential_step(self%box, problem, b2, normal, accuracy, tangential, effort)
-            call normal_step(self%box, problem, b1, tangential, accuracy, normal, effort)
-         case ('clip')
-            call tangential_step(self%box, problem, b2, normal, accuracy, tangential, effort)
-            call clipped_normal_step(problem, a11_factor, b1, tangential, normal)
-         case default
-            call printed_tangential_step(schur, b2, problem%bound(normal), tangential)
-            call clipped_normal_step(problem, a11_factor, b1, tangential, normal)
-         end select
-      end associate
+      if (variant == 'exact') return
+      a11_factor = factor_of_a11(problem)
+      call effort%factorize(.true.)
+      if (variant /= 'printed') return
+      schur = printed_schur(problem, a11_factor)
+      call effort%multiply(quarter*problem%n_points)
+   end subroutine prepare_variant
+
+   !> The half steps of the exact variant: lambda_T from lambda_N, then lambda_N from lambda_T.
+   pure subroutine half_steps(self, problem, distance, accuracy, force, effort)
+      class(splitting_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), intent(in) :: distance(:) !! B - A lambda, of the forces at the start (2m) [L]
+      real(dp), intent(in) :: accuracy !! of the quadratic programs [F]
+      real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
+      type(effort_t), intent(inout) :: effort !! gains theirs
+      real(dp) :: change(problem%n_points), coupled(problem%n_points)
+      integer :: m
+
+      m = problem%n_points
+      call tangential_step(self%box, problem, distance(m + 1:), accuracy, force, change, effort)
+      call problem%compliance%part_multiply([1, m], [m + 1, 2*m], change, coupled)
+      call effort%multiply(quarter)
+      call minimize(self%box, problem, [1, m], distance(:m) - coupled, spread(0.0_dp, 1, m), &
+         spread(huge(1.0_dp), 1, m), accuracy, force(:m), change, effort)
    end subroutine half_steps
 
-   !> Tangential half step, (2.3) for lambda_T alone: min 1/2 l.A22 l - l.(B2 - A21 lambda_N), |l| <= g + phi lambda_N.
-   !> The paper prints lambda_T := (D - L)^-1 (U lambda_T + B2) such that |lambda_T| <= phi lambda_N (erratum 7).
-   pure subroutine tangential_step(box, problem, b2, normal, accuracy, tangential, effort)
-      character(*), intent(in) :: box !! the solver of box programs
+   !> The half steps of the variants `clip` and `printed`.
+   ! allow(S902): the variants' matrices come along
+   pure subroutine half_steps_of_variant(self, problem, distance, b, accuracy, a11_factor, schur, force, effort)
+      class(splitting_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(in) :: b2(:) !! B2 (m) [L]
-      real(dp), intent(in) :: normal(:) !! lambda_N (m) [F]
+      real(dp), intent(in) :: distance(:) !! B - A lambda, of the forces at the start (2m) [L]
+      real(dp), intent(in) :: b(:) !! dual load B (2m) [L]
       real(dp), intent(in) :: accuracy !! of the quadratic program [F]
-      real(dp), intent(inout) :: tangential(:) !! lambda_T (m) [F]
-      type(effort_t), intent(inout) :: effort !! gains that of the quadratic program
-      real(dp) :: coupled(problem%n_points)
+      real(dp), intent(in) :: a11_factor(:, :) !! Cholesky factor of A11 (m, m)
+      real(dp), allocatable, intent(in) :: schur(:, :) !! the paper's S, for `printed` (m, m) [L/F]
+      real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
+      type(effort_t), intent(inout) :: effort !! gains theirs
+      real(dp) :: change(problem%n_points)
       integer :: m
 
       m = problem%n_points
-      call problem%compliance%part_multiply([m + 1, 2*m], [1, m], normal, coupled)
-      associate (bound => problem%bound(normal))
-         call solve_box_program(box, problem%compliance, [m + 1, 2*m], b2 - coupled, -bound, bound, accuracy, &
-            tangential, effort)
-      end associate
+      ! B, and A12, with the paper's S in the place of A22.
+      call effort%multiply(1.0_dp + quarter)
+      if (self%variant == 'printed') then
+         call effort%multiply(quarter)
+         call printed_tangential_step(schur, b(m + 1:), problem%bound(force(:m)), force(m + 1:))
+      else
+         call tangential_step(self%box, problem, distance(m + 1:), accuracy, force, change, effort)
+      end if
+      call clipped_normal_step(problem, a11_factor, b(:m), force(m + 1:), force(:m))
+   end subroutine half_steps_of_variant
+
+   !> Tangential half step, within the slip bounds of the normal forces.
+   pure subroutine tangential_step(box, problem, distance, accuracy, force, change, effort)
+      character(*), intent(in) :: box !! the solver of box programs
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), intent(in) :: distance(:) !! B2 - A21 lambda_N - A22 lambda_T (m) [L]
+      real(dp), intent(in) :: accuracy !! of the quadratic program [F]
+      real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
+      real(dp), intent(out) :: change(:) !! what lambda_T changes by (m) [F]
+      type(effort_t), intent(inout) :: effort !! gains that of the quadratic program
+      real(dp) :: bound(problem%n_points)
+      integer :: m
+
+      m = problem%n_points
+      bound = problem%bound(force(:m))
+      call minimize(box, problem, [m + 1, 2*m], distance, -bound, bound, accuracy, force(m + 1:), change, effort)
    end subroutine tangential_step
 
-   !> Normal half step, (2.3) for lambda_N alone: min 1/2 l.A11 l - l.(B1 - A12 lambda_T), l >= 0.
-   !> The paper prints lambda_N := A11^-1 (B1 - A12 lambda_T) such that lambda_N >= 0 (erratum 7).
-   pure subroutine normal_step(box, problem, b1, tangential, accuracy, normal, effort)
+   !> A half step, (2.3) for the forces of one direction alone: min 1/2 l.A l - l.(B - A' l') between bounds, l' the
+   !> other forces. It is solved for the change of the forces: its linear term is then the distance, small at last, and
+   !> loses no digits as that of the forces does, the difference of large displacements.
+   !>
+   !> For lambda_T the paper prints lambda_T := (D - L)^-1 (U lambda_T + B2) such that |lambda_T| <= phi lambda_N, for
+   !> lambda_N it prints lambda_N := A11^-1 (B1 - A12 lambda_T) such that lambda_N >= 0 (erratum 7).
+   ! allow(S902): a program alone has six parts
+   pure subroutine minimize(box, problem, rows, distance, lower, upper, accuracy, force, change, effort)
       character(*), intent(in) :: box !! the solver of box programs
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(in) :: b1(:) !! B1 (m) [L]
-      real(dp), intent(in) :: tangential(:) !! lambda_T (m) [F]
+      integer, intent(in) :: rows(2) !! first and last row of the direction
+      real(dp), intent(in) :: distance(:) !! B - A lambda in this direction, of the forces at the start (m) [L]
+      real(dp), intent(in) :: lower(:) !! least forces (m) [F]
+      real(dp), intent(in) :: upper(:) !! largest forces (m) [F]
       real(dp), intent(in) :: accuracy !! of the quadratic program [F]
-      real(dp), intent(inout) :: normal(:) !! lambda_N (m) [F]
+      real(dp), intent(inout) :: force(:) !! the forces of the direction (m) [F]
+      real(dp), intent(out) :: change(:) !! what they change by (m) [F]
       type(effort_t), intent(inout) :: effort !! gains that of the quadratic program
-      real(dp) :: coupled(problem%n_points)
-      integer :: m
 
-      m = problem%n_points
-      call problem%compliance%part_multiply([1, m], [m + 1, 2*m], tangential, coupled)
-      call solve_box_program(box, problem%compliance, [1, m], b1 - coupled, spread(0.0_dp, 1, m), &
-         spread(huge(1.0_dp), 1, m), accuracy, normal, effort)
-   end subroutine normal_step
+      change = 0.0_dp
+      call solve_box_program(box, problem%compliance, rows, distance, lower - force, upper - force, accuracy, change, &
+         effort)
+      force = min(max(force + change, lower), upper)
+   end subroutine minimize
+
+   !> Takes the rounding errors of A out of displacements, by one step of refinement with S.
+   pure subroutine refine(problem, center, force, displacement, effort)
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), intent(in) :: center(:) !! center of the proximal step (2m) [L]
+      real(dp), intent(in) :: force(:) !! lambda (2m) [F]
+      real(dp), intent(inout) :: displacement(:) !! v by A, and then by S (2m) [L]
+      type(effort_t), intent(inout) :: effort !! gains that of the products
+      real(dp), dimension(size(force)) :: defect, change
+
+      call problem%multiply_stiffness(displacement, defect)
+      defect = problem%load - defect - force + problem%proximal_parameter*(center - displacement)
+      call problem%compliance%multiply(defect, change)
+      call effort%multiply(2.0_dp)
+      displacement = displacement + change
+   end subroutine refine
+
+   !> Moves the center of the proximal steps to the displacements just found, and these along with it. Where steps
+   !> follow each other in one direction and hardly become shorter, the body travels to its obstacles: ahead by what is
+   !> left of such steps if each is the same part of the one before (Aitken), at most twice as far as the last time.
+   pure subroutine proximal_center_move(self, problem, displacement, effort)
+      class(proximal_center_t), intent(inout) :: self !! the center
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), intent(inout) :: displacement(:) !! v of the old center, and then of the new one (2m) [L]
+      type(effort_t), intent(inout) :: effort !! gains that of the product
+      real(dp), parameter :: steady = 0.9_dp, deviation = 0.1_dp
+      real(dp), dimension(size(displacement)) :: step, product
+      real(dp) :: ratio, ahead
+
+      step = displacement - self%place
+      ahead = 0.0_dp
+      if (allocated(self%step)) then
+         ratio = dot_product(step, self%step)/max(dot_product(self%step, self%step), tiny(1.0_dp))
+         if (ratio > steady .and. norm2(step - ratio*self%step) < deviation*norm2(step)) then
+            ahead = min(2.0_dp*self%ahead + 1.0_dp, 1.0_dp/max(1.0_dp - ratio, epsilon(1.0_dp)))
+         end if
+      end if
+      self%ahead = ahead
+      self%step = step
+      step = (1.0_dp + ahead)*step
+      self%place = self%place + step
+      call problem%compliance%multiply(problem%proximal_parameter*step, product)
+      displacement = displacement + product
+      call effort%multiply(1.0_dp)
+   end subroutine proximal_center_move
 
    !> Normal half step as printed: A11^-1 (B1 - A12 lambda_T), solved without the bound, then cut at zero. Right where
    !> nothing is cut.

@@ -1,14 +1,16 @@
 !> A body made ready for loads: mesh, supports, contact zone, factorized and condensed stiffness.
 module amontons_body
-   use amontons_assembly, only: assemble_stiffness
+   use amontons_assembly, only: assemble_stiffness, forces_of_stress => internal_forces
    use amontons_coloring, only: coloring_t, new_coloring
-   use amontons_condensation, only: condensation_options_t, condensation_t, find_band_order, new_condensation
+   use amontons_condensation, only: condensation_options_t, condensation_t, find_band_order, may_suit_band, &
+      new_condensation, new_distributed_condensation
    use amontons_condenser, only: condenser_t
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t, new_band_problem, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_zone, only: contact_t, contact_zone_t, new_contact_zone
+   use amontons_distributed, only: add_forces_of_ranks, n_ranks, new_distributed_condenser
    use amontons_dof_map, only: dof_map_t, new_dof_map
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_foundation, only: new_foundation, spring_side_t
@@ -16,12 +18,16 @@ module amontons_body
    use amontons_kinds, only: dp, int64
    use amontons_material, only: material_t, materials_t, new_materials
    use amontons_mesh, only: mesh_t
+   use amontons_mortar_pair, only: mortar_pair_t, new_tied_pairs
    use amontons_new_cholesky, only: new_condenser
    use amontons_ordering, only: half_bandwidth
    use amontons_pair_check, only: recompute_pairs
+   use amontons_pair_substitution, only: new_pair_substitution
+   use amontons_pairing, only: tie_t
    use amontons_rigid_modes, only: check_common_motion
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_substitution, only: substitution_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
    use amontons_text, only: to_text
    use amontons_timings, only: phase_assemble, phase_condense, phase_factorize, timings_t
@@ -45,10 +51,13 @@ module amontons_body
       type(rigid_motions_t), allocatable :: motions(:) !! the rigid motions of each piece that the supports leave free
       type(contact_zone_t) :: zone !! the contact points
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
+      type(mortar_pair_t), allocatable :: ties(:) !! the surfaces that are bonded
       type(contact_rows_t) :: checked_rows !! the rows of the points, those of pairs integrated on another way
       real(dp), allocatable :: gap_change(:) !! how much larger the meshes' gaps are on that way (m) [L]
       type(dof_map_t) :: dof_map !! numbers of the unknowns
       type(condensation_t) :: condensation !! the factorized stiffness, after `condense_body`
+   contains
+      procedure :: internal_forces => body_internal_forces
    end type body_t
 
    !> What condensing a body would take.
@@ -56,22 +65,27 @@ module amontons_body
       character(:), allocatable :: factorization !! the kind of factorization
       integer(int64) :: n_entries = 0 !! entries of the factor
       integer :: n_rows = 0 !! rows of the matrix that the contact problem is solved on
+      integer :: n_ranks = 1 !! number of ranks that the body is spread over
       integer :: half_width = 0 !! number of its subdiagonals if it is a band matrix of the whole body, else 0
-      real(dp) :: memory_mb = 0.0_dp !! the most memory the program would hold [MB]
+      real(dp) :: memory_mb = 0.0_dp !! the most memory the program would hold, of several ranks each at most [MB]
       real(dp) :: available_mb = 0.0_dp !! the memory there is for it, what it holds already included [MB]
    end type estimate_t
 
 contains
 
    !> Makes a body from its mesh, materials, supports and contact sets: everything but the costly part.
-   subroutine new_body(body, mesh, materials, supports, contacts, error)
+   subroutine new_body(body, mesh, materials, supports, contacts, error, ties)
       type(body_t), intent(out) :: body !! the body
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(material_t), intent(in) :: materials(:) !! its materials
       type(support_t), intent(in) :: supports(:) !! its supports
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
       type(error_t), allocatable, intent(out) :: error !! mesh, supports or contact sets do not fit together
+      type(tie_t), intent(in), optional :: ties(:) !! its bonded sets; none without them
+      type(substitution_t) :: substitution
       real(dp), allocatable :: prescribed(:, :)
+      logical, allocatable :: is_bonded(:)
+      integer :: i
 
       call mesh%check(error)
       if (allocated(error)) return
@@ -85,13 +99,43 @@ contains
       call new_foundation(body%springs, mesh, body%materials, supports, error)
       if (allocated(error)) return
       body%is_axisymmetric = materials(1)%is_axisymmetric
-      call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric)
-      call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error)
+      allocate (is_bonded(mesh%n_nodes), source=.false.)
+      allocate (body%ties(0))
+      if (present(ties)) call new_tied_pairs(body%ties, is_bonded, ties, mesh, body%materials, body%constraints, error)
+      if (allocated(error)) return
+      call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric, &
+         bonds(body%ties))
+      call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error, is_bonded)
       if (allocated(error)) return
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
-      call new_dof_map(body%dof_map, body%constraints, body%zone%node)
+      call new_pair_substitution(substitution, [body%ties, body%zone%pairs], [(i <= size(body%ties), &
+         i=1, size(body%ties) + size(body%zone%pairs))], body%constraints, mesh%coordinates, error)
+      if (allocated(error)) return
+      if (body%zone%is_nodal) then
+         call new_dof_map(body%dof_map, body%constraints, body%zone%node, substitution)
+      else
+         call new_dof_map(body%dof_map, body%constraints, substitution%element_nodes([body%zone%node, &
+            body%zone%rows%node]), substitution)
+      end if
       call measure_cells(body, contacts, error)
    end subroutine new_body
+
+   !> Nodes that ties hold together: one of either body for each segment (2, segments).
+   pure function bonds(ties)
+      type(mortar_pair_t), intent(in) :: ties(:) !! the surfaces that are bonded
+      integer, allocatable :: bonds(:, :)
+      integer :: i, k
+
+      allocate (bonds(2, 0))
+      do i = 1, size(ties)
+         do k = 1, size(ties(i)%segments)
+            associate (segment => ties(i)%segments(k))
+               bonds = reshape([bonds, ties(i)%slave%side(1, segment%slave), &
+                  ties(i)%master%side(1, segment%master)], [2, size(bonds, 2) + 1])
+            end associate
+         end do
+      end do
+   end function bonds
 
    !> Computes the inf-sup constants of the contact sets with constant multipliers, and refuses cells that the mesh
    !> cannot tell apart.
@@ -122,6 +166,7 @@ contains
       type(timings_t), intent(inout) :: timings !! gains the time of each step
       type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
       type(sparse_matrix_t) :: stiffness
+      class(condenser_t), allocatable :: condenser
       real(dp), allocatable :: condensed(:, :)
       logical :: is_held
 
@@ -129,12 +174,20 @@ contains
       call check_held(body, error)
       if (allocated(error)) return
       is_held = all(body%motions%n_free == 0)
-      call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, body%constraints, &
-         body%dof_map, error)
-      if (allocated(error)) return
-      call timings%begin(phase_factorize)
-      call new_condensation(body%condensation, stiffness, options, is_held, body%zone, body%constraints, &
-         body%dof_map, error)
+      if (is_distributed(body, options)) then
+         call timings%begin(phase_factorize)
+         call spread_body(condenser, body, is_held, error)
+         if (allocated(error)) return
+         call new_distributed_condensation(body%condensation, condenser, is_held, body%zone, body%constraints, &
+            body%dof_map, error)
+      else
+         call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, &
+            body%constraints, body%dof_map, error)
+         if (allocated(error)) return
+         call timings%begin(phase_factorize)
+         call new_condensation(body%condensation, stiffness, options, is_held, body%zone, body%constraints, &
+            body%dof_map, error)
+      end if
       if (allocated(error)) call explain_refusal(body, error)
       if (allocated(error)) return
       call timings%begin(phase_condense)
@@ -146,6 +199,48 @@ contains
          call new_contact_problem(problem, condensed, is_held)
       end if
    end subroutine condense_body
+
+   !> Whether a body is spread over the ranks of the run. A small one is quicker on one rank, a band matrix stays there,
+   !> and without unknowns besides those of the contact points there is nothing to spread.
+   pure logical function is_distributed(body, options)
+      type(body_t), intent(in) :: body !! the body
+      type(condensation_options_t), intent(in) :: options !! how to condense
+      ! Above what a band factorization is tried for.
+      integer, parameter :: least_unknowns = 10000
+
+      associate (n => body%dof_map%n_dofs)
+         is_distributed = body%dof_map%n_trailing < n .and. (options%factorization == 'distributed' .or. &
+            (options%factorization == 'auto' .and. n_ranks > 1 .and. n > least_unknowns .and. &
+            .not. may_suit_band(n, options%form, body%zone)))
+      end associate
+   end function is_distributed
+
+   !> Spreads a body over the ranks of the run, assembles its stiffness and analyzes it.
+   subroutine spread_body(condenser, body, is_held, error)
+      class(condenser_t), allocatable, intent(out) :: condenser !! has the stiffness
+      type(body_t), intent(in) :: body !! the body
+      logical, intent(in) :: is_held !! whether supports alone hold the body
+      type(error_t), allocatable, intent(out) :: error !! memory ran out, or the run has no ranks
+
+      call new_distributed_condenser(condenser, is_held, body%mesh, body%materials, body%springs, body%constraints, &
+         body%dof_map, error)
+   end subroutine spread_body
+
+   !> Nodal forces that stresses and springs of a displacement amount to: K u - f_th without ever forming K, on all
+   !> ranks that the body is spread over.
+   subroutine body_internal_forces(self, forces, displacement, thermal_strain)
+      class(body_t), intent(in) :: self !! the body
+      real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in), optional :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
+      logical :: is_done
+
+      allocate (forces(2, self%mesh%n_nodes), source=0.0_dp)
+      call add_forces_of_ranks(is_done, self%condensation%condenser, forces, displacement, thermal_strain)
+      if (.not. is_done) call forces_of_stress(forces, self%mesh, self%materials, self%springs, self%coloring, &
+         displacement, thermal_strain)
+   end subroutine body_internal_forces
 
    !> Refuses a body of which a piece is held by neither supports nor contact points, and pieces that contact holds to
    !> each other alone.
@@ -187,7 +282,8 @@ contains
       end associate
    end subroutine explain_refusal
 
-   !> Estimates the work without doing it: assembles and orders the stiffness, but makes no factor.
+   !> Estimates the work without doing it: assembles and orders the stiffness, but makes no factor. Of several ranks
+   !> rank 0 holds most besides the factor.
    subroutine estimate_body(body, options, timings, estimate, error)
       type(body_t), intent(in) :: body !! the body
       type(condensation_options_t), intent(in) :: options !! how to condense
@@ -199,17 +295,27 @@ contains
       integer, allocatable :: order(:)
 
       call timings%begin(phase_assemble)
-      call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, body%constraints, &
-         body%dof_map, error)
-      if (allocated(error)) return
-      call timings%begin(phase_factorize)
-      call find_band_order(stiffness, options%form, body%zone, order)
-      if (allocated(order)) estimate%half_width = half_bandwidth(stiffness, order)
-      call new_condenser(condenser, trim(options%factorization), stiffness, &
-         merge(0, body%dof_map%n_trailing, allocated(order)), error)
-      if (allocated(error)) return
-      estimate%n_rows = merge(stiffness%n, 2*body%zone%n_points, allocated(order))
-      stiffness = sparse_matrix_t()
+      estimate%n_rows = 2*body%zone%n_points
+      if (is_distributed(body, options)) then
+         estimate%n_ranks = n_ranks
+         call timings%begin(phase_factorize)
+         call spread_body(condenser, body, all(body%motions%n_free == 0), error)
+         if (allocated(error)) return
+      else
+         call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, &
+            body%constraints, body%dof_map, error)
+         if (allocated(error)) return
+         call timings%begin(phase_factorize)
+         call find_band_order(stiffness, options%form, body%zone, order)
+         if (allocated(order)) then
+            estimate%half_width = half_bandwidth(stiffness, order)
+            estimate%n_rows = stiffness%n
+         end if
+         call new_condenser(condenser, trim(options%factorization), stiffness, &
+            merge(0, body%dof_map%n_trailing, allocated(order)), error)
+         if (allocated(error)) return
+         stiffness = sparse_matrix_t()
+      end if
       call return_memory()
       estimate%factorization = condenser%name
       estimate%n_entries = condenser%n_factor_entries

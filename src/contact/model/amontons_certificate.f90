@@ -1,7 +1,7 @@
 !> The certificate: what a solution fulfils on the full model, computed from displacements and contact forces alone.
 module amontons_certificate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: internal_forces, spring_forces, strained_share, thermal_work, uncancelled_forces
+   use amontons_assembly, only: spring_forces, strained_share, thermal_work, uncancelled_forces
    use amontons_body, only: body_t
    use amontons_constraints, only: constraints_t
    use amontons_kinds, only: dp
@@ -65,10 +65,10 @@ contains
       real(dp) :: force_size, least_scale, work
 
       associate (loads => load_case%force, prescribed => load_case%prescribed)
-         call internal_forces(internal, body%mesh, body%materials, body%springs, body%coloring, displacement, &
-            load_case%thermal_strain)
+         call body%internal_forces(internal, displacement, load_case%thermal_strain)
          contact = body%zone%rows%forces(force, body%mesh%n_nodes)
-         reaction = internal - loads - contact
+         ! What ties transmit cancels.
+         reaction = body%dof_map%substitution%forces(internal - loads - contact)
          call split_imbalance(body%constraints, reaction, certificate%equilibrium)
          force_size = max(norm2(loads), norm2(reaction), norm2(contact))
          least_scale = 0.0_dp

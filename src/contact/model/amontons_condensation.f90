@@ -27,10 +27,13 @@ module amontons_condensation
    private
 
    public :: condensation_names, condensation_options_t, condensation_t, condensed_load_t, find_band_order, &
-      new_condensation
+      may_suit_band, new_condensation, new_distributed_condensation
 
    !> Forms of the condensed stiffness, as a deck writes them; the first stands for the quicker one.
    character(5), parameter :: condensation_names(*) = [character(5) :: 'auto', 'dense', 'band']
+
+   !> How many times slower an operation on a band is than one on a dense matrix; a round number.
+   real(dp), parameter :: slowness = 50.0_dp
 
    !> How a body is condensed.
    type :: condensation_options_t
@@ -81,18 +84,8 @@ contains
       real(dp) :: mean
 
       mean = sum(stiffness%diagonal())/dof_map%n_dofs
-      if (.not. ieee_is_finite(mean)) then
-         call new_error(error, numerical_failure, 'the stiffness leaves the range of double precision (1.8e308): '// &
-            'choose units that make lengths and moduli smaller')
-         return
-      end if
-      condensation%is_held = is_held
-      condensation%n_unknowns = dof_map%n_trailing
-      if (.not. zone%is_nodal) then
-         call map_rows(condensation, zone, constraints, dof_map)
-      else
-         call map_points(condensation, zone, constraints, dof_map)
-      end if
+      call map_unknowns(condensation, mean, is_held, zone, constraints, dof_map, error)
+      if (allocated(error)) return
       call keep_band(condensation, stiffness, options%form, zone, band_error)
       if (.not. is_held) then
          condensation%regularization = mean
@@ -109,6 +102,47 @@ contains
       if (allocated(error)) return
       if (allocated(band_error)) call move_alloc(band_error, error)
    end subroutine new_condensation
+
+   !> Factorizes the stiffness of a body that is spread over ranks.
+   subroutine new_distributed_condensation(condensation, condenser, is_held, zone, constraints, dof_map, error)
+      type(condensation_t), intent(out) :: condensation !! the factorized body
+      class(condenser_t), allocatable, intent(inout) :: condenser !! has the stiffness; moved into the condensation
+      logical, intent(in) :: is_held !! whether supports alone hold the body
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns, those of the points last
+      type(error_t), allocatable, intent(out) :: error !! as of `new_condensation`
+
+      call move_alloc(condenser, condensation%condenser)
+      condensation%regularization = condensation%condenser%regularization
+      call map_unknowns(condensation, condensation%condenser%matrix_norm, is_held, zone, constraints, dof_map, error)
+      if (.not. allocated(error)) call condensation%condenser%check_memory(error)
+      if (.not. allocated(error)) call condensation%condenser%complete(error)
+   end subroutine new_distributed_condensation
+
+   !> Maps the contact unknowns to the points.
+   pure subroutine map_unknowns(condensation, size_of_stiffness, is_held, zone, constraints, dof_map, error)
+      type(condensation_t), intent(inout) :: condensation !! gains the maps
+      real(dp), intent(in) :: size_of_stiffness !! a norm of K, or a mean of its entries [F/L]
+      logical, intent(in) :: is_held !! whether supports alone hold the body
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      type(error_t), allocatable, intent(out) :: error !! K is not finite
+
+      if (.not. ieee_is_finite(size_of_stiffness)) then
+         call new_error(error, numerical_failure, 'the stiffness leaves the range of double precision (1.8e308): '// &
+            'choose units that make lengths and moduli smaller')
+         return
+      end if
+      condensation%is_held = is_held
+      condensation%n_unknowns = dof_map%n_trailing
+      if (.not. zone%is_nodal) then
+         call map_rows(condensation, zone, constraints, dof_map)
+      else
+         call map_points(condensation, zone, constraints, dof_map)
+      end if
+   end subroutine map_unknowns
 
    !> Keeps the band matrix of the whole body in the place of S if that is asked for, or the quicker way.
    subroutine keep_band(condensation, stiffness, form, zone, error)
@@ -135,13 +169,8 @@ contains
       character(*), intent(in) :: form !! which form of S, one of `condensation_names`
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, allocatable, intent(out) :: order(:) !! position k holds unknown order(k); allocated if it suits (n)
-      integer, parameter :: least_points = 501
-      real(dp), parameter :: slowness = 50.0_dp
 
-      if (form == 'dense' .or. .not. zone%is_nodal) return
-      associate (n => real(matrix%n, dp), m => real(zone%n_points, dp))
-         if (form == 'auto' .and. (zone%n_points < least_points .or. slowness*n*(n/m)**2 > m**3)) return
-      end associate
+      if (.not. may_suit_band(matrix%n, form, zone)) return
       allocate (order(matrix%n))
       call reverse_cuthill_mckee(matrix, 0, order)
       if (form == 'band') return
@@ -150,14 +179,30 @@ contains
       end associate
    end subroutine find_band_order
 
+   !> Whether the number of unknowns leaves it possible that a band suits.
+   pure logical function may_suit_band(n_unknowns, form, zone)
+      integer, intent(in) :: n_unknowns !! number of unknowns
+      character(*), intent(in) :: form !! which form of S, one of `condensation_names`
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer, parameter :: least_points = 501
+
+      may_suit_band = form /= 'dense' .and. zone%is_nodal
+      associate (n => real(n_unknowns, dp), m => real(zone%n_points, dp))
+         if (form == 'auto') may_suit_band = may_suit_band .and. zone%n_points >= least_points &
+            .and. .not. slowness*n*(n/m)**2 > m**3
+      end associate
+   end function may_suit_band
+
    !> Makes the rows of C on the contact unknowns. A slip that a support prevents has no row.
    pure subroutine map_rows(condensation, zone, constraints, dof_map)
       type(condensation_t), intent(inout) :: condensation !! the condensation
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      real(dp) :: frame(2, 2), parts(2, 2)
-      integer :: p, i, k, axis, n
+      real(dp), allocatable :: transform(:, :)
+      real(dp) :: parts(2, 2)
+      integer, allocatable :: own(:)
+      integer :: p, i, k, n
 
       allocate (condensation%unknown(2, zone%n_points), source=0)
       n = 0
@@ -171,20 +216,39 @@ contains
       allocate (condensation%rows(n, dof_map%n_trailing), source=0.0_dp)
       do p = 1, zone%n_points
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
-            frame = constraints%frame(zone%rows%node(i))
+            own = dof_map%substitution%element_nodes(zone%rows%node(i:i))
+            transform = dof_map%substitution%transform(zone%rows%node(i:i), own)
             parts = reshape([zone%rows%part(:, i), turned(zone%rows%part(:, i))], [2, 2])
-            do axis = 1, 2
-               if (dof_map%dof(axis, zone%rows%node(i)) == 0) cycle
-               do k = 1, count(condensation%unknown(:, p) > 0)
-                  associate (c => condensation%rows(condensation%unknown(k, p), &
-                     dof_map%dof(axis, zone%rows%node(i)) - dof_map%n_dofs + dof_map%n_trailing))
-                     c = c + dot_product(parts(:, k), frame(:, axis))
-                  end associate
-               end do
+            do k = 1, size(own)
+               call add_part(condensation, p, own(k), matmul(transpose(transform(:, 2*k - 1:2*k)), parts), &
+                  constraints, dof_map)
             end do
          end do
       end do
    end subroutine map_rows
+
+   !> Adds a node's part in the displacements of a point to the rows of C.
+   pure subroutine add_part(condensation, p, node, parts, constraints, dof_map)
+      type(condensation_t), intent(inout) :: condensation !! the condensation
+      integer, intent(in) :: p !! number of the point
+      integer, intent(in) :: node !! the node
+      real(dp), intent(in) :: parts(2, 2) !! its parts in u_N and u_T of the point (2, 2) [-]
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      real(dp) :: frame(2, 2)
+      integer :: axis, k, column
+
+      frame = constraints%frame(node)
+      do axis = 1, 2
+         if (dof_map%dof(axis, node) == 0) cycle
+         column = dof_map%dof(axis, node) - dof_map%n_dofs + dof_map%n_trailing
+         do k = 1, count(condensation%unknown(:, p) > 0)
+            associate (c => condensation%rows(condensation%unknown(k, p), column))
+               c = c + dot_product(parts(:, k), frame(:, axis))
+            end associate
+         end do
+      end do
+   end subroutine add_part
 
    !> Finds the unknowns of every point and the map from (u_N, u_T) to them.
    !>

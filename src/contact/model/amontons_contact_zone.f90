@@ -41,9 +41,8 @@ module amontons_contact_zone
    !> The contact points of all contact sets, each set in the order of its line, body on the left.
    type :: contact_zone_t
       integer :: n_points = 0 !! number m of contact points
-      logical :: is_nodal = .true. !! whether each point's displacement is that of one node
-      integer, allocatable :: node(:)
-         !! the nodes whose displacements the points are made of; node by node those of the points if these are nodal
+      logical :: is_nodal = .true. !! whether the displacement of each point is made of one node's own unknowns
+      integer, allocatable :: node(:) !! these nodes, point by point; with cells those of their lines, too
       logical, allocatable :: is_cell(:) !! whether the point is a cell of constant multipliers; a node otherwise (m)
       type(contact_rows_t) :: rows !! the nodes' shares in the displacements of the points
       type(contact_quadrature_t) :: quadrature !! where gaps and friction are measured
@@ -80,19 +79,21 @@ contains
    !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point; nor
    !> is a corner of a quadratic side on the axis of revolution: its area is 0, so that no pressure acts on it. A corner
    !> of two contact sets belongs to the first of them.
-   subroutine new_contact_zone(zone, mesh, materials, contacts, constraints, error)
+   subroutine new_contact_zone(zone, mesh, materials, contacts, constraints, error, is_bonded)
       type(contact_zone_t), intent(out) :: zone !! the points
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(constraints_t), intent(in) :: constraints !! the supports
       type(error_t), allocatable, intent(out) :: error !! a missing set, or no point at all
+      logical, intent(in), optional :: is_bonded(:) !! nodes that are the slaves of ties; none without it (nodes)
       logical :: is_taken(mesh%n_nodes)
       integer :: i
 
       call empty_zone(zone)
       allocate (zone%pairs(size(contacts)))
       is_taken = .false.
+      if (present(is_bonded)) is_taken = is_bonded
       do i = 1, size(contacts)
          if (contacts(i)%pairing%is_pair()) then
             call add_pair(zone, i, contacts(i), mesh, materials, constraints, is_taken, error)
@@ -302,7 +303,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the sets do not face each other, or overlap by far
       type(mortar_points_t) :: integrals
       type(contact_zone_t) :: points
-      integer :: k, n
+      integer :: n
 
       associate (pair => zone%pairs(set))
          call new_mortar_pair(pair, contact%set, contact%pairing, mesh, materials, constraints, is_taken, error)
@@ -318,8 +319,10 @@ contains
          points%is_tangent_fixed = pair%is_tangent_fixed
          points%normal = pair%normal
          if (contact%partition%is_constant) then
+            zone%is_nodal = .false.
             points%position = integrals%center
          else
+            zone%node = [zone%node, pair%node]
             points%position = mesh%coordinates(:, pair%node)
          end if
          zone%held_node = [zone%held_node, pair%held_node]
@@ -335,10 +338,6 @@ contains
       points%area = integrals%area
       points%rows = integrals%rows
       points%quadrature = integrals%quadrature
-      zone%is_nodal = .false.
-      do k = 1, size(integrals%rows%node)
-         if (all(zone%node /= integrals%rows%node(k))) zone%node = [zone%node, integrals%rows%node(k)]
-      end do
       call add_points(zone, points)
    end subroutine add_pair
 

@@ -1,6 +1,6 @@
 !> A load case: what acts on a body in one case, one step or one row of a sweep. The body itself never changes.
 module amontons_load_case
-   use amontons_assembly, only: from_unknowns, internal_forces, to_unknowns
+   use amontons_assembly, only: from_unknowns, to_unknowns
    use amontons_body, only: body_t
    use amontons_condensation, only: condensed_load_t
    use amontons_constraints, only: constraints_t, new_constraints, support_t
@@ -25,7 +25,8 @@ module amontons_load_case
       type(load_t), allocatable :: loads(:) !! the loads
       type(contact_t), allocatable :: contacts(:) !! the contact sets, with their obstacles
       real(dp), allocatable :: force(:, :) !! nodal forces of the loads (2, n_nodes) [F]
-      real(dp), allocatable :: prescribed(:, :) !! displacements that the supports prescribe (2, n_nodes) [L]
+      real(dp), allocatable :: prescribed(:, :)
+         !! displacements that the supports prescribe, with what follows of them for slaves (2, n_nodes) [L]
       real(dp), allocatable :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node`; not allocated
          !! without temperatures [-]
@@ -68,6 +69,7 @@ contains
       end if
       call set_obstacles(load_case, body%zone, body%mesh, contacts, error)
       if (allocated(error)) return
+      load_case%prescribed = body%dof_map%substitution%displacement(load_case%prescribed)
       prescribed = body%zone%rows%displacement(load_case%prescribed)
       load_case%free_gap = load_case%gap - prescribed(:body%zone%n_points)
       call load_vector(load_case%force, body%mesh, body%materials, loads, error)
@@ -185,8 +187,7 @@ contains
       real(dp), allocatable :: forces(:, :)
 
       if (any(abs(load_case%prescribed) > 0.0_dp) .or. allocated(load_case%thermal_strain)) then
-         call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, load_case%prescribed, &
-            load_case%thermal_strain)
+         call body%internal_forces(forces, load_case%prescribed, load_case%thermal_strain)
          forces = load_case%force - forces
       else
          forces = load_case%force

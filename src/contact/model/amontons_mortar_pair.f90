@@ -9,13 +9,13 @@ module amontons_mortar_pair
    use amontons_mesh, only: mesh_t
    use amontons_mortar_points, only: cell_pieces, corner_pieces, integrate_pieces, mortar_piece_t, mortar_points_t
    use amontons_mortar_segments, only: find_segments, meet_master, mortar_segment_t
-   use amontons_pairing, only: pairing_t
+   use amontons_pairing, only: pairing_t, tie_t
    use amontons_surface, only: new_surface, surface_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: check_overlap, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
+   public :: check_overlap, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair, new_tied_pairs
 
    !> Points of the quadrature on a segment: exact for straight sides, and rounding is all that is left of the normals'
    !> curvature.
@@ -101,6 +101,29 @@ contains
       call pair%number_points(constraints, is_taken, master_line, mesh%n_nodes)
    end subroutine new_mortar_pair
 
+   !> Finds where the bonded boundary sets face each other.
+   subroutine new_tied_pairs(pairs, is_taken, ties, mesh, materials, constraints, error)
+      type(mortar_pair_t), allocatable, intent(out) :: pairs(:) !! the pair of each tie
+      logical, intent(inout) :: is_taken(:) !! whether a node belongs to a slave; gains those of the ties (nodes)
+      type(tie_t), intent(in) :: ties(:) !! the ties
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(error_t), allocatable, intent(out) :: error !! as of `new_mortar_pair`
+      type(pairing_t) :: pairing
+      integer :: i
+
+      allocate (pairs(size(ties)))
+      do i = 1, size(ties)
+         pairing%against = ties(i)%to
+         pairing%search = ties(i)%search
+         call new_mortar_pair(pairs(i), ties(i)%set, pairing, mesh, materials, constraints, is_taken, error)
+         if (allocated(error)) error%message = ties(i)%origin//error%message
+         if (allocated(error)) return
+         is_taken(pairs(i)%line%node) = .true.
+      end do
+   end subroutine new_tied_pairs
+
    !> Refuses bodies that are joined where they should meet; at an end of the slave they may be, as at a crack's tip.
    pure subroutine check_joints(line, master_line, set, against, mesh, error)
       type(boundary_line_t), intent(in) :: line !! the slave's line
@@ -179,6 +202,7 @@ contains
       integer, intent(in) :: n_nodes !! number of nodes of the mesh
       real(dp) :: normal(2, n_nodes)
       logical :: is_corner(n_nodes), faces(n_nodes)
+      integer, allocatable :: facing(:)
       integer :: i
 
       is_corner = .false.
@@ -192,9 +216,9 @@ contains
       end do
       self%open_node = pack(self%line%node, is_corner(self%line%node) .and. .not. faces(self%line%node))
       allocate (self%held_node(0), self%shared_node(0), self%node(0), self%is_tangent_fixed(0))
-      do i = 1, self%line%n_nodes
-         associate (node => self%line%node(i))
-            if (.not. faces(node)) cycle
+      facing = pack(self%line%node, faces(self%line%node))
+      do i = 1, size(facing)
+         associate (node => facing(i))
             if (is_taken(node) .or. any(master_line%node == node)) then
                self%shared_node = [self%shared_node, node]
             else if (.not. constraints%leaves_free(node, normal(:, node))) then

@@ -188,7 +188,7 @@ contains
       type(surface_place_t), intent(in) :: place !! the place on the slave
       real(dp), intent(in) :: search !! how far a gap may reach, either way [L]
       ! How far beyond its ends a side is still met: rays through a corner meet one of its sides.
-      real(dp), parameter :: beyond = 1.0e-8_dp
+      real(dp), parameter :: beyond = 1.0e-12_dp
       type(meeting_t) :: meeting
       type(surface_place_t) :: foot
       real(dp) :: normal(2), xi(2)

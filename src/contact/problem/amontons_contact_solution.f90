@@ -22,6 +22,7 @@ module amontons_contact_solution
       real(dp) :: residual = huge(1.0_dp) !! residual of this pair (v, lambda) [-]
       real(dp), allocatable :: history(:) !! residual after each iteration (at least n_iterations) [-]
    contains
+      procedure :: follow => contact_solution_follow
       procedure :: reset => contact_solution_reset
       procedure :: record_residual => contact_solution_record_residual
       procedure :: record => contact_solution_record
@@ -70,6 +71,16 @@ contains
       self%is_converged = self%residual <= tolerance
       may_continue = .not. self%is_converged .and. self%residual < huge(self%residual)
    end subroutine contact_solution_record
+
+   !> Puts the record of a solution that this one started from before its own.
+   pure subroutine contact_solution_follow(self, first)
+      class(contact_solution_t), intent(inout) :: self !! the solution
+      type(contact_solution_t), intent(in) :: first !! the one that it started from
+
+      self%history = [first%history(:first%n_iterations), self%history(:self%n_iterations)]
+      self%n_iterations = size(self%history)
+      call self%effort%add(first%effort)
+   end subroutine contact_solution_follow
 
    !> Counts an iteration whose pair is not looked at, with the residual that the method itself knows of. Such a
    !> residual never means solved.

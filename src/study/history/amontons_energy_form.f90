@@ -5,7 +5,7 @@
 !> Any force field G does the work `v . condense(G)` on E v, so that a few vectors and small matrices, computed once,
 !> give every energy of a step in O(m^2) operations (section 10 of doc/theory.md).
 module amontons_energy_form
-   use amontons_assembly, only: internal_forces, to_unknowns
+   use amontons_assembly, only: to_unknowns
    use amontons_body, only: body_t
    use amontons_condensation, only: condensed_load_t
    use amontons_contact_problem, only: contact_problem_t
@@ -53,7 +53,7 @@ contains
       end do
       loads = load_forces(body, parts)
       do j = 1, n
-         call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, form%field(:, :, j))
+         call body%internal_forces(forces, form%field(:, :, j))
          do i = 1, n
             form%strain(i, j) = sum(form%field(:, :, i)*forces)
             form%load(i, j) = sum(loads(:, :, i)*form%field(:, :, j))
@@ -61,7 +61,7 @@ contains
          end do
          form%strain_row(:, j) = condensed_force(body, forces)
          form%load_row(:, j) = condensed_force(body, loads(:, :, j))
-         call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, parts(j)%prescribed)
+         call body%internal_forces(forces, parts(j)%prescribed)
          form%reaction_row(:, j) = condensed_force(body, forces)
          form%prescribed(:, j) = body%zone%rows%displacement(parts(j)%prescribed)
       end do
@@ -77,8 +77,7 @@ contains
 
       allocate (loads(2, body%mesh%n_nodes, size(parts)))
       do i = 1, size(parts)
-         call internal_forces(forces, body%mesh, body%materials, body%springs, body%coloring, &
-            0.0_dp*parts(i)%prescribed, parts(i)%thermal_strain)
+         call body%internal_forces(forces, 0.0_dp*parts(i)%prescribed, parts(i)%thermal_strain)
          loads(:, :, i) = parts(i)%force - forces
       end do
    end function load_forces

@@ -128,6 +128,8 @@ contains
          body%materials, loads, error)
       if (.not. allocated(error)) call new_constraints(constraints, model%parts(part)%prescribed, body%mesh, &
          supports, error)
+      if (allocated(error)) return
+      model%parts(part)%prescribed = body%dof_map%substitution%displacement(model%parts(part)%prescribed)
    end subroutine fill_part
 
    !> The loads that are meant.

@@ -15,13 +15,31 @@ module amontons_history_table
    implicit none (type, external)
    private
 
-   public :: history_header, history_row, points_header, points_rows, states_header, states_row
+   public :: history_header, history_kinds, history_row, point_kinds, points_header, points_rows, states_header, &
+      states_row
 
+   !> A kind of number: one that is measured by itself, or by 1.
+   integer, parameter, public :: number_alone = 1
+   !> A kind of number: a force.
+   integer, parameter, public :: a_force = 2
+   !> A kind of number: a displacement, a slip, a gap.
+   integer, parameter, public :: a_length = 3
+   !> A kind of number: an energy or a work.
+   integer, parameter, public :: an_energy = 4
+   !> Number of kinds.
+   integer, parameter, public :: n_kinds = 4
    !> Numbers that every step has besides those of its changes and probes, in the order of `history_row`.
    character(20), parameter :: labels(*) = [character(20) :: 'open_length', 'slip_length', 'stick_length', &
       'normal_force', 'tangential_force', 'work_loads', 'work_supports', 'work_obstacles', 'strain_energy', &
       'dissipation_step', 'dissipation', 'closing_loss', 'step_indicator', 'energy_error', 'max_slip', &
       'max_slip_accumulated', 'residual']
+   !> What kind of number each of these is: of what scale.
+   integer, parameter :: kinds(size(labels)) = [number_alone, number_alone, number_alone, a_force, a_force, an_energy, &
+      an_energy, an_energy, an_energy, an_energy, an_energy, an_energy, number_alone, an_energy, a_length, a_length, &
+      number_alone]
+   !> The same of the columns of the contact points, step and time among them.
+   integer, parameter :: point_kinds(*) = [number_alone, number_alone, number_alone, a_force, a_force, a_length, &
+      a_length, a_length, a_length, an_energy]
    !> What the states have of each contact point.
    character(23), parameter :: state_labels(*) = [character(23) :: 'normal_force', 'tangential_force', &
       'normal_displacement', 'tangential_displacement', 'anchor', 'slip_accumulated', 'dissipation']
@@ -53,6 +71,16 @@ contains
       end do
       text = text//',iterations,statuses'//newline
    end function history_header
+
+   !> What kind of number each column of the steps has, but for the last one, the statuses.
+   pure function history_kinds(history) result(list)
+      type(history_t), intent(in) :: history !! the history
+      integer, allocatable :: list(:)
+      integer :: i
+
+      list = [spread(number_alone, 1, 2 + sum([(history%steps(i)%n_numbers(), i=1, size(history%steps))])), kinds, &
+         spread(a_length, 1, 2*history%n_probes()), number_alone]
+   end function history_kinds
 
    !> The row of a step.
    pure function history_row(model, body, number, state) result(row)

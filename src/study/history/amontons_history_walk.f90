@@ -16,7 +16,7 @@ module amontons_history_walk
    implicit none (type, external)
    private
 
-   public :: history_walk_t, new_history_walk
+   public :: has_balance, history_walk_t, new_history_walk
 
    !> A planned step can be halved this many times at the most.
    integer, parameter :: most_halvings = 10

@@ -30,7 +30,7 @@ module amontons_solve_history
    implicit none (type, external)
    private
 
-   public :: history_result_t, solve_history
+   public :: history_result_t, new_step_result, prepare_history, solve_history
 
    !> Numbers that are kept of each time that was reached.
    integer, parameter :: n_reached_numbers = 9
@@ -61,6 +61,9 @@ module amontons_solve_history
       integer :: n_certified = 0 !! number of steps that were certified
       integer :: n_resumed = 0 !! number of the last step that an earlier run had done
       logical :: is_interrupted = .false. !! whether the monitor stopped it
+   contains
+      procedure :: add_jumps => history_result_add_jumps
+      procedure :: note_step => history_result_note_step
    end type history_result_t
 
 contains
@@ -240,7 +243,7 @@ contains
                'steps')
             result%is_interrupted = monitor%is_stopped()
             if (walk%n_steps == n_kept) exit
-            call note_step(cache%body, history, result)
+            call result%note_step(cache%body, history)
             call files%add_step(model, cache%body, walk)
             if (is_shown(walk%n_steps, history%fields_every)) call add_fields(cache, model, files, result, &
                error)
@@ -250,41 +253,41 @@ contains
             if (allocated(error)) return
          end do
       end associate
-      if (result%n_jumps > 0) call result%last%warnings%add(jumps_text(result))
+      call result%add_jumps()
       call note_milestone(files, result, error)
    end subroutine take_steps
 
    !> Notes what is remarkable of the last step.
-   pure subroutine note_step(body, history, result)
+   pure subroutine history_result_note_step(self, body, history)
+      class(history_result_t), intent(inout) :: self !! the history so far
       type(body_t), intent(in) :: body !! the body
       type(history_t), intent(in) :: history !! the history
-      type(history_result_t), intent(inout) :: result !! the history so far
       type(lengths_t) :: lengths
 
-      associate (walk => result%walk, state => result%walk%state, m => body%zone%n_points)
-         if (walk%is_jump) result%n_jumps = result%n_jumps + 1
-         if (walk%is_jump) call result%jump%note(state%indicator, walk%n_steps)
-         call result%residual%note(state%solution%residual, walk%n_steps)
-         call result%imbalance%note(state%imbalance, walk%n_steps)
-         call result%indicator%note(state%indicator, walk%n_steps)
+      if (.not. allocated(self%reached)) allocate (self%reached(n_reached_numbers, 0))
+      associate (walk => self%walk, state => self%walk%state, m => body%zone%n_points)
+         if (walk%is_jump) self%n_jumps = self%n_jumps + 1
+         if (walk%is_jump) call self%jump%note(state%indicator, walk%n_steps)
+         call self%residual%note(state%solution%residual, walk%n_steps)
+         call self%imbalance%note(state%imbalance, walk%n_steps)
+         call self%indicator%note(state%indicator, walk%n_steps)
          if (.not. any(abs(state%instant%time - history%times) <= 0.0_dp)) return
          call new_lengths(lengths, body%zone, state%solution%status)
-         result%reached = reshape([result%reached, state%instant%time, lengths%open, lengths%slip, lengths%stick, &
+         self%reached = reshape([self%reached, state%instant%time, lengths%open, lengths%slip, lengths%stick, &
             sum(state%solution%force(:m)), sum(state%solution%force(m + 1:)), state%strain_energy, &
             state%load_work + state%support_work + state%obstacle_work, sum(state%dissipation)], &
-            [n_reached_numbers, size(result%reached, 2) + 1])
+            [n_reached_numbers, size(self%reached, 2) + 1])
       end associate
-   end subroutine note_step
+   end subroutine history_result_note_step
 
-   !> Says where the state jumps.
-   pure function jumps_text(result) result(text)
-      type(history_result_t), intent(in) :: result !! the history
-      character(:), allocatable :: text
+   !> Warns of jumps.
+   subroutine history_result_add_jumps(self)
+      class(history_result_t), intent(inout) :: self !! the history; its last step gains the warning
 
-      text = to_text(result%n_jumps)//' of '//to_text(result%walk%n_steps)// &
+      if (self%n_jumps > 0) call self%last%warnings%add(to_text(self%n_jumps)//' of '//to_text(self%walk%n_steps)// &
          ' steps cannot be made shorter although their energy error is above step_tolerance: the state jumps there;'// &
-         ' most in step '//to_text(result%jump%step)//', '//scientific(result%jump%value)//' of its energies'
-   end function jumps_text
+         ' most in step '//to_text(self%jump%step)//', '//scientific(self%jump%value)//' of its energies')
+   end subroutine history_result_add_jumps
 
    !> Certifies the present step and writes its grids.
    subroutine add_fields(cache, model, files, result, error)
@@ -314,6 +317,7 @@ contains
       if (allocated(error)) return
       call condense_load_case(step%load_case, cache%body)
       step%solution = state%solution
+      step%slip_record = reshape([state%slip, state%accumulated_slip, state%dissipation], [size(state%slip), 3])
       call certify(step, cache%body, error)
    end subroutine new_step_result
 
@@ -334,8 +338,6 @@ contains
          if (allocated(error)) return
          call result%violation%note(result%last%certificate%largest(), result%walk%n_steps)
          result%n_certified = result%n_certified + 1
-         result%last%slip_record = reshape([state%slip, state%accumulated_slip, state%dissipation], &
-            [size(state%slip), 3])
          call model%pose(cache%body, state%instant, state%anchor, cache%problem)
       end associate
       call add_result_warnings(result%last, cache%body)

@@ -1,0 +1,290 @@
+!> The displacements of slaves in terms of the masters': what makes the relative displacements w of pairs unknowns, and
+!> takes the unknowns of bonded surfaces away.
+!>
+!> With dual functions the row of a slave's corner p has no other corner that is a point in it,
+!> `w_p = c_p u_p + sum c_q u_q`, so that it can be solved for u_p. On a quadratic side this holds in hierarchical
+!> unknowns, those of a middle node being its deviation from the mean of the corners.
+module amontons_pair_substitution
+   use amontons_constraints, only: constraints_t
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points
+   use amontons_mortar_points, only: mortar_points_t
+   use amontons_substitution, only: substitution_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: new_pair_substitution
+
+   !> The displacement of a node as a sum: of own unknowns of nodes, and of displacements of nodes.
+   type :: sum_t
+      integer, allocatable :: node(:) !! the nodes
+      real(dp), allocatable :: block(:, :, :) !! what theirs are multiplied by (2, 2, nodes) [-]
+      logical, allocatable :: is_own(:) !! whether the own unknowns of the node are meant; else its displacement
+      integer :: visit = 0 !! 0: not looked at, 1: being resolved, 2: all are own unknowns
+   contains
+      procedure :: add => sum_add
+   end type sum_t
+
+   !> The unit matrix.
+   real(dp), parameter :: identity(2, 2) = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
+
+contains
+
+   !> Makes the substitution of all pairs whose points are corners.
+   subroutine new_pair_substitution(substitution, pairs, is_tied, constraints, coordinates, error)
+      type(substitution_t), intent(out) :: substitution !! the substitution
+      type(mortar_pair_t), intent(in) :: pairs(:) !! the pairs
+      logical, intent(in) :: is_tied(:) !! whether they are bonded, so that w = 0 (pairs)
+      type(constraints_t), intent(in) :: constraints !! the supports
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes, for messages (2, n_nodes) [L]
+      type(error_t), allocatable, intent(out) :: error
+         !! a middle node is held otherwise than the corners beside it, or pairs make a ring
+      type(sum_t), allocatable :: sums(:)
+      integer :: sum_of(size(coordinates, 2)), i, fault
+
+      allocate (sums(0))
+      sum_of = 0
+      allocate (substitution%is_bonded(size(sum_of)), source=.false.)
+      do i = 1, size(pairs)
+         if (.not. pairs(i)%is_set() .or. allocated(pairs(i)%cells)) cycle
+         if (is_tied(i)) substitution%is_bonded(pairs(i)%node) = .true.
+         call add_middles(sums, sum_of, pairs(i), constraints, fault)
+         if (fault == 0) call add_corners(sums, sum_of, pairs(i), is_tied(i), constraints)
+         if (fault == 0) cycle
+         call new_error(error, input_refused, 'a support holds the middle node at '// &
+            to_text(coordinates(1, fault))//', '//to_text(coordinates(2, fault))// &
+            ' of a slave otherwise than the corners beside it: hold these, too')
+         return
+      end do
+      do i = 1, size(sum_of)
+         fault = 0
+         if (sum_of(i) > 0) call resolve(sums, sum_of, i, fault)
+         if (fault == 0) cycle
+         call new_error(error, input_refused, 'the node at '//to_text(coordinates(1, fault))//', '// &
+            to_text(coordinates(2, fault))//' is slave and master in a ring of pairs: exchange set and against of one')
+         return
+      end do
+      if (size(sums) > 0) call pack_sums(substitution, sums, sum_of)
+   end subroutine new_pair_substitution
+
+   !> Adds the displacements of the middle nodes beside points: their own unknowns and the mean of the corners.
+   subroutine add_middles(sums, sum_of, pair, constraints, fault)
+      type(sum_t), allocatable, intent(inout) :: sums(:) !! the sums so far
+      integer, intent(inout) :: sum_of(:) !! the sum of each node, 0 for none
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      type(constraints_t), intent(in) :: constraints !! the supports
+      integer, intent(out) :: fault !! a middle node that is held otherwise than the corners beside it, 0 for none
+      real(dp) :: half(2, 2)
+      integer :: side, k
+
+      fault = 0
+      do side = 1, pair%slave%n_sides
+         associate (nodes => pair%slave%side(:3, side))
+            if (nodes(3) == 0 .or. all(pair%point_of(:, side) == 0)) cycle
+            half = 0.5_dp*free_projector(constraints, nodes(3))
+            do k = 1, 2
+               if (pair%point_of(k, side) == 0) cycle
+               if (maxval(abs(free_projector(constraints, nodes(k)) - 2.0_dp*half)) > 1.0e-6_dp .and. &
+                  .not. all(constraints%is_free(:, nodes(3)))) fault = nodes(3)
+            end do
+            if (sum_of(nodes(3)) > 0) cycle
+            call new_sum(sums, sum_of, nodes(3))
+            associate (middle => sums(sum_of(nodes(3))))
+               call middle%add(nodes(3), identity, .true.)
+               call middle%add(nodes(1), half, .false.)
+               call middle%add(nodes(2), half, .false.)
+            end associate
+         end associate
+      end do
+   end subroutine add_middles
+
+   !> Adds the displacements of the corners that are points.
+   subroutine add_corners(sums, sum_of, pair, is_tied, constraints)
+      type(sum_t), allocatable, intent(inout) :: sums(:) !! the sums so far
+      integer, intent(inout) :: sum_of(:) !! the sum of each node, 0 for none
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      logical, intent(in) :: is_tied !! whether it is bonded, so that w = 0
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(mortar_points_t) :: points
+      integer, allocatable :: ends(:, :)
+      integer :: i
+
+      call integrate_pair(points, pair, pair%segments, n_quadrature_points)
+      allocate (ends(2, size(sum_of)), source=0)
+      do i = 1, pair%slave%n_sides
+         if (pair%slave%side(3, i) == 0 .or. all(pair%point_of(:, i) == 0)) cycle
+         ends(:, pair%slave%side(3, i)) = pair%slave%side(:2, i)
+      end do
+      do i = 1, size(pair%node)
+         call new_sum(sums, sum_of, pair%node(i))
+         call solve_row(sums(sum_of(pair%node(i))), points, i, pair, ends, is_tied, constraints)
+      end do
+   end subroutine add_corners
+
+   !> Solves the row of a corner for its displacement.
+   pure subroutine solve_row(corner, points, p, pair, ends, is_tied, constraints)
+      type(sum_t), intent(inout) :: corner !! its displacement
+      type(mortar_points_t), intent(in) :: points !! the integrals of the pair
+      integer, intent(in) :: p !! number of the point
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      integer, intent(in) :: ends(:, :) !! the corners beside each middle node beside points, 0 for others (2, n_nodes)
+      logical, intent(in) :: is_tied !! whether w = 0
+      type(constraints_t), intent(in) :: constraints !! the supports
+      ! What rounding leaves of the products of dual functions with other corners' hats.
+      real(dp), parameter :: negligible = 1.0e-12_dp
+      type(sum_t) :: row
+      real(dp) :: along(2, 2), free(2, 2), share, own
+      integer :: i, k
+
+      do i = points%rows%start(p), points%rows%start(p + 1) - 1
+         associate (node => points%rows%node(i))
+            share = dot_product(points%rows%part(:, i), pair%normal(:, p))
+            call row%add(node, share*identity, ends(1, node) > 0)
+            do k = 1, 2
+               if (ends(k, node) > 0) call row%add(ends(k, node), 0.5_dp*share*identity, .false.)
+            end do
+         end associate
+      end do
+      own = 0.0_dp
+      do i = 1, size(row%node)
+         if (row%node(i) == pair%node(p)) own = row%block(1, 1, i)
+      end do
+      along = solution_axis(constraints, pair%node(p), pair%normal(:, p), is_tied)
+      do i = 1, size(row%node)
+         if (row%node(i) == pair%node(p) .or. abs(row%block(1, 1, i)) <= negligible) cycle
+         call corner%add(row%node(i), -row%block(1, 1, i)/own*along, row%is_own(i))
+      end do
+      free = free_projector(constraints, pair%node(p))
+      call corner%add(pair%node(p), identity - free + merge(0.0_dp, 1.0_dp/own, is_tied)*free, .true.)
+   end subroutine solve_row
+
+   !> The projector on the directions in which supports leave a node free [-].
+   pure function free_projector(constraints, node) result(projector)
+      type(constraints_t), intent(in) :: constraints !! the supports
+      integer, intent(in) :: node !! the node
+      real(dp) :: projector(2, 2)
+      real(dp) :: frame(2, 2)
+      integer :: axis
+
+      frame = constraints%frame(node)
+      projector = 0.0_dp
+      do axis = 1, 2
+         if (constraints%is_free(axis, node)) projector = projector &
+            + spread(frame(:, axis), 2, 2)*spread(frame(:, axis), 1, 2)
+      end do
+   end function free_projector
+
+   !> What the other terms of a corner's row move it by: all, or, where a support guides it along e, as far along e as
+   !> their normal component, of bonded surfaces that along e, asks for [-].
+   pure function solution_axis(constraints, node, normal, is_tied) result(along)
+      type(constraints_t), intent(in) :: constraints !! the supports
+      integer, intent(in) :: node !! the corner
+      real(dp), intent(in) :: normal(2) !! its normal [-]
+      logical, intent(in) :: is_tied !! whether the surfaces are bonded
+      real(dp) :: along(2, 2)
+      real(dp) :: frame(2, 2), axis(2)
+
+      along = free_projector(constraints, node)
+      if (is_tied .or. all(constraints%is_free(:, node))) return
+      frame = constraints%frame(node)
+      axis = merge(frame(:, 1), frame(:, 2), constraints%is_free(1, node))
+      along = spread(axis, 2, 2)*spread(normal, 1, 2)/dot_product(axis, normal)
+   end function solution_axis
+
+   !> Adds an empty sum for a node.
+   pure subroutine new_sum(sums, sum_of, node)
+      type(sum_t), allocatable, intent(inout) :: sums(:) !! the sums
+      integer, intent(inout) :: sum_of(:) !! the sum of each node, 0 for none
+      integer, intent(in) :: node !! the node
+      type(sum_t), allocatable :: longer(:)
+      integer :: n
+
+      n = maxval(sum_of)
+      if (n == size(sums)) then
+         allocate (longer(max(16, 2*n)))
+         longer(:n) = sums(:n)
+         call move_alloc(longer, sums)
+      end if
+      sum_of(node) = n + 1
+   end subroutine new_sum
+
+   !> Adds a term to a sum, each node once.
+   pure subroutine sum_add(self, node, block, is_own)
+      class(sum_t), intent(inout) :: self !! the sum
+      integer, intent(in) :: node !! the node
+      real(dp), intent(in) :: block(2, 2) !! what it is multiplied by [-]
+      logical, intent(in) :: is_own !! whether its own unknowns are meant; else its displacement
+      integer :: k
+
+      if (.not. allocated(self%node)) allocate (self%node(0), self%is_own(0), self%block(2, 2, 0))
+      do k = 1, size(self%node)
+         if (self%node(k) == node .and. (self%is_own(k) .eqv. is_own)) then
+            self%block(:, :, k) = self%block(:, :, k) + block
+            return
+         end if
+      end do
+      self%node = [self%node, node]
+      self%is_own = [self%is_own, is_own]
+      self%block = reshape([self%block, block], [2, 2, size(self%node)])
+   end subroutine sum_add
+
+   !> Replaces displacements by what they are sums of, until own unknowns are left.
+   recursive subroutine resolve(sums, sum_of, node, fault)
+      type(sum_t), intent(inout) :: sums(:) !! the sums
+      integer, intent(in) :: sum_of(:) !! the sum of each node, 0 for none
+      integer, intent(in) :: node !! the node to resolve
+      integer, intent(inout) :: fault !! a node that depends on itself, 0 for none
+      type(sum_t) :: resolved
+      integer :: i, k, other
+
+      associate (total => sums(sum_of(node)))
+         if (total%visit == 1) fault = node
+         if (total%visit > 0) return
+         total%visit = 1
+         do i = 1, size(total%node)
+            other = total%node(i)
+            if (total%is_own(i) .or. sum_of(other) == 0) then
+               call resolved%add(other, total%block(:, :, i), .true.)
+               cycle
+            end if
+            call resolve(sums, sum_of, other, fault)
+            if (fault > 0) return
+            associate (inner => sums(sum_of(other)))
+               do k = 1, size(inner%node)
+                  call resolved%add(inner%node(k), matmul(total%block(:, :, i), inner%block(:, :, k)), .true.)
+               end do
+            end associate
+         end do
+         resolved%visit = 2
+         total = resolved
+      end associate
+   end subroutine resolve
+
+   !> Puts resolved sums one behind the other.
+   pure subroutine pack_sums(substitution, sums, sum_of)
+      type(substitution_t), intent(inout) :: substitution !! the substitution
+      type(sum_t), intent(in) :: sums(:) !! the sums
+      integer, intent(in) :: sum_of(:) !! the sum of each node, 0 for none
+      integer :: node, n
+
+      allocate (substitution%start(size(sum_of) + 1))
+      substitution%start(1) = 1
+      do node = 1, size(sum_of)
+         n = 0
+         if (sum_of(node) > 0) n = size(sums(sum_of(node))%node)
+         substitution%start(node + 1) = substitution%start(node) + n
+      end do
+      n = substitution%start(size(sum_of) + 1) - 1
+      allocate (substitution%node(n), substitution%block(2, 2, n))
+      do node = 1, size(sum_of)
+         if (sum_of(node) == 0) cycle
+         associate (first => substitution%start(node), last => substitution%start(node + 1) - 1)
+            substitution%node(first:last) = sums(sum_of(node))%node
+            substitution%block(:, :, first:last) = sums(sum_of(node))%block
+         end associate
+      end do
+   end subroutine pack_sums
+
+end module amontons_pair_substitution

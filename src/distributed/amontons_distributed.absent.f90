@@ -1,0 +1,78 @@
+!> The run on several ranks in a build without MPI: there is one rank.
+module amontons_distributed
+   use amontons_condenser, only: condenser_t
+   use amontons_constraints, only: constraints_t
+   use amontons_dof_map, only: dof_map_t
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_foundation, only: spring_side_t
+   use amontons_kinds, only: dp
+   use amontons_material, only: materials_t
+   use amontons_mesh, only: mesh_t
+   implicit none (type, external)
+   private
+
+   public :: add_forces_of_ranks, begin_ranks, dismiss_ranks, end_ranks, mpi_text, n_ranks, &
+      new_distributed_condenser, rank, serve
+
+   !> The number of this process, and of how many.
+   integer, parameter :: rank = 0, n_ranks = 1
+
+contains
+
+   !> What --version says of MPI.
+   pure function mpi_text() result(text)
+      character(:), allocatable :: text
+
+      text = 'no'
+   end function mpi_text
+
+   !> Starts nothing.
+   subroutine begin_ranks()
+   end subroutine begin_ranks
+
+   !> Ends nothing.
+   subroutine end_ranks()
+   end subroutine end_ranks
+
+   !> Dismisses no one.
+   subroutine dismiss_ranks()
+   end subroutine dismiss_ranks
+
+   !> Serves no one.
+   subroutine serve()
+   end subroutine serve
+
+   !> Refuses to spread a body.
+   subroutine new_distributed_condenser(condenser, is_held, mesh, materials, springs, constraints, dof_map, error)
+      class(condenser_t), allocatable, intent(inout) :: condenser !! not allocated on return
+      logical, intent(in) :: is_held !! not used, as all that follow
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      type(error_t), allocatable, intent(out) :: error !! the reason
+
+      if (allocated(condenser)) deallocate (condenser)
+      call new_error(error, input_refused, "factorization = 'distributed' needs MPI and MUMPS, and this program "// &
+         "was built without them (scripts/build.sh mpi builds one); choose 'auto', 'band' or 'multifrontal'")
+      associate (unused => is_held, mesh => mesh, materials => materials, springs => springs, &
+         constraints => constraints, dof_map => dof_map)
+      end associate
+   end subroutine new_distributed_condenser
+
+   !> Adds no forces.
+   subroutine add_forces_of_ranks(is_done, condenser, forces, displacement, thermal_strain)
+      logical, intent(out) :: is_done !! false
+      class(condenser_t), allocatable, intent(in) :: condenser !! not used, as all that follow
+      real(dp), intent(inout) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in), optional :: thermal_strain(:) !! strain of free thermal expansion [-]
+
+      is_done = .false.
+      associate (unused => condenser, forces => forces, displacement => displacement)
+      end associate
+      if (present(thermal_strain)) return
+   end subroutine add_forces_of_ranks
+
+end module amontons_distributed

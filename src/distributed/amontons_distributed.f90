@@ -1,0 +1,76 @@
+!> The run on several ranks, as the rest of the program sees it; a build without MPI has a twin of this module.
+module amontons_distributed
+   use amontons_condenser, only: condenser_t
+   use amontons_constraints, only: constraints_t
+   use amontons_distributed_condenser, only: dismiss_ranks, distributed_condenser_t, serve, &
+      spread_and_analyze => new_distributed_condenser
+   use amontons_dof_map, only: dof_map_t
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_foundation, only: spring_side_t
+   use amontons_kinds, only: dp
+   use amontons_material, only: materials_t
+   use amontons_mesh, only: mesh_t
+   use amontons_mumps, only: mumps_text
+   use amontons_ranks, only: begin_ranks, end_ranks, has_begun, n_ranks, rank
+   implicit none (type, external)
+   private
+
+   public :: add_forces_of_ranks, begin_ranks, dismiss_ranks, end_ranks, mpi_text, n_ranks, &
+      new_distributed_condenser, rank, serve
+
+contains
+
+   !> What --version says of MPI.
+   function mpi_text() result(text)
+      character(:), allocatable :: text
+
+      text = 'yes, MUMPS '//mumps_text()
+   end function mpi_text
+
+   !> Spreads a body over the ranks, assembles its stiffness and analyzes it.
+   subroutine new_distributed_condenser(condenser, is_held, mesh, materials, springs, constraints, dof_map, error)
+      class(condenser_t), allocatable, intent(out) :: condenser !! the condenser
+      logical, intent(in) :: is_held !! whether supports alone hold the body
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      type(error_t), allocatable, intent(out) :: error !! memory ran out, or there are no ranks
+
+      if (.not. has_begun) then
+         call new_error(error, input_refused, "factorization = 'distributed' is for a run on several ranks: "// &
+            'mpiexec -n 2 amontons ...')
+         return
+      end if
+      allocate (distributed_condenser_t :: condenser)
+      select type (condenser)
+      type is (distributed_condenser_t)
+         call spread_and_analyze(condenser, is_held, mesh, materials, springs, constraints, dof_map, error)
+      end select
+   end subroutine new_distributed_condenser
+
+   !> Adds the nodal forces that stresses and springs of a displacement amount to, if a condenser has the body on the
+   !> ranks.
+   subroutine add_forces_of_ranks(is_done, condenser, forces, displacement, thermal_strain)
+      logical, intent(out) :: is_done !! whether it has
+      class(condenser_t), allocatable, intent(in) :: condenser !! the condenser of the body, if it is condensed
+      real(dp), intent(inout) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in), optional :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
+
+      real(dp), allocatable :: heat(:, :)
+
+      is_done = .false.
+      if (.not. allocated(condenser)) return
+      select type (condenser)
+      type is (distributed_condenser_t)
+         allocate (heat(1, 0))
+         if (present(thermal_strain)) heat = reshape(thermal_strain, [1, size(thermal_strain)])
+         call condenser%add_forces(forces, displacement, heat)
+         is_done = .true.
+      end select
+   end subroutine add_forces_of_ranks
+
+end module amontons_distributed

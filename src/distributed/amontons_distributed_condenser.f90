@@ -1,0 +1,278 @@
+!> The condenser of a body whose elements, matrix and factor are spread over the ranks of a run.
+!>
+!> It lives on rank 0 and gives the orders; the other ranks follow them in `serve`. Each holds the stiffness of its
+!> subdomain and its part of MUMPS's factor; rank 0 has the order of elimination and the Schur complement too. There is
+!> one such condenser at a time. Sums depend on the number of ranks in their last digits.
+module amontons_distributed_condenser
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use amontons_condenser, only: condenser_t
+   use amontons_constraints, only: constraints_t
+   use amontons_dof_map, only: dof_map_t
+   use amontons_elimination_order, only: find_positions
+   use amontons_error, only: error_t
+   use amontons_foundation, only: spring_side_t
+   use amontons_kinds, only: dp, int64
+   use amontons_lapack, only: dpotrf, dpotrs
+   use amontons_material, only: materials_t
+   use amontons_mesh, only: mesh_t
+   use amontons_rank_work, only: rank_work_t
+   use amontons_ranks, only: give_order, line_t, n_ranks, next_order
+   use amontons_subdomain, only: find_owners, new_subdomain, subdomain_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: dismiss_ranks, distributed_condenser_t, new_distributed_condenser, serve
+
+   !> Orders of rank 0.
+   enum, bind(c)
+      enumerator :: order_end, order_take, order_analyze, order_check_memory, order_factorize, order_condense, &
+         order_expand, order_add_forces, order_free
+   end enum
+
+   !> A condenser over the ranks.
+   type, extends(condenser_t) :: distributed_condenser_t
+      private
+      type(rank_work_t), pointer :: work => null() !! What rank 0 does itself.
+      real(dp), allocatable :: s(:, :) !! The Schur complement (n_schur, n_schur).
+   contains
+      procedure, public :: check_memory => distributed_check_memory
+      procedure, public :: memory_mb => distributed_memory_mb
+      procedure, public :: complete => distributed_complete
+      procedure, public :: schur_complement => distributed_schur_complement
+      procedure, public :: condense => distributed_condense
+      procedure, public :: expand => distributed_expand
+      procedure, public :: solve => distributed_solve
+      procedure, public :: add_forces => distributed_add_forces
+      final :: distributed_free
+   end type distributed_condenser_t
+
+contains
+
+   !> Spreads a body over the ranks, assembles its stiffness and analyzes it.
+   subroutine new_distributed_condenser(condenser, is_held, mesh, materials, springs, constraints, dof_map, error)
+      type(distributed_condenser_t), intent(inout) :: condenser !! the condenser; nothing yet
+      logical, intent(in) :: is_held !! whether supports alone hold the body
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns; the trailing ones are the Schur variables
+      type(error_t), allocatable, intent(out) :: error !! memory ran out
+      integer, allocatable :: position(:)
+      real(dp), allocatable :: sums(:, :)
+
+      condenser%name = 'distributed'
+      condenser%n = dof_map%n_dofs
+      condenser%n_schur = dof_map%n_trailing
+      call find_positions(position, mesh, dof_map, error)
+      if (allocated(error)) return
+      allocate (condenser%work)
+      call spread_body(condenser%work%subdomain, position, mesh, materials, springs, constraints, dof_map)
+      allocate (sums(2, condenser%n), source=0.0_dp)
+      call condenser%work%assemble(sums, error)
+      if (allocated(error)) return
+      if (.not. is_held) condenser%regularization = sum(sums(1, :))/condenser%n
+      associate (schur_sums => sums(2, condenser%n - condenser%n_schur + 1:))
+         schur_sums = schur_sums + condenser%regularization
+      end associate
+      ! The largest sum would pass over one that is no number.
+      condenser%matrix_norm = maxval(sums(2, :)) + 0.0_dp*sum(sums(2, :))
+      deallocate (sums)
+      call give_order(order_analyze)
+      call condenser%work%analyze(condenser%n_schur, condenser%regularization, position, error)
+      associate (report => condenser%work%mumps%report)
+         condenser%n_factor_entries = report%n_entries
+         condenser%n_flops = report%n_flops
+      end associate
+   end subroutine new_distributed_condenser
+
+   !> Gives every rank its subdomain.
+   subroutine spread_body(own, position, mesh, materials, springs, constraints, dof_map)
+      type(subdomain_t), intent(out) :: own !! that of rank 0
+      integer, intent(in) :: position(:) !! position of each unknown in the order of elimination
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      integer, allocatable :: owner(:)
+      integer :: i
+
+      call give_order(order_take)
+      call find_owners(owner, n_ranks, position, mesh, dof_map)
+      do i = n_ranks - 1, 0, -1
+         call new_subdomain(own, i, owner, mesh, materials, springs, constraints, dof_map)
+         if (i > 0) call own%pass(line_t(i, .true.))
+      end do
+   end subroutine spread_body
+
+   !> Follows the orders of rank 0 until the last one; for the other ranks.
+   subroutine serve()
+      type(rank_work_t), allocatable :: work
+      type(error_t), allocatable :: error
+      real(dp), allocatable :: none(:, :)
+      real(dp) :: nothing(0)
+      integer :: no_position(0), order
+
+      allocate (none(2, 0), work)
+      do
+         order = next_order()
+         select case (order)
+         case (order_take)
+            deallocate (work)
+            allocate (work)
+            call work%subdomain%pass(line_t(0, .false.))
+            call work%assemble(none, error)
+         case (order_analyze)
+            call work%analyze(0, 0.0_dp, no_position, error)
+         case (order_check_memory)
+            call work%check_memory(error)
+         case (order_factorize)
+            call work%factorize(0, none, error)
+         case (order_condense)
+            call work%mumps%solve(.false., nothing, nothing)
+         case (order_expand)
+            call work%mumps%solve(.true., nothing, nothing)
+         case (order_add_forces)
+            call work%forces(none, none, none)
+         case (order_free)
+            call work%mumps%free()
+            deallocate (work)
+            allocate (work)
+         case default
+            exit
+         end select
+      end do
+   end subroutine serve
+
+   !> Ends the service of the other ranks.
+   subroutine dismiss_ranks()
+      call give_order(order_end)
+   end subroutine dismiss_ranks
+
+   !> Refuses a factor that the memory of the machines cannot hold.
+   subroutine distributed_check_memory(self, error)
+      class(distributed_condenser_t), intent(in) :: self !! the condenser, the matrix analyzed
+      type(error_t), allocatable, intent(out) :: error !! memory does not suffice
+
+      call give_order(order_check_memory)
+      call self%work%check_memory(error)
+   end subroutine distributed_check_memory
+
+   !> The memory that `complete` takes on the rank where it takes most [MB].
+   pure real(dp) function distributed_memory_mb(self) result(memory_mb)
+      class(distributed_condenser_t), intent(in) :: self !! the condenser, the matrix analyzed
+
+      memory_mb = self%work%mumps%report%largest_mb
+   end function distributed_memory_mb
+
+   !> Factorizes the matrix.
+   subroutine distributed_complete(self, error)
+      class(distributed_condenser_t), intent(inout) :: self !! the condenser
+      type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory ran out
+
+      call give_order(order_factorize)
+      call self%work%factorize(self%n_schur, self%s, error)
+   end subroutine distributed_complete
+
+   !> The Schur complement, of which MUMPS fills the lower triangle by rows.
+   subroutine distributed_schur_complement(self, s)
+      class(distributed_condenser_t), intent(in) :: self !! the condenser
+      real(dp), contiguous, intent(out) :: s(:, :) !! S, both triangles (n_schur, n_schur)
+      integer :: i, j
+
+      do j = 1, self%n_schur
+         do i = 1, j
+            s(i, j) = self%s(i, j)
+            s(j, i) = self%s(i, j)
+         end do
+      end do
+   end subroutine distributed_schur_complement
+
+   !> Eliminates the interior from a load.
+   subroutine distributed_condense(self, b, partial, q)
+      class(distributed_condenser_t), intent(in) :: self !! the condenser
+      real(dp), intent(in) :: b(:) !! the load (n)
+      real(dp), contiguous, intent(out) :: partial(:) !! what `expand` needs of the load: the load (n)
+      real(dp), intent(out) :: q(:) !! the condensed load (n_schur)
+      real(dp), allocatable :: work(:), condensed(:)
+
+      partial = b
+      work = b
+      allocate (condensed(self%n_schur))
+      call half_solve(self, .false., work, condensed)
+      q = condensed
+   end subroutine distributed_condense
+
+   !> All unknowns from the Schur variables. MUMPS remembers one load only: this one is condensed again.
+   subroutine distributed_expand(self, partial, v, x)
+      class(distributed_condenser_t), intent(in) :: self !! the condenser
+      real(dp), intent(in) :: partial(:) !! the load (n)
+      real(dp), intent(in) :: v(:) !! the Schur variables (n_schur)
+      real(dp), intent(out) :: x(:) !! all unknowns (n)
+      real(dp), allocatable :: work(:), of_schur(:)
+
+      work = partial
+      allocate (of_schur(self%n_schur))
+      call half_solve(self, .false., work, of_schur)
+      of_schur = v
+      call half_solve(self, .true., work, of_schur)
+      x = work
+      x(self%n - self%n_schur + 1:) = v
+   end subroutine distributed_expand
+
+   !> Solves K x = b.
+   subroutine distributed_solve(self, b, x)
+      class(distributed_condenser_t), intent(in) :: self !! the condenser
+      real(dp), intent(in) :: b(:) !! right-hand side (n)
+      real(dp), intent(out) :: x(:) !! the solution (n)
+      real(dp), allocatable :: partial(:), v(:, :), factor(:, :)
+      integer :: info
+
+      allocate (partial(self%n), v(self%n_schur, 1), factor(self%n_schur, self%n_schur))
+      call self%condense(b, partial, v(:, 1))
+      call self%schur_complement(factor)
+      call dpotrf('L', self%n_schur, factor, self%n_schur, info)
+      call dpotrs('L', self%n_schur, 1, factor, self%n_schur, v, self%n_schur, info)
+      call self%expand(partial, v(:, 1), x)
+   end subroutine distributed_solve
+
+   !> Half of a solution on all ranks. Where memory runs out the result is no number, which the caller refuses.
+   subroutine half_solve(self, is_backward, all_unknowns, of_schur)
+      class(distributed_condenser_t), intent(in) :: self !! the condenser
+      logical, intent(in) :: is_backward !! which half
+      real(dp), contiguous, intent(inout) :: all_unknowns(:) !! the load, or all unknowns on return (n)
+      real(dp), contiguous, intent(inout) :: of_schur(:) !! the condensed load, or the Schur variables (n_schur)
+
+      if (self%n_schur == 0 .and. .not. is_backward) return
+      call give_order(merge(order_expand, order_condense, is_backward))
+      call self%work%mumps%solve(is_backward, all_unknowns, of_schur)
+      if (self%work%mumps%report%code >= 0) return
+      all_unknowns = ieee_value(1.0_dp, ieee_quiet_nan)
+      of_schur = all_unknowns(1)
+   end subroutine half_solve
+
+   !> Adds the nodal forces that the stresses and springs of a displacement amount to.
+   subroutine distributed_add_forces(self, forces, displacement, thermal_strain)
+      class(distributed_condenser_t), intent(in) :: self !! the condenser, for the body that it was made of
+      real(dp), intent(inout) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: thermal_strain(:, :)
+         !! strain of free thermal expansion in the order of the body's `mesh%node`, or none (1, any) [-]
+
+      call give_order(order_add_forces)
+      call self%work%forces(forces, displacement, thermal_strain)
+   end subroutine distributed_add_forces
+
+   !> Frees what all ranks hold.
+   subroutine distributed_free(self)
+      type(distributed_condenser_t), intent(inout) :: self !! the condenser
+
+      if (.not. associated(self%work)) return
+      call give_order(order_free)
+      call self%work%mumps%free()
+      deallocate (self%work)
+   end subroutine distributed_free
+
+end module amontons_distributed_condenser

@@ -1,0 +1,280 @@
+!> The ranks of a run, the processes that share its work: orders of rank 0, messages between two, agreement of all.
+!>
+!> Rank 0 runs the program; the others wait for its orders and take part in what these ask for. Which rank this is and
+!> how many there are is known once for the process, as MPI itself is.
+module amontons_ranks
+   use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t
+   use amontons_error, only: error_t, new_error, system_failure
+   use amontons_kinds, only: dp, int64
+   implicit none (type, external)
+   private
+
+   public :: agree, begin_ranks, end_ranks, gather_columns, give_order, has_begun, line_t, n_ranks, next_order, &
+      rank, scatter_columns, sum_on_machine
+
+   !> Whether MPI is in use.
+   logical, protected :: has_begun = .false.
+   !> The number of this process, and of how many.
+   integer, protected :: rank = 0, n_ranks = 1
+
+   !> A line to another rank. What both ends walk through in the same order, one end sends and the other receives.
+   type :: line_t
+      integer :: peer = 0 !! the other rank
+      logical :: is_sender = .true. !! whether this end sends
+   contains
+      procedure, private :: pass_number => line_pass_number
+      procedure, private :: pass_text => line_pass_text
+      procedure, private :: pass_numbers => line_pass_numbers
+      procedure, private :: pass_real_columns => line_pass_real_columns
+      generic :: pass => pass_number, pass_text, pass_numbers, pass_real_columns
+   end type line_t
+
+   ! allow(assumed-size): C takes an address and knows no shape
+   interface
+      function mpi_begin(rank, size) bind(c, name='amontons_mpi_begin') result(has_begun)
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), intent(out) :: rank, size
+         integer(c_int) :: has_begun
+      end function mpi_begin
+
+      subroutine mpi_end() bind(c, name='amontons_mpi_end')
+         implicit none (type, external)
+      end subroutine mpi_end
+
+      subroutine mpi_order(order, is_giver) bind(c, name='amontons_mpi_order')
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), intent(inout) :: order
+         integer(c_int), value, intent(in) :: is_giver
+      end subroutine mpi_order
+
+      subroutine mpi_send(bytes, n, to) bind(c, name='amontons_mpi_send')
+         import :: c_int, c_int64_t
+         implicit none (type, external)
+         type(*), intent(in) :: bytes(*)
+         integer(c_int64_t), value, intent(in) :: n
+         integer(c_int), value, intent(in) :: to
+      end subroutine mpi_send
+
+      subroutine mpi_receive(bytes, n, from) bind(c, name='amontons_mpi_receive')
+         import :: c_int, c_int64_t
+         implicit none (type, external)
+         ! allow(assumed-size-character-intent): C writes here
+         type(*), intent(inout) :: bytes(*)
+         integer(c_int64_t), value, intent(in) :: n
+         integer(c_int), value, intent(in) :: from
+      end subroutine mpi_receive
+
+      function mpi_least(number) bind(c, name='amontons_mpi_least') result(least)
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value, intent(in) :: number
+         integer(c_int) :: least
+      end function mpi_least
+
+      function mpi_sum_here(number) bind(c, name='amontons_mpi_sum_here') result(total)
+         import :: c_double
+         implicit none (type, external)
+         real(c_double), value, intent(in) :: number
+         real(c_double) :: total
+      end function mpi_sum_here
+   end interface
+
+   !> Bytes of a default integer and of a real.
+   integer(int64), parameter :: integer_bytes = storage_size(0)/8, real_bytes = storage_size(0.0_dp)/8
+
+contains
+
+   !> Starts MPI, if the program was started on several ranks.
+   subroutine begin_ranks()
+      integer(c_int) :: own, all
+
+      has_begun = mpi_begin(own, all) /= 0
+      rank = int(own)
+      n_ranks = int(all)
+   end subroutine begin_ranks
+
+   !> Ends MPI. Every rank calls it.
+   subroutine end_ranks()
+      if (has_begun) call mpi_end()
+      has_begun = .false.
+   end subroutine end_ranks
+
+   !> Gives the other ranks an order; for rank 0.
+   subroutine give_order(order)
+      integer, intent(in) :: order !! the order
+      integer(c_int) :: given
+
+      given = int(order, c_int)
+      if (n_ranks > 1) call mpi_order(given, 1_c_int)
+   end subroutine give_order
+
+   !> Waits for the next order of rank 0; for the others.
+   integer function next_order() result(order)
+      integer(c_int) :: given
+
+      call mpi_order(given, 0_c_int)
+      order = int(given)
+   end function next_order
+
+   !> Has all ranks know whether one of them failed. The error of the first that did becomes that of rank 0; the others
+   !> are left with some error, so that all return.
+   subroutine agree(error)
+      type(error_t), allocatable, intent(inout) :: error !! what went wrong on this rank; then, what did on any
+      type(error_t), allocatable :: first
+      type(line_t) :: line
+      integer :: failing
+
+      if (.not. has_begun) return
+      failing = int(mpi_least(int(merge(rank, n_ranks, allocated(error)), c_int)))
+      if (failing == n_ranks) return
+      if (.not. allocated(error)) call new_error(error, system_failure, '')
+      if (failing == 0) return
+      if (rank == failing) then
+         line = line_t(0, .true.)
+      else if (rank == 0) then
+         line = line_t(failing, .false.)
+      else
+         return
+      end if
+      allocate (first, source=error)
+      call line%pass(first%kind)
+      call line%pass(first%message)
+      call move_alloc(first, error)
+   end subroutine agree
+
+   !> The sum of a number over the ranks that share the memory of this one.
+   real(dp) function sum_on_machine(number) result(total)
+      real(dp), intent(in) :: number !! the number of this rank
+
+      total = number
+      if (has_begun) total = mpi_sum_here(number)
+   end function sum_on_machine
+
+   !> Passes bytes.
+   subroutine pass_bytes(line, bytes, n)
+      class(line_t), intent(in) :: line !! the line
+      ! allow(assumed-size, assumed-size-character-intent): bytes of any type, for C
+      type(*), intent(inout) :: bytes(*) !! the bytes
+      integer(int64), intent(in) :: n !! how many
+
+      if (line%is_sender) then
+         call mpi_send(bytes, int(n, c_int64_t), int(line%peer, c_int))
+      else
+         call mpi_receive(bytes, int(n, c_int64_t), int(line%peer, c_int))
+      end if
+   end subroutine pass_bytes
+
+   !> Passes a number.
+   subroutine line_pass_number(self, number)
+      class(line_t), intent(in) :: self !! the line
+      integer, intent(inout) :: number !! the number
+      integer :: list(1)
+
+      list = number
+      call pass_bytes(self, list, integer_bytes)
+      number = list(1)
+   end subroutine line_pass_number
+
+   !> Passes a text.
+   subroutine line_pass_text(self, text)
+      class(line_t), intent(in) :: self !! the line
+      character(:), allocatable, intent(inout) :: text !! the text
+      integer, allocatable :: code(:)
+      integer :: i
+
+      if (self%is_sender) code = [(iachar(text(i:i)), i=1, len(text))]
+      call self%pass(code)
+      if (self%is_sender) return
+      text = repeat(' ', size(code))
+      do i = 1, size(code)
+         text(i:i) = achar(code(i))
+      end do
+   end subroutine line_pass_text
+
+   !> Passes whole numbers.
+   subroutine line_pass_numbers(self, list)
+      class(line_t), intent(in) :: self !! the line
+      integer, allocatable, intent(inout) :: list(:) !! the numbers
+      integer :: length
+
+      if (self%is_sender) length = size(list)
+      call self%pass(length)
+      if (.not. self%is_sender) then
+         if (allocated(list)) deallocate (list)
+         allocate (list(length))
+      end if
+      call pass_bytes(self, list, integer_bytes*length)
+   end subroutine line_pass_numbers
+
+   !> Passes real numbers in columns.
+   subroutine line_pass_real_columns(self, columns)
+      class(line_t), intent(in) :: self !! the line
+      real(dp), allocatable, intent(inout) :: columns(:, :) !! the numbers
+      integer :: extent(2)
+
+      if (self%is_sender) extent = shape(columns)
+      call pass_bytes(self, extent, 2*integer_bytes)
+      if (.not. self%is_sender) then
+         if (allocated(columns)) deallocate (columns)
+         allocate (columns(extent(1), extent(2)))
+      end if
+      call pass_bytes(self, columns, real_bytes*extent(1)*extent(2))
+   end subroutine line_pass_real_columns
+
+   !> Adds columns that every rank has to those of the whole on rank 0, rank after rank. Every rank calls it.
+   subroutine gather_columns(columns, place, whole)
+      real(dp), allocatable, intent(inout) :: columns(:, :) !! the columns of this rank
+      integer, allocatable, intent(inout) :: place(:) !! which columns of the whole they are
+      real(dp), intent(inout) :: whole(:, :) !! those of the whole; of no use but on rank 0
+      type(line_t) :: line
+      real(dp), allocatable :: received(:, :)
+      integer, allocatable :: to(:)
+      integer :: i, k
+
+      if (rank > 0) then
+         line = line_t(0, .true.)
+         call line%pass(place)
+         call line%pass(columns)
+         return
+      end if
+      whole(:, place) = whole(:, place) + columns
+      do i = 1, n_ranks - 1
+         line = line_t(i, .false.)
+         call line%pass(to)
+         call line%pass(received)
+         do k = 1, size(to)
+            whole(:, to(k)) = whole(:, to(k)) + received(:, k)
+         end do
+      end do
+   end subroutine gather_columns
+
+   !> Gives every rank its columns of a whole that rank 0 has. Every rank calls it.
+   subroutine scatter_columns(columns, place, whole)
+      real(dp), allocatable, intent(out) :: columns(:, :) !! the columns of this rank
+      integer, allocatable, intent(inout) :: place(:) !! which columns of the whole they are
+      real(dp), intent(in) :: whole(:, :) !! those of the whole; of no use but on rank 0
+      type(line_t) :: line
+      real(dp), allocatable :: sent(:, :)
+      integer, allocatable :: from(:)
+      integer :: i
+
+      if (rank > 0) then
+         line = line_t(0, .true.)
+         call line%pass(place)
+         line%is_sender = .false.
+         call line%pass(columns)
+         return
+      end if
+      do i = 1, n_ranks - 1
+         line = line_t(i, .false.)
+         call line%pass(from)
+         sent = whole(:, from)
+         line%is_sender = .true.
+         call line%pass(sent)
+      end do
+      columns = whole(:, place)
+   end subroutine scatter_columns
+
+end module amontons_ranks
