@@ -4,7 +4,7 @@
 
 _amontons() {
    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} kinds='*.nml' groups i
-   local options='--output --set --check --quiet --progress --skip-unchanged --threads --reduced --write-reduced --all-solutions --verify'
+   local options='--output --set --refine --check --quiet --progress --skip-unchanged --threads --reduced --write-reduced --all-solutions --verify'
    local only_decks=false
 
    COMPREPLY=()
@@ -30,7 +30,7 @@ _amontons() {
          compopt -o filenames 2>/dev/null || true
          return
          ;;
-      --set | --threads | -t) return ;;
+      --set | --refine | --threads | -t) return ;;
       *) ;;
       esac
       if [[ $word == -* ]]; then

@@ -1,7 +1,7 @@
 !> The public interface of the Amontons library, on one screen.
 !>
 !> From a deck of any kind to its files: `read_config`, `new_study`, `solve_study`. With the result at hand:
-!> `solve_case`, `write_report`, or `solve_sweep`, `write_sweep_report`. In code: `new_rectangle_mesh` or
+!> `solve_case`, `write_report`, or `solve_sweep`, `write_sweep_report`. A history step by step: `new_load_stepper` and its `step`. In code: `new_rectangle_mesh` or
 !> `read_mesh_file`, `new_material`, `new_support`, `new_contact`, `new_body`, `new_load`, `solve_body`. A contact
 !> problem alone: `new_contact_problem` or `new_reduced_problem`, `new_contact_method`, `new_contact_solution`. A
 !> reduced problem from a file: `new_reduced_config`, `solve_reduced`, `write_reduced_report`; to one:
@@ -26,6 +26,7 @@ module amontons
    use amontons_joined_mesh, only: append_mesh, name_mesh
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t, new_load_case
+   use amontons_load_stepper, only: load_stepper_t, new_load_stepper
    use amontons_loads, only: load_t, new_load
    use amontons_material, only: material_t, new_material
    use amontons_mesh, only: mesh_t
@@ -57,6 +58,7 @@ module amontons
    ! Values
    public :: dp, error_t, input_refused, numerical_failure, system_failure, version
    ! Cases
+   public :: load_stepper_t, new_load_stepper
    public :: cache_t, case_label_t, config_t, new_case_label, prepare_case, read_config, result_t, solve_case, &
       write_report
    ! Results in files

@@ -152,6 +152,13 @@ def _load() -> ctypes.CDLL:
     library.amontons_set_threads.argtypes = [ctypes.c_int]
     library.amontons_solve_deck.argtypes = [text, text, text, size, text, size]
     library.amontons_solve_deck_text.argtypes = [text, text, text, text, text, size, text, size]
+    address, counts = ctypes.c_void_p, ctypes.POINTER(ctypes.c_int)
+    library.amontons_new_stepper.argtypes = [text, text, text, ctypes.POINTER(address), counts, counts, counts, text,
+                                             size, text, size]
+    library.amontons_step.argtypes = [address, ctypes.c_double, size, numbers, size, numbers, numbers, size, numbers,
+                                      size, np.ctypeslib.ndpointer(np.intc), text, size]
+    library.amontons_free_stepper.argtypes = [address]
+    library.amontons_free_stepper.restype = None
     library.amontons_solve_reduced_problem.argtypes = [
         ctypes.c_int, numbers, numbers, numbers, text, ctypes.c_double, ctypes.c_int, numbers, numbers,
         np.ctypeslib.ndpointer(np.intc), ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_int), text, size]
@@ -212,6 +219,76 @@ def solve_reduced(W: ArrayLike, q: ArrayLike, mu: ArrayLike, method: str = "auto
         ctypes.byref(iterations), message, TEXT_SIZE)
     is_solved = _judge(code, message, n_callers=2)
     return ReducedResult(r, u, STATUSES[status], residual.value, iterations.value, is_solved)
+
+
+@dataclass(frozen=True)
+class StepState:
+    """A body after a step of a `Stepper`, or at rest."""
+    raw: np.ndarray              # all that the next step needs; may be kept, copied and handed to another process
+    columns: dict[str, float]    # the numbers of the step, as in NAME.history.csv; none at rest
+    normal_force: np.ndarray     # of each contact point, as are the others
+    tangential_force: np.ndarray
+    normal_displacement: np.ndarray
+    tangential_displacement: np.ndarray
+    slip_step: np.ndarray
+    slip_accumulated: np.ndarray
+    dissipation: np.ndarray
+    status: np.ndarray           # 'open', 'stick', 'slip+' or 'slip-'
+
+
+class Stepper:
+    """Steps of a history whose loads the caller chooses, one call for each: `state = stepper.step(state, 1.0, ...)`.
+
+    The deck, given as to `solve_deck`, has `&history` and a `&steps` for whatever changes; their values and the times do
+    not matter. `changes` names what changes, as the columns of NAME.history.csv do: `factor_F`, `shift_x_floor`.
+    """
+
+    def __init__(self, deck: Deck, **settings: Any) -> None:
+        self._address = ctypes.c_void_p()
+        text, file = _text_of(deck)
+        text = _bytes_of(file) if text is None else text
+        lines = "\n".join(f"{_key(key)}={value_text(value)}" for key, value in settings.items())
+        counts = [ctypes.c_int() for _ in range(3)]
+        names, message = ctypes.create_string_buffer(TEXT_SIZE), ctypes.create_string_buffer(TEXT_SIZE)
+        code = _library.amontons_new_stepper(text, os.fsencode(file), os.fsencode(lines), ctypes.byref(self._address),
+                                             *map(ctypes.byref, counts), names, TEXT_SIZE, message, TEXT_SIZE)
+        _judge(code, message, n_callers=2)
+        n_changes, self.n_points, self._n_state = (count.value for count in counts)
+        self._columns = next(csv.reader([names.value.decode()]))
+        self.changes = self._columns[1:n_changes + 1]
+
+    def __del__(self) -> None:
+        if getattr(self, "_address", None):
+            _library.amontons_free_stepper(self._address)
+            self._address = ctypes.c_void_p()
+
+    def rest(self) -> StepState:
+        """The body before the first step: at rest and unstressed."""
+        return self._state(np.zeros(self._n_state), {}, np.ones(self.n_points, dtype=np.intc))
+
+    def step(self, before: StepState, time: float, **changes: float) -> StepState:
+        """The state after a step to a time at which the changes have the numbers given. Nothing else is altered, so
+        that the step may be taken again from the same state. One that does not converge raises `NumericalFailure`."""
+        if sorted(changes) != sorted(self.changes):
+            raise InputRefused(f"expected {', '.join(self.changes)}, found {', '.join(changes) or 'nothing'}")
+        numbers = np.array([changes[name] for name in self.changes], dtype=np.float64)
+        after, columns = np.zeros(self._n_state), np.zeros(len(self._columns))
+        status = np.zeros(self.n_points, dtype=np.intc)
+        message = ctypes.create_string_buffer(TEXT_SIZE)
+        raw = np.ascontiguousarray(before.raw, dtype=np.float64)
+        code = _library.amontons_step(self._address, time, numbers.size, numbers, raw.size, raw, after, columns.size,
+                                      columns, self.n_points, status, message, TEXT_SIZE)
+        if code == 4:
+            raise NumericalFailure(f"the step to {time} does not converge; a shorter one may")
+        _judge(code, message, n_callers=2)
+        return self._state(after, dict(zip(self._columns, columns.tolist())), status)
+
+    def _state(self, raw: np.ndarray, columns: dict[str, float], status: np.ndarray) -> StepState:
+        """A state with its parts."""
+        normal, tangential, u_normal, u_tangential, anchor, slip, dissipation = \
+            raw[raw.size - 7*self.n_points:].reshape(7, self.n_points)
+        return StepState(raw, columns, normal, tangential, u_normal, u_tangential, u_tangential - anchor, slip,
+                         dissipation, STATUSES[status])
 
 
 def solve_deck(deck: Deck, output: Union[str, os.PathLike[str], None] = None, *, mesh: Optional[Mesh] = None,

@@ -42,7 +42,7 @@ MAY_USE = {
     "verify": ["study/sweep", "study/history", "study/single", "study/reduced", "output", "solve", "input",
                "contact/problem",
                "contact/model", "system"],
-    "binding": ["run", "study", "study/reduced", "solve", "input", "contact/methods", "linalg"],
+    "binding": ["run", "study", "study/history", "study/reduced", "solve", "input", "contact/methods", "linalg"],
 }
 # The facade src/amontons.f90 and the program may use all; only the program may use the facade.
 FACADE, APP = "facade", "app"

@@ -9,9 +9,9 @@ module amontons_command_line
    public :: argument_t, command_line_t, read_command_line
 
    !> Options, as they are written.
-   character(16), parameter :: option_names(*) = [character(16) :: '--output', '--set', '--check', '--quiet', &
-      '--progress', '--threads', '--skip-unchanged', '--reduced', '--write-reduced', '--all-solutions', '--verify', &
-      '--reference', '--help', '--version']
+   character(16), parameter :: option_names(*) = [character(16) :: '--output', '--set', '--refine', '--check', &
+      '--quiet', '--progress', '--threads', '--skip-unchanged', '--reduced', '--write-reduced', '--all-solutions', &
+      '--verify', '--reference', '--help', '--version']
 
    !> A word of the command line.
    type :: argument_t
@@ -113,7 +113,7 @@ contains
       at_equals = index(word//'=', '=')
       name = word(:at_equals - 1)
       select case (name)
-      case ('--output', '-o', '--set', '--threads', '-t')
+      case ('--output', '-o', '--set', '--refine', '--threads', '-t')
          if (at_equals <= len(word)) then
             call read_value(command_line, name, word(at_equals + 1:), error)
          else
@@ -158,6 +158,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! it is missing or wrong
       character(:), allocatable :: expected
       type(setting_t) :: setting
+      integer :: n_refinements
       logical :: ok
 
       select case (name)
@@ -165,6 +166,12 @@ contains
          expected = 'the name of a directory'
          command_line%output = value
          ok = len(value) > 0
+      case ('--refine')
+         expected = 'a number of at least 2'
+         call read_integer(value, n_refinements, ok)
+         ok = ok .and. n_refinements > 1
+         if (ok) call new_setting(setting, 'accuracy.refinements='//value, error)
+         if (ok) call append_setting(command_line%settings, setting)
       case ('--set')
          call new_setting(setting, value, error)
          if (allocated(error)) error%message = 'amontons: --set: '//error%message

@@ -69,6 +69,8 @@ contains
          '                   directory); -o too', &
          '  --set KEY=VALUE  take VALUE for a key of the decks: --set contact.friction=0.5,', &
          '                   --set "support(2).set=left"; may be repeated', &
+         '  --refine N       solve on N refined meshes too, each of half the element', &
+         '                   size: error bars of the key results (accuracy.refinements)', &
          '  --check          check the decks and print their sizes; solve and write nothing', &
          '  --quiet          print nothing but errors; -q too', &
          '  --progress       lines on the work under way to standard error where it is no', &

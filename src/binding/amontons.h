@@ -74,6 +74,51 @@ int amontons_solve_deck_text(
     char *message,
     int message_size);
 
+/* A body whose loads, supports, obstacles and friction the caller changes step by step. Apart from a stepper's own body
+   nothing is kept between calls: each step has the state before it in and the state after it out. */
+typedef struct amontons_stepper amontons_stepper;
+
+/* Makes a stepper of a deck with &history, as a text. Its &steps say what changes; their values, the times and the keys
+   that choose the steps do not matter. Returns one of the codes above, and a stepper if it is 0. */
+int amontons_new_stepper(
+    const char *text,           /* the deck, and so on as for `amontons_solve_deck_text` */
+    const char *deck,
+    const char *settings,
+    amontons_stepper **stepper, /* the stepper, for `amontons_free_stepper` in the end; NULL if there is none */
+    int *n_changes,             /* how many numbers change: 1 for a &steps, 3 for that of an obstacle */
+    int *n_points,              /* number m of contact points */
+    int *n_state,               /* how many numbers a state has: 7 + n_changes + 7m */
+    char *columns,              /* names of the numbers of a step, commas between them: the pseudo-time, the changes, and
+                                   what NAME.history.csv has behind them up to `iterations` */
+    int columns_size,           /* room in columns */
+    char *message,
+    int message_size);
+
+/* Takes a step. Returns one of the codes above; the state, the numbers and the statuses are set if it is 0 or 4. With 4
+   the state is no solution: a shorter step from the state before may be one.
+
+   A state of zeros is the body at rest. Any other holds the number of steps; the changes; the time; the work of loads,
+   supports and obstacles; residual and iterations; then for all contact points in turn their normal forces, tangential
+   forces, normal displacements, tangential displacements, anchors (what the slip of the step counts from), accumulated
+   slips and dissipations. */
+int amontons_step(
+    amontons_stepper *stepper,
+    double time,           /* the time at the end of the step */
+    int n_changes,         /* as `amontons_new_stepper` gave it, and so are n_state and n_points */
+    const double *changes, /* the numbers of all &steps at the end of the step, in the order of the deck */
+    int n_state,
+    const double *before,  /* the state at the beginning of the step */
+    double *after,         /* the state at its end; not the same array */
+    int n_columns,         /* room in columns */
+    double *columns,       /* the numbers of the step */
+    int n_points,
+    int *status,           /* status of each contact point (m) */
+    char *message,
+    int message_size);
+
+/* Gives a stepper up. */
+void amontons_free_stepper(amontons_stepper *stepper);
+
 #ifdef __cplusplus
 }
 #endif

@@ -7,7 +7,7 @@ module amontons_config
    use amontons_config_body, only: describe_load, describe_material, describe_mesh, describe_support, load_group, &
       material_group, mesh_group, support_group
    use amontons_config_case, only: case_group, describe_case
-   use amontons_config_contact, only: contact_group, describe_contact
+   use amontons_config_contact, only: contact_group, describe_contact, describe_tie, tie_group
    use amontons_config_file, only: take_file
    use amontons_config_history, only: describe_history, history_group, steps_group
    use amontons_config_reduced, only: describe_problem, problem_group, reduced_source_t
@@ -31,6 +31,7 @@ module amontons_config
    use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
       space_names, variant_names
    use amontons_new_cholesky, only: factorization_names
+   use amontons_pairing, only: tie_t
    use amontons_sweep, only: key_result_names, sweep_t
    use amontons_system, only: absolute_path
    use amontons_text, only: lower_case, quoted, to_text
@@ -46,7 +47,7 @@ module amontons_config
    type(group_t), parameter :: output_group = group_t('output')
    !> The groups that describe a body, what acts on it, what varies, and how accurate the results shall be.
    type(group_t), parameter :: body_groups(*) = [mesh_group, material_group, support_group, load_group, contact_group, &
-      sweep_group, history_group, steps_group, accuracy_group]
+      tie_group, sweep_group, history_group, steps_group, accuracy_group]
    !> All groups of a deck.
    type(group_t), parameter :: groups(*) = [case_group, problem_group, body_groups, solver_group, output_group]
 
@@ -59,6 +60,7 @@ module amontons_config
       type(support_t), allocatable :: supports(:) !! its supports
       type(load_t), allocatable :: loads(:) !! its loads
       type(contact_t), allocatable :: contacts(:) !! its contact sets
+      type(tie_t), allocatable :: ties(:) !! its bonded sets
       type(sweep_t) :: sweep !! what varies from case to case; nothing for a single case
       type(history_t) :: history !! what changes from step to step; not given for a single case
       type(method_options_t) :: method !! the contact method
@@ -188,7 +190,7 @@ contains
       documenter%written = ''
       config%file = ''
       allocate (config%meshes(1), config%materials(1), config%supports(1), config%loads(1), config%contacts(1), &
-         config%sweep%axes(1), config%history%steps(1))
+         config%ties(1), config%sweep%axes(1), config%history%steps(1))
       config%history%is_given = .true.
       call describe_config(documenter, config)
       text = documenter%written
@@ -230,6 +232,9 @@ contains
       end do
       do i = 1, size(config%contacts)
          call describe_contact(visitor, config%contacts(i))
+      end do
+      do i = 1, size(config%ties)
+         call describe_tie(visitor, config%ties(i))
       end do
       call describe_sweep(visitor, config%sweep, config%loads, config%contacts)
       call describe_history(visitor, config%history, config%loads, config%supports, config%contacts)
@@ -279,7 +284,7 @@ contains
          config%materials(:n_used(1)) = materials
          config%supports(:n_used(2)) = supports
          config%loads(:n_used(3)) = loads
-         allocate (config%contacts(deck%count_groups('contact')))
+         allocate (config%contacts(deck%count_groups('contact')), config%ties(deck%count_groups('tie')))
          allocate (config%sweep%axes(deck%count_groups('sweep')))
          allocate (config%history%steps(deck%count_groups('steps')))
          config%history%is_given = deck%count_groups('history') > 0
@@ -341,11 +346,9 @@ contains
          if (.not. allocated(config%contacts)) return
          call visitor%require(.not. (config%condensation == 'band' .and. config%factorization == 'distributed'), &
             'condensation', "condensation must be 'dense' or 'auto' with factorization 'distributed'")
-         associate (contacts => config%contacts)
-            call visitor%require(.not. (config%condensation == 'band' .and. any(contacts%partition%is_constant .or. &
-               contacts%pairing%is_pair())), 'condensation', &
-               "condensation must be 'dense' or 'auto' with constant multipliers and with contact against another body")
-         end associate
+         call visitor%require(.not. (config%condensation == 'band' .and. any(config%contacts%partition%is_constant &
+            .or. config%contacts%pairing%is_pair())), 'condensation', &
+            "condensation must be 'dense' or 'auto' with constant multipliers and with contact against another body")
       end associate
    end subroutine describe_solver
 

@@ -6,14 +6,16 @@ module amontons_config_contact
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
    use amontons_obstacle, only: obstacle_names, obstacle_t
-   use amontons_pairing, only: gap_names, pairing_t
+   use amontons_pairing, only: gap_names, pairing_t, tie_t
    implicit none (type, external)
    private
 
-   public :: describe_contact
+   public :: describe_contact, describe_tie
 
    !> The group of a contact set.
    type(group_t), parameter, public :: contact_group = group_t('contact', is_repeatable=.true.)
+   !> The group of a tie.
+   type(group_t), parameter, public :: tie_group = group_t('tie', is_repeatable=.true., is_shared=.true.)
    !> Keys of Coulomb's coefficient: its value, slope and table.
    type(key_t), parameter :: friction_keys(3) = [ &
       key_t('friction', "Coulomb's coefficient; 0 is frictionless contact", at_least=0.0_dp, also='mu f coefficient'), &
@@ -54,6 +56,25 @@ contains
       call visitor%locate('set', contact%origin)
       call judge_contact(visitor, contact)
    end subroutine describe_contact
+
+   !> Describes one `&tie`.
+   subroutine describe_tie(visitor, tie)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(tie_t), intent(inout) :: tie !! the tie
+      logical :: has_search
+
+      has_search = tie%search > 0.0_dp
+      call visitor%open_group(tie_group)
+      call visitor%text(key_t('set', 'the boundary set that is bonded, the slave', is_filled=.true., &
+         is_required=.true., also='slave surface'), tie%set)
+      call visitor%text(key_t('to', 'the boundary set of the body that it is bonded to, the master', is_filled=.true., &
+         is_required=.true., also='against master target'), tie%to)
+      call visitor%real(key_t('search', 'how far the master may be along the normal of the slave, either way', 'L', &
+         default='twice the longest side', above=0.0_dp), tie%search, has_search)
+      call visitor%close_group()
+      call visitor%locate('set', tie%origin)
+      if (visitor%is_judging()) call visitor%require(tie%to /= tie%set, 'to', 'to must name another set than set')
+   end subroutine describe_tie
 
    !> Describes the keys of a quantity along the line.
    subroutine describe_field(visitor, keys, field)

@@ -32,6 +32,10 @@ contains
          call check_set(config%contacts(i)%origin, config%contacts(i)%set, mesh, error)
          call check_set(config%contacts(i)%origin, config%contacts(i)%pairing%against, mesh, error)
       end do
+      do i = 1, size(config%ties)
+         call check_set(config%ties(i)%origin, config%ties(i)%set, mesh, error)
+         call check_set(config%ties(i)%origin, config%ties(i)%to, mesh, error)
+      end do
    end subroutine check_names
 
    !> Notes a set that is unknown.

@@ -35,13 +35,12 @@ contains
       type(result_t), intent(in) :: result !! the result
       real(dp) :: at_points(2*body%zone%n_points), length
       integer, parameter :: most_columns = 20
-      real(dp), parameter :: no_scale = 0.0_dp
-      integer :: m, n
+      integer :: n
 
       n = 0
       allocate (list(most_columns))
-      associate (zone => body%zone, load_case => result%load_case, force => result%solution%force)
-         m = zone%n_points
+      associate (zone => body%zone, load_case => result%load_case, force => result%solution%force, &
+         m => body%zone%n_points)
          at_points = zone%rows%displacement(result%displacement)
          where (.not. zone%is_tangent_fixed) at_points(m + 1:) = result%solution%displacement(m + 1:)
          ! A gap is the difference of a gap and a displacement, a slip that of displacements.
@@ -50,24 +49,22 @@ contains
          call add('y', 'y', 'L', zone%position(2, :), maxval(abs(zone%position)))
          call add('normal_x', '', '', zone%normal(1, :), 1.0_dp)
          call add('normal_y', '', '', zone%normal(2, :), 1.0_dp)
-         call add('weight', '', 'L', zone%weight, no_scale)
+         call add('weight', '', 'L', zone%weight, 0.0_dp)
          call add('gap', 'gap', 'L', load_case%free_gap - result%solution%displacement(:m), length, .true.)
          call add('slip', 'slip', 'L', at_points(m + 1:), length, .true.)
-         call add('normal_force', 'normal force', 'F', force(:m), no_scale)
-         call add('tangential_force', 'tang. force', 'F', force(m + 1:), no_scale)
-         call add('contact_pressure', 'pressure', 'F/L^2', force(:m)/zone%area, no_scale, .true.)
-         call add('contact_shear', 'shear', 'F/L^2', force(m + 1:)/zone%area, no_scale, .true.)
+         call add('normal_force', 'normal force', 'F', force(:m), 0.0_dp)
+         call add('tangential_force', 'tang. force', 'F', force(m + 1:), 0.0_dp)
+         call add('contact_pressure', 'pressure', 'F/L^2', force(:m)/zone%area, 0.0_dp, .true.)
+         call add('contact_shear', 'shear', 'F/L^2', force(m + 1:)/zone%area, 0.0_dp, .true.)
          call add('shear_bound', '', 'F/L^2', shear_bound(force(:m)/zone%area, load_case%friction, &
-            load_case%slip_bound, zone%area), no_scale, .true.)
-         if (has_pairs(zone)) then
-            call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
-            call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
-         end if
+            load_case%slip_bound, zone%area), 0.0_dp, .true.)
+         if (has_pairs(zone)) call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
+         if (has_pairs(zone)) call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
       end associate
       if (allocated(result%slip_record)) then
          call add('slip_step', '', 'L', result%slip_record(:, 1), length, .true.)
          call add('slip_accumulated', '', 'L', result%slip_record(:, 2), length, .true.)
-         call add('dissipation', '', 'F L', result%slip_record(:, 3), no_scale, .true.)
+         call add('dissipation', '', 'F L', result%slip_record(:, 3), 0.0_dp, .true.)
       end if
       list = list(:n)
 
@@ -80,11 +77,14 @@ contains
          character(*), intent(in) :: dimension !! what it is measured in
          real(dp), intent(in) :: values(:) !! its numbers (m)
          real(dp), intent(in) :: scale !! what rounding errors of it are measured by besides the numbers
-         logical, intent(in), optional :: is_field !! given, and true, if the grids show it
+         logical, intent(in), optional :: is_field !! whether the grids show it; default no
 
          n = n + 1
-         list(n) = column_t(key, label, dimension, present(is_field), max(scale, maxval(abs(values))))
-         ! gfortran 12 takes every other number where the constructor is given the row of a matrix.
+         list(n)%key = key
+         list(n)%label = label
+         list(n)%dimension = dimension
+         if (present(is_field)) list(n)%is_field = is_field
+         list(n)%scale = max(scale, maxval(abs(values)))
          list(n)%values = values
       end subroutine add
 

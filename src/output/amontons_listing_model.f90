@@ -42,6 +42,9 @@ contains
          text = text//line('Contact', contact_text(load_case%contacts(i)))
          if (load_case%contacts(i)%partition%is_constant) text = text//cells_text(body, i)
       end do
+      do i = 1, size(body%ties)
+         text = text//line('Tie', body%ties(i)%label//' (slave/master)')
+      end do
       text = text//line('Contact points', to_text(body%zone%n_points))//mesh_notes_text(body)// &
          notes_text(body, load_case)
    end function model_text

@@ -6,7 +6,7 @@ module amontons_vtu
    use amontons_kinds, only: dp
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
-   use amontons_stress_field, only: new_stress_field, stress_field_t, von_mises
+   use amontons_stress_field, only: von_mises
    use amontons_vtk_file, only: new_vtk_file, vtk_file_t
    implicit none (type, external)
    private
@@ -39,17 +39,14 @@ contains
       class(vtk_file_t), intent(inout) :: vtk !! the file
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
-      type(stress_field_t) :: stress
 
-      call new_stress_field(stress, body%mesh, body%materials, body%coloring, result%displacement, &
-         result%load_case%thermal_strain)
       call vtk%put_vectors('PointData', 'displacement', 'L', result%displacement)
       call put_contact(vtk, body, result)
-      call vtk%put_stresses('PointData', 'nodal_stress', stress%node)
-      call vtk%put_reals('PointData', 'nodal_von_mises', 'F/L^2', 1, all_von_mises(stress%node))
-      call vtk%put_stresses('CellData', 'stress', stress%element)
-      call vtk%put_reals('CellData', 'von_mises', 'F/L^2', 1, all_von_mises(stress%element))
-      call vtk%put_reals('CellData', 'strain_energy_density', 'F/L^2', 1, stress%energy_density)
+      call vtk%put_stresses('PointData', 'nodal_stress', result%stress%node)
+      call vtk%put_reals('PointData', 'nodal_von_mises', 'F/L^2', 1, all_von_mises(result%stress%node))
+      call vtk%put_stresses('CellData', 'stress', result%stress%element)
+      call vtk%put_reals('CellData', 'von_mises', 'F/L^2', 1, all_von_mises(result%stress%element))
+      call vtk%put_reals('CellData', 'strain_energy_density', 'F/L^2', 1, result%stress%energy_density)
       if (allocated(result%error_estimate)) then
          vtk%scale = result%error_estimate%norm
          call vtk%put_reals('CellData', 'error_norm', 'sqrt(F L)', 1, result%error_estimate%element)

@@ -4,8 +4,9 @@ module amontons_key_results
    use amontons_contact_rows, only: turned
    use amontons_friction_law, only: open_point, stick_point
    use amontons_kinds, only: dp
+   use amontons_mesh, only: mesh_t
    use amontons_quantity, only: at_place, quantity_t
-   use amontons_stress_field, only: new_stress_field, stress_field_t, von_mises
+   use amontons_stress_field, only: stress_field_t, von_mises
    use amontons_zone_edges, only: find_edges, interval_t
    implicit none (type, external)
    private
@@ -129,24 +130,21 @@ contains
    end function results_of_set
 
    !> The largest displacement and von Mises stress of a node.
-   function body_peaks(body, displacement, thermal_strain) result(list)
-      type(body_t), intent(in) :: body !! the body
+   pure function body_peaks(mesh, displacement, stress) result(list)
+      type(mesh_t), intent(in) :: mesh !! the mesh
       real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
-      real(dp), intent(in), optional :: thermal_strain(:)
-         !! strain of free thermal expansion at the nodes of each element [-]
+      type(stress_field_t), intent(in) :: stress !! stresses of the body
       type(quantity_t) :: list(2)
-      type(stress_field_t) :: stress
       real(dp), allocatable :: mises(:)
       integer :: i
 
-      call new_stress_field(stress, body%mesh, body%materials, body%coloring, displacement, thermal_strain)
-      allocate (mises(body%mesh%n_nodes))
-      do i = 1, body%mesh%n_nodes
+      allocate (mises(mesh%n_nodes))
+      do i = 1, mesh%n_nodes
          mises(i) = von_mises(stress%node(:, i))
       end do
       list = body_peaks_at_rest()
-      call find_peak(list(1), mises, body%mesh%coordinates)
-      call find_peak(list(2), norm2(displacement, dim=1), body%mesh%coordinates)
+      call find_peak(list(1), mises, mesh%coordinates)
+      call find_peak(list(2), norm2(displacement, dim=1), mesh%coordinates)
    end function body_peaks
 
    !> What `body_peaks` finds of a body that nothing loads.

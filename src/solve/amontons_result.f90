@@ -11,6 +11,7 @@ module amontons_result
    use amontons_load_case, only: load_case_t
    use amontons_methods, only: method_options_t
    use amontons_quantity, only: quantity_t
+   use amontons_stress_field, only: stress_field_t
    use amontons_timings, only: timings_t
    use amontons_uniqueness, only: uniqueness_t
    use amontons_warning_list, only: warning_list_t
@@ -37,6 +38,7 @@ module amontons_result
       type(method_options_t) :: method !! the contact method and its options
       type(load_case_t) :: load_case !! loads, prescribed displacements, obstacles and friction
       real(dp), allocatable :: displacement(:, :) !! displacement of all nodes (2, n_nodes) [L]
+      type(stress_field_t) :: stress !! stresses of the body, of the displacements
       type(certificate_t) :: certificate !! violations on the full model
       type(warning_list_t) :: warnings !! what is doubtful about the model and the result
       logical :: has_no_equilibrium = .false. !! whether contact and friction cannot balance the loads: no solution

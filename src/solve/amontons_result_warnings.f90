@@ -11,6 +11,7 @@ module amontons_result_warnings
    use amontons_listing_text, only: pair, short
    use amontons_load_case, only: load_case_t
    use amontons_mesh, only: mesh_t
+   use amontons_mesh_warnings, only: add_mesh_warnings
    use amontons_model_warnings, only: body_size, percent
    use amontons_result, only: result_t
    use amontons_text, only: to_text
@@ -51,7 +52,13 @@ contains
             call result%warnings%add('only '//to_text(count(is_closed))// &
                ' contact point(s) closed: the mesh is too coarse for the pressure there')
          else if (zone%n_points > 2) then
-            call add_pressure_jump(result%warnings, zone, result%solution%force(:zone%n_points)/zone%area)
+            associate (pressure => result%solution%force(:zone%n_points)/zone%area)
+               if (jump_at(zone, pressure) > 0) then
+                  call add_pressure_jump(result%warnings, zone, pressure)
+               else
+                  call add_mesh_warnings(result, body)
+               end if
+            end associate
          end if
          call add_aslant_points(result%warnings, zone, result%load_case%cosine, is_closed)
       end associate
@@ -160,9 +167,10 @@ contains
       integer :: peak
 
       peak = jump_at(zone, pressure)
-      if (peak > 0) call warnings%add('the largest pressure '// &
+      call warnings%add('the largest pressure '// &
          short(pressure(peak))//' at '//pair(zone%position(:, peak))//' is more than twice that of the points '// &
-         'beside it: the mesh is too coarse for it, or it grows without bound at an edge')
+         'beside it: the mesh is too coarse for it, or it grows without bound at an edge; refine it there, or see '// &
+         'with --refine 2 whether it converges')
    end subroutine add_pressure_jump
 
    !> The point of the largest pressure, if that is more than twice that of each of its neighbors; else 0.

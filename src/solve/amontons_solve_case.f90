@@ -88,7 +88,7 @@ contains
       call new_mesh(mesh, config%meshes, notes, error)
       if (.not. allocated(error)) call check_names(config, mesh, error)
       if (allocated(error)) return
-      call new_body(cache%body, mesh, config%materials, config%supports, config%contacts, error)
+      call new_body(cache%body, mesh, config%materials, config%supports, config%contacts, error, config%ties)
       if (allocated(error)) return
       cache%body%mesh_notes = notes
       cache%key = body_text(config)

@@ -19,6 +19,7 @@ module amontons_solve_load_case
    use amontons_result, only: factor_t, result_t
    use amontons_result_warnings, only: add_result_warnings
    use amontons_rigid_fit, only: fit_rigid_motion, fit_travel
+   use amontons_stress_field, only: new_stress_field
    use amontons_timings, only: phase_condense, phase_recover, phase_solve, phase_write
    use amontons_uniqueness, only: new_uniqueness
    implicit none (type, external)
@@ -164,12 +165,14 @@ contains
       m = body%zone%n_points
       associate (solution => result%solution)
          call new_certificate(result%certificate, body, result%load_case, result%displacement, solution%force)
+         call new_stress_field(result%stress, body%mesh, body%materials, body%coloring, result%displacement, &
+            result%load_case%thermal_strain)
          call new_lengths(result%lengths, body%zone, solution%status)
          call find_zones(result%closed, result%stuck, body, solution%force, solution%status, &
             result%load_case%friction, result%load_case%slip_bound)
          result%key_results = [contact_peaks(body, solution%displacement(m + 1:), solution%force, solution%status, &
-            maxval(abs(result%displacement))), body_peaks(body, result%displacement, &
-            result%load_case%thermal_strain), &
+            maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, &
+            result%stress), &
             set_results(body, solution%force, result%closed, result%stuck)]
       end associate
       if (result%wants_error_estimate) then

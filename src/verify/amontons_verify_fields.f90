@@ -162,7 +162,7 @@ contains
 
       computed = case%result
       allocate (peaks(0))
-      if (config%sweep%has_body_results) peaks = body_peaks(body, result%displacement, result%load_case%thermal_strain)
+      if (config%sweep%has_body_results) peaks = body_peaks(body%mesh, result%displacement, result%stress)
       list = case_quantities(body, result%solution, result%load_case%friction, result%load_case%slip_bound, peaks)
       numbers = expanded(list)
       computed%quantity = numbers%value

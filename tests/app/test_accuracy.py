@@ -36,6 +36,12 @@ class Accuracy(ProgramTest):
         self.assertNotIn("accuracy", self.solve("block", *GROUPS, "accuracy estimate = 'none'"))
         self.assertNotIn('"error_norm"', (self.directory / "results" / "block.vtu").read_text())
 
+    def test_refine_is_an_option(self):
+        named = self.solve("block", *GROUPS, "accuracy refinements = 2", mesh=COARSE)["convergence"]
+        self.write("block.nml", block(*GROUPS, mesh=COARSE))
+        self.run_program("--output", "results", "--refine", "2", "block.nml")
+        self.assertEqual(json.loads((self.directory/"results"/"block.summary.json").read_text())["convergence"], named)
+
     def test_triangles_have_a_bound(self):
         mesh = COARSE + "  refine = 2  element = 'tri3'"
         floor = "contact set = 'bottom'  friction = {}"

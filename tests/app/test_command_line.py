@@ -91,6 +91,8 @@ class Options(ProgramTest):
         for word in ("0", "-1", "two", "2.0", "", "99999999999"):
             self.refuse(f"--threads expects a number of at least 1, found '{word}'", "--threads", word, "case.nml")
             self.refuse(f"--threads expects a number of at least 1, found '{word}'", f"--threads={word}", "case.nml")
+        for word in ("1", "two", ""):
+            self.refuse(f"--refine expects a number of at least 2, found '{word}'", "--refine", word, "case.nml")
         self.refuse("--quiet takes no value", "--quiet=yes", "case.nml")
         self.refuse("--help takes no value", "--help=me")
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Two deformable bodies in one deck, as a user meets them: their meshes, tables and grids, sweeps, histories, figures."""
+"""Two deformable bodies in one deck, as a user meets them: their meshes, tables and grids, sweeps, histories."""
 import csv
 import shutil
 import unittest
@@ -88,6 +88,13 @@ class Pairs(ProgramTest):
                 "a.bottom", "a.none")), status=1).stderr
         # The names of the file's sets, behind that of the body.
         self.assertRegex(names, r"its sets are: a\.\w+, .*b\.left, b\.right, b\.bottom, b\.top")
+
+    def test_tie_is_listed_and_verified(self):
+        deck = BODIES.replace("&support set = 'a.left'  ux = 0.0 /\n", "") \
+            + "&tie set = 'a.bottom'  to = 'b.top' /\n&contact set = 'b.right'  point = 5.1, 0.0  normal = -1.0, 0.0 /\n"
+        self.solve(deck)
+        self.assertIn("a.bottom/b.top (slave/master)", (self.directory / "case.lst").read_text(encoding="utf-8"))
+        self.run_program("--verify", ".")
 
     def test_sweep_with_fields(self):
         deck = BODIES + CONTACT + "&sweep load = 'push'  factor = 0.5, 1.5  count = 3 /\n&output fields_every = 1 /\n"

@@ -243,6 +243,50 @@ class Deck(ProgramTest):
                              {key: value.tolist() for key, value in alone.contact.items()})
 
 
+class Steps(ProgramTest):
+    """Histories step by step."""
+    DECK = block("support set = 'left'  ux = 0.0", "load set = 'top'  pressure = 1.0", CONTACT.replace("&", ""),
+                 "load name = 'F'  set = 'right'  traction = 1.0, 0.0",
+                 "history times = 0.0, 1.0, 2.0, 3.0  substeps = 5",
+                 "steps load = 'F'  factor = 0.0, -1.0, 0.5, -0.8",
+                 "steps obstacle = 'bottom'  shift_x = 0.0, 0.01, 0.01, -0.01",
+                 "output probe = 4.0, 0.0")
+
+    def test_steps_are_those_of_the_program(self):
+        rows = amontons.solve_deck(self.DECK).history
+        stepper = amontons.Stepper(self.DECK)
+        self.assertEqual(stepper.changes, ["factor_F", "shift_x_bottom", "shift_y_bottom", "turn_bottom"])
+        state = stepper.rest()
+        for i, time in enumerate(rows["time"]):
+            changes = {name: rows[name][i] for name in stepper.changes}
+            # Another way first: it leaves no trace.
+            stepper.step(state, time + 1, **{**changes, "factor_F": 0.3})
+            state = stepper.step(state, time, **changes)
+            for name, value in state.columns.items():
+                self.assertEqual(value, rows[name][i], f"{name}, step {i + 1}")
+        self.assertEqual(state.status.size, stepper.n_points)
+        self.assertAlmostEqual(sum(state.dissipation), rows["dissipation"][-1], delta=1e-14)
+        self.assertEqual(max(abs(state.slip_step)), rows["max_slip"][-1])
+
+    def test_faults_of_steps_are_told(self):
+        stepper = amontons.Stepper(self.DECK)
+        rest = stepper.rest()
+        with self.assertRaisesRegex(amontons.InputRefused, "^expected factor_F, shift_x_bottom, .*, found nothing"):
+            stepper.step(rest, 1.0)
+        changes = dict.fromkeys(stepper.changes, 0.0)
+        with self.assertRaisesRegex(amontons.InputRefused, "^time, changes and state must be finite numbers"):
+            stepper.step(rest, float("nan"), **changes)
+        with self.assertRaisesRegex(amontons.InputRefused, "^expected 4 changes and a state of [0-9]+ numbers, found"):
+            stepper.step(amontons.Stepper(self.DECK, mesh__cells=(4, 2)).rest(), 1.0, **changes)
+        with self.assertRaisesRegex(amontons.NumericalFailure, "does not converge; a shorter one may"):
+            amontons.Stepper(self.DECK + "&solver method = 'psor'  max_iterations = 1 /").step(
+                rest, 1.0, **{**changes, "factor_F": -1.0})
+        with self.assertRaisesRegex(amontons.InputRefused, "^a stepper needs a deck with &history"):
+            amontons.Stepper(SOUND)
+        with self.assertRaisesRegex(amontons.InputRefused, "^start is not for a stepper"):
+            amontons.Stepper(self.DECK, history__start="none.csv")
+
+
 class Grids(ProgramTest):
     """The grids."""
 

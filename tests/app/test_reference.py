@@ -26,6 +26,7 @@ COMPANIONS = {
     **{("contact", key): {"set": "'bottom'", "against": "'below.top'"} for key in ("search", "gap")},
     ("contact", "cells"): {"set": "'bottom'", "multipliers": "'constant'"},
     ("contact", "cell_ends"): {"set": "'bottom'", "multipliers": "'constant'"},
+    **{("tie", key): {"set": "'bottom'", "to": "'below.top'"} for key in ("set", "to", "search")},
     ("problem", "friction"): {"kind": "'reduced'", "file": "'none.dat'"},
     **{("history", key): {"times": "0.0, 1.0"}
        for key in ("times", "name", "substeps", "step_tolerance", "min_step")},
@@ -43,6 +44,7 @@ SECOND_BODY = {"mesh name = 'below'  size = 4.0, 2.0  cells = 3, 2  origin = 0.0
 BESIDES = {
     ("contact", "search"): SECOND_BODY,
     ("contact", "gap"): SECOND_BODY,
+    **{("tie", key): SECOND_BODY for key in ("set", "to", "search")},
     ("output", "fields_every"): {"sweep": {"friction": "0.1, 0.2"}},
     ("output", "key_results"): {"sweep": {"friction": "0.1, 0.2"}},
     ("output", "points_every"): HISTORY,

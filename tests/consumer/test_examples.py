@@ -67,6 +67,19 @@ class Examples(ProgramTest):
         self.assertLess(abs(t_1), 0.75*n_1)
         self.assertAlmostEqual(t_2, -0.5*n_2, delta=1e-6)
 
+    def test_step_history(self):
+        printed = self.run_example("step_history", SOURCES / "bar_history.nml").stdout.splitlines()
+        # The states 1 and 2 of the benchmark of the long bar's history.
+        self.assertEqual(printed[1:3], ["push  10.0, displacement of the corner  0.014488876",
+                                        "push  15.0, displacement of the corner  0.028459438"])
+
+    @unittest.skipUnless(HAS_PYTHON, "NumPy and Matplotlib are needed")
+    def test_step_history_in_python(self):
+        printed = self.run_command(["env", "-u", "AMONTONS_LIBRARY", f"PYTHONPATH={LIBRARIES / 'amontons'}",
+                                    sys.executable, "-B", str(SOURCES / "step_history.py"),
+                                    str(SOURCES / "bar_history.nml")]).stdout
+        self.assertRegex(printed, r"\n15\.0 0\.0284594384")
+
     def test_from_c(self):
         printed = self.run_example("from_c", SOURCES / "bar.nml", "out").stdout
         self.assertRegex(printed, r"^Amontons \d+\.\d+\.\d+\niterations: .*\n.* stick\n.* slip\nbar: solved, see out/")

@@ -23,6 +23,7 @@ module amontons_mortar_pair
 
    !> The surfaces of a pair.
    type :: mortar_pair_t
+      character(:), allocatable :: label !! what it is called, SLAVE/MASTER
       type(boundary_line_t) :: line !! the slave's line
       type(surface_t) :: slave !! the surface that carries the multipliers
       type(surface_t) :: master !! the other one
@@ -70,6 +71,7 @@ contains
       type(boundary_line_t) :: master_line
       character(:), allocatable :: against
 
+      pair%label = pairing%label(set)
       against = pairing%against
       if (set == against) then
          call new_error(error, input_refused, "self contact of the set '"//set//"': split the set in two")

@@ -57,21 +57,24 @@ contains
    pure function segments_of(pair) result(segments)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       type(mortar_segment_t), allocatable :: segments(:)
-      ! Parts of a side to begin with; each is cut further where its ends meet different sides.
+      ! Parts of a side to begin with, for each side of the master that is near; a part is cut further where its ends
+      ! meet different sides. What a side meets last at either end may be short.
       integer, parameter :: n_parts = 8
-      real(dp), parameter :: middle = 1.0_dp/n_parts
+      real(dp), parameter :: edge = 1.0e-9_dp
       integer, allocatable :: near(:)
-      real(dp) :: xi
+      real(dp) :: low, high
       integer :: side, part
 
       allocate (segments(0))
       do side = 1, pair%slave%n_sides
          if (all(pair%segments%slave /= side)) cycle
          near = sides_near(pair%slave, side, pair%master, pair%search)
-         segments = [segments, mortar_segment_t(side, met_side(pair, side, near, middle - 1.0_dp), [-1.0_dp, -1.0_dp])]
-         do part = 2, n_parts
-            xi = (2*part - 1)*middle - 1.0_dp
-            call cut(segments, pair, near, xi - 2.0_dp*middle, xi, met_side(pair, side, near, xi))
+         low = edge - 1.0_dp
+         segments = [segments, mortar_segment_t(side, met_side(pair, side, near, low), [-1.0_dp, -1.0_dp])]
+         do part = 1, n_parts*size(near)
+            high = min(1.0_dp - edge, 2.0_dp*part/(n_parts*size(near)) - 1.0_dp)
+            call cut(segments, pair, near, low, high, met_side(pair, side, near, high))
+            low = high
          end do
          segments(size(segments))%range(2) = 1.0_dp
       end do

@@ -36,6 +36,7 @@ module amontons_history_model
       integer, allocatable :: probe(:) !! nodes whose displacements are followed
       real(dp), allocatable, private :: probe_row(:, :) !! their displacements per contact displacement (2m, 2 probes)
    contains
+      procedure :: acting => history_model_acting
       procedure :: at => history_model_at
       procedure :: fingerprint => history_model_fingerprint
       procedure :: load_case => history_model_load_case
@@ -205,25 +206,43 @@ contains
       real(dp), intent(in) :: time !! the time, not outside of the history [-]
       type(instant_t), intent(out) :: instant !! what acts
       type(error_t), allocatable, intent(out) :: error !! an obstacle has moved too far into the body, or past it
+      real(dp), allocatable :: numbers(:)
+      integer :: i
+
+      allocate (numbers(0))
+      do i = 1, size(self%history%steps)
+         numbers = [numbers, self%history%numbers(i, time)]
+      end do
+      call self%acting(body, time, numbers, instant, error)
+   end subroutine history_model_at
+
+   !> What acts if the changes have some numbers.
+   subroutine history_model_acting(self, body, time, numbers, instant, error)
+      class(history_model_t), intent(in) :: self !! the model
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: time !! the time [-]
+      real(dp), intent(in) :: numbers(:) !! the numbers of all changes, in the deck's order
+      type(instant_t), intent(out) :: instant !! what acts
+      type(error_t), allocatable, intent(out) :: error !! an obstacle has moved too far into the body, or past it
       type(load_case_t) :: moved
       real(dp) :: friction_factor(size(self%fixed%contacts))
-      real(dp), allocatable :: numbers(:)
-      integer :: i, k
+      integer :: i, k, first
 
       instant%time = time
+      instant%numbers = numbers
       allocate (instant%factor(size(self%parts)), source=1.0_dp)
-      allocate (instant%numbers(0), instant%motions(size(friction_factor)))
+      allocate (instant%motions(size(friction_factor)))
       friction_factor = 1.0_dp
+      first = 1
       do i = 1, size(self%history%steps)
-         numbers = self%history%numbers(i, time)
-         instant%numbers = [instant%numbers, numbers]
-         if (self%part_of(i) > 0) instant%factor(self%part_of(i)) = numbers(1)
+         if (self%part_of(i) > 0) instant%factor(self%part_of(i)) = numbers(first)
          do k = 1, size(friction_factor)
             if (.not. self%history%steps(i)%acts_on(self%fixed%contacts(k))) cycle
-            if (self%history%steps(i)%target == stepped_friction) friction_factor(k) = numbers(1)
+            if (self%history%steps(i)%target == stepped_friction) friction_factor(k) = numbers(first)
             if (self%history%steps(i)%target == stepped_obstacle) instant%motions(k) = &
-               obstacle_motion_t(numbers(:2), numbers(3), self%history%steps(i)%pivot)
+               obstacle_motion_t(numbers(first:first + 1), numbers(first + 2), self%history%steps(i)%pivot)
          end do
+         first = first + self%history%steps(i)%n_numbers()
       end do
       instant%friction = self%fixed%friction*friction_factor(body%zone%set)
       instant%gap = self%fixed%gap
@@ -233,7 +252,7 @@ contains
       if (allocated(error)) return
       instant%gap = moved%gap
       instant%motion = tangential_motion(body%zone, self%feet, instant%motions)
-   end subroutine history_model_at
+   end subroutine history_model_acting
 
    !> The contact sets with their obstacles where they have moved to.
    pure function moved_contacts(contacts, motions) result(moved)

@@ -16,7 +16,7 @@ module amontons_history_table
    private
 
    public :: history_header, history_kinds, history_row, point_kinds, points_header, points_rows, states_header, &
-      states_row
+      states_row, step_numbers
 
    !> A kind of number: one that is measured by itself, or by 1.
    integer, parameter, public :: number_alone = 1
@@ -82,6 +82,24 @@ contains
          spread(a_length, 1, 2*history%n_probes()), number_alone]
    end function history_kinds
 
+   !> The numbers of a step between its number and its iterations.
+   pure function step_numbers(model, body, state) result(numbers)
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      type(step_state_t), intent(in) :: state !! the state at its end
+      real(dp), allocatable :: numbers(:)
+      type(lengths_t) :: lengths
+
+      call new_lengths(lengths, body%zone, state%solution%status)
+      associate (force => state%solution%force, m => body%zone%n_points)
+         numbers = [state%instant%time, state%instant%numbers, lengths%open, lengths%slip, lengths%stick, &
+            sum(force(:m)), sum(force(m + 1:)), state%load_work, state%support_work, state%obstacle_work, &
+            state%strain_energy, state%step_dissipation, sum(state%dissipation), state%closing_loss, state%indicator, &
+            state%energy_error(), max(0.0_dp, maxval(abs(state%slip))), max(0.0_dp, maxval(state%accumulated_slip)), &
+            state%solution%residual, model%probed(state%instant%factor, state%solution%displacement)]
+      end associate
+   end function step_numbers
+
    !> The row of a step.
    pure function history_row(model, body, number, state) result(row)
       type(history_model_t), intent(in) :: model !! the model
@@ -92,21 +110,12 @@ contains
       character((longest_decimal + 1)*(size(state%instant%numbers) + size(labels) + 2*size(model%probe) + 2)) :: numbers
       character(:), allocatable :: runs
       character(12) :: iterations
-      type(lengths_t) :: lengths
       integer :: length
 
       write (numbers, '(i0)') number
       write (iterations, '(i0)') state%solution%n_iterations
       length = len_trim(numbers)
-      call new_lengths(lengths, body%zone, state%solution%status)
-      associate (force => state%solution%force, m => body%zone%n_points)
-         call put_decimals(numbers, length, [state%instant%time, state%instant%numbers, lengths%open, lengths%slip, &
-            lengths%stick, sum(force(:m)), sum(force(m + 1:)), state%load_work, state%support_work, &
-            state%obstacle_work, state%strain_energy, state%step_dissipation, sum(state%dissipation), &
-            state%closing_loss, state%indicator, state%energy_error(), max(0.0_dp, maxval(abs(state%slip))), &
-            max(0.0_dp, maxval(state%accumulated_slip)), state%solution%residual, &
-            model%probed(state%instant%factor, state%solution%displacement)])
-      end associate
+      call put_decimals(numbers, length, step_numbers(model, body, state))
       call status_runs(runs, state%solution%status, body%zone%set)
       row = numbers(:length)//','//trim(iterations)//','//runs//newline
    end function history_row

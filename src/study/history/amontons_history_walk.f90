@@ -7,7 +7,7 @@ module amontons_history_walk
    use amontons_body, only: body_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, input_refused, new_error
    use amontons_history, only: history_t
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_kinds, only: dp
@@ -74,10 +74,20 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
       real(dp), intent(in) :: numbers(:) !! the numbers
       type(error_t), allocatable, intent(out) :: error !! they do not fit body and history
+      type(instant_t) :: instant
       integer :: i
       real(dp) :: start
 
-      call restore_step_state(self%state, model, body, problem, numbers(n_own + 1:), error)
+      associate (time => numbers(n_own + 1), times => model%history%times)
+         if (time < times(1) .or. time > times(size(times))) then
+            call new_error(error, input_refused, 'it is of the time '//to_text(time)//', the times are from '// &
+               to_text(times(1))//' to '//to_text(times(size(times))))
+            return
+         end if
+         call model%at(body, time, instant, error)
+      end associate
+      if (.not. allocated(error)) call restore_step_state(self%state, model, body, problem, numbers(n_own + 1:), &
+         instant, error)
       if (allocated(error)) return
       self%n_steps = nint(numbers(1))
       self%n_given_up = nint(numbers(2))

@@ -19,7 +19,7 @@ module amontons_stepper
    implicit none (type, external)
    private
 
-   public :: new_step_state, restore_step_state, step_state_t, take_step
+   public :: n_state_numbers, new_step_state, restore_step_state, step_state_t, take_step
 
    !> Numbers of a state that are kept besides those of its contact points.
    integer, parameter :: n_single = 6
@@ -111,7 +111,14 @@ contains
       end associate
    end subroutine complete
 
-   !> What a state must be restored from: all else follows.
+   !> How many numbers a state is restored from.
+   pure integer function n_state_numbers(n_points)
+      integer, intent(in) :: n_points !! number of contact points
+
+      n_state_numbers = n_single + n_per_point*n_points
+   end function n_state_numbers
+
+   !> What a state must be restored from, the time first: all else follows.
    pure function step_state_numbers(self) result(numbers)
       class(step_state_t), intent(in) :: self !! the state
       real(dp), allocatable :: numbers(:)
@@ -122,26 +129,23 @@ contains
    end function step_state_numbers
 
    !> Restores a state from its numbers, to the last bit.
-   subroutine restore_step_state(state, model, body, problem, numbers, error)
+   subroutine restore_step_state(state, model, body, problem, numbers, instant, error)
       type(step_state_t), intent(out) :: state !! the state
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! its contact problem; left with what acts
       real(dp), intent(in) :: numbers(:) !! the numbers
-      type(error_t), allocatable, intent(out) :: error !! they are those of another body, or of another history
+      type(instant_t), intent(in) :: instant !! what acted, at the time among the numbers
+      type(error_t), allocatable, intent(out) :: error !! they are those of another body
       integer :: m
 
       m = body%zone%n_points
-      if (size(numbers) /= n_single + n_per_point*m) then
+      if (size(numbers) /= n_state_numbers(m)) then
          call new_error(error, input_refused, 'it is of '//to_text((size(numbers) - n_single)/n_per_point)// &
             ' contact points, the body has '//to_text(m))
-      else if (numbers(1) < model%history%times(1) .or. &
-         numbers(1) > model%history%times(size(model%history%times))) then
-         call new_error(error, input_refused, 'it is of the time '//to_text(numbers(1))//', the times are from '// &
-            to_text(model%history%times(1))//' to '//to_text(model%history%times(size(model%history%times))))
+         return
       end if
-      if (.not. allocated(error)) call model%at(body, numbers(1), state%instant, error)
-      if (allocated(error)) return
+      state%instant = instant
       state%load_work = numbers(2)
       state%support_work = numbers(3)
       state%obstacle_work = numbers(4)

@@ -16,6 +16,7 @@ module amontons_sweep_chunk
    use amontons_quantity, only: quantity_t
    use amontons_result_warnings, only: find_case_warnings
    use amontons_row_text, only: status_runs
+   use amontons_stress_field, only: new_stress_field, stress_field_t
    use amontons_sweep, only: sweep_t
    use amontons_sweep_model, only: sweep_model_t
    use amontons_sweep_statistics, only: case_no_equilibrium, case_result_t, new_case_result
@@ -143,6 +144,7 @@ contains
       type(contact_solution_t), intent(in) :: solution !! its solution
       type(quantity_t), allocatable :: peaks(:)
       type(load_case_t) :: load_case
+      type(stress_field_t) :: stress
       real(dp), allocatable :: displacement(:, :)
 
       peaks = body_peaks_at_rest()
@@ -151,7 +153,8 @@ contains
       call task%model%load_case(task%sweep%values(number), load_case)
       call condense_load_case(load_case, body)
       call recover_displacement(displacement, body, load_case, solution%displacement)
-      peaks = body_peaks(body, displacement, load_case%thermal_strain)
+      call new_stress_field(stress, body%mesh, body%materials, body%coloring, displacement, load_case%thermal_strain)
+      peaks = body_peaks(body%mesh, displacement, stress)
    end function peaks_of
 
    !> What residual and rounding errors, as forces, are of the largest force that acts in a case [-].

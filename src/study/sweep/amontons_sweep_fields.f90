@@ -13,6 +13,7 @@ module amontons_sweep_fields
    use amontons_manifest, only: manifest_t
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
+   use amontons_stress_field, only: new_stress_field
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
    use amontons_sweep_statistics, only: case_converged
@@ -89,6 +90,8 @@ contains
          call task%model%load_case(task%sweep%values(number), result%load_case)
          call condense_load_case(result%load_case, body)
          call recover_displacement(result%displacement, body, result%load_case, result%solution%displacement)
+         call new_stress_field(result%stress, body%mesh, body%materials, body%coloring, result%displacement, &
+            result%load_case%thermal_strain)
          call write_grids(collection, directory, folder, to_text(number), body, result, error)
          if (allocated(error)) return
          call collection%add(to_text(number), folder//to_text(number))

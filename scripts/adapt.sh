@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Solves a deck on meshes that Gmsh makes finer where the estimated error is, until it is as small as asked for.
+# Installs and builds what is missing. Usage: adapt.sh PART DECK [--error 2%] [--key NAME]... [--steps N] [--output DIR]
+#   PART      the geometry for Gmsh (.geo), or a mesh beside which it is (.msh), or - for the rectangle of the deck
+#   DECK      the deck; its mesh is replaced
+#   --error   relative error of the stresses to reach (2%)
+#   --key     reach it instead in the change of this key result, as max_contact_pressure, from mesh to mesh
+#   --steps   most meshes (10)
+#   --output  directory of the meshes, their results and pictures, and of adapt.csv (adapt)
+set -euo pipefail
+scripts=$(dirname "$(realpath "${BASH_SOURCE[0]}")")
+
+if [[ -z ${AMONTONS-} ]]; then
+   "$scripts/setup.sh" build
+   "$scripts/build.sh" release
+   AMONTONS=$(dirname "$scripts")/build/release/bin/amontons
+fi
+export AMONTONS
+"$scripts/setup.sh" adapt
+PYTHONPATH=$(dirname "$scripts")/python exec /usr/bin/python3 -B "$scripts/helpers/adapt.py" "$@"

@@ -1,0 +1,119 @@
+!> What is doubtful about the mesh of a solved case: zones of the contact line of few sides, and ends of zones that most
+!> of the estimated error comes from.
+module amontons_mesh_warnings
+   use amontons_body, only: body_t
+   use amontons_contact_zone, only: contact_zone_t
+   use amontons_element, only: n_corners, n_element_nodes
+   use amontons_error_estimate, only: error_estimate_t
+   use amontons_friction_law, only: open_point, stick_point
+   use amontons_kinds, only: dp
+   use amontons_listing_text, only: pair
+   use amontons_mesh, only: mesh_t
+   use amontons_model_warnings, only: percent
+   use amontons_result, only: result_t
+   use amontons_text, only: to_text
+   use amontons_warning_list, only: warning_list_t
+   implicit none (type, external)
+   private
+
+   public :: add_mesh_warnings
+
+contains
+
+   !> Adds the first of the warnings on the mesh that there is reason for.
+   pure subroutine add_mesh_warnings(result, body)
+      type(result_t), intent(inout) :: result !! the result; gains the warnings
+      type(body_t), intent(in) :: body !! the body
+      logical :: is_end(body%zone%n_points)
+      integer :: n_per_side, n_before
+
+      n_before = result%warnings%n()
+      associate (zone => body%zone, status => result%solution%status, kind => body%mesh%element_kind)
+         n_per_side = merge(2, 1, any(n_element_nodes(kind) > n_corners(kind)) .and. .not. any(zone%is_cell))
+         is_end = .false.
+         call add_short_zones(result%warnings, is_end, zone, 'contact', status /= open_point, n_per_side)
+         call add_short_zones(result%warnings, is_end, zone, 'stick', status == stick_point, n_per_side)
+      end associate
+      if (result%warnings%n() == n_before) call add_uncertain_ends(result, body, is_end)
+   end subroutine add_mesh_warnings
+
+   !> Warns of the first zone of a kind that ends within the line, if it has fewer than four sides. One point alone,
+   !> as where a line of symmetry meets the line, is no zone.
+   pure subroutine add_short_zones(warnings, is_end, zone, name, is_inside, n_per_side)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warning
+      logical, intent(inout) :: is_end(:) !! which points are beside an end of a zone; gains those of this kind (m)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      character(*), intent(in) :: name !! name of the kind
+      logical, intent(in) :: is_inside(:) !! which points belong to such a zone (m)
+      integer, intent(in) :: n_per_side !! number of points for each side
+      integer, parameter :: enough_sides = 4
+      integer :: before(zone%n_points), first, last, n, p
+
+      before = 0
+      do p = 1, zone%n_points
+         if (zone%next(p) > 0) before(zone%next(p)) = p
+      end do
+      do first = 1, zone%n_points
+         if (.not. is_inside(first) .or. is_in(is_inside, before(first))) cycle
+         last = first
+         n = 1
+         do while (is_in(is_inside, zone%next(last)))
+            last = zone%next(last)
+            n = n + 1
+         end do
+         if (before(first) > 0) is_end([before(first), first]) = .true.
+         if (zone%next(last) > 0) is_end([last, zone%next(last)]) = .true.
+         if (max(before(first), zone%next(last)) == 0 .or. n < 2 .or. (n - 1)/n_per_side >= enough_sides) cycle
+         call warnings%add('the '//name//' zone from '//pair(zone%position(:, first))//' to '// &
+            pair(zone%position(:, last))//' has fewer than '//to_text(enough_sides)//' sides: its ends are known '// &
+            'to a side only; refine the mesh there, or see the error bars of --refine 2')
+         return
+      end do
+   end subroutine add_short_zones
+
+   !> Whether there is such a point, and it belongs to the zone.
+   pure logical function is_in(is_inside, point)
+      logical, intent(in) :: is_inside(:) !! which points belong to the zone (m)
+      integer, intent(in) :: point !! the point, 0 for none
+
+      is_in = point > 0
+      if (is_in) is_in = is_inside(point)
+   end function is_in
+
+   !> Warns where the elements at the ends of zones make more than two thirds of a large estimated error.
+   pure subroutine add_uncertain_ends(result, body, is_end)
+      type(result_t), intent(inout) :: result !! the result; gains the warning
+      type(body_t), intent(in) :: body !! the body
+      logical, intent(in) :: is_end(:) !! which points are beside an end of a zone (m)
+      real(dp), parameter :: large_error = 0.05_dp, most_of_it = 2.0_dp/3.0_dp
+      logical, allocatable :: is_near(:)
+      real(dp) :: share
+      integer :: p
+
+      if (.not. allocated(result%error_estimate) .or. any(body%zone%is_cell) .or. .not. any(is_end)) return
+      if (result%error_estimate%relative < large_error) return
+      allocate (is_near(body%mesh%n_nodes), source=.false.)
+      do p = 1, body%zone%n_points
+         if (is_end(p)) is_near(body%zone%rows%node(body%zone%rows%start(p))) = .true.
+      end do
+      share = share_near(result%error_estimate, body%mesh, is_near)
+      if (share > most_of_it) call result%warnings%add(percent(share)//' of the estimated error is in the elements '// &
+         'at the ends of the contact and stick zones, the first at '// &
+         pair(body%zone%position(:, findloc(is_end, .true., dim=1)))//': refine the mesh there')
+   end subroutine add_uncertain_ends
+
+   !> The share of the elements at some nodes in the square of the estimated error [-].
+   pure real(dp) function share_near(estimate, mesh, is_near) result(share)
+      type(error_estimate_t), intent(in) :: estimate !! the estimated error
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      logical, intent(in) :: is_near(:) !! the nodes (n_nodes)
+      integer :: i
+
+      share = 0.0_dp
+      do i = 1, mesh%n_elements
+         if (.not. any(is_near(mesh%node(mesh%node_start(i):mesh%node_start(i + 1) - 1)))) cycle
+         share = share + (estimate%element(i)/estimate%norm)**2
+      end do
+   end function share_near
+
+end module amontons_mesh_warnings
