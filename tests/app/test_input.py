@@ -5,7 +5,7 @@ import math
 import unittest
 from pathlib import Path
 
-from harness import ProgramTest
+from harness import ProgramTest, read_vtu
 
 DECKS = sorted((Path(__file__).resolve().parents[2]/"input").glob("*.nml"))
 
@@ -33,7 +33,8 @@ class Input(ProgramTest):
         self.assertAlmostEqual(max(contact["contact_pressure"]), 2424.0, delta=0.002*2424)
 
     def test_flanks_bear_what_equilibrium_asks(self):
-        for name, load, angle, friction in (("wedge", 4000.0, 10, 0.2), ("blade_root", 4646.4, 45, 0.3)):
+        for name, load, angle, friction in (("wedge", 4000.0, 10, 0.2), ("blade_root", 4646.4, 45, 0.3),
+                                            ("blade_and_disc", 4646.4, 45, 0.3)):
             contact = self.result(name)
             self.assertTrue({"slip+", "slip-"} <= set(contact["status"]) <= {"slip+", "slip-", "open"}, name)
             slope = math.radians(angle)
@@ -42,6 +43,13 @@ class Input(ProgramTest):
                 force = sum(f for f, n in zip(contact["normal_force"], contact["normal_x"]) if n*side > 0)
                 # The header's loads have four digits.
                 self.assertAlmostEqual(force, expected, delta=1e-4*expected, msg=name)
+
+    def test_bar_sinks_into_the_block(self):
+        arrays, *_ = read_vtu((self.directory / "long_bar_block.vtu").read_bytes())
+        moved = arrays["displacement"][arrays["points"].index((0.0, 0.0, 0.0))]
+        # An independent mortar code finds 0.0115586 on these meshes.
+        self.assertAlmostEqual(moved[0], 0.0115586, delta=5e-8)
+        self.assertEqual(self.result("long_bar_block").lengths, [1.25, 7.5, 31.25])
 
     def test_punch_sticks_in_its_middle(self):
         contact = self.result("flat_punch")

@@ -91,7 +91,7 @@ class Pairs(ProgramTest):
 
     def test_tie_is_listed_and_verified(self):
         deck = BODIES.replace("&support set = 'a.left'  ux = 0.0 /\n", "") \
-            + "&tie set = 'a.bottom'  to = 'b.top' /\n&contact set = 'b.right'  point = 5.1, 0.0  normal = -1.0, 0.0 /\n"
+            + "&tie set = 'a.bottom' to = 'b.top' /\n&contact set = 'b.right'  point = 5.1, 0.0  normal = -1.0, 0.0 /\n"
         self.solve(deck)
         self.assertIn("a.bottom/b.top (slave/master)", (self.directory / "case.lst").read_text(encoding="utf-8"))
         self.run_program("--verify", ".")

@@ -18,17 +18,21 @@ def stations(core, length, h):
     return even + [core + scale*sum(steps[:k]) for k in range(1, number)] + [length]
 
 
-def graded_block(element, h, size, core, is_mirrored=False):
+def graded_block(element, h, size, core, is_mirrored=False, shape=None):
     """The text of a mesh file: 0 <= x <= size, or |x| <= size where it is mirrored, and 0 <= y <= size.
 
-    The cells measure h by h where |x| <= core and y is at most a third of that.
+    The cells measure h by h where |x| <= core and y is at most a third of that. With a shape the block is one below,
+    -size <= y <= 0, its upper side lowered by shape(x), and its far side stays.
     """
     x, y = stations(core, size, h), stations(core/3, size, h)
     if is_mirrored:
         x = [-place for place in x[:0:-1]] + x
 
     def mapping(s, t):
-        return between(x, s), between(y, t)
+        if shape is None:
+            return between(x, s), between(y, t)
+        across, down = between(x, s), between(y, 1 - t)
+        return across, -down - shape(across)*(1 - down/size)
     return mapped_mesh((len(x) - 1, len(y) - 1), element, mapping)
 
 
