@@ -1,12 +1,12 @@
 !> The public interface of the Amontons library, on one screen.
 !>
 !> From a deck of any kind to its files: `read_config`, `new_study`, `solve_study`. With the result at hand:
-!> `solve_case`, `write_report`, or `solve_sweep`, `write_sweep_report`. A history step by step: `new_load_stepper` and its `step`. In code: `new_rectangle_mesh` or
-!> `read_mesh_file`, `new_material`, `new_support`, `new_contact`, `new_body`, `new_load`, `solve_body`. A contact
-!> problem alone: `new_contact_problem` or `new_reduced_problem`, `new_contact_method`, `new_contact_solution`. A
-!> reduced problem from a file: `new_reduced_config`, `solve_reduced`, `write_reduced_report`; to one:
-!> `new_condensed_system`, `write_reduced_file`; from arrays: `new_dense_system`, `solve_reduced_system`. Files of an
-!> earlier run: `find_cases`, `verify_files`.
+!> `solve_case`, `write_report`, or `solve_sweep`, `write_sweep_report`. A history step by step: `new_load_stepper` and
+!> its `step`. In code: `new_rectangle_mesh` or `read_mesh_file`, `new_material`, `new_support`, `new_contact`,
+!> `new_body`, `new_load`, `solve_body`. A contact problem alone: `new_contact_problem` or `new_reduced_problem`,
+!> `new_contact_method`, `new_contact_solution`. A reduced problem from a file: `new_reduced_config`, `solve_reduced`,
+!> `write_reduced_report`; to one: `new_condensed_system`, `write_reduced_file`; from arrays: `new_dense_system`,
+!> `solve_reduced_system`. Files of an earlier run: `find_cases`, `verify_files`.
 module amontons
    use amontons_all_solutions, only: all_solutions_t, find_all_solutions
    use amontons_body, only: body_t, condense_body, new_body

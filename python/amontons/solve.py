@@ -230,8 +230,8 @@ class StepState:
 class Stepper:
     """Steps of a history whose loads the caller chooses, one call for each: `state = stepper.step(state, 1.0, ...)`.
 
-    The deck, given as to `solve_deck`, has `&history` and a `&steps` for whatever changes; their values and the times do
-    not matter. `changes` names what changes, as the columns of NAME.history.csv do: `factor_F`, `shift_x_floor`.
+    The deck, given as to `solve_deck`, has `&history` and a `&steps` for whatever changes; their values and the times
+    do not matter. `changes` names what changes, as the columns of NAME.history.csv do: `factor_F`, `shift_x_floor`.
     """
 
     def __init__(self, deck: Deck, **settings: Any) -> None:
@@ -277,7 +277,7 @@ class Stepper:
     def _state(self, raw: np.ndarray, columns: dict[str, float], status: np.ndarray) -> StepState:
         """A state with its parts."""
         normal, tangential, u_normal, u_tangential, anchor, slip, dissipation = \
-            raw[raw.size - 7*self.n_points:].reshape(7, self.n_points)
+            raw[raw.size - 8*self.n_points:].reshape(8, self.n_points)[:7]
         return StepState(raw, columns, normal, tangential, u_normal, u_tangential, u_tangential - anchor, slip,
                          dissipation, STATUSES[status])
 

@@ -26,6 +26,12 @@ module amontons_contact_table
       real(dp), allocatable :: values(:) !! the numbers (m)
    end type column_t
 
+   !> What a load history adds.
+   character(16), parameter :: slip_keys(4) = [character(16) :: 'slip_step', 'slip_accumulated', 'dissipation', &
+      'wear_integral']
+   !> What these are measured in.
+   character(3), parameter :: slip_dimensions(4) = [character(3) :: 'L', 'L', 'F L', 'F/L']
+
 contains
 
    !> Gathers the columns, in the order of the table.
@@ -35,7 +41,7 @@ contains
       type(result_t), intent(in) :: result !! the result
       real(dp) :: at_points(2*body%zone%n_points), length
       integer, parameter :: most_columns = 20
-      integer :: n
+      integer :: n, i
 
       n = 0
       allocate (list(most_columns))
@@ -61,11 +67,10 @@ contains
          if (has_pairs(zone)) call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
          if (has_pairs(zone)) call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
       end associate
-      if (allocated(result%slip_record)) then
-         call add('slip_step', '', 'L', result%slip_record(:, 1), length, .true.)
-         call add('slip_accumulated', '', 'L', result%slip_record(:, 2), length, .true.)
-         call add('dissipation', '', 'F L', result%slip_record(:, 3), 0.0_dp, .true.)
-      end if
+      do i = 1, merge(size(slip_keys), 0, allocated(result%slip_record))
+         call add(trim(slip_keys(i)), '', trim(slip_dimensions(i)), result%slip_record(:, i), &
+            merge(length, 0.0_dp, slip_dimensions(i) == 'L'), .true.)
+      end do
       list = list(:n)
 
    contains

@@ -75,8 +75,7 @@ contains
          call model%load_case(cache%body, state%instant, state%anchor, result%last%load_case, error)
          ! not raised: the step itself had this load case
          if (allocated(error)) return
-         result%last%slip_record = reshape([state%slip, state%accumulated_slip, state%dissipation], &
-            [size(state%slip), 3])
+         result%last%slip_record = state%slip_record(cache%body)
       end associate
       call verify_result(summary, cache%body, config, stem, result%last, is_certified)
       is_certified = is_certified .and. result%last%is_complete
@@ -328,6 +327,7 @@ contains
             first_disagreement(found%anchor, computed%anchor, maxval(abs(v))) == 0 .and. &
             first_disagreement(found%accumulated_slip, computed%accumulated_slip, maxval(abs(v))) == 0 .and. &
             first_disagreement(found%dissipation, computed%dissipation, maxval(abs(works))) == 0 .and. &
+            first_disagreement(found%worn, computed%worn) == 0 .and. &
             first_disagreement([found%load_work, found%support_work, found%obstacle_work, found%strain_energy], &
             works) == 0
       end associate

@@ -38,6 +38,9 @@ class Jenkins(HistoryBenchmark):
             table.add(n, "dissipation of the cycle", computed=done[-1] - done[n], reference=CYCLE, allowed=ROUNDING)
             table.add(n, "accumulated slip", computed=rows[-1]["max_slip_accumulated"], reference=5*SLIP,
                       allowed=ROUNDING)
+            # The node bears a length of 1.
+            point, = self.rows("contact")
+            table.add(n, "wear integral", computed=point["wear_integral"], reference=5*SLIP*NORMAL, allowed=ROUNDING)
             table.add(n, "strain energy", computed=rows[-1]["strain_energy"], reference=SPRING, allowed=ROUNDING)
             table.add(n, "force", computed=rows[-1]["tangential_force"], reference=LIMIT, allowed=ROUNDING)
         self.assert_table(table)

@@ -39,13 +39,13 @@ module amontons_history_table
       number_alone]
    !> The same of the columns of the contact points, step and time among them.
    integer, parameter :: point_kinds(*) = [number_alone, number_alone, number_alone, a_force, a_force, a_length, &
-      a_length, a_length, a_length, an_energy]
+      a_length, a_length, a_length, an_energy, number_alone]
    !> What the states have of each contact point.
    character(23), parameter :: state_labels(*) = [character(23) :: 'normal_force', 'tangential_force', &
-      'normal_displacement', 'tangential_displacement', 'anchor', 'slip_accumulated', 'dissipation']
+      'normal_displacement', 'tangential_displacement', 'anchor', 'slip_accumulated', 'dissipation', 'worn']
    !> The columns of the contact points behind step and time.
    character(*), parameter :: point_labels = 'point,normal_force,tangential_force,gap,slip,slip_step,'// &
-      'slip_accumulated,dissipation,status'
+      'slip_accumulated,dissipation,wear_integral,status'
 
 contains
 
@@ -136,7 +136,7 @@ contains
       integer, intent(in) :: number !! number of the step
       type(step_state_t), intent(in) :: state !! the state at its end
       character(:), allocatable :: rows
-      character(12*(longest_decimal + 1)*body%zone%n_points) :: buffer
+      character(13*(longest_decimal + 1)*body%zone%n_points) :: buffer
       real(dp) :: gap(body%zone%n_points)
       character(24) :: numbers
       integer :: p, m, length, first
@@ -157,7 +157,7 @@ contains
          buffer(first:length) = trim(numbers)
          call put_decimals(buffer, length, [state%solution%force(p), state%solution%force(m + p), gap(p), &
             state%solution%displacement(m + p) - state%instant%motion(p), state%slip(p), state%accumulated_slip(p), &
-            state%dissipation(p)])
+            state%dissipation(p), state%worn(p)/body%zone%area(p)])
          numbers = ','//status_names(state%solution%status(p))
          first = length + 1
          length = length + len_trim(numbers) + 1

@@ -317,7 +317,7 @@ contains
       if (allocated(error)) return
       call condense_load_case(step%load_case, cache%body)
       step%solution = state%solution
-      step%slip_record = reshape([state%slip, state%accumulated_slip, state%dissipation], [size(state%slip), 3])
+      step%slip_record = state%slip_record(cache%body)
       call certify(step, cache%body, error)
    end subroutine new_step_result
 

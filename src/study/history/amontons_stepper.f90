@@ -24,7 +24,7 @@ module amontons_stepper
    !> Numbers of a state that are kept besides those of its contact points.
    integer, parameter :: n_single = 6
    !> Numbers that are kept of each contact point.
-   integer, parameter :: n_per_point = 7
+   integer, parameter :: n_per_point = 8
 
    !> Where a step has led to.
    type :: step_state_t
@@ -35,6 +35,7 @@ module amontons_stepper
       real(dp), allocatable :: accumulated_slip(:) !! sum of the |slip| of all steps (m) [L]
       real(dp), allocatable :: bound(:) !! slip bound g + phi lambda_N (m) [F]
       real(dp), allocatable :: dissipation(:) !! work that friction took at each point in all steps (m) [F L]
+      real(dp), allocatable :: worn(:) !! normal force times |slip|, summed over all steps (m) [F L]
       real(dp), allocatable :: reaction(:)
          !! what the supports' reactions do on the displacements that each part prescribes (parts) [F L]
       real(dp) :: strain_energy = 0.0_dp !! strain energy of the body [F L]
@@ -48,6 +49,7 @@ module amontons_stepper
    contains
       procedure :: energy_error => step_state_energy_error
       procedure :: numbers => step_state_numbers
+      procedure :: slip_record => step_state_slip_record
    end type step_state_t
 
 contains
@@ -61,7 +63,7 @@ contains
 
       m = body%zone%n_points
       call new_contact_solution(state%solution, m)
-      allocate (state%anchor(m), state%slip(m), state%accumulated_slip(m), state%dissipation(m), &
+      allocate (state%anchor(m), state%slip(m), state%accumulated_slip(m), state%dissipation(m), state%worn(m), &
          state%instant%motion(m), source=0.0_dp)
       allocate (state%instant%factor(size(model%energies%field, 3)), state%reaction(size(model%energies%field, 3)), &
          source=0.0_dp)
@@ -125,7 +127,7 @@ contains
 
       numbers = [self%instant%time, self%load_work, self%support_work, self%obstacle_work, self%solution%residual, &
          real(self%solution%n_iterations, dp), self%solution%force, self%solution%displacement, self%anchor, &
-         self%accumulated_slip, self%dissipation]
+         self%accumulated_slip, self%dissipation, self%worn]
    end function step_state_numbers
 
    !> Restores a state from its numbers, to the last bit.
@@ -160,7 +162,8 @@ contains
          state%anchor = points(4*m + 1:5*m)
          state%slip = solution%displacement(m + 1:) - state%anchor
          state%accumulated_slip = points(5*m + 1:6*m)
-         state%dissipation = points(6*m + 1:)
+         state%dissipation = points(6*m + 1:7*m)
+         state%worn = points(7*m + 1:)
       end associate
       call model%pose(body, state%instant, state%anchor, problem)
       state%solution%status = problem%status(state%solution%displacement, state%solution%force)
@@ -231,6 +234,7 @@ contains
       missing = mean_force(m + 1:)*after%slip - taken - mean_force(:m)*(gap_after - gap_before)
       after%step_dissipation = sum(taken)
       after%dissipation = before%dissipation + taken
+      after%worn = before%worn + mean_force(:m)*abs(after%slip)
       after%load_work = before%load_work + load_work
       after%support_work = before%support_work + support_work
       after%obstacle_work = before%obstacle_work + obstacle_work
@@ -271,6 +275,17 @@ contains
       after%imbalance = max(abs(mean_work - energy_change - dot_product(mean_force, whole_change)), &
          abs(end_work - energy_change - own_energy - dot_product(after%solution%force, whole_change)))/size_of_terms
    end subroutine check_identities
+
+   !> Slip of the step, accumulated slip [L], dissipation [F L], and what wear is proportional to after Archard: the
+   !> integral of the pressure over the slip [F/L] (m, 4).
+   pure function step_state_slip_record(self, body) result(record)
+      class(step_state_t), intent(in) :: self !! the state
+      type(body_t), intent(in) :: body !! the body
+      real(dp), allocatable :: record(:, :)
+
+      record = reshape([self%slip, self%accumulated_slip, self%dissipation, self%worn/body%zone%area], &
+         [size(self%slip), 4])
+   end function step_state_slip_record
 
    !> What is left of all works but strain energy and dissipation: the error of the steps' size [F L].
    pure real(dp) function step_state_energy_error(self) result(energy_error)
