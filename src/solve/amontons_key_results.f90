@@ -101,6 +101,8 @@ contains
       integer, intent(in) :: set !! number of the set
       character(*), intent(in) :: number !! what tells it from others; empty for the only one
       type(quantity_t), allocatable :: list(:)
+      ! Ends between nodes are found to about a tenth of a side each.
+      real(dp), parameter :: between_nodes = 0.2_dp
       character(:), allocatable :: suffix
       real(dp) :: sums(2), moment, center(2), acting(2), normal_force, length, scale
       integer :: p
@@ -124,8 +126,9 @@ contains
       end associate
       suffix = number
       if (len(number) > 0) suffix = '_'//number
-      list = [quantity_t('contact_width'//suffix, 'Contact width '//number, widths(1), length, dimension='L'), &
-         quantity_t('stick_width'//suffix, 'Stick width '//number, widths(2), length, dimension='L'), &
+      list = [quantity_t('contact_width'//suffix, 'Contact width '//number, widths(1), length, between_nodes, &
+         dimension='L'), &
+         quantity_t('stick_width'//suffix, 'Stick width '//number, widths(2), length, between_nodes, dimension='L'), &
          quantity_t('contact_centroid_x'//suffix, 'Centroid x '//number, center(1), length, dimension='L'), &
          quantity_t('contact_centroid_y'//suffix, 'Centroid y '//number, center(2), length, dimension='L'), &
          quantity_t('contact_force_x'//suffix, 'Force x '//number, sums(1), scale, dimension='F'), &
