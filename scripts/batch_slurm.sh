@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
-# Solves the decks of a folder as a Slurm job array, one task for each deck.
+# Solves the decks of a folder as a Slurm job array, one task of the array for each deck. With several ranks (--ntasks)
+# each deck is solved over them, by a program built with MPI.
 # Usage: sbatch --array=1-$(ls FOLDER/*.nml | wc -l) batch_slurm.sh FOLDER OUTPUT [PROGRAM-OPTION...]
 # Edit the lines below for your cluster. AMONTONS names the program; without it, it must be in the PATH.
 #SBATCH --job-name=amontons
+#SBATCH --ntasks=1
 #SBATCH --cpus-per-task=2
-#SBATCH --mem=4G
+#SBATCH --mem-per-cpu=2G
 #SBATCH --time=00:30:00
 #SBATCH --output=amontons_%A_%a.log
 set -euo pipefail
@@ -21,4 +23,7 @@ if ((task < 1 || task > ${#decks[@]})); then
    echo "batch_slurm.sh: there is no deck $task of ${#decks[@]} in $folder" >&2
    exit 1
 fi
-exec "${AMONTONS:-amontons}" --threads "${SLURM_CPUS_PER_TASK:-1}" --output "$output" "$@" "${decks[task - 1]}"
+launcher=()
+((${SLURM_NTASKS:-1} == 1)) || launcher=(mpiexec -n "$SLURM_NTASKS")
+exec "${launcher[@]}" "${AMONTONS:-amontons}" --threads "${SLURM_CPUS_PER_TASK:-1}" \
+   --output "$output" "$@" "${decks[task - 1]}"

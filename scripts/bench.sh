@@ -1,29 +1,44 @@
 #!/usr/bin/env bash
 # Measures the program on the long bar, alone and beside GetFEM, CalculiX and Siconos where their Debian packages are
-# installed (scripts/setup.sh peers installs them), and prints Markdown tables. Usage: bench.sh [--full] [--update]
+# installed (scripts/setup.sh peers installs them), and prints Markdown tables. Usage: bench.sh [--ranks] [--full]
+# [--update]
+#   --ranks     instead: over 1 to 8 ranks of MPI
 #   --full      up to 1024 x 1024 cells: about 5 minutes with all peers, and 4 GB of memory
 #   --update    writes what it prints into doc/performance.md, between the markers; takes --full with it
 set -euo pipefail
 cd "$(dirname "$(realpath "${BASH_SOURCE[0]}")")/.."
 
 is_full=false
+is_over_ranks=false
 is_update=false
 for argument in "$@"; do
    case $argument in
+      --ranks) is_over_ranks=true ;;
       --full) is_full=true ;;
       --update) is_full=true is_update=true ;;
       *)
-         echo "bench.sh: unknown option '$argument' (options: --full, --update)" >&2
+         echo "bench.sh: unknown option '$argument' (options: --ranks, --full, --update)" >&2
          exit 1
          ;;
    esac
 done
 
+work=build/bench
+mkdir -p "$work"
+
+if $is_over_ranks; then
+   scripts/build.sh mpi
+   sizes=(256 512)
+   ! $is_full || sizes+=(1024)
+   python3 -B bench/bench_ranks.py build/mpi/bin/amontons "$work" "${sizes[@]}" | tee "$work/ranks.md"
+   ! $is_update || sed -i -e "/<!-- bench.sh --ranks -->/r $work/ranks.md" \
+      -e '/<!-- bench.sh --ranks -->/,/<!-- end of ranks -->/{/<!--/!d}' doc/performance.md
+   exit
+fi
+
 scripts/setup.sh build
 scripts/build.sh release
 cmake --build build/release --target amontons_rates >/dev/null
-work=build/bench
-mkdir -p "$work"
 arguments=(build/release "$work")
 ! $is_full || arguments+=(--full)
 python3 -B bench/bench.py "${arguments[@]}" | tee "$work/tables.md"

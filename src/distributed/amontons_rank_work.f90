@@ -127,6 +127,7 @@ contains
       call self%mumps%factorize(self%value, schur, error)
       call use_blas_threads(1)
       deallocate (self%row, self%column, self%value)
+      call return_memory()
    end subroutine rank_work_factorize
 
    !> Adds up the nodal forces that the stresses of all subdomains amount to.

@@ -37,37 +37,43 @@ contains
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      type(recovered_stress_t), intent(in) :: recovered !! the recovered stresses
+      type(recovered_stress_t), intent(inout) :: recovered !! the recovered stresses
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
       type(element_geometry_t) :: geometry
       real(dp) :: energy(mesh%n_elements), strain(4), stress(4), missing(4)
       real(dp) :: weights(max_corners, max_points, size(element_names))
-      integer :: i, point
+      ! Blocks whose patches take little memory beside all else, and few of whose elements share patches with others.
+      integer, parameter :: block_size = 50000
+      integer :: first, last, i, point
 
       weights = corner_weights()
       allocate (estimate%element(mesh%n_elements))
-      !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
-      !$omp firstprivate(geometry) private(point, strain, stress, missing) &
-      !$omp shared(estimate, mesh, materials, displacement, recovered, thermal_strain, energy, weights)
-      do i = 1, mesh%n_elements
-         associate (material => materials%list(materials%of_element(i)), kind => mesh%element_kind(i))
-            call new_element_geometry(geometry, mesh, i, material, n_fine_points(kind))
-            if (present(thermal_strain)) call set_thermal_strain(geometry, &
-               thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
-            energy(i) = 0.0_dp
-            estimate%element(i) = 0.0_dp
-            do point = 1, geometry%n_points
-               strain = elastic_strain(geometry, material, displacement, point)
-               stress = material%stress(strain)
-               missing = recovered%stress(mesh, i, geometry%position(:, point), &
-                  weights(:n_corners(kind), point, kind)) - stress
-               energy(i) = energy(i) + geometry%volume(point)*dot_product(strain, stress)
-               estimate%element(i) = estimate%element(i) + geometry%volume(point)*material%squared_norm(missing)
-            end do
-         end associate
+      do first = 1, mesh%n_elements, block_size
+         last = min(mesh%n_elements, first + block_size - 1)
+         call recovered%fit(mesh, materials, first, last)
+         !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
+         !$omp firstprivate(geometry) private(point, strain, stress, missing) &
+         !$omp shared(estimate, mesh, materials, displacement, recovered, thermal_strain, energy, weights, first, last)
+         do i = first, last
+            associate (material => materials%list(materials%of_element(i)), kind => mesh%element_kind(i))
+               call new_element_geometry(geometry, mesh, i, material, n_fine_points(kind))
+               if (present(thermal_strain)) call set_thermal_strain(geometry, &
+                  thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
+               energy(i) = 0.0_dp
+               estimate%element(i) = 0.0_dp
+               do point = 1, geometry%n_points
+                  strain = elastic_strain(geometry, material, displacement, point)
+                  stress = material%stress(strain)
+                  missing = recovered%stress(mesh, i, geometry%position(:, point), &
+                     weights(:n_corners(kind), point, kind)) - stress
+                  energy(i) = energy(i) + geometry%volume(point)*dot_product(strain, stress)
+                  estimate%element(i) = estimate%element(i) + geometry%volume(point)*material%squared_norm(missing)
+               end do
+            end associate
+         end do
+         !$omp end parallel do
       end do
-      !$omp end parallel do
       estimate%norm = sqrt(sum(estimate%element))
       if (estimate%norm > 0.0_dp) estimate%relative = estimate%norm/sqrt(sum(energy) + sum(estimate%element))
       estimate%element = sqrt(estimate%element)

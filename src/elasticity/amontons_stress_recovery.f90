@@ -21,17 +21,27 @@ module amontons_stress_recovery
 
    public :: new_recovered_stress, recovered_stress_t
 
-   !> The recovered stress field.
+   !> The recovered stress field. Polynomials are kept of the patches of some elements at a time: those of all would
+   !> take more memory than anything else but a factor.
    type :: recovered_stress_t
-      type(patch_t), allocatable :: patch(:) !! the patches
+      private
+      type(patch_t), allocatable :: patch(:) !! the patches at hand
+      integer, allocatable :: place(:) !! where each patch is in `patch`, 0 if it is not at hand (patches)
       integer, allocatable :: of_corner(:) !! patch of each corner of the elements, placed as `node` of the mesh
+      integer, allocatable :: node(:) !! node of each patch
+      integer, allocatable :: element(:) !! first element of each patch
+      type(incidence_t) :: incidence !! the elements at each node
+      type(samples_t) :: samples !! the stresses to fit
+      integer, allocatable :: side_start(:) !! where the sides of a patch begin in `tractions` (patches + 1)
+      type(known_traction_t), allocatable :: tractions(:) !! what is known of the tractions, patch by patch
    contains
-      procedure :: stress => recovered_stress_stress
+      procedure, public :: fit => recovered_stress_fit
+      procedure, public :: stress => recovered_stress_stress
    end type recovered_stress_t
 
 contains
 
-   !> Recovers the stresses of a displacement field.
+   !> Prepares the recovery of the stresses of a displacement field.
    subroutine new_recovered_stress(recovered, mesh, materials, tractions, displacement, thermal_strain)
       type(recovered_stress_t), intent(out) :: recovered !! the recovered stress field
       type(mesh_t), intent(in) :: mesh !! a checked mesh
@@ -40,24 +50,50 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
-      type(incidence_t) :: incidence
-      type(samples_t) :: samples
-      integer, allocatable :: node(:), element(:), side_start(:), side(:)
-      integer :: i
+      integer, allocatable :: side(:)
 
-      call new_incidence(incidence, mesh)
-      call new_samples(samples, mesh, materials, displacement, thermal_strain)
-      call number_patches(recovered%of_corner, node, element, mesh, materials, incidence)
-      call sort_sides(side_start, side, mesh, tractions, recovered%of_corner)
-      allocate (recovered%patch(size(node)))
+      call new_incidence(recovered%incidence, mesh)
+      call number_patches(recovered%of_corner, recovered%node, recovered%element, mesh, materials, recovered%incidence)
+      deallocate (recovered%incidence%corner)
+      call sort_sides(recovered%side_start, side, mesh, tractions, recovered%of_corner)
+      recovered%tractions = tractions(side)
+      allocate (recovered%place(size(recovered%node)), source=0)
+      call new_samples(recovered%samples, mesh, materials, displacement, thermal_strain)
+   end subroutine new_recovered_stress
+
+   !> Fits the polynomials of all patches that some elements have corners in.
+   subroutine recovered_stress_fit(self, mesh, materials, first, last)
+      class(recovered_stress_t), intent(inout) :: self !! the recovered stress field
+      type(mesh_t), intent(in) :: mesh !! its mesh
+      type(materials_t), intent(in) :: materials !! the mesh's materials
+      integer, intent(in) :: first !! the first of the elements
+      integer, intent(in) :: last !! the last one
+      type(integer_list_t) :: list
+      integer :: i, element
+
+      self%place = 0
+      do element = first, last
+         do i = mesh%node_start(element), mesh%node_start(element) + n_corners(mesh%element_kind(element)) - 1
+            associate (place => self%place(self%of_corner(i)))
+               if (place > 0) cycle
+               call list%append(self%of_corner(i))
+               place = list%n
+            end associate
+         end do
+      end do
+      if (allocated(self%patch)) deallocate (self%patch)
+      allocate (self%patch(list%n))
       !$omp parallel do default(none) schedule(dynamic, 256) if (mesh%n_elements >= worth_threads) &
-      !$omp shared(recovered, mesh, materials, incidence, samples, tractions, node, element, side_start, side)
-      do i = 1, size(node)
-         call fit_patch(recovered%patch(i), mesh, materials, incidence, samples, &
-            tractions(side(side_start(i):side_start(i + 1) - 1)), node(i), element(i))
+      !$omp shared(self, mesh, materials, list)
+      do i = 1, list%n
+         associate (number => list%item(i))
+            call fit_patch(self%patch(i), mesh, materials, self%incidence, self%samples, &
+               self%tractions(self%side_start(number):self%side_start(number + 1) - 1), self%node(number), &
+               self%element(number))
+         end associate
       end do
       !$omp end parallel do
-   end subroutine new_recovered_stress
+   end subroutine recovered_stress_fit
 
    !> Evaluates the stresses where those of an element are most accurate.
    subroutine new_samples(samples, mesh, materials, displacement, thermal_strain)
@@ -224,7 +260,7 @@ contains
       end do
    end subroutine grow_patch
 
-   !> The recovered stress at a point of an element: xx, yy, xy, zz [F/L^2].
+   !> The recovered stress at a point of an element, one of those that `fit` was called for: xx, yy, xy, zz [F/L^2].
    pure function recovered_stress_stress(self, mesh, element, position, weights) result(stress)
       class(recovered_stress_t), intent(in) :: self !! the recovered stress field
       type(mesh_t), intent(in) :: mesh !! its mesh
@@ -236,7 +272,7 @@ contains
 
       stress = 0.0_dp
       do i = 1, size(weights)
-         associate (patch => self%patch(self%of_corner(mesh%node_start(element) - 1 + i)))
+         associate (patch => self%patch(self%place(self%of_corner(mesh%node_start(element) - 1 + i))))
             stress = stress + weights(i)*patch%stress(position)
          end associate
       end do

@@ -55,12 +55,7 @@ contains
       end do
       do first = 1, zone%n_points
          if (.not. is_inside(first) .or. is_in(is_inside, before(first))) cycle
-         last = first
-         n = 1
-         do while (is_in(is_inside, zone%next(last)))
-            last = zone%next(last)
-            n = n + 1
-         end do
+         call follow_zone(last, n, first, zone%next, is_inside)
          if (before(first) > 0) is_end([before(first), first]) = .true.
          if (zone%next(last) > 0) is_end([last, zone%next(last)]) = .true.
          if (max(before(first), zone%next(last)) == 0 .or. n < 2 .or. (n - 1)/n_per_side >= enough_sides) cycle
@@ -70,6 +65,22 @@ contains
          return
       end do
    end subroutine add_short_zones
+
+   !> Follows a zone along the line.
+   pure subroutine follow_zone(last, n, first, next, is_inside)
+      integer, intent(out) :: last !! its last point
+      integer, intent(out) :: n !! number of its points
+      integer, intent(in) :: first !! its first point
+      integer, intent(in) :: next(:) !! the point that follows each, 0 for none (m)
+      logical, intent(in) :: is_inside(:) !! which points belong to the zone (m)
+
+      last = first
+      n = 1
+      do while (is_in(is_inside, next(last)))
+         last = next(last)
+         n = n + 1
+      end do
+   end subroutine follow_zone
 
    !> Whether there is such a point, and it belongs to the zone.
    pure logical function is_in(is_inside, point)

@@ -6,6 +6,7 @@ module amontons_model_warnings
    use amontons_kinds, only: dp
    use amontons_listing_text, only: short
    use amontons_load_case, only: load_case_t
+   use amontons_pair_warnings, only: add_gap_warnings, add_pair_warnings
    use amontons_sweep, only: quantity_names, sweep_axis_t, sweep_t, swept_friction, swept_friction_factor
    use amontons_text, only: to_text
    use amontons_warning_list, only: warning_list_t
@@ -61,6 +62,13 @@ contains
       end associate
       do i = 1, size(load_case%contacts)
          if (any(body%zone%set == i)) call add_contact_warnings(warnings, body, load_case, i)
+         if (.not. body%zone%pairs(i)%is_set()) cycle
+         call add_pair_warnings(warnings, body%zone%pairs(i))
+         if (load_case%contacts(i)%pairing%has_mesh_gap()) call add_gap_warnings(warnings, body%zone%pairs(i), &
+            pack(load_case%gap, body%zone%set == i), load_case%contacts(i)%extra_gap)
+      end do
+      do i = 1, size(body%ties)
+         call add_pair_warnings(warnings, body%ties(i))
       end do
    end subroutine add_model_warnings
 

@@ -106,6 +106,17 @@ class Batch(ProgramTest):
         self.assertIn("no deck 3 of 2", self.run_script("batch_slurm", "my decks", "out dir", SLURM_ARRAY_TASK_ID=3,
                                                         status=1).stderr)
 
+    def test_a_task_of_several_ranks_is_launched_on_them(self):
+        launcher = Path(self.write("mpiexec", '#!/bin/sh\necho "$1 $2" >launched\nshift 2\nexec "$@"\n'))
+        (self.directory / launcher).chmod(0o755)
+        path = f"{self.directory}:{os.environ['PATH']}"
+        for ranks, launched in ((1, False), (3, True)):
+            self.run_script("batch_slurm", "my decks", "out dir", "--quiet", SLURM_ARRAY_TASK_ID=2, SLURM_NTASKS=ranks,
+                            PATH=path)
+            self.assertEqual((self.directory / "launched").exists(), launched)
+        self.assertEqual((self.directory / "launched").read_text(encoding="utf-8"), "-n 3\n")
+        self.assertEqual(self.results(), results_of("one"))
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -6,10 +6,13 @@ kind, not to the last bit.
 import csv
 import os
 import re
+import signal
+import subprocess
+import time
 import unittest
 from pathlib import Path
 
-from harness import PROGRAM, ProgramTest, read_vtu
+from harness import CONTACT, PRESSURE, PROGRAM, SUPPORT, ProgramTest, block, read_vtu, results_of
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = (ROOT / "input", ROOT / "tests/verification/decks")
@@ -74,6 +77,81 @@ class SameAnswers(RanksTest):
                         self.assert_same(grid.name.removesuffix(".contact.vtu"), found, expected)
                     for table in sorted((self.directory / expected).glob("*.sweep.csv")):
                         self.assert_same_rows(table.name, found, expected)
+
+    def test_history_refinement_and_bodies_that_decks_share(self):
+        history = block(SUPPORT, "load name = 'p'  set = 'top'  pressure = 1.0", CONTACT,
+                        "history times = 0.0, 1.0, 2.0  substeps = 4", "steps load = 'p'  factor = 0.0, 1.0, 0.5")
+        decks = [self.write("cycle.nml", history),
+                 self.write("finer.nml", block(SUPPORT, PRESSURE, CONTACT, "accuracy refinements = 2")),
+                 *(self.write(f"pressed_{p}.nml", block(SUPPORT, f"load set = 'top'  pressure = {p}.0", CONTACT))
+                   for p in (1, 2))]
+        self.run_command([PROGRAM, "--output", "one", *decks])
+        self.run_command(launched(3, "--output", "three", *SPREAD, *decks))
+        for deck in decks:
+            self.assert_same(deck.removesuffix(".nml"), "three", "one")
+        self.assertIn("shared with case pressed_1", (self.directory / "three/pressed_2.lst").read_text("utf-8"))
+        for verified in ([PROGRAM], launched(2)):
+            self.run_command([*verified, "--verify", "three"])
+
+
+class OneProgram(RanksTest):
+    """Whatever the number of ranks, rank 0 alone reads, prints and writes."""
+
+    def test_messages_of_bad_decks_are_printed_once(self):
+        decks = sorted((ROOT / "tests/bad").glob("*.nml"))
+        for arguments in (["--output", "out", *decks], ["--chek", "case.nml"], [], ["missing.nml"], ["--help"]):
+            one, three = (self.run_command(command, None)
+                          for command in ([PROGRAM, *map(str, arguments)], launched(3, *arguments)))
+            self.assertEqual((three.stdout, three.stderr, three.returncode), (one.stdout, one.stderr, one.returncode))
+
+    def test_small_bodies_stay_on_one_rank_and_large_ones_do_not(self):
+        for cells, kind in ("8, 4", "band"), ("100, 60", "distributed"):
+            deck = self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, mesh=f"size = 4.0, 2.0  cells = {cells}"))
+            told = self.run_command(launched(2, "--check", deck)).stdout
+            self.assertIn(f", {kind} factor of ", told)
+            self.assertEqual(" MB of memory on each of 2 ranks at most\n" in told, kind == "distributed")
+
+    def test_deck_on_standard_input(self):
+        run = subprocess.run(launched(2, *SPREAD, "-"), input=block(SUPPORT, PRESSURE, CONTACT), cwd=self.directory,
+                             capture_output=True, encoding="utf-8", timeout=self.timeout, check=True)
+        self.assertTrue(run.stdout.startswith("stdin: solved"), run.stdout)
+
+
+class Kills(RanksTest):
+    """A rank that is killed ends all; files are whole or absent."""
+
+    def ranks_of(self, launcher):
+        """The processes of the program below mpiexec, by their rank."""
+        found = {}
+        for entry in Path("/proc").iterdir():
+            try:
+                if entry.name.isdigit() and f"PPid:\t{launcher.pid}\n" in (entry / "status").read_text("utf-8"):
+                    rank = re.search(rb"OMPI_COMM_WORLD_RANK=(\d+)", (entry / "environ").read_bytes())
+                    if rank:
+                        found[int(rank[1])] = int(entry.name)
+            except OSError:
+                pass
+        return found
+
+    def test_killed_ranks_leave_whole_files_or_none(self):
+        deck = self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, mesh="size = 4.0, 4.0  cells = 150, 150"))
+        n_ended = 0
+        for attempt in range(6):
+            with self.subTest(attempt=attempt):
+                with subprocess.Popen(launched(2, "--output", "out", deck), cwd=self.directory,
+                                      stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
+                    time.sleep(0.4 + 0.3*attempt)
+                    victim = self.ranks_of(run).get(attempt % 2)
+                    if victim:
+                        os.kill(victim, signal.SIGKILL)
+                    run.communicate(timeout=60)
+                n_ended += run.returncode != 0
+                left = [] if not (self.directory / "out").exists() else sorted(
+                    path.name for path in (self.directory / "out").iterdir() if not path.name.startswith("."))
+                self.assertIn(left, ([], sorted(results_of("case"))))
+                for name in left:
+                    (self.directory / "out" / name).unlink()
+        self.assertGreater(n_ended, 0, "no kill came before the end")
 
 
 if __name__ == "__main__":
