@@ -14,7 +14,10 @@
 `figure` draws a case; the commands amontons-plot and amontons-report, or `python -m amontons plot`, draw files and make
 a page of them.
 """
+from __future__ import annotations
+
 import importlib
+from typing import Any
 
 _NAMES = {
     "cases": ("Case",),
@@ -22,14 +25,14 @@ _NAMES = {
     "grid": ("Grid", "read_grid"),
     "mesh": ("Mesh",),
     "plot": ("figure",),
-    "solve": ("AmontonsError", "DeckResult", "DoubtfulResult", "FileMissing", "InputRefused", "NotConverged",
-              "NumericalFailure", "ReducedResult", "StepState", "Stepper", "SystemFailure", "set_threads", "solve_deck",
-              "solve_reduced", "version"),
+    "solve": ("AmontonsError", "DeckResult", "DoubtfulResult", "FileMissing", "InputRefused", "NoEquilibrium",
+              "NotConverged", "NumericalFailure", "ReducedResult", "StepState", "Stepper", "SystemFailure",
+              "set_threads", "solve_deck", "solve_reduced", "version"),
 }
 __all__ = [name for names in _NAMES.values() for name in names]
 
 
-def __getattr__(name):
+def __getattr__(name: str) -> Any:
     """Loads NumPy and the library when they are first needed: the commands start without them."""
     if name == "__version__":
         return importlib.import_module("amontons.solve").version()
@@ -39,5 +42,5 @@ def __getattr__(name):
     raise AttributeError(f"module 'amontons' has no attribute '{name}'")
 
 
-def __dir__():
+def __dir__() -> list[str]:
     return sorted([*globals(), *__all__, "__version__"])

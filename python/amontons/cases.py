@@ -1,11 +1,16 @@
 """The files of solved cases: finds them, and reads each when it is first asked for."""
+from __future__ import annotations
+
 import csv
 import json
+import os
+from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
+from typing import Any, Optional, Union
 
 from amontons.deck import read_deck
-from amontons.grid import part, read_grid
+from amontons.grid import Grid, part, read_grid
 
 SUMMARY = ".summary.json"
 ENDINGS = (SUMMARY, ".contact.csv", ".contact.vtu", ".sweep.csv", ".sweep.pvd", ".deck.nml", ".vtu", ".lst")
@@ -16,10 +21,10 @@ class CaseFault(ValueError):
     """What is wrong with the files of a case, in a sentence."""
 
 
-def find_cases(names):
+def find_cases(names: Iterable[Union[str, os.PathLike[str]]]) -> list[str]:
     """The paths of the cases that names stand for, without the endings of their files: a folder of cases, any file of
     a case, or the path itself."""
-    paths = []
+    paths: list[str] = []
     for name in map(str, names):
         if Path(name).is_dir():
             found = sorted(str(path)[: -len(SUMMARY)] for path in Path(name).glob("*" + SUMMARY))
@@ -35,67 +40,67 @@ def find_cases(names):
 class Case:
     """A case that is solved."""
 
-    def __init__(self, path):
-        self.path = str(path)  # of its files, without their endings
+    def __init__(self, path: Union[str, os.PathLike[str]]) -> None:
+        self.path: str = str(path)  # of its files, without their endings
         try:
-            self.summary = json.loads(Path(self.path + SUMMARY).read_text(encoding="utf-8"))
+            self.summary: dict[str, Any] = json.loads(Path(self.path + SUMMARY).read_text(encoding="utf-8"))
         except ValueError:
             raise CaseFault(f"{self.path}{SUMMARY}: damaged: not JSON") from None
 
     @property
-    def heading(self):
+    def heading(self) -> str:
         """Its title, or its name where it has none."""
         return self.summary.get("title") or self.summary["case"]
 
     @property
-    def has_equilibrium(self):
+    def has_equilibrium(self) -> bool:
         """Whether contact and friction can balance its loads; else its summary has a message and no numbers."""
         return self.summary.get("outcome") != "no_equilibrium"
 
     @property
-    def is_history(self):
+    def is_history(self) -> bool:
         """Whether it is the last step of a load history."""
         return "load_history" in self.summary
 
     @property
-    def kind(self):
+    def kind(self) -> str:
         """What it is: 'body', 'sweep' or 'reduced'."""
         return next((kind for kind, key in (("sweep", "sweep"), ("reduced", "problem")) if key in self.summary), "body")
 
     @cached_property
-    def mesh(self):
+    def mesh(self) -> Grid:
         """The body, NAME.vtu."""
         return read_grid(self.path + ".vtu")
 
     @cached_property
-    def line(self):
+    def line(self) -> Grid:
         """The contact points, NAME.contact.vtu without the masters of pairs."""
         return part(self._both_lines, self._both_lines.point_data["status"] > 0)
 
     @cached_property
-    def master(self):
+    def master(self) -> Grid:
         """The lines of the masters of pairs, the rest of NAME.contact.vtu."""
         return part(self._both_lines, self._both_lines.point_data["status"] == 0)
 
     @cached_property
-    def _both_lines(self):
+    def _both_lines(self) -> Grid:
         return read_grid(self.path + ".contact.vtu")
 
     @cached_property
-    def contacts(self):
+    def contacts(self) -> list[dict[str, Any]]:
         """The groups `&contact` of its deck, those of the contact sets 1, 2, ..."""
         text = Path(self.path + ".deck.nml").read_text(encoding="utf-8")
         return [keys for group, keys in read_deck(text) if group == "contact"]
 
-    def table(self, name):
+    def table(self, name: str) -> list[dict[str, str]]:
         """The rows of a table, NAME.contact.csv or NAME.sweep.csv."""
         with open(f"{self.path}.{name}.csv", newline="", encoding="utf-8") as text:
             return list(csv.DictReader(text))
 
-    def label(self, text, dimension=None):
+    def label(self, text: str, dimension: Optional[str] = None) -> str:
         """A text for an axis, with the unit that the deck names for a length, force or stress."""
         units = [unit.strip() for unit in (self.summary.get("units") or "").split(",") if unit.strip()]
         if len(units) == 2:
             units.append(f"{units[1]}/{units[0]}²")
-        unit = dict(zip(DIMENSIONS, units)).get(dimension)
+        unit = dict(zip(DIMENSIONS, units)).get(dimension or "")
         return f"{text} [{unit}]" if unit else text

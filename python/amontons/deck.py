@@ -2,21 +2,25 @@
 
 A deck is a list of pairs, the name of a group and its keys and values, in the order of the file.
 """
+from __future__ import annotations
+
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any, Union
 
 _GROUP = re.compile(r"""&(\w+)((?:[^'"/!]|!.*|'(?:[^'\n]|'')*'|"(?:[^"\n]|"")*")*)/|!.*|\S""")
 _PIECE = re.compile(r"""!.*|(\w+)\s*=|('(?:[^'\n]|'')*'|"(?:[^"\n]|"")*")|([^\s,'"=!]+)""")
 _LOGICAL = {True: ".true.", False: ".false."}
 
 
-def read_deck(text):
+def read_deck(text: str) -> list[tuple[str, dict[str, Any]]]:
     """The groups of an effective deck, NAME.deck.nml: a value alone as itself, several as a list."""
-    groups = []
+    groups: list[tuple[str, dict[str, Any]]] = []
     for match in _GROUP.finditer(text):
         if match[1]:
-            keys = {}
+            keys: dict[str, list[Any]] = {}
+            values: list[Any] = []
             for key, quoted, word in _PIECE.findall(match[2]):
                 if key:
                     values = keys.setdefault(key.lower(), [])
@@ -27,7 +31,7 @@ def read_deck(text):
     return groups
 
 
-def _number(word):
+def _number(word: str) -> Union[int, float, str]:
     """The number that a word is, or the word."""
     for kind in (int, float):
         try:
@@ -37,7 +41,7 @@ def _number(word):
     return word
 
 
-def deck_text(groups):
+def deck_text(groups: Mapping[str, Union[Mapping[str, Any], Sequence[Mapping[str, Any]]]]) -> str:
     """The text of a deck: a dict of groups, each a dict of keys, or a list of such dicts for a group that is repeated.
 
         deck_text({"mesh": {"size": (40, 40), "cells": (32, 10)}, "support": [{"set": "left", "ux": 0.0}]})
@@ -49,7 +53,7 @@ def deck_text(groups):
     return "\n".join(lines) + "\n"
 
 
-def value_text(value):
+def value_text(value: Any) -> str:
     """A value as a deck has it: text in quotes, several numbers separated by commas."""
     if isinstance(value, (str, Path)):
         return "'" + str(value).replace("'", "''") + "'"

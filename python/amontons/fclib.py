@@ -20,6 +20,7 @@ import sys
 import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Optional
 
 import h5py
 import numpy as np
@@ -46,7 +47,7 @@ class Problem:
     value: np.ndarray    # the entries
     q: np.ndarray        # u without forces (2m)
     mu: np.ndarray       # coefficients of friction (m)
-    r: np.ndarray = None  # forces of a solution (2m), or None
+    r: Optional[np.ndarray] = None  # forces of a solution (2m)
 
     def displacements(self):
         """u = W r + q."""

@@ -1,6 +1,10 @@
 """Reads the grids that Amontons writes, NAME.vtu and NAME.contact.vtu; doc/output.md explains their arrays."""
+from __future__ import annotations
+
 import base64
+import os
 from dataclasses import dataclass
+from typing import Union
 from xml.etree import ElementTree
 
 import numpy as np
@@ -14,23 +18,24 @@ LENGTH = 8  # bytes: an array stands behind its length
 class Grid:
     """A mesh and what is known on its points and cells."""
     points: np.ndarray  # coordinates (n_points, 3)
-    cells: list         # pairs: the kind of some consecutive cells, and their points, from 0 (n_cells, n_corners)
-    point_data: dict    # arrays by name (n_points) or (n_points, n_components)
-    cell_data: dict     # arrays by name (n_cells) or (n_cells, n_components), all cells one after the other
+    cells: list[tuple[str, np.ndarray]]  # the kind of some consecutive cells, and their points, from 0 (n_cells, n)
+    point_data: dict[str, np.ndarray]    # arrays by name (n_points) or (n_points, n_components)
+    cell_data: dict[str, np.ndarray]     # arrays by name (n_cells) or (n_cells, n_components), all cells in turn
 
 
-def read_grid(path):
+def read_grid(path: Union[str, os.PathLike[str]]) -> Grid:
     """Reads a grid; a ValueError says that the file is damaged."""
     try:
-        piece = ElementTree.parse(path).getroot().find("UnstructuredGrid/Piece")
-        sections = {section.tag: {array.get("Name"): _values(array) for array in section} for section in piece}
+        root = ElementTree.parse(path).getroot()
+        sections = {section.tag: {array.attrib["Name"]: _values(array) for array in section}
+                    for section in root.findall("UnstructuredGrid/Piece/*")}
         return Grid(sections["Points"]["points"], _blocks(**sections["Cells"]), sections["PointData"],
                     sections.get("CellData", {}))
     except (ElementTree.ParseError, LookupError, TypeError, ValueError):
         raise ValueError(f"{path}: damaged, or not a grid of Amontons") from None
 
 
-def part(grid, wanted):
+def part(grid: Grid, wanted: np.ndarray) -> Grid:
     """The points of a grid that are wanted, and the cells between them; without data of cells."""
     number = np.cumsum(wanted) - 1
     cells = [(kind, number[nodes[wanted[nodes].all(axis=1)]]) for kind, nodes in grid.cells]
@@ -38,14 +43,14 @@ def part(grid, wanted):
                 {name: values[wanted] for name, values in grid.point_data.items()}, {})
 
 
-def _values(array):
+def _values(array: ElementTree.Element) -> np.ndarray:
     """The numbers of an array."""
-    values = np.frombuffer(base64.b64decode(array.text)[LENGTH:], TYPES[array.get("type")])
+    values = np.frombuffer(base64.b64decode(array.text or "")[LENGTH:], TYPES[array.attrib["type"]])
     width = int(array.get("NumberOfComponents", "1"))
     return values if width == 1 else values.reshape(-1, width)
 
 
-def _blocks(connectivity, offsets, types):
+def _blocks(connectivity: np.ndarray, offsets: np.ndarray, types: np.ndarray) -> list[tuple[str, np.ndarray]]:
     """The cells, those of one kind that follow each other together."""
     blocks = []
     for cells in np.split(np.arange(len(types)), np.flatnonzero(np.diff(types)) + 1):

@@ -3,11 +3,16 @@ along the contact line; the residuals. Where only a small part of the line is cl
 body there once more. Of a sweep: the zones of the contact line over the swept quantities. Writes CASE.png and CASE.svg
 beside the files of the case; of a load history, CASE.steps.png and CASE.steps.svg too: its loop, the zones over the
 pseudo-time, the dissipation along the line."""
+from __future__ import annotations
+
 import argparse
 import os
 import sys
+from collections.abc import Sequence
+from typing import Optional, Union
 
 import matplotlib
+import matplotlib.figure
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -83,7 +88,9 @@ def draw_line(panels, case, shown, label):
         panels[-1][1].set_xlabel(label)
 
 
-def figure(case, panels=None, field=None, *, scale=None, abscissa=None, size=None):
+def figure(case: Union[Case, str, os.PathLike[str]], panels: Optional[Sequence[str]] = None,
+           field: Optional[str] = None, *, scale: Optional[float] = None, abscissa: Optional[str] = None,
+           size: Optional[tuple[float, float]] = None) -> matplotlib.figure.Figure:
     """The figure of a case, which may be given by the path of its files.
 
     The panels are some of PANELS, the field is one of `draw_body.fields(case.mesh)` or a column of a sweep, the scale
@@ -99,14 +106,14 @@ def figure(case, panels=None, field=None, *, scale=None, abscissa=None, size=Non
     kind = case.kind
     if kind == "sweep" and (field or sum(quantity["values"] > 1 for quantity in case.summary["quantities"]) < 2):
         kind = "curve"
-    size = [length / INCH for length in size or SIZES[kind]]
+    inches = [length / INCH for length in size or SIZES[kind]]
     with plt.rc_context(STYLE):
         if case.kind == "sweep":
-            drawn, title = draw_sweep(case, size, field)
+            drawn, title = draw_sweep(case, inches, field)
         elif case.kind == "reduced":
-            drawn, title = draw_reduced(case, size)
+            drawn, title = draw_reduced(case, inches)
         else:
-            drawn = draw_panels(case, panels or PANELS, size, field or FIELD, scale, abscissa or "s")
+            drawn = draw_panels(case, panels or PANELS, inches, field or FIELD, scale, abscissa or "s")
             title = case.heading
         drawn.suptitle(plain(title))
     return drawn

@@ -15,7 +15,7 @@ import os
 import re
 import tempfile
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Optional, Union
@@ -32,6 +32,7 @@ STATUSES = np.array(["", "open", "stick", "slip+", "slip-"])
 WORDS = ("status", "outcome", "warnings", "statuses")  # columns of tables
 TEXT_SIZE = 65536
 NO_FILE = os.strerror(2)  # what a message ends with where a file is not there
+NO_EQUILIBRIUM = ": no equilibrium: "  # what follows the name of a deck whose loads nothing can balance
 
 
 class AmontonsError(Exception):
@@ -47,7 +48,11 @@ class FileMissing(InputRefused, FileNotFoundError):
 
 
 class NumericalFailure(AmontonsError, ArithmeticError):
-    """The numbers are at fault: no equilibrium, a stiffness that is not positive definite."""
+    """The numbers are at fault: a stiffness that is not positive definite, numbers out of range."""
+
+
+class NoEquilibrium(NumericalFailure):
+    """Contact and friction cannot balance the loads: the answer to a case, not a failure."""
 
 
 class SystemFailure(AmontonsError, OSError):
@@ -62,7 +67,7 @@ class NotConverged(DoubtfulResult):
     """A result is there, but not to the tolerance, or its certificate failed."""
 
 
-ERRORS = {1: InputRefused, 2: NumericalFailure, 3: SystemFailure}
+ERRORS: dict[int, type[AmontonsError]] = {1: InputRefused, 2: NumericalFailure, 3: SystemFailure}
 
 
 @dataclass(frozen=True)
@@ -136,7 +141,7 @@ def _library_path() -> str:
     return str(found[0]) if found else ctypes.util.find_library("amontons_c") or "libamontons_c.so"
 
 
-def _load():
+def _load() -> ctypes.CDLL:
     """Loads the library and declares its procedures."""
     library = ctypes.CDLL(_library_path())
     numbers = np.ctypeslib.ndpointer(np.float64, flags="F_CONTIGUOUS")
@@ -178,8 +183,12 @@ def _judge(code: int, message: ctypes.Array, n_callers: int) -> bool:
     that are in this module."""
     sentence = message.value.decode(errors="replace")
     if code in ERRORS:
-        is_missing = code == 1 and sentence.endswith(NO_FILE)
-        raise (FileMissing if is_missing else ERRORS[code])(sentence)
+        kind = ERRORS[code]
+        if code == 1 and sentence.endswith(NO_FILE):
+            kind = FileMissing
+        elif code == 2 and NO_EQUILIBRIUM in sentence:
+            kind = NoEquilibrium
+        raise kind(sentence)
     if code:
         warnings.warn(sentence, NotConverged, stacklevel=n_callers + 1)
     return code == 0
@@ -310,14 +319,14 @@ def _solve_deck(deck: Deck, output: Path, mesh: Optional[Mesh], settings: Mappin
         settings = {"mesh.kind": "file", "mesh.file": file, **settings}
     name, message = ctypes.create_string_buffer(TEXT_SIZE), ctypes.create_string_buffer(TEXT_SIZE)
     tail = (os.fsencode(output), name, TEXT_SIZE, message, TEXT_SIZE)
-    text, file = _text_of(deck)
+    text, deck_file = _text_of(deck)
     if text is None and not settings:
-        code = _library.amontons_solve_deck(os.fsencode(file), *tail)
+        code = _library.amontons_solve_deck(os.fsencode(deck_file), *tail)
     else:
         if text is None:
-            text = _bytes_of(file)
+            text = _bytes_of(deck_file)
         lines = "\n".join(f"{_key(key)}={value_text(value)}" for key, value in settings.items())
-        code = _library.amontons_solve_deck_text(text, os.fsencode(file), os.fsencode(lines), *tail)
+        code = _library.amontons_solve_deck_text(text, os.fsencode(deck_file), os.fsencode(lines), *tail)
     is_solved = _judge(code, message, n_callers=3)
     result = DeckResult(output / os.fsdecode(name.value), is_kept, is_solved)
     for sentence in result.summary.get("warnings", []):
@@ -359,7 +368,7 @@ def _read_table(path: str) -> dict[str, np.ndarray]:
     return {key: np.array(column) if key in WORDS else _numbers(column) for key, column in zip(header, columns)}
 
 
-def _numbers(cells) -> np.ndarray:
+def _numbers(cells: Iterable[str]) -> np.ndarray:
     """Turns the cells of a column of numbers into an array, of whole numbers where they are."""
     try:
         return np.array([int(cell) for cell in cells], dtype=int)

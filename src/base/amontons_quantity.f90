@@ -13,7 +13,7 @@ module amontons_quantity
       character(32) :: label = '' !! its name in listings
       real(dp) :: value = 0.0_dp !! the number
       real(dp) :: scale = 0.0_dp !! what rounding errors of it are measured by, if larger than the number itself
-      logical :: is_nodal = .false. !! whether it is a length from node to node, which moves by whole sides
+      real(dp) :: resolution = 0.0_dp !! share of a side that it is known to: 1 for a length from node to node [-]
       character(9) :: dimension = '' !! what it is measured in, as `unit_of` takes it
       logical :: has_place = .false. !! whether it is found at a place
       real(dp) :: place(2) = 0.0_dp !! the place; in files KEY_x and KEY_y [L]

@@ -15,7 +15,7 @@ module amontons_config_file
    public :: take_file
 
    !> The name by which a sweep knows the loads of a mesh file.
-   character(*), parameter, public :: file_load_name = 'mesh file'
+   character(*), parameter :: file_load_name = 'mesh file'
 
 contains
 

@@ -108,23 +108,15 @@ contains
       character(:), allocatable :: start
       integer :: first, last
 
-      start = newline//field(outcome%deck)//','
-      if (outcome%word == 'unchanged') start = start//field(outcome%name)//',solved,'
-      first = index(newline//rows, start)
-      if (first == 0) then
-         if (outcome%word == 'unchanged') then
-            start = newline//field(outcome%deck)//','
-            first = index(newline//rows, start)
-         end if
-      else if (outcome%word == 'unchanged') then
-         return
-      end if
+      start = field(outcome%deck)//','
+      first = index(newline//rows, newline//start)
       if (first == 0) then
          rows = rows//row_text(outcome)
-      else
-         last = first + index(rows(first:), newline) - 1
-         rows = rows(:first - 1)//row_text(outcome)//rows(last + 1:)
+         return
       end if
+      if (outcome%word == 'unchanged' .and. index(rows(first:), start//field(outcome%name)//',solved,') == 1) return
+      last = first + index(rows(first:), newline) - 1
+      rows = rows(:first - 1)//row_text(outcome)//rows(last + 1:)
    end subroutine put_row
 
    !> The row of a deck. Its message is one line.

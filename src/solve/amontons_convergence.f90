@@ -34,16 +34,17 @@ contains
 
    !> Judges the last three of the values of a number.
    !>
-   !> Differences of mesh to mesh that fall by 2^p have the order p. Of an order above 2, that of the elements at the
-   !> best for stresses and lengths, the bar believes 2. An order below 0.5 is that of a singular solution: the number
-   !> may have no limit. What a mesh cannot resolve, a length between nodes, moves by no less than a side; the bar is
-   !> not smaller.
+   !> Differences of mesh to mesh that fall by 2^p have the order p. The bar believes no order above 1, that of the
+   !> stresses at the end of a contact: where an end lies between two nodes makes a small last difference a matter of
+   !> chance, and the one before it counts besides. An order below 0.5 is that of a singular solution: the number may
+   !> have no limit. What a mesh cannot resolve, a length between nodes, moves by no less than a side; the bar is not
+   !> smaller.
    pure subroutine new_convergence(convergence, value, resolution, rounding)
       type(convergence_t), intent(out) :: convergence !! the judgment
       real(dp), intent(in) :: value(:) !! the values, three at the least, the coarsest mesh first
       real(dp), intent(in) :: resolution !! the smallest change that the last mesh can show; 0 if it shows any
       real(dp), intent(in) :: rounding !! change that is rounding
-      real(dp), parameter :: least_order = 0.5_dp, most_order = 2.0_dp
+      real(dp), parameter :: least_order = 0.5_dp, most_order = 1.0_dp
       real(dp), parameter :: safety = 1.25_dp, large_safety = 3.0_dp
       real(dp) :: before, last
 
@@ -66,7 +67,8 @@ contains
             convergence%verdict = slow
             convergence%bar = large_safety*abs(last)/(2.0_dp**convergence%order - 1.0_dp)
          else
-            convergence%bar = safety*abs(last)/(2.0_dp**min(convergence%order, most_order) - 1.0_dp)
+            convergence%bar = safety*max(abs(last), abs(before)/2.0_dp**most_order) &
+               /(2.0_dp**min(convergence%order, most_order) - 1.0_dp)
          end if
       end select
       convergence%bar = max(convergence%bar, resolution)

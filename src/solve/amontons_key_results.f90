@@ -2,7 +2,8 @@
 module amontons_key_results
    use amontons_body, only: body_t
    use amontons_contact_rows, only: turned
-   use amontons_friction_law, only: open_point, stick_point
+   use amontons_element, only: n_corners, n_element_nodes
+   use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
    use amontons_quantity, only: at_place, quantity_t
@@ -50,7 +51,7 @@ contains
    end function contact_peaks
 
    !> Finds the parts of the contact line that are closed, and those that stick.
-   pure subroutine find_zones(closed, stuck, body, force, status, friction, slip_bound)
+   pure subroutine find_zones(closed, stuck, body, force, status, friction, slip_bound, slip)
       type(interval_t), allocatable, intent(out) :: closed(:) !! the closed parts
       type(interval_t), allocatable, intent(out) :: stuck(:) !! the parts that stick
       type(body_t), intent(in) :: body !! the body
@@ -58,12 +59,17 @@ contains
       integer, intent(in) :: status(:) !! statuses of the points (m)
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients (m) [-]
       real(dp), intent(in) :: slip_bound(:) !! given bounds of the tangential force (m) [F]
+      real(dp), intent(in) :: slip(:) !! slips of the points (m) [L]
+      real(dp) :: telling(size(slip))
       integer :: m
 
       m = size(status)
-      call find_edges(closed, body%zone, status /= open_point, force(:m), 2)
+      telling = 0.0_dp
+      call find_edges(closed, body%zone, status /= open_point, force(:m), 2, telling)
+      if (any(n_element_nodes(body%mesh%element_kind) > n_corners(body%mesh%element_kind))) telling = &
+         merge(slip, 0.0_dp, status == slip_plus .or. status == slip_minus)
       call find_edges(stuck, body%zone, status == stick_point, slip_bound + friction*force(:m) - &
-         abs(force(m + 1:)), 1)
+         abs(force(m + 1:)), 1, telling)
    end subroutine find_zones
 
    !> What each contact set carries.
@@ -95,6 +101,8 @@ contains
       integer, intent(in) :: set !! number of the set
       character(*), intent(in) :: number !! what tells it from others; empty for the only one
       type(quantity_t), allocatable :: list(:)
+      ! Ends between nodes are found to about a tenth of a side each.
+      real(dp), parameter :: between_nodes = 0.2_dp
       character(:), allocatable :: suffix
       real(dp) :: sums(2), moment, center(2), acting(2), normal_force, length, scale
       integer :: p
@@ -118,8 +126,9 @@ contains
       end associate
       suffix = number
       if (len(number) > 0) suffix = '_'//number
-      list = [quantity_t('contact_width'//suffix, 'Contact width '//number, widths(1), length, dimension='L'), &
-         quantity_t('stick_width'//suffix, 'Stick width '//number, widths(2), length, dimension='L'), &
+      list = [quantity_t('contact_width'//suffix, 'Contact width '//number, widths(1), length, between_nodes, &
+         dimension='L'), &
+         quantity_t('stick_width'//suffix, 'Stick width '//number, widths(2), length, between_nodes, dimension='L'), &
          quantity_t('contact_centroid_x'//suffix, 'Centroid x '//number, center(1), length, dimension='L'), &
          quantity_t('contact_centroid_y'//suffix, 'Centroid y '//number, center(2), length, dimension='L'), &
          quantity_t('contact_force_x'//suffix, 'Force x '//number, sums(1), scale, dimension='F'), &

@@ -54,9 +54,9 @@ contains
       class(lengths_t), intent(in) :: self !! the lengths
       type(quantity_t) :: list(3)
 
-      list = [quantity_t('open_length', 'Open length', self%open, is_nodal=.true., dimension='L'), &
-         quantity_t('slip_length', 'Slip length', self%slip, is_nodal=.true., dimension='L'), &
-         quantity_t('stick_length', 'Stick length', self%stick, is_nodal=.true., dimension='L')]
+      list = [quantity_t('open_length', 'Open length', self%open, resolution=1.0_dp, dimension='L'), &
+         quantity_t('slip_length', 'Slip length', self%slip, resolution=1.0_dp, dimension='L'), &
+         quantity_t('stick_length', 'Stick length', self%stick, resolution=1.0_dp, dimension='L')]
    end function lengths_quantities
 
 end module amontons_lengths

@@ -160,16 +160,19 @@ contains
    subroutine judge(result, body)
       type(result_t), intent(inout) :: result !! the result: load case, solution and displacements of all nodes
       type(body_t), intent(in) :: body !! the body
+      real(dp) :: slip(body%zone%n_points)
       integer :: m
 
       m = body%zone%n_points
+      slip = result%solution%displacement(m + 1:)
+      if (allocated(result%load_case%anchor)) slip = slip - result%load_case%anchor
       associate (solution => result%solution)
          call new_certificate(result%certificate, body, result%load_case, result%displacement, solution%force)
          call new_stress_field(result%stress, body%mesh, body%materials, body%coloring, result%displacement, &
             result%load_case%thermal_strain)
          call new_lengths(result%lengths, body%zone, solution%status)
          call find_zones(result%closed, result%stuck, body, solution%force, solution%status, &
-            result%load_case%friction, result%load_case%slip_bound)
+            result%load_case%friction, result%load_case%slip_bound, slip)
          result%key_results = [contact_peaks(body, solution%displacement(m + 1:), solution%force, solution%status, &
             maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, &
             result%stress), &

@@ -4,6 +4,9 @@
 !> to zero like a square root, as the pressure of Hertz and, at the end of a stick zone, what the shear lacks to its
 !> bound; to (a - s)^(1/2) where it grows without bound, as at the corner of a punch. So T^(2/3), or T^2, is linear in
 !> s, and two sums give a. Sums are taken at the ends of the tributary lengths of nodes.
+!>
+!> Forces at the nodes of quadratic sides alternate. There the slip beyond the end of a stick zone tells more: it is
+!> proportional to (s - a)^(3/2), so that two of its values give a.
 module amontons_zone_edges
    use amontons_contact_zone, only: contact_zone_t
    use amontons_kinds, only: dp
@@ -29,12 +32,13 @@ module amontons_zone_edges
 contains
 
    !> Finds the parts of the contact line that belong to a zone.
-   pure subroutine find_edges(intervals, zone, is_inside, force, n_summed)
+   pure subroutine find_edges(intervals, zone, is_inside, force, n_summed, slip)
       type(interval_t), allocatable, intent(out) :: intervals(:) !! the parts
       type(contact_zone_t), intent(in) :: zone !! the contact points
       logical, intent(in) :: is_inside(:) !! which points belong to the zone (m)
       real(dp), intent(in) :: force(:) !! the forces that vanish outside of it (m) [F]
       integer, intent(in) :: n_summed !! number of points of each of the two sums
+      real(dp), intent(in) :: slip(:) !! what points beyond a zone that sticks slip; 0 where it tells nothing (m) [L]
       type(chain_t) :: chain
       logical :: is_done(zone%n_points)
       integer :: first, last, n, p, n_intervals
@@ -57,7 +61,7 @@ contains
             end do
             n_intervals = n_intervals + 1
             call set_interval(intervals(n_intervals), zone, chain, first, last, force(chain%point), &
-               n_summed)
+               n_summed, slip(chain%point))
          end do
       end do
       intervals = intervals(:n_intervals)
@@ -124,7 +128,7 @@ contains
    end subroutine set_lengths
 
    !> Finds the ends of consecutive points inside of a zone.
-   pure subroutine set_interval(interval, zone, chain, first, last, force, n_summed)
+   pure subroutine set_interval(interval, zone, chain, first, last, force, n_summed, slip)
       type(interval_t), intent(out) :: interval !! the part of the line
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(chain_t), intent(in) :: chain !! the points that follow each other
@@ -132,16 +136,17 @@ contains
       integer, intent(in) :: last !! the last point inside
       real(dp), intent(in) :: force(:) !! forces of all points of the chain (n) [F]
       integer, intent(in) :: n_summed !! number of points of each sum
+      real(dp), intent(in) :: slip(:) !! slips of all points of the chain (n) [L]
       real(dp) :: begin, end
       integer :: n
 
       n = size(chain%point)
       begin = chain%bound(first - 1)
-      if (first > 1) begin = -edge(-chain%bound(last:first - 1:-1), force(last:first:-1), &
-         -chain%arc(first - 1), n_summed)
+      if (first > 1) begin = -edge_by_slip(-chain%arc(first:1:-1), slip(first - 1:1:-1), &
+         edge(-chain%bound(last:first - 1:-1), force(last:first:-1), -chain%arc(first - 1), n_summed))
       end = chain%bound(last)
-      if (last < n) end = edge(chain%bound(first - 1:last), force(first:last), chain%arc(last + 1), &
-         n_summed)
+      if (last < n) end = edge_by_slip(chain%arc(last:), slip(last + 1:), &
+         edge(chain%bound(first - 1:last), force(first:last), chain%arc(last + 1), n_summed))
       interval%set = zone%set(chain%point(first))
       interval%length = max(0.0_dp, end - begin)
       interval%ends(:, 1) = place_at(zone, chain, begin)
@@ -174,6 +179,33 @@ contains
       end associate
       edge = max(bound(n - 1), min(outside, edge))
    end function edge
+
+   !> Where a stick zone ends, from two of the slips beyond it. The first ones are the least accurate: where ten or more
+   !> points in a row slip, the third and the fifth are taken.
+   pure real(dp) function edge_by_slip(arc, slip, by_force) result(edge)
+      real(dp), intent(in) :: arc(0:) !! where the last point inside and those beyond it lie (0:n) [L]
+      real(dp), intent(in) :: slip(:) !! slips of those beyond it (n) [L]
+      real(dp), intent(in) :: by_force !! where the forces say that it ends, for where slips tell nothing [L]
+      integer, parameter :: near(2) = [1, 2], far(2) = [3, 5], many = 10
+      integer :: used(2), n
+      real(dp) :: root(2)
+
+      ! Those that slip one way, each more than the one before.
+      n = 0
+      do while (n < size(slip))
+         if (.not. slip(n + 1)*slip(1) > 0.0_dp) exit
+         if (n > 0) then
+            if (.not. abs(slip(n + 1)) > abs(slip(n))) exit
+         end if
+         n = n + 1
+      end do
+      edge = by_force
+      if (n < 2) return
+      used = merge(far, near, n >= many)
+      root = (abs(slip(used))/abs(slip(used(2))))**(2.0_dp/3.0_dp)
+      edge = arc(used(1)) - (arc(used(2)) - arc(used(1)))*root(1)/(1.0_dp - root(1))
+      edge = max(arc(0), min(arc(1), edge))
+   end function edge_by_slip
 
    !> The place at a length along a chain, which may lie beyond its ends.
    pure function place_at(zone, chain, arc) result(place)

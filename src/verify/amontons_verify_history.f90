@@ -55,11 +55,15 @@ contains
       type(history_model_t) :: model
       type(history_result_t) :: result
       type(stated_t) :: stated
+      type(config_t) :: solved
       type(error_t), allocatable :: error
       integer :: n_faults
 
       is_certified = .false.
-      call prepare_history(cache, config, method, model, result%last, error)
+      ! What was spread over ranks is checked on however many there are.
+      solved = config
+      if (solved%factorization == 'distributed') solved%factorization = 'auto'
+      call prepare_history(cache, solved, method, model, result%last, error)
       if (.not. allocated(error)) call begin(result%walk, cache, model, error)
       if (allocated(error)) then
          call summary%faults%add(stem//'.deck.nml', error%message)

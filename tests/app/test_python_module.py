@@ -14,7 +14,7 @@ import warnings
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from harness import CONTACT, SOUND, ProgramTest, Result, block, read_vtu, results_of
+from harness import CONTACT, PRESSURE, SOUND, SUPPORT, ProgramTest, Result, block, read_vtu, results_of
 
 try:
     import numpy as np
@@ -197,14 +197,20 @@ class Deck(ProgramTest):
             amontons.solve_deck(name, self.directory)
         self.assertEqual(str(caught.exception), run.stderr.rstrip("\n"))
 
-    def test_body_without_equilibrium_is_a_numerical_failure(self):
+    def test_body_without_equilibrium_has_an_exception_of_its_own(self):
         name = self.directory / self.write("case.nml", block("load set = 'top'  traction = 0.0, 1.0",
                                                              "support set = 'left'  ux = 0.0", CONTACT))
         run = self.run_program(name, status=None)
-        expected = {1: amontons.InputRefused, 2: amontons.NumericalFailure}[run.returncode]
-        with self.assertRaises(expected) as caught:
+        self.assertEqual(run.returncode, 2)
+        with self.assertRaises(amontons.NoEquilibrium) as caught:
             amontons.solve_deck(name)
+        self.assertIsInstance(caught.exception, amontons.NumericalFailure)
         self.assertEqual(str(caught.exception), run.stderr.rstrip("\n"))
+
+    def test_numbers_out_of_range_are_another_failure(self):
+        with self.assertRaises(amontons.NumericalFailure) as caught:
+            amontons.solve_deck(block(SUPPORT, PRESSURE, CONTACT, mesh="size = 1e200, 1e200  cells = 8, 4"))
+        self.assertNotIsInstance(caught.exception, amontons.NoEquilibrium)
 
     def test_directory_that_cannot_be_made_is_a_system_failure(self):
         name = self.directory / self.write("case.nml", SOUND)

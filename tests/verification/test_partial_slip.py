@@ -19,7 +19,9 @@ stresses of almost incompressible elements alternate; the mean shear of the cell
 cusp at $c$, to less than 5 % in the $L_2$ norm on every mesh. The far sides are at $40a$, which changes $a$ itself by
 some $10^{-4}$. $h$ is the width of a cell, $a$ is about 1. The elements are quadratic; $\nu = 0.499$, which leaves a
 coupling of $\beta = 10^{-3}$. The error of $c/a$ ends at some $2\cdot 10^{-4}$ for it; that of triangles is below
-$5\cdot 10^{-4}$ on every mesh. Tolerances: $a$ and $c/a$ 0.5 % on the finest mesh.
+$5\cdot 10^{-4}$ on every mesh. Tolerances: $a$ and $c/a$ 0.5 % on the finest mesh; the length of the
+[stick zone](output.md#zones-and-their-ends) between the nodes, whose two ends the nodes miss by up to $1.3h$ together,
+$4.5h^2/a$ on every mesh.
 """
 import math
 
@@ -37,10 +39,12 @@ class PartialSlip(Benchmark):
     def test_stick_zone_and_shear(self):
         errors = ConvergenceTable("Convergence of the stick zone", ["c/a"], {"quad8": (1,), "quad9": (1,)})
         values = ValueTable("On the finest mesh", ["quantity", "element"])
+        zones = ValueTable("The length that sticks, with ends between the nodes", ["element", "h"])
         allowed = self.meshes(0.02, 0.005)
         for element in ELEMENTS:
             for h in self.meshes((1/8, 1/16), (1/8, 1/16, 1/32)):
-                a, hertz, ratio, exact, shear = self.measure(element, h)
+                a, hertz, ratio, exact, shear, length = self.measure(element, h)
+                zones.add(element, f"1/{1/h:g}", computed=length, reference=2*a*exact, allowed=4.5*h*h/(2*a*exact))
                 if element == "tri6":
                     self.assertLess(abs(ratio/exact - 1), 5e-4, f"h = {h}")
                 else:
@@ -51,9 +55,11 @@ class PartialSlip(Benchmark):
         errors.close()
         self.assert_table(errors)
         self.assert_table(values)
+        self.assert_table(zones)
 
     def measure(self, element, h):
-        """Half width of the contact, share that sticks, each with its closed form, and the error of the shear."""
+        """Half width of the contact, share that sticks, each with its closed form, the error of the shear, and the
+        length that sticks."""
         result = self.solve(self.deck("partial_slip", mesh=graded_block(element, h, 40.0, 1.5, is_mirrored=True)))
         self.assert_sound(result)
         x, pressed, pushed = result["x"], result["normal_force"], result["tangential_force"]
@@ -78,7 +84,8 @@ class PartialSlip(Benchmark):
             found = (pushed[i]/2 + pushed[i + 1] + pushed[i + 2]/2)/length
             error += length*(found - shear)**2
             square += length*shear**2
-        return a, hertz, c/a, exact, math.sqrt(error/square)
+        zone, = result.summary["stick_zones"]
+        return a, hertz, c/a, exact, math.sqrt(error/square), zone["length"]
 
 
 def second_moment(x, force):

@@ -200,8 +200,9 @@ contains
       end if
    end subroutine condense_body
 
-   !> Whether a body is spread over the ranks of the run. A small one is quicker on one rank, a band matrix stays there,
-   !> and without unknowns besides those of the contact points there is nothing to spread.
+   !> Whether a body is spread over the ranks of the run. A small one is quicker on one rank, a band matrix and unknowns
+   !> that stand for those of other bodies stay there, and without unknowns besides those of the contact points there is
+   !> nothing to spread.
    pure logical function is_distributed(body, options)
       type(body_t), intent(in) :: body !! the body
       type(condensation_options_t), intent(in) :: options !! how to condense
@@ -209,7 +210,8 @@ contains
       integer, parameter :: least_unknowns = 10000
 
       associate (n => body%dof_map%n_dofs)
-         is_distributed = body%dof_map%n_trailing < n .and. (options%factorization == 'distributed' .or. &
+         is_distributed = body%dof_map%n_trailing < n .and. .not. allocated(body%dof_map%substitution%start) .and. &
+            (options%factorization == 'distributed' .or. &
             (options%factorization == 'auto' .and. n_ranks > 1 .and. n > least_unknowns .and. &
             .not. may_suit_band(n, options%form, body%zone)))
       end associate

@@ -77,7 +77,7 @@ contains
          do i = 1, size(last)
             values = [(levels(level)%quantities(i)%value, level=1, size(levels))]
             result%convergence(i)%quantity = last(i)
-            call new_convergence(result%convergence(i)%convergence, values, merge(side, 0.0_dp, last(i)%is_nodal), &
+            call new_convergence(result%convergence(i)%convergence, values, last(i)%resolution*side, &
                rounding*max(maxval(abs(values)), last(i)%scale))
          end do
       end associate

@@ -78,10 +78,10 @@ contains
       type(lengths_t) :: lengths
 
       call new_lengths(lengths, body%zone, solution%status)
-      call find_zones(closed, stuck, body, solution%force, solution%status, friction, slip_bound)
-      associate (m => size(solution%status))
-         list = [lengths%quantities(), resultants(solution%force), contact_peaks(body, &
-            solution%displacement(m + 1:), solution%force, solution%status, maxval(abs(solution%displacement))), &
+      associate (slip => solution%displacement(size(solution%status) + 1:))
+         call find_zones(closed, stuck, body, solution%force, solution%status, friction, slip_bound, slip)
+         list = [lengths%quantities(), resultants(solution%force), contact_peaks(body, slip, solution%force, &
+            solution%status, maxval(abs(solution%displacement))), &
             set_results(body, solution%force, closed, stuck), peaks]
       end associate
    end function case_quantities
