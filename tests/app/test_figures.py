@@ -118,6 +118,20 @@ class Figures(ProgramTest):
         drawn, = surfaces(case, 100.0, WINDOW)
         np.testing.assert_allclose(drawn[:, 1], 0.0, atol=1e-15)
 
+    def test_of_a_pair_both_bodies_are_drawn_and_no_obstacle(self):
+        name = self.write("pair.nml", block(
+            "mesh name = 'b'  size = 6.0, 2.0  cells = 9, 3  origin = -1.0, -2.01", "support set = 'b.left'  ux = 0.0",
+            "support set = 'left'  ux = 0.0", PRESSURE, "contact set = 'bottom'  against = 'b.top'",
+            "contact set = 'b.bottom'  point = 0.0, -2.01"))
+        self.run_program("--quiet", name)
+        case = Case(self.directory / "pair")
+        # Of 9 slave points the gaps of the meshes, of the 10 on the obstacle none.
+        np.testing.assert_allclose(initial_gaps(case), [0.01]*9 + [0.0]*10, atol=1e-12)
+        self.assertEqual((len(case.line.points), len(case.master.points)), (19, 10))
+        found, = surfaces(case, 1.0, WINDOW)
+        np.testing.assert_allclose(found[:, 1], -2.01)
+        self.plot("pair", "--format", "svg")
+
     def test_an_obstacle_that_has_moved_is_drawn_where_it_is(self):
         case = self.solve(SUPPORT, PRESSURE, CONTACT)
         case.line.point_data["gap"] = case.line.point_data["gap"] + 0.5

@@ -5,7 +5,8 @@ A half plane on a cylinder, both elastic, $E = 210$ and $70$, $\nu = 0.3$: with 
 (1-\nu_2^2)/E_2$ Hertz's half width $a = \sqrt{4PR/(\pi E^*)}$ and peak $p_0 = 2P/(\pi a)$ as in *Hertz contact*, with
 blocks of $200a$ above and below. The crest of the lower one is $x^2/(2R)$, $R = 100a$, up to $3a$, and levels out
 beyond. The meshes do not match: cells of the lower body are 9/8 as wide as those of the upper one. Each is once the
-slave; $a$ and $p_0$ are measured as there, $a$ by the second moment of the forces.
+slave; $a$ and $p_0$ are measured as there, $a$ by the second moment of the forces. (On finer meshes of `quad4` the
+error of the peak, $10^{-4}$, is that of the half planes.)
 
 Tolerances: 0.5 % on the finest mesh.
 """
@@ -17,7 +18,7 @@ from graded_block import graded_block
 
 MODULUS, RADIUS, SIZE = 1/(0.91/210.0 + 0.91/70.0), 100.0, 200.0
 FORCE, PEAK = math.pi*MODULUS/(4*RADIUS), MODULUS/(2*RADIUS)
-LEVELS = {"quad4": ((1/8, 1/16), (1/8, 1/16, 1/32)), "tri6": ((1/4, 1/8), (1/4, 1/8, 1/16)),
+LEVELS = {"quad4": ((1/8, 1/16), (1/8, 1/16)), "tri6": ((1/4, 1/8), (1/4, 1/8, 1/16)),
           "quad8": ((1/4, 1/8), (1/4, 1/8, 1/16)), "quad9": ((1/4, 1/8), (1/4, 1/8, 1/16))}
 ROLES = (("upper.bottom", "lower.top"), ("lower.top", "upper.bottom"))
 
