@@ -152,6 +152,8 @@ contains
       class(rigid_motions_t), intent(in) :: self !! the free motions
       real(dp), intent(in) :: amounts(:) !! amount of each free motion (n_free)
       character(:), allocatable :: text
+      ! Less is not shown by four digits.
+      real(dp), parameter :: negligible = 1.0e-4_dp
       real(dp) :: motion(3)
 
       motion = matmul(self%mode, amounts)
@@ -159,10 +161,10 @@ contains
       text = 'the body'
       if (.not. self%is_whole) text = 'the piece around '//to_text(self%center(1))//', '//to_text(self%center(2))
       text = text//' is free to'
-      if (norm2(motion(1:2)) > 1.0e-6_dp) text = text//' translate along ('//short(motion(1))//', '// &
+      if (norm2(motion(1:2)) > negligible) text = text//' translate along ('//short(motion(1))//', '// &
          short(motion(2))//')'
-      if (abs(motion(3)) > 1.0e-6_dp) then
-         if (norm2(motion(1:2)) > 1.0e-6_dp) text = text//' and'
+      if (abs(motion(3)) > negligible) then
+         if (norm2(motion(1:2)) > negligible) text = text//' and'
          text = text//' rotate '//trim(merge('counter-clockwise', 'clockwise        ', motion(3) > 0.0_dp))
       end if
    end function rigid_motions_describe

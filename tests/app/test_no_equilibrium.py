@@ -1,13 +1,31 @@
 #!/usr/bin/env python3
 """Cases without equilibrium: an answer, with files that say so."""
 import json
+import math
 import unittest
 
 from harness import CONTACT, PRESSURE, SOUND, SUPPORT, ProgramTest, block
 
 NO_EQUILIBRIUM = "no equilibrium: contact and friction cannot balance the loads; the body is free to "
 ADVICE = "; add a support, or a load that presses the body on its obstacle\n"
+BUT_FOR_THE_MESH = ("no equilibrium but for the irregularities of the mesh: contact and friction on the round line "
+                    "that its nodes lie on cannot balance the loads; the body is free to {}; add a support or friction\n")
 LIFTED = block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0")
+
+
+def ring(wave):
+    """A Gmsh file of a ring, radii 1 and 2, whose 48 cells around are of unequal length if `wave` is not 0."""
+    angles = [2*math.pi*k/48 + wave*math.sin(5*k) for k in range(48)]
+    nodes = [(radius*math.cos(angle), radius*math.sin(angle)) for radius in (1.0, 1.5, 2.0) for angle in angles]
+    cells = []
+    for k in range(48):
+        near = (k + 1) % 48
+        cells.append(f"1 2 1 1 {k + 1} {near + 1}")
+        cells += [f"3 2 2 2 {first + k} {first + 48 + k} {first + 48 + near} {first + near}" for first in (1, 49)]
+    return "\n".join(["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "2", '1 1 "hole"', '2 2 "ring"',
+                      "$EndPhysicalNames", "$Nodes", "144",
+                      *(f"{i} {x!r} {y!r} 0" for i, (x, y) in enumerate(nodes, 1)), "$EndNodes", "$Elements", "144",
+                      *(f"{i} {cell}" for i, cell in enumerate(cells, 1)), "$EndElements", ""])
 
 
 class NoEquilibrium(ProgramTest):
@@ -42,6 +60,27 @@ class NoEquilibrium(ProgramTest):
                                          "support set = 'left'  uy = 0.0"),
                                    NO_EQUILIBRIUM + "translate along (0.0, 0.8944) and rotate counter-clockwise"
                                    + ADVICE)
+
+    def test_ring_on_a_pin_turns_under_its_load(self):
+        # Forces on a smooth pin all pass its center, 0, 0: they bear a load that does so, too, and no other one.
+        # Friction bears what passes within sin(arctan(0.6)) = 0.51 of the center.
+        for wave, angle, friction, message in (
+                (0.0, 0, 0.0, NO_EQUILIBRIUM + "rotate clockwise" + ADVICE),
+                (0.01, 0, 0.0, BUT_FOR_THE_MESH.format("rotate clockwise")),
+                (0.02, 24, 0.0, BUT_FOR_THE_MESH.format("rotate counter-clockwise")),
+                (0.0, 36, 0.0, None), (0.01, 36, 0.0, None), (0.01, 37, 0.6, None)):
+            self.write("ring.msh", ring(wave))
+            turned = 2*math.pi*angle/48 + wave*math.sin(5*angle)
+            force = (1e-2*math.cos(turned), 1e-2*math.sin(turned)) if angle == 36 else (0.0, -1e-2)
+            deck = (f"&mesh kind = 'file'  file = 'ring.msh' /\n&material young = 1e3  poisson = 0.3 /\n"
+                    f"&load point = {2*math.cos(turned)!r}, {2*math.sin(turned)!r}"
+                    f"  force = {force[0]!r}, {force[1]!r} /\n"
+                    f"&contact set = 'hole'  friction = {friction}  obstacle = 'circle'  point = 0.0, 0.999"
+                    f"  radius = 0.999 /\n")
+            if message:
+                self.assert_no_equilibrium(deck, message)
+            else:
+                self.run_program("--output", "results", self.write("free.nml", deck))
 
     def test_results_of_an_earlier_run_are_replaced(self):
         self.run_program("--output", "results", self.write("free.nml", SOUND))

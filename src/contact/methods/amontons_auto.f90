@@ -29,8 +29,9 @@ module amontons_auto
    integer, parameter :: n_newton_steps = 100, n_first_sweeps = 10, growth = 4
    !> Where no number is finite, every round ends at once, but their size grows on.
    integer, parameter :: most_sweeps = 100000000
-   !> One path of Lemke's pivots then takes up to a second (0.2 s to 0.8 s measured at 200 to 300 points).
-   integer, parameter :: most_points = 300
+   !> One path of Lemke's pivots then takes some seconds (0.2 s to 0.8 s at 300 points, 4 s at 700, 9 s to 13 s at
+   !> 1000), about as long as the rounds that it saves. Longer lines have the splitting in its place.
+   integer, parameter :: most_points = 1000, n_patient_steps = 400
    !> Bounds of Newton's regularization: more ends cycles of its active sets, but is slow where there are none.
    real(dp), parameter :: max_regularizations(2) = [1.0_dp, 30.0_dp]
 
@@ -105,8 +106,8 @@ contains
    end subroutine follow_fronts
 
    !> Until the iterations are used up, Newton at length and sweeps from the best pair so far, each time four times as
-   !> many as before. Lemke's pivoting, where it is quick, has its turn once. Where a line is too long for the sweeps,
-   !> one round with each regularization.
+   !> many as before. Lemke's pivoting, where it is quick, has its turn once, else the splitting at length. Where a line
+   !> is too long for the sweeps, one round with each regularization.
    subroutine take_rounds(stages, problem, solution, error)
       type(stages_t), intent(inout) :: stages !! the stages so far
       type(contact_problem_t), intent(inout) :: problem !! the problem
@@ -126,6 +127,10 @@ contains
          end if
          solution = stages%best
          if (is_long(problem)) cycle
+         if (round == 2 .and. suits_splitting(problem)) then
+            call stages%run(splitting_t(stages%tolerance, n_patient_steps), problem, solution, error)
+            cycle
+         end if
          call stages%run(psor_t(stages%tolerance, n_sweeps, space=merge('dual  ', 'primal', problem%is_reduced())), &
             problem, solution, error)
          n_sweeps = growth*min(n_sweeps, most_sweeps)

@@ -4,9 +4,13 @@
 !> forces n + phi t and n - phi t of the contact points (a cone), and of n between them, which large friction leaves to
 !> rounding otherwise. If it is none, the part that is left over is, by Farkas' lemma, a rigid motion that the loads
 !> drive and no contact force opposes: there is no equilibrium, and along it the body is free.
+!>
+!> The normals of a round line's facets miss its center a little, so that huge forces of both signs of arm would balance
+!> any moment. What normals of the circles through neighboring nodes leave much of has no equilibrium either.
 module amontons_equilibrium
    use amontons_body, only: body_t
    use amontons_contact_rows, only: turned
+   use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
@@ -67,44 +71,107 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
       type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
-      real(dp), parameter :: unbalanced = 1.0e-9_dp
-      real(dp), allocatable :: cone(:, :), work(:), remainder(:)
+      ! Between these a mesh may place the center of gravity of a round body.
+      real(dp), parameter :: unbalanced = 1.0e-9_dp, unbalanced_when_round = 1.0e-2_dp
+      real(dp), allocatable :: remainder(:)
+      character(:), allocatable :: motion
+      real(dp) :: scale
+      integer :: k
+
+      call balance(pieces, body, load_case, body%zone%rows%part, remainder, scale)
+      if (norm2(remainder) > unbalanced*scale) then
+         motion = free_motion(pieces, body, remainder)
+         if (body%zone%n_points == 0) then
+            call new_error(error, numerical_failure, 'no equilibrium: nothing balances the loads; '//motion// &
+               '; add a support or a contact set')
+         else
+            call new_error(error, numerical_failure, &
+               'no equilibrium: contact and friction cannot balance the loads; '//motion// &
+               '; add a support, or a load that presses the body on its obstacle')
+         end if
+      else if (all(body%zone%rows%start == [(k, k=1, body%zone%n_points + 1)]) .and. .not. any(body%zone%is_cell)) then
+         call balance(pieces, body, load_case, round_normals(body%zone), remainder, scale)
+         if (norm2(remainder) > unbalanced_when_round*scale) call new_error(error, numerical_failure, &
+            'no equilibrium but for the irregularities of the mesh: contact and friction on the round line that '// &
+            'its nodes lie on cannot balance the loads; '//free_motion(pieces, body, remainder)// &
+            '; add a support or friction')
+      end if
+   end subroutine check_pieces
+
+   !> What is left of the works of the loads on the free motions of some pieces when contact forces balance them best.
+   pure subroutine balance(pieces, body, load_case, part, remainder, scale)
+      integer, intent(in) :: pieces(:) !! the pieces
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
+      real(dp), intent(in) :: part(:, :) !! the parts of the points: normal times share (2, parts) [-]
+      real(dp), allocatable, intent(out) :: remainder(:) !! what is left, piece after piece (n_free of all)
+      real(dp), intent(out) :: scale !! sum of the magnitudes of what makes up the works
+      real(dp), allocatable :: cone(:, :), work(:)
+      integer :: first, last, k
+
+      last = sum([(body%motions(pieces(k))%n_free, k=1, size(pieces))])
+      allocate (cone(last, 3*body%zone%n_points), work(last), source=0.0_dp)
+      scale = 0.0_dp
+      last = 0
+      do k = 1, size(pieces)
+         first = last + 1
+         last = last + body%motions(pieces(k))%n_free
+         call add_works(cone(first:last, :), work(first:last), scale, body%motions(pieces(k)), body, load_case, part)
+      end do
+      allocate (remainder, source=nonnegative_remainder(cone, work))
+   end subroutine balance
+
+   !> Names the motion of the piece that a remainder of works is largest on.
+   pure function free_motion(pieces, body, remainder) result(motion)
+      integer, intent(in) :: pieces(:) !! the pieces
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: remainder(:) !! what is left, piece after piece (n_free of all)
       character(:), allocatable :: motion
       integer :: first(size(pieces) + 1), i, k
-      real(dp) :: scale
 
       first(1) = 1
       do k = 1, size(pieces)
          first(k + 1) = first(k) + body%motions(pieces(k))%n_free
       end do
-      allocate (cone(first(size(first)) - 1, 3*body%zone%n_points), work(first(size(first)) - 1), source=0.0_dp)
-      scale = 0.0_dp
-      do k = 1, size(pieces)
-         call add_works(cone(first(k):first(k + 1) - 1, :), work(first(k):first(k + 1) - 1), scale, &
-            body%motions(pieces(k)), body, load_case)
-      end do
-      allocate (remainder, source=nonnegative_remainder(cone, work))
-      if (norm2(remainder) <= unbalanced*scale) return
       i = maxloc([(norm2(remainder(first(k):first(k + 1) - 1)), k=1, size(pieces))], dim=1)
       motion = body%motions(pieces(i))%describe(remainder(first(i):first(i + 1) - 1))
-      if (body%zone%n_points == 0) then
-         call new_error(error, numerical_failure, 'no equilibrium: nothing balances the loads; '//motion// &
-            '; add a support or a contact set')
-      else
-         call new_error(error, numerical_failure, &
-            'no equilibrium: contact and friction cannot balance the loads; '//motion// &
-            '; add a support, or a load that presses the body on its obstacle')
-      end if
-   end subroutine check_pieces
+   end function free_motion
+
+   !> The normals of the points on the circles through each point and its neighbors; where the line is straight, ends or
+   !> turns by more than 30 degrees, those of the facets (2, m) [-].
+   pure function round_normals(zone) result(normals)
+      type(contact_zone_t), intent(in) :: zone !! the contact points, each a node
+      real(dp), allocatable :: normals(:, :)
+      real(dp), parameter :: least_cosine = 0.8660254037844386_dp, straight = 1.0e-9_dp
+      real(dp) :: before(2), after(2), tangent(2), lengths
+      integer :: p, q, r
+
+      normals = zone%normal
+      do q = 1, zone%n_points
+         p = zone%next(q)
+         if (p == 0) cycle
+         r = zone%next(p)
+         ! A direction that the deck gives is the same at all points.
+         if (r == 0 .or. norm2(zone%normal(:, p) - zone%normal(:, q)) < straight) cycle
+         before = zone%position(:, p) - zone%position(:, q)
+         after = zone%position(:, r) - zone%position(:, p)
+         lengths = norm2(before)*norm2(after)
+         if (.not. dot_product(before, after) > least_cosine*lengths) cycle
+         ! On a circle a chord and the tangent make an angle whose sine goes with the chord's length.
+         tangent = before/norm2(before)**2 + after/norm2(after)**2
+         normals(:, p) = sign(1.0_dp, dot_product(turned(tangent), zone%normal(:, p)))*turned(tangent)/norm2(tangent)
+      end do
+   end function round_normals
 
    !> Adds the works on the free motions of a piece: those of the loads, and those of the extreme forces of the points.
-   pure subroutine add_works(cone, work, scale, motions, body, load_case)
+   pure subroutine add_works(cone, work, scale, motions, body, load_case, part)
       real(dp), intent(inout) :: cone(:, :) !! works of the extreme forces (n_free, 3m)
       real(dp), intent(inout) :: work(:) !! works of the loads (n_free)
       real(dp), intent(inout) :: scale !! sum of the magnitudes of what makes up these works
       type(rigid_motions_t), intent(in) :: motions !! the motions of the piece that the supports leave free
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
+      real(dp), intent(in) :: part(:, :) !! the parts of the points: normal times share (2, parts) [-]
       real(dp) :: motion(2, motions%n_free), shear(2)
       logical :: is_inside(body%mesh%n_nodes)
       integer :: i, p
@@ -125,7 +192,7 @@ contains
             do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
                if (.not. is_inside(zone%rows%node(i))) cycle
                motion = motions%displacement(body%mesh%coordinates(:, zone%rows%node(i)))
-               associate (normal => zone%rows%part(:, i))
+               associate (normal => part(:, i))
                   shear = merge(0.0_dp, load_case%friction(p), zone%is_tangent_fixed(p))*turned(normal)
                   cone(:, 3*p - 2) = cone(:, 3*p - 2) + matmul(normal + shear, motion)
                   cone(:, 3*p - 1) = cone(:, 3*p - 1) + matmul(normal - shear, motion)
