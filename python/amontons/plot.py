@@ -119,7 +119,8 @@ def figure(case: Union[Case, str, os.PathLike[str]], panels: Optional[Sequence[s
     return drawn
 
 
-def figure_of_steps(case, loop=None, *, size=None):
+def figure_of_steps(case: Union[Case, str, os.PathLike[str]], loop: Optional[Sequence[str]] = None, *,
+                     size: Optional[tuple[float, float]] = None) -> matplotlib.figure.Figure:
     """The figure of a load history: a loop of two columns of NAME.history.csv, the zones over the pseudo-time, and the
     dissipation along the contact line."""
     case = Case(case) if isinstance(case, (str, os.PathLike)) else case
