@@ -34,6 +34,7 @@ module amontons
    use amontons_methods, only: method_names, method_options_t, new_contact_method
    use amontons_new_study, only: new_study
    use amontons_outcome, only: outcome_t
+   use amontons_pairing, only: new_tie, tie_t
    use amontons_rectangle, only: new_rectangle_mesh, rectangle_t
    use amontons_reduced_file, only: read_reduced_file, write_reduced_file
    use amontons_reduced_report, only: write_reduced_report
@@ -73,7 +74,7 @@ module amontons
    ! Bodies
    public :: append_mesh, body_t, condensation_options_t, condense_body, contact_t, load_case_t, load_t, material_t, &
       mesh_t, name_mesh, new_body, new_contact, new_load, new_load_case, new_material, new_rectangle_mesh, &
-      new_support, read_mesh_file, rectangle_t, solve_body, support_t
+      new_support, new_tie, read_mesh_file, rectangle_t, solve_body, support_t, tie_t
    ! Contact problems and methods
    public :: contact_method_t, contact_problem_t, contact_solution_t, method_names, method_options_t, &
       new_contact_method, new_contact_problem, new_contact_solution, new_dense_matrix, new_reduced_problem, &

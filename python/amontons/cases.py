@@ -58,6 +58,11 @@ class Case:
         return self.summary.get("outcome") != "no_equilibrium"
 
     @property
+    def is_history(self) -> bool:
+        """Whether it is the last step of a load history."""
+        return "load_history" in self.summary
+
+    @property
     def kind(self) -> str:
         """What it is: 'body', 'sweep' or 'reduced'."""
         return next((kind for kind, key in (("sweep", "sweep"), ("reduced", "problem")) if key in self.summary), "body")

@@ -1,7 +1,8 @@
 """Draws solved cases: the deformed body with a field, its contact points and obstacles; contact stress, slip and gap
 along the contact line; the residuals. Where only a small part of the line is closed, that part is shown, and the
 body there once more. Of a sweep: the zones of the contact line over the swept quantities. Writes CASE.png and CASE.svg
-beside the files of the case."""
+beside the files of the case; of a load history, CASE.steps.png and CASE.steps.svg too: its loop, the zones over the
+pseudo-time, the dissipation along the line."""
 from __future__ import annotations
 
 import argparse
@@ -20,6 +21,7 @@ from amontons.commands import Parser
 from amontons.draw_body import draw_body, draw_detail
 from amontons.draw_line import (ABSCISSAS, abscissa_label, closed_part, draw_gap, draw_history, draw_slip, draw_stress,
                                 points_of, stretches)
+from amontons.draw_steps import draw_steps
 from amontons.draw_sweep import draw_reduced, draw_sweep
 
 FORMATS = ("png", "svg", "pdf")
@@ -30,7 +32,7 @@ HEIGHTS = {"body": 2.0, "stress": 1.4}  # of panels, over that of the others
 FIELD = "von_mises"
 INCH = 25.4  # mm
 DETAIL = 0.35  # what is smaller over the size of the body is drawn once more
-SIZES = {"body": (240, 165), "sweep": (240, 85), "curve": (150, 95), "reduced": (170, 140)}  # mm
+SIZES = {"body": (240, 165), "sweep": (240, 85), "curve": (150, 95), "reduced": (170, 140), "steps": (240, 80)}  # mm
 STYLE = {"font.size": 8, "axes.titlesize": "medium", "axes.linewidth": 0.5, "lines.linewidth": 1.0,
          "xtick.major.width": 0.5, "ytick.major.width": 0.5, "legend.fontsize": "small", "savefig.dpi": 200,
          "svg.fonttype": "none", "pdf.fonttype": 42}
@@ -117,6 +119,19 @@ def figure(case: Union[Case, str, os.PathLike[str]], panels: Optional[Sequence[s
     return drawn
 
 
+def figure_of_steps(case: Union[Case, str, os.PathLike[str]], loop: Optional[Sequence[str]] = None, *,
+                     size: Optional[tuple[float, float]] = None) -> matplotlib.figure.Figure:
+    """The figure of a load history: a loop of two columns of NAME.history.csv, the zones over the pseudo-time, and the
+    dissipation along the contact line."""
+    case = Case(case) if isinstance(case, (str, os.PathLike)) else case
+    if not case.is_history:
+        raise CaseFault(f"{case.path}: a loop is only for a load history")
+    with plt.rc_context(STYLE):
+        drawn = draw_steps(case, [length / INCH for length in size or SIZES["steps"]], loop)
+        drawn.suptitle(plain(case.heading))
+    return drawn
+
+
 def words_of(allowed):
     """A reader of words that are separated by commas."""
     def read(text):
@@ -166,9 +181,21 @@ def parser():
     options.add_argument("--size", type=size_of, metavar="WxH",
                          help="width and height in mm, as in 160x110; text has 8 points in any size")
     options.add_argument("--abscissa", choices=ABSCISSAS, help="of the contact line: its length s (default), x or y")
+    options.add_argument("--loop", nargs=2, metavar=("X", "Y"),
+                         help="of a load history: draw the column Y of NAME.history.csv over X (default: the first "
+                         "probe or the tangential force over the first number that changes)")
     options.add_argument("--panels", type=words_of(PANELS), metavar="WORD,...",
                          help=f"parts of the figure: {', '.join(PANELS)} (default: all)")
     return options
+
+
+def save(drawn, stem, endings):
+    """Writes a figure and says so."""
+    with plt.rc_context(STYLE):
+        for ending in endings:
+            drawn.savefig(f"{stem}.{ending}")
+            print(f"{stem}.{ending}")
+    plt.close(drawn)
 
 
 def main(arguments):
@@ -183,11 +210,9 @@ def main(arguments):
                 continue
             drawn = figure(case, options.panels, options.field, scale=options.scale, abscissa=options.abscissa,
                            size=options.size)
-            with plt.rc_context(STYLE):
-                for ending in options.format:
-                    drawn.savefig(f"{path}.{ending}")
-                    print(f"{path}.{ending}")
-            plt.close(drawn)
+            save(drawn, path, options.format)
+            if case.is_history or options.loop:
+                save(figure_of_steps(case, options.loop, size=options.size), f"{path}.steps", options.format)
     except OSError as error:
         sys.exit(f"plot: {error.filename}: {error.strerror}")
     except ValueError as error:

@@ -6,6 +6,7 @@ import matplotlib.pyplot as plt
 from amontons import plot
 from amontons.draw_body import draw_body, draw_detail
 from amontons.draw_line import abscissa_label, closed_part, draw_history, points_of, stretches
+from amontons.draw_steps import draw_steps
 from amontons.draw_sweep import draw_reduced, draw_sweep
 from amontons.inline_svg import STYLE, inline_svg, thumbnail
 
@@ -42,6 +43,8 @@ def _body(case):
         figure, axes = _axes(2.4, DETAIL)
         draw_detail(axes, case, plot.FIELD, points_of(shown), has_lines=False)
         yield "d", "closed zone", _as_image(figure, axes)
+    if case.is_history and sets:
+        yield "t", "load history", draw_steps(case, (2 * WIDTH, 3.0))
     if not case.summary["converged"]:
         figure, axes = _axes(2.0, HISTORY)
         draw_history(axes, case)

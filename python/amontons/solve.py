@@ -95,7 +95,7 @@ class DeckResult(Case):
         self.contact: Optional[dict[str, np.ndarray]] = None  # columns of NAME.contact.csv, but of a sweep
         self.sweep: Optional[dict[str, np.ndarray]] = None    # columns of NAME.sweep.csv, one row per case
         self.history: Optional[dict[str, np.ndarray]] = None  # columns of NAME.history.csv, one row per step
-        if "load_history" in self.summary:
+        if self.is_history:
             self.history = _read_table(f"{path}.history.csv")
         if is_sweep:
             self.sweep = _read_table(f"{path}.sweep.csv")

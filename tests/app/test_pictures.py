@@ -77,6 +77,24 @@ class Pictures(ProgramTest):
         self.assertIn("3 cases: 3 green, 0 amber, 0 red.", page)
         self.assertEqual(len(list((self.directory / "more").glob("*.svg"))), 3)
 
+    def test_histories_have_a_loop(self):
+        self.write("cycle.nml", block(SUPPORT, PRESSURE, CONTACT, "load name = 'F'  set = 'right'  traction = 1.0, 0.0",
+                                      "history times = 0.0, 1.0, 2.0, 3.0  substeps = 8",
+                                      "steps load = 'F'  factor = 0.0, -1.0, 1.0, -1.0"))
+        self.run_program("--quiet", "--output", "out", "cycle.nml")
+        run = self.script("plot", "out", "--loop", "factor_F", "dissipation", "--format", "svg")
+        self.assertEqual(run.stdout, "out/cycle.svg\nout/cycle.steps.svg\n")
+        drawn = (self.directory / "out" / "cycle.steps.svg").read_text(encoding="utf-8")
+        for text in ("factor of F", "slip +", "stick", "dissipation / length"):
+            self.assertIn(text, drawn)
+        run = self.script("plot", "out", "--loop", "factor_G", "dissipation", status=1)
+        self.assertIn("out/cycle.history.csv: no column 'factor_G'; the columns are: step, time, factor_F", run.stderr)
+        run = self.script("plot", "some results/two", "--loop", "x", "y", status=1)
+        self.assertIn("some results/two: a loop is only for a load history", run.stderr)
+        self.script("report", "out")
+        page = (self.directory / "out" / "report.html").read_text(encoding="utf-8")
+        self.assertIn("load history", page)
+
     def test_scripts_take_the_python_that_can_draw(self):
         # A python3 that comes first on the search path and has the packages, and one that has not.
         for packages, expected in ((True, "first"), (False, "other")):
