@@ -9,7 +9,8 @@ from harness import CONTACT, PRESSURE, SOUND, SUPPORT, ProgramTest, block
 NO_EQUILIBRIUM = "no equilibrium: contact and friction cannot balance the loads; the body is free to "
 ADVICE = "; add a support, or a load that presses the body on its obstacle\n"
 BUT_FOR_THE_MESH = ("no equilibrium but for the irregularities of the mesh: contact and friction on the round line "
-                    "that its nodes lie on cannot balance the loads; the body is free to {}; add a support or friction\n")
+                    "that its nodes lie on cannot balance the loads; the body is free to {}; add a support or "
+                    "friction\n")
 LIFTED = block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0")
 
 
