@@ -19,7 +19,7 @@ except ImportError:
 
 ROOT = Path(__file__).resolve().parents[2]
 BROWSER = shutil.which("chromium")
-PUSH = "load set = 'right'  traction = -1.5, 0.3"
+PUSH = "load set = 'right'  traction = -0.5, 0.3"
 
 
 @unittest.skipIf(matplotlib is None, "matplotlib is not installed")
