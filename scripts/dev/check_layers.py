@@ -9,7 +9,7 @@ from pathlib import Path
 
 ROOT = Path(sys.argv[1]).resolve() if sys.argv[1:] else Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "src"
-CONTACT = ["contact/problem", "contact/methods", "contact/uniqueness", "contact/model"]
+CONTACT = ["contact/problem", "contact/methods", "contact/uniqueness", "contact/geometry", "contact/model"]
 # What the modules of a room may use besides their own room and `base`. The methods see the contact problem only.
 MAY_USE = {
     "base": [],
@@ -23,10 +23,12 @@ MAY_USE = {
     "contact/problem": ["linalg"],
     "contact/methods": ["contact/problem", "linalg"],
     "contact/uniqueness": ["contact/problem", "linalg"],
-    "contact/model": ["contact/problem", "distributed", "elasticity", "mesh", "cholesky", "linalg", "system"],
+    "contact/geometry": ["elasticity", "mesh", "linalg"],
+    "contact/model": ["contact/problem", "contact/geometry", "distributed", "elasticity", "mesh", "cholesky", "linalg",
+                      "system"],
     "deck": ["system"],
-    "input": ["deck", "contact/model", "contact/methods", "elasticity", "mesh", "mesh/io", "cholesky", "linalg",
-              "system"],
+    "input": ["deck", "contact/model", "contact/geometry", "contact/methods", "elasticity", "mesh", "mesh/io",
+              "cholesky", "linalg", "system"],
     "solve": ["input", *CONTACT, "elasticity", "mesh", "mesh/io", "linalg", "system"],
     "output": ["solve", *CONTACT, "elasticity", "mesh", "linalg", "system"],
     "study": ["solve", "input", "contact/model", "contact/problem"],
@@ -40,8 +42,7 @@ MAY_USE = {
     "run": ["study", "study/reduced", "study/single", "study/refinement", "study/sweep", "study/history",
             "output", "input", "system"],
     "verify": ["study/sweep", "study/history", "study/single", "study/reduced", "output", "solve", "input",
-               "contact/problem",
-               "contact/model", "system"],
+               "contact/problem", "contact/model", "system"],
     "binding": ["run", "study", "study/history", "study/reduced", "solve", "input", "contact/methods", "linalg"],
 }
 # The facade src/amontons.f90 and the program may use all; only the program may use the facade.
