@@ -1,4 +1,4 @@
-!> MUMPS: the factorization of a matrix whose entries are spread over the ranks, and its Schur complement on rank 0.
+!> The factorization of a matrix whose entries are spread over the ranks, by MUMPS, and its Schur complement on rank 0.
 !>
 !> What MUMPS takes on rank 0 alone is of no use on the others. Every rank calls every procedure at the same time.
 module amontons_mumps

@@ -32,42 +32,71 @@ module amontons_pair_substitution
 
 contains
 
-   !> Makes the substitution of all pairs whose points are corners.
-   subroutine new_pair_substitution(substitution, pairs, is_tied, constraints, coordinates, error)
+   !> Makes the substitution of all ties and pairs whose points are corners; ties come first.
+   subroutine new_pair_substitution(substitution, ties, pairs, constraints, coordinates, error)
       type(substitution_t), intent(out) :: substitution !! the substitution
-      type(mortar_pair_t), intent(in) :: pairs(:) !! the pairs
-      logical, intent(in) :: is_tied(:) !! whether they are bonded, so that w = 0 (pairs)
+      type(mortar_pair_t), intent(in) :: ties(:) !! the pairs that are bonded, so that w = 0
+      type(mortar_pair_t), intent(in) :: pairs(:) !! the others
       type(constraints_t), intent(in) :: constraints !! the supports
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes, for messages (2, n_nodes) [L]
       type(error_t), allocatable, intent(out) :: error
          !! a middle node is held otherwise than the corners beside it, or pairs make a ring
       type(sum_t), allocatable :: sums(:)
-      integer :: sum_of(size(coordinates, 2)), i, fault
+      integer, allocatable :: sum_of(:)
+      integer :: i, fault
 
       allocate (sums(0))
-      sum_of = 0
+      allocate (sum_of(size(coordinates, 2)), source=0)
       allocate (substitution%is_bonded(size(sum_of)), source=.false.)
+      fault = 0
+      do i = 1, size(ties)
+         substitution%is_bonded(ties(i)%node) = .true.
+         if (fault == 0) call add_pair(sums, sum_of, ties(i), .true., constraints, fault)
+      end do
       do i = 1, size(pairs)
          if (.not. pairs(i)%is_set() .or. allocated(pairs(i)%cells)) cycle
-         if (is_tied(i)) substitution%is_bonded(pairs(i)%node) = .true.
-         call add_middles(sums, sum_of, pairs(i), constraints, fault)
-         if (fault == 0) call add_corners(sums, sum_of, pairs(i), is_tied(i), constraints)
-         if (fault == 0) cycle
+         if (fault == 0) call add_pair(sums, sum_of, pairs(i), .false., constraints, fault)
+      end do
+      if (fault > 0) then
          call new_error(error, input_refused, 'a support holds the middle node at '// &
             to_text(coordinates(1, fault))//', '//to_text(coordinates(2, fault))// &
             ' of a slave otherwise than the corners beside it: hold these, too')
          return
-      end do
-      do i = 1, size(sum_of)
-         fault = 0
-         if (sum_of(i) > 0) call resolve(sums, sum_of, i, fault)
-         if (fault == 0) cycle
+      end if
+      call resolve_sums(sums, sum_of, fault)
+      if (fault > 0) then
          call new_error(error, input_refused, 'the node at '//to_text(coordinates(1, fault))//', '// &
             to_text(coordinates(2, fault))//' is slave and master in a ring of pairs: exchange set and against of one')
          return
-      end do
+      end if
       if (size(sums) > 0) call pack_sums(substitution, sums, sum_of)
    end subroutine new_pair_substitution
+
+   !> Resolves the sums of all nodes.
+   subroutine resolve_sums(sums, sum_of, fault)
+      type(sum_t), intent(inout) :: sums(:) !! the sums
+      integer, intent(in) :: sum_of(:) !! the sum of each node, 0 for none
+      integer, intent(out) :: fault !! a node in a ring of pairs, 0 for none
+      integer :: i
+
+      fault = 0
+      do i = 1, size(sum_of)
+         if (sum_of(i) > 0 .and. fault == 0) call resolve(sums, sum_of, i, fault)
+      end do
+   end subroutine resolve_sums
+
+   !> Adds the displacements of the slave's nodes of a pair.
+   subroutine add_pair(sums, sum_of, pair, is_tied, constraints, fault)
+      type(sum_t), allocatable, intent(inout) :: sums(:) !! the sums so far
+      integer, intent(inout) :: sum_of(:) !! the sum of each node, 0 for none
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      logical, intent(in) :: is_tied !! whether it is bonded
+      type(constraints_t), intent(in) :: constraints !! the supports
+      integer, intent(out) :: fault !! a middle node that is held otherwise than the corners beside it, 0 for none
+
+      call add_middles(sums, sum_of, pair, constraints, fault)
+      if (fault == 0) call add_corners(sums, sum_of, pair, is_tied, constraints)
+   end subroutine add_pair
 
    !> Adds the displacements of the middle nodes beside points: their own unknowns and the mean of the corners.
    subroutine add_middles(sums, sum_of, pair, constraints, fault)

@@ -85,7 +85,6 @@ contains
       type(substitution_t) :: substitution
       real(dp), allocatable :: prescribed(:, :)
       logical, allocatable :: is_bonded(:)
-      integer :: i
 
       call mesh%check(error)
       if (allocated(error)) return
@@ -108,8 +107,7 @@ contains
       call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error, is_bonded)
       if (allocated(error)) return
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
-      call new_pair_substitution(substitution, [body%ties, body%zone%pairs], [(i <= size(body%ties), &
-         i=1, size(body%ties) + size(body%zone%pairs))], body%constraints, mesh%coordinates, error)
+      call new_pair_substitution(substitution, body%ties, body%zone%pairs, body%constraints, mesh%coordinates, error)
       if (allocated(error)) return
       if (body%zone%is_nodal) then
          call new_dof_map(body%dof_map, body%constraints, body%zone%node, substitution)

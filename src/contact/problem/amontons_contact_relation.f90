@@ -109,12 +109,13 @@ contains
       real(dp), intent(out) :: force(:) !! lambda (2m) [-]
       real(dp), intent(out) :: distance(:) !! w (2m) [-]
       integer, intent(out) :: info !! 0, or nonzero where the states leave the system singular
-      real(dp) :: matrix(2*self%n_points, 2*self%n_points), factors(2*self%n_points, 2*self%n_points)
+      real(dp), allocatable :: matrix(:, :), factors(:, :)
       real(dp) :: unknown(2*self%n_points), right(2*self%n_points)
       logical :: has_force(2*self%n_points)
       integer :: m, p, t
 
       m = self%n_points
+      allocate (matrix(2*m, 2*m))
       has_force = [states%is_closed, states%slip_direction == 0]
       do p = 1, 2*m
          call take_column(p, has_force(p), matrix(:, p))
