@@ -34,6 +34,8 @@ END_PROCEDURE = re.compile(r"end\s*(subroutine|function|procedure)\b")
 STOP_OR_PRINT = re.compile(
     r"(?:^(?:\d+\s+)?|\)\s*)(?:(?:error\s*)?stop\b(?!\s*[=(%])|print\b\s*[*'\"(\w]|call\s+(?:exit|abort)\b)"
     r"|\bwrite\s*\(\s*(?:[^()]*\bunit\s*=\s*)?(?:\*|[06]\s*[,)]|output_unit|error_unit)")
+# gfortran 14 checks the bounds of a(:, findloc(...)) before findloc has run.
+SEARCH_IN_SECTION = re.compile(r"\([^()]*:[^()]*,\s*(?:find|min|max)loc\s*\(", re.IGNORECASE)
 C_STOP_OR_PRINT = re.compile(r"\b(?:printf|fprintf|puts|putchar|perror|exit|abort|assert)\s*\(")
 
 
@@ -197,6 +199,9 @@ def faults_of_file(path, root=ROOT):
         return
     statements = list(statements_of(lines))
     yield from length_faults(statements)
+    for s in statements:
+        if SEARCH_IN_SECTION.search(s.code):
+            yield s.first, "the result of findloc, minloc, maxloc beside a section: give it a name first"
     if relative.parts[0] == "src":
         yield from comment_faults(statements)
     if in_library:

@@ -108,9 +108,10 @@ contains
          if (is_end(p)) is_near(body%zone%rows%node(body%zone%rows%start(p))) = .true.
       end do
       share = share_near(result%error_estimate, body%mesh, is_near)
+      p = findloc(is_end, .true., dim=1)
       if (share > most_of_it) call result%warnings%add(percent(share)//' of the estimated error is in the elements '// &
-         'at the ends of the contact and stick zones, the first at '// &
-         pair(body%zone%position(:, findloc(is_end, .true., dim=1)))//': refine the mesh there')
+         'at the ends of the contact and stick zones, the first at '//pair(body%zone%position(:, p))// &
+         ': refine the mesh there')
    end subroutine add_uncertain_ends
 
    !> The share of the elements at some nodes in the square of the estimated error [-].

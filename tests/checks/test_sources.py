@@ -63,6 +63,12 @@ class Sources(CheckerTest):
                                  "text = 'a;b'; stop", "text = 'it''s'; stop", "value = 1; ; if (value > 0) stop",
                                  "value = 1 + &\n   2; stop", "text = 'it goes on &\n   &here'; stop")
 
+    def test_search_beside_a_section_is_found(self):
+        for body in ("x = a(:, findloc(b, .true., 1))", "x = a(1:2, &\n   minloc(b, 1))"):
+            fault = "the result of findloc, minloc, maxloc beside a section: give it a name first"
+            self.assert_refused(body, (14, fault), body=body)
+        self.assert_refused("named first", body="i = findloc(b, .true., 1); x = a(:, i); y = f(a(:), maxval(b))")
+
     def test_public_constant_needs_a_comment(self):
         for declaration in ("integer, parameter :: first = 1", "character(len=4), parameter :: first = 'a'",
                             "real(kind=dp), parameter :: first(2) = [1.0_dp, 2.0_dp]",
