@@ -104,13 +104,13 @@ def print_long_bar(program, work, sizes, rates):
                       ("read", "assemble", "factorize", "condense", "solve", "recover", "write")] + [f"{rate:.1f}", f"{100 * rate / rates['dgemm_gflops']:.0f} %"])
     table("The five rows of Table 1 on n x n cells, one command", ["n", "unknowns", "one thread s", "all cores s",
           "processor s", "memory MB", "each further row s"], totals)
-    table("Phases of the first row, all cores", ["n", "read s", "assemble s", "factorise s", "condense s", "solve s",
+    table("Phases of the first row, all cores", ["n", "read s", "assemble s", "factorize s", "condense s", "solve s",
           "recover s", "write s", "Gflop/s", "of one core's dgemm"], phases)
     sizes = sorted(times)
     rows = [[f"{a} to {b}"] + [f"{math.log(times[b][what] / times[a][what], b / a):.2f}" for what in ("factorize", "total")]
             for a, b in zip(sizes, sizes[1:])]
-    table("Growth: exponent of n (2 is linear in the number of unknowns, 3 the least for a factorisation)",
-          ["n", "factorise", "whole command"], rows)
+    table("Growth: exponent of n (2 is linear in the number of unknowns, 3 the least for a factorization)",
+          ["n", "factorize", "whole command"], rows)
 
 
 def strip_deck(folder, length):

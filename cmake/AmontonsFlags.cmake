@@ -34,7 +34,7 @@ if(CMAKE_BUILD_TYPE STREQUAL "Release" AND CMAKE_Fortran_COMPILER_ID STREQUAL "G
     " && sed -i 's,^\\(# [0-9]* \\\"\\)[^\\\"]*/,\\1,' <PREPROCESSED_SOURCE>")
 endif()
 
-# Undefined behaviour ends the program, except for overflows: where an array that is not allocated yet is assigned,
+# Undefined behavior ends the program, except for overflows: where an array that is not allocated yet is assigned,
 # gfortran computes with bounds that it never uses.
 if(AMONTONS_SANITIZE)
   target_compile_options(amontons_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined

@@ -17,10 +17,10 @@ For i In {0:1}
   Point(n + 1) = {s*13, 0, 0, coarse};
   Point(n + 2) = {s*side, 5, 0, coarse};
   Point(n + 3) = {s*side, 10 - c*q, 0, fine};
-  Point(n + 4) = {s*(side - c), 10 - c*q, 0, fine};                           // centre of the corner
+  Point(n + 4) = {s*(side - c), 10 - c*q, 0, fine};                           // center of the corner
   Point(n + 5) = {s*(side - c*q*Sqrt(0.5)), 10 + c*q*Sqrt(0.5), 0, fine};
   Point(n + 6) = {s*(neck + r*q*Sqrt(0.5)), 19 - r*q*Sqrt(0.5), 0, finest};
-  Point(n + 7) = {s*(neck + r), 19 + r*q, 0, fine};                           // centre of the fillet
+  Point(n + 7) = {s*(neck + r), 19 + r*q, 0, fine};                           // center of the fillet
   Point(n + 8) = {s*neck, 19 + r*q, 0, fine};
   Point(n + 9) = {s*neck, top, 0, coarse};
   Line(n + 1) = {n + 1, n + 2};

@@ -19,13 +19,13 @@ For i In {0:1}
   s = 1 - 2*i;   // right, left
   n = 20*i;
   Point(n + 1) = {s*(10 + 5*w + R*w - R), 19 - 5*w + R*w, 0, fine};
-  Point(n + 2) = {s*(10 + 5*w + R*w), 19 - 5*w + R*w, 0, fine};         // centre
+  Point(n + 2) = {s*(10 + 5*w + R*w), 19 - 5*w + R*w, 0, fine};         // center
   Point(n + 3) = {s*(10 + 5*w), 19 - 5*w, 0, finest};
   Point(n + 4) = {s*(21 - r*q*w), 8 + r*q*w, 0, finest};
-  Point(n + 5) = {s*(21 - r), 8 - r*q, 0, fine};                        // centre
+  Point(n + 5) = {s*(21 - r), 8 - r*q, 0, fine};                        // center
   Point(n + 6) = {s*21, 8 - r*q, 0, fine};
   Point(n + 7) = {s*21, b - 3, 0, middle};
-  Point(n + 8) = {s*(21 - b), b - 3, 0, middle};                        // centre
+  Point(n + 8) = {s*(21 - b), b - 3, 0, middle};                        // center
   Point(n + 9) = {s*(21 - b), -3, 0, middle};
   Point(n + 10) = {s*(rim - axis)*Tan(half), rim, 0, middle};
   Point(n + 11) = {s*(bore - axis)*Tan(half), bore, 0, coarse};

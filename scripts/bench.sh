@@ -2,7 +2,7 @@
 # Measures the program on the long bar, alone and beside GetFEM, CalculiX and Siconos where their Debian packages are
 # installed (scripts/setup.sh peers installs them), and prints Markdown tables. Usage: bench.sh [--ranks] [--full]
 # [--update]
-#   --ranks     instead: over 1 to 8 ranks of MPI
+#   --ranks     instead: over 1 to 16 ranks of MPI
 #   --full      up to 1024 x 1024 cells: about 5 minutes with all peers, and 4 GB of memory
 #   --update    writes what it prints into doc/performance.md, between the markers; takes --full with it
 set -euo pipefail

@@ -1,4 +1,4 @@
-"""Draws a body: its displacements magnified, a field in colours, the contact points by status, and the obstacles, with
+"""Draws a body: its displacements magnified, a field in colors, the contact points by status, and the obstacles, with
 the same magnification of the gaps between them."""
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
@@ -7,7 +7,7 @@ from matplotlib.tri import Triangulation
 from amontons.cases import CaseFault
 from amontons.obstacles import distance, hatching, surface
 
-# Okabe and Ito's colours, told apart by colour-blind readers too; a marker says the same once more.
+# Okabe and Ito's colors, told apart by color-blind readers too; a marker says the same once more.
 STATUSES = (("open", "#D55E00", "o"), ("stick", "#009E73", "s"), ("slip along t", "#0072B2", ">"),
             ("slip against t", "#56B4E9", "<"))
 UNDEFORMED, OBSTACLE = "#888888", "#707070"
@@ -22,7 +22,7 @@ TRIANGLES = {"triangle": [[0, 1, 2]], "quad": [[0, 1, 2], [0, 2, 3]],
              "triangle6": [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
              "quad8": [[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7], [4, 5, 7], [5, 6, 7]],
              "quad9": [[0, 4, 8], [4, 1, 8], [1, 5, 8], [5, 2, 8], [2, 6, 8], [6, 3, 8], [3, 7, 8], [7, 0, 8]]}
-FINE = 2000     # cells: the lines of a finer mesh would hide its colours
+FINE = 2000     # cells: the lines of a finer mesh would hide its colors
 UNIFORM = 1e-6  # a field that varies less, over its largest value, is drawn as uniform
 VISIBLE = 1e-3  # what is smaller over the size of a body is not seen
 
@@ -105,7 +105,7 @@ def round_factor(wanted):
 
 
 def draw_field(axes, case, factor, name, has_lines):
-    """The mesh, its displacements multiplied by a factor, coloured by a field; with lines between its cells or not."""
+    """The mesh, its displacements multiplied by a factor, colored by a field; with lines between its cells or not."""
     mesh = case.mesh
     values, label = field_of(case, name)
     moved = mesh.points[:, :2] + factor * mesh.point_data["displacement"][:, :2]
@@ -199,9 +199,11 @@ def window_of(case, factor):
     return np.array([shown.min(axis=0) - margin, shown.max(axis=0) + margin])
 
 
-def true_or_times(factor):
+def true_or_times(case, factor):
     """What is said of a magnification."""
-    return "displacements to scale" if factor == 1.0 else f"displacements and gaps × {factor:g}"
+    if factor == 1.0:
+        return "displacements to scale"
+    return f"displacements{' and gaps' if len(case.line.points) else ''} × {factor:g}"
 
 
 def draw_body(axes, case, name, factor=None, has_lines=True):
@@ -216,7 +218,7 @@ def draw_body(axes, case, name, factor=None, has_lines=True):
     draw_obstacles(axes, case, factor, window)
     at = draw_points(axes, case, factor)
     axes.set(aspect="equal", xlabel=case.label("x", "length"), ylabel=case.label("y", "length"), xlim=window[:, 0],
-             ylim=window[:, 1], title=true_or_times(factor))
+             ylim=window[:, 1], title=true_or_times(case, factor))
     if len(at):
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, ncols=2, frameon=False)
 
@@ -232,4 +234,4 @@ def draw_detail(axes, case, name, shown, factor=None, has_lines=True):
     middle = (at.min(axis=0) + at.max(axis=0)) / 2 + 0.3 * half * inwards
     window = middle + np.array([[-1.0, -0.5], [1.0, 0.5]]) * half
     draw_obstacles(axes, case, factor, window)
-    axes.set(aspect="equal", xlim=window[:, 0], ylim=window[:, 1], title="closed zone, " + true_or_times(factor))
+    axes.set(aspect="equal", xlim=window[:, 0], ylim=window[:, 1], title="closed zone, " + true_or_times(case, factor))

@@ -30,7 +30,7 @@ def draw_curves(axes, values, rows, columns):
 
 def draw_maps(figure, axes, quantities, rows, columns=tuple(ZONES), marks=()):
     """A map of each column over two quantities; what was not solved stays white. Marks are triples: place along the
-    second quantity, along the first, and a label. Lengths of zones share their colours."""
+    second quantity, along the first, and a label. Lengths of zones share their colors."""
     places = [np.unique([float(row[name]) for row in rows]) for name in quantities]
     limits = {}
     if columns[0] in ZONES:

@@ -113,7 +113,9 @@ def figure(case: Union[Case, str, os.PathLike[str]], panels: Optional[Sequence[s
         elif case.kind == "reduced":
             drawn, title = draw_reduced(case, inches)
         else:
-            drawn = draw_panels(case, panels or PANELS, inches, field or FIELD, scale, abscissa or "s")
+            # Without contact points there are no iterations to show.
+            every = PANELS if len(case.line.points) else BODY_PANELS
+            drawn = draw_panels(case, panels or every, inches, field or FIELD, scale, abscissa or "s")
             title = case.heading
         drawn.suptitle(plain(title))
     return drawn

@@ -180,7 +180,7 @@ class Mutator:
             data[at] = dice.randrange(256) if dice.random() < 0.5 else data[at] ^ (1 << dice.randrange(8))
 
     def binary(self, data, dice):
-        """A whole number of 4 or 8 bytes or a real, at any place, set to one at a limit or to its neighbour."""
+        """A whole number of 4 or 8 bytes or a real, at any place, set to one at a limit or to its neighbor."""
         at = dice.randrange(max(1, len(data) - 8))
         width = dice.choice((4, 4, 8))
         if dice.random() < 0.3:

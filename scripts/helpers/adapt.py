@@ -36,7 +36,6 @@ def main():
     geometry, order = find_geometry(options, deck)
     rows = []
     field = None
-    previous = None
     for number in range(1, options.steps + 1):
         folder = options.output/f"mesh_{number}"
         make_mesh(geometry, order, field, folder)
@@ -49,17 +48,23 @@ def main():
         table = [",".join([*COLUMNS, *options.keys]), *(",".join(map(repr, row)) for row in rows)]
         (options.output/"adapt.csv").write_text("\n".join(table) + "\n", encoding="utf-8")
         draw(grid, folder/"mesh.svg")
-        values = row[len(COLUMNS):]
-        error = summary["accuracy"]["relative_error"]
-        if previous is not None and options.keys:
-            error = max(abs(now - then)/max(abs(now), sys.float_info.min) for now, then in zip(values, previous))
-        if error <= options.error and (previous is not None or not options.keys):
+        error = max(map(change, zip(*(row[len(COLUMNS):] for row in rows[-3:])))) if options.keys \
+            else summary["accuracy"]["relative_error"]
+        if error <= options.error:
             break
-        previous = values
-        target = options.error if not options.keys else 0.5*summary["accuracy"]["relative_error"]
+        # A mesh misses the error that it is made for by some ten percent.
+        target = 0.85*options.error if not options.keys else 0.5*summary["accuracy"]["relative_error"]
         field = size_field(grid, order, target*row[3]/row[4], row[3])
     else:
         raise Fault(f"the error is {error:.2%} after {options.steps} meshes; a singular point may need more: --steps")
+
+
+def change(values):
+    """The change of a number from mesh to mesh: the last one, or half of the one before; one alone may be chance."""
+    if len(values) < 3:
+        return math.inf
+    last, before = abs(values[2] - values[1]), abs(values[1] - values[0])
+    return max(last, 0.5*before)/max(abs(values[2]), sys.float_info.min)
 
 
 def read_options():

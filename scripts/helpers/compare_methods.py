@@ -164,7 +164,7 @@ def print_conditions(found, elements, segments):
 
 
 def print_runs(runs, element, body, segments, rows):
-    columns = ["method", "segments", *(f"row {row}" for row in rows), "products", "factorisations", "ms", "residual",
+    columns = ["method", "segments", *(f"row {row}" for row in rows), "products", "factorizations", "ms", "residual",
                "rate", "error"]
     print_head(f"{element}, {body}", columns)
     for label in METHODS:
@@ -184,7 +184,7 @@ def draw(images, runs, histories, found, element, segments, row):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    # Okabe and Ito's colours, told apart by colour-blind readers too; the dashes and markers say the same once more.
+    # Okabe and Ito's colors, told apart by color-blind readers too; the dashes and markers say the same once more.
     styles = {
         "newton": ("#000000", "-", "o"), "splitting": ("#0072B2", "-", "s"), "splitting, clip": ("#56B4E9", "--", "D"),
         "splitting, printed": ("#56B4E9", ":", "P"), "fixed_point": ("#D55E00", "--", "^"),

@@ -43,6 +43,7 @@ contains
          '  NAME.history.csv   one row for each step', &
          '  NAME.history.pvd   the steps whose fields it asks for, for ParaView', &
          '  NAME.points.csv    the contact points of the steps it asks for', &
+         '  NAME.cycles.csv    one row for each cycle it marks', &
          'and several decks leave', &
          '  cases.pvd          all their cases, for ParaView', &
          '  batch.csv          a row for each deck: outcome, message, key numbers', &

@@ -3,7 +3,7 @@ module amontons_run_decks
    use amontons_batch_table, only: tally_text, update_batch_table
    use amontons_collection, only: collection_t, new_collection
    use amontons_command_line, only: command_line_t
-   use amontons_config, only: config_t, read_set_config
+   use amontons_config, only: config_t, new_reduced_config, read_config
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_messages, only: print_error, print_info, print_outcome
@@ -153,7 +153,11 @@ contains
       type(config_t) :: config
       integer :: i
 
-      call read_set_config(config, deck, command_line%is_reduced, command_line%settings, error)
+      if (command_line%is_reduced) then
+         call new_reduced_config(config, deck, error, command_line%settings)
+      else
+         call read_config(config, deck, error, command_line%settings)
+      end if
       if (.not. allocated(error)) then
          call new_study(study, config)
          return

@@ -1,10 +1,10 @@
 !> Verification of results that earlier runs left.
 module amontons_run_verify
-   use amontons_agreement, only: fault_text_t
    use amontons_collection_check, only: check_collection
    use amontons_command_line, only: command_line_t
    use amontons_directory, only: file_name_t
    use amontons_error, only: error_t
+   use amontons_fault_list, only: fault_list_t
    use amontons_messages, only: print_error, print_info
    use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t
@@ -71,7 +71,7 @@ contains
    subroutine verify_collection(directory, status)
       character(*), intent(in) :: directory !! the directory
       integer, intent(inout) :: status !! exit status so far
-      type(fault_text_t) :: faults
+      type(fault_list_t) :: faults
 
       call check_collection(faults, directory)
       if (faults%n == 0) return

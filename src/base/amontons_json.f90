@@ -6,12 +6,12 @@ module amontons_json
    implicit none (type, external)
    private
 
-   public :: number, numbers, quantity_members, string, truth
+   public :: json_logical, json_number, json_numbers, json_string, quantity_members
 
 contains
 
    !> A finite real as a JSON number; null otherwise.
-   pure function number(value) result(text)
+   pure function json_number(value) result(text)
       real(dp), intent(in) :: value !! the number
       character(:), allocatable :: text
 
@@ -20,10 +20,10 @@ contains
       else
          text = 'null'
       end if
-   end function number
+   end function json_number
 
    !> Reals as the elements of a JSON array.
-   pure function numbers(values) result(text)
+   pure function json_numbers(values) result(text)
       real(dp), intent(in) :: values(:) !! the numbers
       character(:), allocatable :: text
       ! A separator, and the longest number: '-1.2345678901234567e-308'.
@@ -33,13 +33,13 @@ contains
       allocate (character(longest*size(values)) :: text)
       length = 0
       do i = 1, size(values)
-         associate (element => ', '//number(values(i)))
+         associate (element => ', '//json_number(values(i)))
             text(length + 1:length + len(element)) = element
             length = length + len(element)
          end associate
       end do
       text = text(3:length)
-   end function numbers
+   end function json_numbers
 
    !> Quantities as the members of a JSON object.
    pure function quantity_members(quantities) result(text)
@@ -52,20 +52,20 @@ contains
       text = ''
       do i = 1, size(list)
          if (i > 1) text = text//', '
-         text = text//'"'//trim(list(i)%key)//'": '//number(list(i)%value)
+         text = text//'"'//trim(list(i)%key)//'": '//json_number(list(i)%value)
       end do
    end function quantity_members
 
    !> A logical as JSON.
-   pure function truth(value) result(text)
+   pure function json_logical(value) result(text)
       logical, intent(in) :: value !! the value
       character(:), allocatable :: text
 
       text = trim(merge('true ', 'false', value))
-   end function truth
+   end function json_logical
 
    !> A text as a JSON string. Bytes that are no UTF-8 are taken for Latin-1; JSON would not be JSON with them.
-   pure function string(value) result(text)
+   pure function json_string(value) result(text)
       character(*), intent(in) :: value !! the text
       character(:), allocatable :: text
       character(6) :: escape
@@ -85,6 +85,6 @@ contains
          i = i + max(1, width)
       end do
       text = text//'"'
-   end function string
+   end function json_string
 
 end module amontons_json

@@ -6,8 +6,9 @@ module amontons_text
    implicit none (type, external)
    private
 
-   public :: as_lines, comma_separated, line_end, lower_case, nearest_word, newline, put_decimals, quoted, &
-      read_integer, read_real, read_reals, to_short_text, to_text, utf_8_width, xml_escaped
+   public :: as_lines, comma_separated, counted, line_end, lower_case, n_characters, nearest_word, newline, &
+      put_decimals, quoted, read_integer, read_real, read_reals, replaced, to_short_text, to_text, utf_8_width, &
+      xml_escaped
 
    !> The end of a line.
    character(*), parameter :: newline = new_line('a')
@@ -27,6 +28,16 @@ contains
       line_end = first + index(text(first:), newline) - 2
       if (line_end < first - 1) line_end = len(text)
    end function line_end
+
+   !> A number of things in words: `1 node`, `2 nodes`.
+   pure function counted(n, noun) result(text)
+      integer, intent(in) :: n !! how many
+      character(*), intent(in) :: noun !! name of one
+      character(:), allocatable :: text
+
+      text = to_text(n)//' '//noun
+      if (n /= 1) text = text//'s'
+   end function counted
 
    !> A default integer as text without blanks.
    pure function integer_to_text(value) result(text)
@@ -89,20 +100,26 @@ contains
       text = buffer(2:length)
    end function comma_separated
 
-   !> Reads reals with commas between them.
+   !> Reads reals with commas between them. The text is only looked at, since copies of a long line, which an array
+   !> constructor or a comma put behind it would need, overflow flang's stack.
    pure subroutine read_reals(text, values, ok)
       character(*), intent(in) :: text !! the text
       real(dp), allocatable, intent(out) :: values(:) !! the numbers
       logical, intent(out) :: ok !! whether there is nothing else
-      integer :: i, first, last
+      integer :: i, commas, first, comma
 
-      allocate (values(1 + count([(text(i:i) == ',', i=1, len(text))])))
-      first = 1
+      commas = 0
+      do i = 1, len(text)
+         if (text(i:i) == ',') commas = commas + 1
+      end do
+      allocate (values(commas + 1))
+      comma = 0
       do i = 1, size(values)
-         last = first + index(text(first:)//',', ',') - 2
-         call read_real(text(first:last), values(i), ok)
+         first = comma + 1
+         comma = index(text(first:), ',') + comma
+         if (i == size(values)) comma = len(text) + 1
+         call read_real(text(first:comma - 1), values(i), ok)
          if (.not. ok) return
-         first = last + 2
       end do
    end subroutine read_reals
 
@@ -149,17 +166,28 @@ contains
    pure function quoted(text) result(literal)
       character(*), intent(in) :: text !! the text
       character(:), allocatable :: literal
-      integer :: i, length
 
-      literal = repeat("'", 2*len(text) + 2)
-      length = 1
-      do i = 1, len(text)
-         length = length + 1
-         literal(length:length) = text(i:i)
-         if (text(i:i) == "'") length = length + 1
-      end do
-      literal = literal(:length + 1)
+      literal = "'"//replaced(text, "'", "''")//"'"
    end function quoted
+
+   !> A text with every occurrence of a part replaced.
+   pure function replaced(text, old, new) result(changed)
+      character(*), intent(in) :: text !! the text
+      character(*), intent(in) :: old !! the part
+      character(*), intent(in) :: new !! what takes its place
+      character(:), allocatable :: changed
+      integer :: first, length
+
+      changed = ''
+      first = 1
+      do
+         length = index(text(first:), old) - 1
+         if (length < 0) exit
+         changed = changed//text(first:first + length - 1)//new
+         first = first + length + len(old)
+      end do
+      changed = changed//text(first:)
+   end function replaced
 
    !> The text with its letters in lower case (ASCII).
    elemental function lower_case(text) result(lower)
@@ -341,25 +369,20 @@ contains
       end do
    end function continuations
 
+   !> Number of characters of a text of UTF-8: bytes that begin one.
+   pure integer function n_characters(text)
+      character(*), intent(in) :: text !! the text
+      integer :: i
+
+      n_characters = count([(index(continuations(), text(i:i)) == 0, i=1, len(text))])
+   end function n_characters
+
    !> Text as XML has it, in an attribute or between tags.
    pure function xml_escaped(text) result(value)
       character(*), intent(in) :: text !! the text
       character(:), allocatable :: value
-      integer :: i
 
-      value = ''
-      do i = 1, len(text)
-         select case (text(i:i))
-         case ('&')
-            value = value//'&amp;'
-         case ('<')
-            value = value//'&lt;'
-         case ('"')
-            value = value//'&quot;'
-         case default
-            value = value//text(i:i)
-         end select
-      end do
+      value = replaced(replaced(replaced(text, '&', '&amp;'), '<', '&lt;'), '"', '&quot;')
    end function xml_escaped
 
 end module amontons_text

@@ -153,7 +153,7 @@ contains
       integer, intent(in) :: group !! the group, or 0
       integer :: i
 
-      is_understood = self%contents%faults%count() == 0
+      is_understood = self%contents%faults%n == 0
       if (is_understood .or. group == 0) return
       associate (found => self%contents%groups(group), assignments => self%contents%assignments)
          is_understood = .not. (found%is_malformed .or. found%has_unknown_key .or. &

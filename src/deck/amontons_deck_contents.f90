@@ -3,7 +3,7 @@ module amontons_deck_contents
    use amontons_deck_scanner, only: column_text, excerpt
    use amontons_fault_list, only: fault_list_t
    use amontons_kinds, only: int64
-   use amontons_text, only: to_text
+   use amontons_text, only: counted, to_text
    implicit none (type, external)
    private
 
@@ -203,16 +203,6 @@ contains
             text(values(i + 1)%first:values(i + 1)%last)
       end associate
    end function comma_hint
-
-   !> A number of things: `1 number`, `2 numbers`.
-   pure function counted(n, noun) result(text)
-      integer, intent(in) :: n !! how many
-      character(*), intent(in) :: noun !! name of one
-      character(:), allocatable :: text
-
-      text = to_text(n)//' '//noun
-      if (n /= 1) text = text//'s'
-   end function counted
 
    !> A value as it is written, its quotes included.
    pure function raw_value(contents, value) result(raw)

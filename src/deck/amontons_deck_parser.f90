@@ -94,7 +94,7 @@ contains
       character(:), allocatable :: next
       integer :: n_faults
 
-      n_faults = contents%faults%count()
+      n_faults = contents%faults%n
       group%line = cursor%token%line
       group%name = lower_case(contents%text(cursor%token%first + 1:cursor%token%last))
       group%first_assignment = contents%n_assignments + 1
@@ -112,7 +112,7 @@ contains
          if (cursor%slash_line > 0) next = "the '/' in line "//to_text(cursor%slash_line)//' is inside a comment'
          call contents%faults%add(group%line, '&'//excerpt(group%name)//' is not closed: '//next)
       end if
-      group%is_malformed = contents%faults%count() > n_faults
+      group%is_malformed = contents%faults%n > n_faults
       ! Behind a fault of form, the rest of the group may be the next one, its name spoilt.
       contents%hides_groups = contents%hides_groups .or. group%is_malformed
       call append_group(contents, group)
@@ -125,9 +125,9 @@ contains
       integer, intent(out) :: last_judged !! the last assignment before a fault
       integer :: n_faults
 
-      n_faults = contents%faults%count()
+      n_faults = contents%faults%n
       do
-         if (contents%faults%count() == n_faults) last_judged = contents%n_assignments
+         if (contents%faults%n == n_faults) last_judged = contents%n_assignments
          select case (cursor%token%kind)
          case ('/', group_token, end_token)
             return

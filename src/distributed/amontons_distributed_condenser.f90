@@ -17,8 +17,8 @@ module amontons_distributed_condenser
    use amontons_mesh, only: mesh_t
    use amontons_rank_work, only: rank_work_t
    use amontons_ranks, only: give_order, line_t, n_ranks, next_order
-   use amontons_subdomain, only: find_owners, new_subdomain, subdomain_t
-   use amontons_text, only: to_text
+   use amontons_subdomain, only: deal_elements, new_subdomain, subdomain_t
+   use amontons_system, only: return_memory
    implicit none (type, external)
    private
 
@@ -34,7 +34,7 @@ module amontons_distributed_condenser
    type, extends(condenser_t) :: distributed_condenser_t
       private
       type(rank_work_t), pointer :: work => null() !! What rank 0 does itself.
-      real(dp), allocatable :: s(:, :) !! The Schur complement (n_schur, n_schur).
+      real(dp), allocatable :: s(:) !! The upper triangle of the Schur complement, column after column.
    contains
       procedure, public :: check_memory => distributed_check_memory
       procedure, public :: memory_mb => distributed_memory_mb
@@ -64,7 +64,7 @@ contains
 
       condenser%name = 'distributed'
       condenser%n = dof_map%n_dofs
-      condenser%n_schur = dof_map%n_trailing
+      condenser%n_schur = dof_map%n_schur
       call find_positions(position, mesh, dof_map, error)
       if (allocated(error)) return
       allocate (condenser%work)
@@ -87,7 +87,7 @@ contains
       end associate
    end subroutine new_distributed_condenser
 
-   !> Gives every rank its subdomain.
+   !> Gives every rank its subdomain. Rank 0 has the springs, and the nodes of all trailing unknowns.
    subroutine spread_body(own, position, mesh, materials, springs, constraints, dof_map)
       type(subdomain_t), intent(out) :: own !! that of rank 0
       integer, intent(in) :: position(:) !! position of each unknown in the order of elimination
@@ -96,15 +96,22 @@ contains
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      integer, allocatable :: owner(:)
+      integer, allocatable :: start(:), element(:), last_nodes(:), number(:)
       integer :: i
 
       call give_order(order_take)
-      call find_owners(owner, n_ranks, position, mesh, dof_map)
-      do i = n_ranks - 1, 0, -1
-         call new_subdomain(own, i, owner, mesh, materials, springs, constraints, dof_map)
-         if (i > 0) call own%pass(line_t(i, .true.))
+      call deal_elements(start, element, n_ranks, position, mesh, dof_map)
+      last_nodes = pack([(i, i=1, mesh%n_nodes)], any(dof_map%dof > dof_map%n_dofs - dof_map%n_schur, dim=1))
+      allocate (number(mesh%n_nodes), source=0)
+      do i = 1, n_ranks - 1
+         associate (elements => element(start(i):start(i + 1) - 1))
+            call new_subdomain(own, elements, springs(:0), last_nodes(:0), number, mesh, dof_map)
+            call own%take_properties(elements, materials, constraints)
+         end associate
+         call own%pass(line_t(i, .true.))
       end do
+      call new_subdomain(own, element(:start(1) - 1), springs, last_nodes, number, mesh, dof_map)
+      call own%take_properties(element(:start(1) - 1), materials, constraints)
    end subroutine spread_body
 
    !> Follows the orders of rank 0 until the last one; for the other ranks.
@@ -172,21 +179,34 @@ contains
       class(distributed_condenser_t), intent(inout) :: self !! the condenser
       type(error_t), allocatable, intent(out) :: error !! the matrix is not positive definite, or memory ran out
 
+      real(dp), allocatable :: schur(:, :)
+      integer :: j
+
       call give_order(order_factorize)
-      call self%work%factorize(self%n_schur, self%s, error)
+      call self%work%factorize(self%n_schur, schur, error)
+      if (allocated(error)) return
+      allocate (self%s(triangle(self%n_schur)))
+      do j = 1, self%n_schur
+         self%s(triangle(j - 1) + 1:triangle(j)) = schur(:j, j)
+      end do
    end subroutine distributed_complete
+
+   !> Number of entries of the triangle of a symmetric matrix.
+   pure integer(int64) function triangle(n)
+      integer, intent(in) :: n !! order of the matrix
+
+      triangle = int(n, int64)*(n + 1)/2
+   end function triangle
 
    !> The Schur complement, of which MUMPS fills the lower triangle by rows.
    subroutine distributed_schur_complement(self, s)
       class(distributed_condenser_t), intent(in) :: self !! the condenser
       real(dp), contiguous, intent(out) :: s(:, :) !! S, both triangles (n_schur, n_schur)
-      integer :: i, j
+      integer :: j
 
       do j = 1, self%n_schur
-         do i = 1, j
-            s(i, j) = self%s(i, j)
-            s(j, i) = self%s(i, j)
-         end do
+         s(:j, j) = self%s(triangle(j - 1) + 1:triangle(j))
+         s(j, :j) = s(:j, j)
       end do
    end subroutine distributed_schur_complement
 
@@ -220,6 +240,9 @@ contains
       call half_solve(self, .true., work, of_schur)
       x = work
       x(self%n - self%n_schur + 1:) = v
+      ! What comes now, stresses and their errors, is where rank 0 holds most.
+      deallocate (work)
+      call return_memory()
    end subroutine distributed_expand
 
    !> Solves K x = b.

@@ -22,7 +22,7 @@ contains
       type(sparse_matrix_t) :: coupling
       type(graph_t) :: graph
       type(dissection_t) :: dissection
-      integer, allocatable :: node(:), item(:), order(:)
+      integer, allocatable :: node(:), item(:), order(:), start(:), own_node(:)
       integer :: n_schur, k, axis, last
 
       call list_nodes(node, n_schur, mesh, dof_map)
@@ -31,8 +31,10 @@ contains
          item(node(k)) = k
       end do
       ! Only which nodes couple is of interest.
-      call new_sparse_matrix(coupling, size(node), mesh%node_start, item(mesh%node), error)
+      call dof_map%substitution%own_nodes_of_elements(mesh%node_start, mesh%node, start, own_node)
+      call new_sparse_matrix(coupling, size(node), start, item(own_node), error)
       if (allocated(error)) return
+      deallocate (start, own_node)
       deallocate (coupling%value)
       call new_graph(graph, coupling, n_schur)
       coupling = sparse_matrix_t()
@@ -67,7 +69,7 @@ contains
          if (dof_map%dof(axis, i) > 0) node_of(dof_map%dof(axis, i)) = i
       end do
       node = pack(node_of, node_of > 0)
-      n_last = count(node_of(dof_map%n_dofs - dof_map%n_trailing + 1:) > 0)
+      n_last = count(node_of(dof_map%n_dofs - dof_map%n_schur + 1:) > 0)
    end subroutine list_nodes
 
 end module amontons_elimination_order

@@ -166,27 +166,27 @@ contains
    end subroutine mumps_free
 
    !> Turns what MUMPS reports into a sentence.
-   subroutine explain(report, error)
+   pure subroutine explain(report, error)
       type(mumps_report_t), intent(in) :: report !! the report
       type(error_t), allocatable, intent(out) :: error !! what went wrong, if anything
       character(:), allocatable :: wanted
 
       if (report%code >= 0) return
+      ! Negative counts are in millions.
+      wanted = to_text(merge(int(report%detail, int64), -1000000*int(report%detail, int64), report%detail >= 0))
       select case (report%code)
       case (-10, -40)
          call new_error(error, numerical_failure, 'the stiffness is singular to rounding: the distributed '// &
             'factorization met a pivot that is not positive')
-      case (-5, -7, -8, -9, -11, -13, -19, -20, -22)
-         ! Negative counts are in millions.
-         wanted = to_text(merge(int(report%detail, int64), -1000000*int(report%detail, int64), report%detail >= 0))
+      case (-5, -7, -8, -9, -11, -13, -17, -19, -20)
          ! not raised: no test may use up the machine's memory
          call new_error(error, system_failure, 'memory ran out in the distributed factorization: MUMPS lacked '// &
-            wanted//' numbers on a rank, of '//to_text(nint(report%largest_mb))//' MB that it takes where it takes '// &
-            'most (its error '//to_text(int(report%code))//'); use more machines, or fewer ranks on each')
+            wanted//' numbers on a rank, beside the '//to_text(nint(report%largest_mb))//' MB that it foresaw '// &
+            'there (its error '//to_text(int(report%code))//'); use more machines, or fewer ranks on each')
       case default
          ! not raised: what else MUMPS refuses is an error of its caller
-         call new_error(error, system_failure, 'the distributed factorization failed: error '// &
-            to_text(int(report%code))//', '//to_text(int(report%detail))//' of MUMPS')
+         call new_error(error, system_failure, 'the distributed factorization failed (error '// &
+            to_text(int(report%code))//', '//wanted//" of MUMPS); factorization = 'multifrontal' does without")
       end select
    end subroutine explain
 

@@ -92,6 +92,7 @@ contains
          call move_alloc(matrix%value, self%value)
       end associate
       self%stiffness = sparse_matrix_t()
+      call self%subdomain%forget_unknowns()
       call self%mumps%analyze(n, self%row, self%column, n_schur, position, error)
    end subroutine rank_work_analyze
 
@@ -138,6 +139,7 @@ contains
       real(dp), intent(in) :: thermal_strain(:, :)
          !! strain of free thermal expansion in the order of the body's `mesh%node`, or none (1, any) [-]
       real(dp), allocatable :: u(:, :), heat(:, :), own(:, :)
+      integer, allocatable :: item(:)
       integer :: n_heated
 
       n_heated = size(thermal_strain)
@@ -145,7 +147,8 @@ contains
       associate (domain => self%subdomain)
          call scatter_columns(u, domain%node, displacement)
          if (n_heated > 0) then
-            call scatter_columns(heat, domain%place, thermal_strain)
+            item = domain%items()
+            call scatter_columns(heat, item, thermal_strain)
             call internal_forces(own, domain%mesh, domain%materials, domain%springs, domain%coloring, u, heat(1, :))
          else
             call internal_forces(own, domain%mesh, domain%materials, domain%springs, domain%coloring, u)

@@ -25,8 +25,9 @@ module amontons_ranks
       procedure, private :: pass_number => line_pass_number
       procedure, private :: pass_text => line_pass_text
       procedure, private :: pass_numbers => line_pass_numbers
+      procedure, private :: pass_columns => line_pass_columns
       procedure, private :: pass_real_columns => line_pass_real_columns
-      generic :: pass => pass_number, pass_text, pass_numbers, pass_real_columns
+      generic :: pass => pass_number, pass_text, pass_numbers, pass_columns, pass_real_columns
    end type line_t
 
    ! allow(assumed-size): C takes an address and knows no shape
@@ -207,6 +208,21 @@ contains
       end if
       call pass_bytes(self, list, integer_bytes*length)
    end subroutine line_pass_numbers
+
+   !> Passes whole numbers in columns.
+   subroutine line_pass_columns(self, columns)
+      class(line_t), intent(in) :: self !! the line
+      integer, allocatable, intent(inout) :: columns(:, :) !! the numbers
+      integer :: extent(2)
+
+      if (self%is_sender) extent = shape(columns)
+      call pass_bytes(self, extent, 2*integer_bytes)
+      if (.not. self%is_sender) then
+         if (allocated(columns)) deallocate (columns)
+         allocate (columns(extent(1), extent(2)))
+      end if
+      call pass_bytes(self, columns, integer_bytes*extent(1)*extent(2))
+   end subroutine line_pass_columns
 
    !> Passes real numbers in columns.
    subroutine line_pass_real_columns(self, columns)

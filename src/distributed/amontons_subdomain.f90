@@ -8,141 +8,203 @@ module amontons_subdomain
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_ranks, only: line_t
+   use amontons_substitution, only: substitution_t
    implicit none (type, external)
    private
 
-   public :: find_owners, new_subdomain, subdomain_t
+   public :: deal_elements, new_subdomain, subdomain_t
 
    !> A subdomain, its nodes, elements and unknowns numbered anew.
    type :: subdomain_t
       type(mesh_t) :: mesh !! its elements, and their nodes
       type(materials_t) :: materials !! the materials
-      type(spring_side_t), allocatable :: springs(:) !! springs along sides: on rank 0 those of the body
+      type(spring_side_t), allocatable :: springs(:) !! springs along sides: on rank 0 those of the body, else none
       type(coloring_t) :: coloring !! colors of the elements
       type(constraints_t) :: constraints !! the frames of the nodes
-      type(dof_map_t) :: dof_map !! numbers of the unknowns
-      integer, allocatable :: node(:) !! the node of the body that each node is
-      integer, allocatable :: unknown(:) !! the unknown of the body that each unknown is
-      integer, allocatable :: place(:) !! which item of the body's `mesh%node` each item of `mesh%node` is
+      type(dof_map_t) :: dof_map !! numbers of the unknowns, and what displacements of slaves are made of
+      integer, allocatable :: node(:)
+         !! the node of the body that each node is: those of elements and springs, then others whose unknowns take part
+      integer, allocatable :: unknown(:) !! the unknown of the body that each unknown is; until it is analyzed
+      integer, allocatable :: first(:) !! which item of the body's `mesh%node` the first node of each element is
    contains
+      procedure :: forget_unknowns => subdomain_forget_unknowns
+      procedure :: items => subdomain_items
       procedure :: pass => subdomain_pass
       procedure :: prepare => subdomain_prepare
+      procedure :: take_properties => subdomain_take_properties
    end type subdomain_t
 
 contains
 
-   !> Finds the rank that owns each element: that of its unknown that is eliminated first, when the order of elimination
-   !> is dealt out evenly. Ranks own subtrees of the dissection as far as they go, so that subdomains are compact.
-   pure subroutine find_owners(owner, n_ranks, position, mesh, dof_map)
-      integer, allocatable, intent(out) :: owner(:) !! the rank of each element, from 0
+   !> Finds the elements that each rank owns: those whose unknown that is eliminated first falls into its share of the
+   !> order of elimination. Ranks own subtrees of the dissection as far as they go, so that subdomains are compact.
+   pure subroutine deal_elements(start, element, n_ranks, position, mesh, dof_map)
+      integer, allocatable, intent(out) :: start(:) !! where those of each rank begin in `element` (0 to n_ranks)
+      integer, allocatable, intent(out) :: element(:) !! the elements, rank by rank
       integer, intent(in) :: n_ranks !! number of ranks
       integer, intent(in) :: position(:) !! position of each unknown
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      integer :: element, i, axis, first
+      integer, allocatable :: node_start(:), node(:), owner(:), next(:)
+      integer :: i, first
 
-      allocate (owner(mesh%n_elements))
-      do element = 1, mesh%n_elements
-         first = size(position)
-         do i = mesh%node_start(element), mesh%node_start(element + 1) - 1
-            do axis = 1, 2
-               associate (dof => dof_map%dof(axis, mesh%node(i)))
-                  if (dof > 0) first = min(first, position(dof))
-               end associate
-            end do
-         end do
-         owner(element) = int((first - 1)*int(n_ranks, int64)/size(position))
+      call dof_map%substitution%own_nodes_of_elements(mesh%node_start, mesh%node, node_start, node)
+      allocate (owner(mesh%n_elements), element(mesh%n_elements))
+      allocate (start(0:n_ranks), source=0)
+      do i = 1, mesh%n_elements
+         first = first_position(position, dof_map%dof(:, node(node_start(i):node_start(i + 1) - 1)))
+         owner(i) = owner_of(first, size(position), n_ranks)
+         start(owner(i) + 1) = start(owner(i) + 1) + 1
       end do
-   end subroutine find_owners
-
-   !> Cuts the subdomain of a rank out of a body. That of rank 0 has the springs, and the nodes of all trailing
-   !> unknowns.
-   subroutine new_subdomain(subdomain, rank, owner, mesh, materials, springs, constraints, dof_map)
-      type(subdomain_t), intent(out) :: subdomain !! the subdomain; to be prepared where it is used
-      integer, intent(in) :: rank !! the rank
-      integer, intent(in) :: owner(:) !! the rank of each element
-      type(mesh_t), intent(in) :: mesh !! the mesh of the body
-      type(materials_t), intent(in) :: materials !! its materials
-      type(spring_side_t), intent(in) :: springs(:) !! its springs
-      type(constraints_t), intent(in) :: constraints !! its supports
-      type(dof_map_t), intent(in) :: dof_map !! numbers of its unknowns
-      integer, allocatable :: local(:)
-      integer :: i
-
-      call take_elements(subdomain, rank, owner, mesh)
-      allocate (local(mesh%n_nodes), source=0)
-      local(mesh%node(subdomain%place)) = 1
-      allocate (subdomain%springs(merge(size(springs), 0, rank == 0)))
-      if (rank == 0) then
-         subdomain%springs = springs
-         do i = 1, size(springs)
-            local(springs(i)%node(:springs(i)%n_nodes)) = 1
-         end do
-         do i = 1, mesh%n_nodes
-            if (any(dof_map%dof(:, i) > dof_map%n_dofs - dof_map%n_trailing)) local(i) = 1
-         end do
-      end if
-      allocate (subdomain%node(count(local > 0)))
-      associate (n => subdomain%mesh%n_nodes)
-         do i = 1, mesh%n_nodes
-            if (local(i) == 0) cycle
-            n = n + 1
-            local(i) = n
-            subdomain%node(n) = i
-         end do
-      end associate
-      subdomain%mesh%node = local(mesh%node(subdomain%place))
-      subdomain%mesh%coordinates = mesh%coordinates(:, subdomain%node)
-      subdomain%constraints%axis = constraints%axis(:, subdomain%node)
-      subdomain%dof_map%dof = dof_map%dof(:, subdomain%node)
-      do i = 1, size(subdomain%springs)
-         associate (spring => subdomain%springs(i))
-            spring%node(:spring%n_nodes) = local(spring%node(:spring%n_nodes))
+      start(0) = 1
+      do i = 1, n_ranks
+         start(i) = start(i) + start(i - 1)
+      end do
+      allocate (next(0:n_ranks), source=start)
+      do i = 1, mesh%n_elements
+         associate (at => next(owner(i)))
+            element(at) = i
+            at = at + 1
          end associate
       end do
-      subdomain%materials%list = materials%list
-      subdomain%materials%of_element = pack(materials%of_element, owner == rank)
+   end subroutine deal_elements
+
+   !> The rank that owns a position in the order of elimination. All have the same share but rank 0: for each unknown of
+   !> the body it holds mesh, loads and the last front besides, where a share costs each of its unknowns some 190 bytes
+   !> until it is factorized. Its share is so much smaller that all hold about the same.
+   pure integer function owner_of(position, n_positions, n_ranks) result(owner)
+      integer, intent(in) :: position !! the position
+      integer, intent(in) :: n_positions !! number of positions
+      integer, intent(in) :: n_ranks !! number of ranks
+      ! What rank 0 holds besides over what a share costs, measured on two ranks and two million unknowns.
+      real(dp), parameter :: burden = 0.57_dp
+      integer :: n_own
+
+      n_own = int(max(0.0_dp, 1.0_dp - burden*(n_ranks - 1))*n_positions/n_ranks)
+      owner = 0
+      if (position > n_own .and. n_ranks > 1) owner = 1 + int((position - n_own - 1)*int(n_ranks - 1, int64) &
+         /(n_positions - n_own))
+   end function owner_of
+
+   !> The first position of some unknowns; the last one of all where there are none.
+   pure integer function first_position(position, dof) result(first)
+      integer, intent(in) :: position(:) !! position of each unknown
+      integer, intent(in) :: dof(:, :) !! the unknowns of some nodes; 0 stands for none (2, any)
+      integer :: i, axis
+
+      first = size(position)
+      do i = 1, size(dof, 2)
+         do axis = 1, 2
+            if (dof(axis, i) > 0) first = min(first, position(dof(axis, i)))
+         end do
+      end do
+   end function first_position
+
+   !> Cuts a subdomain out of a body: elements, nodes and unknowns.
+   pure subroutine new_subdomain(subdomain, elements, springs, last_nodes, number, mesh, dof_map)
+      type(subdomain_t), intent(out) :: subdomain !! the subdomain; to be prepared where it is used
+      integer, intent(in) :: elements(:) !! its elements
+      type(spring_side_t), intent(in) :: springs(:) !! its springs
+      integer, intent(in) :: last_nodes(:) !! further nodes whose unknowns it has
+      integer, intent(inout) :: number(:) !! work space, zero on entry and on return (n_nodes)
+      type(mesh_t), intent(in) :: mesh !! the mesh of the body
+      type(dof_map_t), intent(in) :: dof_map !! numbers of its unknowns
+      integer, allocatable :: start(:), node(:)
+      integer :: n_displaced, i
+
+      call take_elements(subdomain, elements, mesh)
+      allocate (subdomain%node(0))
+      node = mesh%node(subdomain%items())
+      call number_nodes(subdomain%node, number, [node, (springs(i)%node(:springs(i)%n_nodes), i=1, size(springs))])
+      ! After those whose displacements are of interest come those whose unknowns these are made of.
+      n_displaced = size(subdomain%node)
+      call dof_map%substitution%own_nodes_of_elements([(i, i=1, n_displaced + 1)], subdomain%node, start, node)
+      call number_nodes(subdomain%node, number, [node, last_nodes])
+      subdomain%mesh%n_nodes = size(subdomain%node)
+      subdomain%mesh%node = number(mesh%node(subdomain%items()))
+      subdomain%mesh%coordinates = mesh%coordinates(:, subdomain%node)
+      subdomain%dof_map%dof = dof_map%dof(:, subdomain%node)
+      call subdomain%dof_map%substitution%take_part(dof_map%substitution, subdomain%node(:n_displaced), number)
+      subdomain%springs = springs
+      do i = 1, size(springs)
+         associate (spring => subdomain%springs(i))
+            spring%node(:spring%n_nodes) = number(spring%node(:spring%n_nodes))
+         end associate
+      end do
+      number(subdomain%node) = 0
    end subroutine new_subdomain
 
+   !> Takes materials and frames of the body.
+   pure subroutine subdomain_take_properties(self, elements, materials, constraints)
+      class(subdomain_t), intent(inout) :: self !! the subdomain
+      integer, intent(in) :: elements(:) !! its elements
+      type(materials_t), intent(in) :: materials !! the materials of the body
+      type(constraints_t), intent(in) :: constraints !! its supports
+
+      self%materials%list = materials%list
+      self%materials%of_element = materials%of_element(elements)
+      self%constraints%axis = constraints%axis(:, self%node)
+   end subroutine subdomain_take_properties
+
+   !> Gives nodes that have no number yet the next ones.
+   pure subroutine number_nodes(node, number, more)
+      integer, allocatable, intent(inout) :: node(:) !! the numbered nodes
+      integer, intent(inout) :: number(:) !! their numbers, 0 for none (n_nodes)
+      integer, intent(in) :: more(:) !! nodes, some many times, some numbered
+      integer, allocatable :: new(:)
+      integer :: i, n
+
+      allocate (new(size(more)))
+      n = 0
+      do i = 1, size(more)
+         if (number(more(i)) > 0) cycle
+         n = n + 1
+         new(n) = more(i)
+         number(more(i)) = size(node) + n
+      end do
+      node = [node, new(:n)]
+   end subroutine number_nodes
+
    !> Takes the elements of a rank.
-   pure subroutine take_elements(subdomain, rank, owner, mesh)
+   pure subroutine take_elements(subdomain, elements, mesh)
       type(subdomain_t), intent(inout) :: subdomain !! gains its elements, but for their nodes
-      integer, intent(in) :: rank !! the rank
-      integer, intent(in) :: owner(:) !! the rank of each element
+      integer, intent(in) :: elements(:) !! the elements
       type(mesh_t), intent(in) :: mesh !! the mesh of the body
-      integer :: element, n_items, i, first
+      integer :: i
 
       associate (own => subdomain%mesh)
-         own%element_kind = pack(mesh%element_kind, owner == rank)
-         own%n_elements = size(own%element_kind)
-         allocate (own%node_start(own%n_elements + 1))
-         own%n_elements = 0
+         own%n_elements = size(elements)
+         own%element_kind = mesh%element_kind(elements)
+         allocate (own%node_start(size(elements) + 1))
          own%node_start(1) = 1
-         do element = 1, mesh%n_elements
-            if (owner(element) /= rank) cycle
-            n_items = mesh%node_start(element + 1) - mesh%node_start(element)
-            own%n_elements = own%n_elements + 1
-            own%node_start(own%n_elements + 1) = own%node_start(own%n_elements) + n_items
-         end do
-         allocate (subdomain%place(own%node_start(own%n_elements + 1) - 1))
-         n_items = 0
-         do element = 1, mesh%n_elements
-            if (owner(element) /= rank) cycle
-            first = mesh%node_start(element)
-            do i = first, mesh%node_start(element + 1) - 1
-               n_items = n_items + 1
-               subdomain%place(n_items) = i
-            end do
+         do i = 1, size(elements)
+            own%node_start(i + 1) = own%node_start(i) + mesh%node_start(elements(i) + 1) - mesh%node_start(elements(i))
          end do
       end associate
+      subdomain%first = mesh%node_start(elements)
    end subroutine take_elements
+
+   !> Which item of the body's `mesh%node` each item of `mesh%node` is.
+   pure function subdomain_items(self) result(item)
+      class(subdomain_t), intent(in) :: self !! the subdomain
+      integer, allocatable :: item(:)
+      integer :: i, k
+
+      allocate (item(self%mesh%node_start(self%mesh%n_elements + 1) - 1))
+      do i = 1, self%mesh%n_elements
+         associate (start => self%mesh%node_start(i))
+            do k = start, self%mesh%node_start(i + 1) - 1
+               item(k) = self%first(i) + k - start
+            end do
+         end associate
+      end do
+   end function subdomain_items
 
    !> Passes a subdomain from rank 0 to the rank that owns it.
    subroutine subdomain_pass(self, line)
       class(subdomain_t), intent(inout) :: self !! the subdomain
       type(line_t), intent(in) :: line !! the line between the ranks
       real(dp), allocatable :: numbers(:, :)
-      integer, allocatable :: dof(:)
 
       associate (mesh => self%mesh)
          call line%pass(mesh%n_elements)
@@ -152,19 +214,44 @@ contains
          call line%pass(mesh%node)
       end associate
       call line%pass(self%node)
-      call line%pass(self%place)
+      call line%pass(self%first)
       call line%pass(self%constraints%axis)
-      if (line%is_sender) dof = reshape(self%dof_map%dof, [2*size(self%node)])
-      call line%pass(dof)
+      call line%pass(self%dof_map%dof)
+      call pass_substitution(self%dof_map%substitution, line)
       call line%pass(self%materials%of_element)
       if (line%is_sender) numbers = material_numbers(self%materials)
       call line%pass(numbers)
       if (line%is_sender) return
       self%mesh%n_nodes = size(self%node)
-      self%dof_map%dof = reshape(dof, [2, size(self%node)])
       call set_materials(self%materials, numbers)
       allocate (self%springs(0))
    end subroutine subdomain_pass
+
+   !> Passes a substitution.
+   subroutine pass_substitution(substitution, line)
+      type(substitution_t), intent(inout) :: substitution !! the substitution
+      type(line_t), intent(in) :: line !! the line between the ranks
+      real(dp), allocatable :: blocks(:, :)
+      integer :: n_blocks
+
+      n_blocks = 0
+      if (allocated(substitution%node)) n_blocks = size(substitution%node)
+      call line%pass(n_blocks)
+      if (n_blocks == 0) return
+      call line%pass(substitution%start)
+      call line%pass(substitution%node)
+      if (line%is_sender) blocks = reshape(substitution%block, [4, n_blocks])
+      call line%pass(blocks)
+      substitution%block = reshape(blocks, [2, 2, n_blocks])
+   end subroutine pass_substitution
+
+   !> Forgets what assembly alone needs.
+   pure subroutine subdomain_forget_unknowns(self)
+      class(subdomain_t), intent(inout) :: self !! the subdomain, assembled
+
+      deallocate (self%unknown, self%constraints%axis, self%dof_map%dof)
+      self%dof_map%substitution = substitution_t()
+   end subroutine subdomain_forget_unknowns
 
    !> Numbers the unknowns anew and colors the elements.
    subroutine subdomain_prepare(self)

@@ -35,7 +35,7 @@ contains
       integer, allocatable :: start(:), unknowns(:)
       integer :: color, i, n
 
-      call list_unknowns(start, unknowns, mesh, dof_map)
+      call list_unknowns(start, unknowns, mesh, springs, dof_map)
       call new_sparse_matrix(stiffness, dof_map%n_dofs, start, unknowns, error)
       if (allocated(error)) return
       call place_unknowns(stiffness, mesh, dof_map)
@@ -117,21 +117,24 @@ contains
       end do
    end subroutine place_unknowns
 
-   !> Lists the unknowns of all elements, one element after the other; 0 for a held component.
-   pure subroutine list_unknowns(start, unknowns, mesh, dof_map)
-      integer, allocatable, intent(out) :: start(:) !! where each element starts (n_elements + 1)
+   !> Lists the unknowns of all elements, one element after the other, then those of all springs; 0 for a held
+   !> component.
+   pure subroutine list_unknowns(start, unknowns, mesh, springs, dof_map)
+      integer, allocatable, intent(out) :: start(:) !! where each element or spring starts, and past the last one
       integer, allocatable, intent(out) :: unknowns(:) !! the unknowns
       type(mesh_t), intent(in) :: mesh !! the mesh
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides; part of a body may lack their elements
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       integer, allocatable :: node(:)
-      integer :: i
+      integer :: spring_start(size(springs)), past, i
 
-      if (allocated(dof_map%substitution%start)) then
-         call dof_map%substitution%own_nodes_of_elements(mesh%node_start, mesh%node, start, node)
-      else
-         start = mesh%node_start
-         node = mesh%node
-      end if
+      past = size(mesh%node) + 1
+      do i = 1, size(springs)
+         past = past + springs(i)%n_nodes
+         spring_start(i) = past
+      end do
+      call dof_map%substitution%own_nodes_of_elements([mesh%node_start, spring_start], &
+         [mesh%node, (springs(i)%node(:springs(i)%n_nodes), i=1, size(springs))], start, node)
       allocate (unknowns(2*size(node)))
       do i = 1, size(node)
          unknowns(2*i - 1:2*i) = dof_map%dof(:, node(i))
@@ -241,17 +244,19 @@ contains
       size_of_terms = norm2(forces)
    end function uncancelled_forces
 
-   !> The largest share that the forces of an element are of what they would be if no two terms cancelled: as small as
-   !> rounding errors where no element is strained [-].
+   !> The largest share that the forces of an element are of what they would be if its nodes had the largest of all
+   !> displacements and no two terms cancelled: as small as rounding errors where no element is strained. The
+   !> displacements of an element at rest, beside others that move, are such errors themselves [-].
    pure real(dp) function strained_share(mesh, materials, displacement) result(share)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       type(element_geometry_t) :: geometry
-      real(dp) :: stiffness(2*max_nodes, 2*max_nodes)
+      real(dp) :: stiffness(2*max_nodes, 2*max_nodes), largest
       integer :: element, n
 
       share = 0.0_dp
+      largest = maxval(abs(displacement))
       do element = 1, mesh%n_elements
          associate (material => materials%list(materials%of_element(element)))
             call new_element_geometry(geometry, mesh, element, material)
@@ -260,7 +265,7 @@ contains
          n = 2*geometry%n_nodes
          associate (u => reshape(displacement(:, geometry%node(:geometry%n_nodes)), [n]))
             share = max(share, maxval(abs(matmul(stiffness(:n, :n), u))) &
-               /max(maxval(matmul(abs(stiffness(:n, :n)), abs(u))), tiny(share)))
+               /max(largest*maxval(sum(abs(stiffness(:n, :n)), dim=2)), tiny(share)))
          end associate
       end do
    end function strained_share

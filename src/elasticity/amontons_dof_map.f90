@@ -10,7 +10,7 @@ module amontons_dof_map
    !> Which unknown belongs to which component of which node.
    type :: dof_map_t
       integer :: n_dofs = 0 !! number of unknowns
-      integer :: n_trailing = 0 !! how many of them belong to the nodes put last
+      integer :: n_schur = 0 !! how many of them belong to the nodes put last
       integer, allocatable :: dof(:, :) !! unknown of the component along e1, e2 of a node, 0 if held (2, n_nodes)
       type(substitution_t) :: substitution !! how the displacements of nodes follow from the unknowns
    end type dof_map_t
@@ -38,11 +38,11 @@ contains
       do node = 1, size(is_last)
          if (.not. is_last(node)) call number_node(dof_map, is_free(:, node), node)
       end do
-      dof_map%n_trailing = -dof_map%n_dofs
+      dof_map%n_schur = -dof_map%n_dofs
       do i = 1, size(last_nodes)
          call number_node(dof_map, is_free(:, last_nodes(i)), last_nodes(i))
       end do
-      dof_map%n_trailing = dof_map%n_trailing + dof_map%n_dofs
+      dof_map%n_schur = dof_map%n_schur + dof_map%n_dofs
    end subroutine new_dof_map
 
    !> Gives the free components of a node the next numbers.

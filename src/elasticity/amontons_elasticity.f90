@@ -1,14 +1,14 @@
 !> Elasticity of one element: stiffness, stress, nodal forces.
 module amontons_elasticity
    use amontons_element, only: max_nodes, max_points, n_element_nodes, n_element_points, quad4, quadrature_point, &
-      shape_functions
+      shape_functions, tri3
    use amontons_kinds, only: dp
    use amontons_material, only: material_t
    use amontons_mesh, only: mesh_t
    implicit none (type, external)
    private
 
-   public :: elastic_strain, element_forces, element_geometry_t, element_stiffness, element_stress, &
+   public :: add_point_forces, elastic_strain, element_forces, element_geometry_t, element_stiffness, element_stress, &
       new_element_geometry, set_thermal_strain
 
    !> Shape functions and their gradients at the quadrature points of one element.
@@ -41,7 +41,7 @@ contains
       integer, intent(in) :: element !! number of the element
       type(material_t), intent(in) :: material !! its material, for the depth
       integer, intent(in), optional :: n_points !! number of quadrature points; default: `n_element_points`
-      real(dp) :: x(2, max_nodes), dx(2), dy(2), determinant
+      real(dp) :: x(2, max_nodes), determinant
       integer :: i, first, point
 
       associate (kind => mesh%element_kind(element))
@@ -57,29 +57,48 @@ contains
          x(:, i) = mesh%coordinates(:, geometry%node(i))
       end do
       do point = 1, geometry%n_points
-         ! The derivatives of x and of y by the reference coordinates are the rows of the Jacobian.
-         dx = 0.0_dp
-         dy = 0.0_dp
          geometry%position(:, point) = 0.0_dp
          do i = 1, geometry%n_nodes
-            dx = dx + x(1, i)*geometry%derivatives(:, i, point)
-            dy = dy + x(2, i)*geometry%derivatives(:, i, point)
             geometry%position(:, point) = geometry%position(:, point) + geometry%values(i, point)*x(:, i)
          end do
-         determinant = dx(1)*dy(2) - dx(2)*dy(1)
+         if (geometry%kind == tri3 .and. point > 1) then
+            ! The Jacobian of a straight triangle is the same at every point.
+            geometry%gradient(:, :3, point) = geometry%gradient(:, :3, 1)
+         else
+            call evaluate_jacobian(geometry, x, point, determinant)
+         end if
          geometry%volume(point) = geometry%weight(point)*determinant*material%depth(geometry%position(1, point))
-         dx = dx/determinant
-         dy = dy/determinant
-         do i = 1, geometry%n_nodes
-            associate (derivative => geometry%derivatives(:, i, point))
-               geometry%gradient(1, i, point) = dy(2)*derivative(1) - dy(1)*derivative(2)
-               geometry%gradient(2, i, point) = dx(1)*derivative(2) - dx(2)*derivative(1)
-            end associate
-         end do
       end do
       geometry%has_mean_dilatation = material%has_mean_dilatation .and. geometry%kind == quad4
       if (geometry%has_mean_dilatation) call average_dilatation(geometry, mesh, element, material)
    end subroutine new_element_geometry
+
+   !> Evaluates the determinant of the Jacobian at a point, and the gradients of the shape functions.
+   pure subroutine evaluate_jacobian(geometry, x, point, determinant)
+      type(element_geometry_t), intent(inout) :: geometry !! the element's shape functions; gains their gradients
+      real(dp), intent(in) :: x(2, max_nodes) !! coordinates of the nodes [L]
+      integer, intent(in) :: point !! the point
+      real(dp), intent(out) :: determinant !! the determinant [L^2]
+      real(dp) :: dx(2), dy(2)
+      integer :: i
+
+      ! The derivatives of x and of y by the reference coordinates are the rows of the Jacobian.
+      dx = 0.0_dp
+      dy = 0.0_dp
+      do i = 1, geometry%n_nodes
+         dx = dx + x(1, i)*geometry%derivatives(:, i, point)
+         dy = dy + x(2, i)*geometry%derivatives(:, i, point)
+      end do
+      determinant = dx(1)*dy(2) - dx(2)*dy(1)
+      dx = dx/determinant
+      dy = dy/determinant
+      do i = 1, geometry%n_nodes
+         associate (derivative => geometry%derivatives(:, i, point))
+            geometry%gradient(1, i, point) = dy(2)*derivative(1) - dy(1)*derivative(2)
+            geometry%gradient(2, i, point) = dx(1)*derivative(2) - dx(2)*derivative(1)
+         end associate
+      end do
+   end subroutine evaluate_jacobian
 
    !> Averages the change of volume that each displacement makes over the element, by the points of its stiffness: in a
    !> body of revolution other points give another mean, and near a Poisson's ratio of 0.5 a wrong pressure.
@@ -275,21 +294,36 @@ contains
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
       real(dp) :: forces(2, max_nodes)
-      real(dp) :: s(4)
-      integer :: i, point
+      integer :: point
 
       forces = 0.0_dp
       do point = 1, geometry%n_points
-         s = element_stress(geometry, material, displacement, point)*geometry%volume(point)
-         do i = 1, geometry%n_nodes
-            associate (g => geometry%gradient(:, i, point))
-               forces(1, i) = forces(1, i) + (s(1)*g(1) + s(3)*g(2))
-               forces(2, i) = forces(2, i) + (s(3)*g(1) + s(2)*g(2))
-            end associate
-            if (material%is_axisymmetric) forces(1, i) = forces(1, i) &
-               + s(4)*geometry%values(i, point)/geometry%position(1, point)
-         end do
+         call add_point_forces(forces, geometry, material, element_stress(geometry, material, displacement, point), &
+            point)
       end do
    end function element_forces
+
+   !> Adds what the stress at one quadrature point amounts to: volume times B^T stress.
+   pure subroutine add_point_forces(forces, geometry, material, stress, point)
+      real(dp), intent(inout) :: forces(2, max_nodes) !! nodal forces of the element [F]
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      type(material_t), intent(in) :: material !! its material
+      real(dp), intent(in) :: stress(4) !! stress at the point, from `element_stress` [F/L^2]
+      integer, intent(in) :: point !! number of the quadrature point
+      real(dp) :: s(4)
+      integer :: i
+
+      s = stress*geometry%volume(point)
+      do i = 1, geometry%n_nodes
+         associate (g => geometry%gradient(:, i, point))
+            forces(1, i) = forces(1, i) + (s(1)*g(1) + s(3)*g(2))
+            forces(2, i) = forces(2, i) + (s(3)*g(1) + s(2)*g(2))
+         end associate
+      end do
+      if (.not. material%is_axisymmetric) return
+      do i = 1, geometry%n_nodes
+         forces(1, i) = forces(1, i) + s(4)*geometry%values(i, point)/geometry%position(1, point)
+      end do
+   end subroutine add_point_forces
 
 end module amontons_elasticity

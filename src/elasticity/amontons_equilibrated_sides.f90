@@ -8,6 +8,7 @@
 module amontons_equilibrated_sides
    use amontons_coloring, only: worth_threads
    use amontons_constraints, only: constraints_t
+   use amontons_elasticity, only: element_geometry_t, element_stress, new_element_geometry, set_thermal_strain
    use amontons_incidence, only: incidence_t, new_incidence
    use amontons_kinds, only: dp
    use amontons_known_traction, only: known_traction_t, known_tractions_t
@@ -16,7 +17,10 @@ module amontons_equilibrated_sides
    implicit none (type, external)
    private
 
-   public :: find_side_moments, next, outward, stress_times
+   public :: element_forces_t, find_element_forces, find_side_moments, next, outward, stress_times
+
+   !> The corner after each corner of a triangle.
+   integer, parameter :: next(3) = [2, 3, 1]
 
    !> The forces inside an element: what its sides must balance.
    type :: element_forces_t
@@ -27,34 +31,53 @@ module amontons_equilibrated_sides
 
 contains
 
+   !> Finds the forces inside the elements of a finite element solution.
+   subroutine find_element_forces(forces, mesh, materials, body_force, displacement, thermal_strain)
+      type(element_forces_t), allocatable, intent(out) :: forces(:) !! the forces (n_elements)
+      type(mesh_t), intent(in) :: mesh !! a checked mesh of three-node triangles
+      type(materials_t), intent(in) :: materials !! its materials, of a plane body
+      real(dp), intent(in) :: body_force(:, :) !! force per volume of each element, x and y (2, n_elements) [F/L^3]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in), optional :: thermal_strain(:)
+         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
+      type(element_geometry_t) :: geometry
+      real(dp) :: stress(4)
+      integer :: i
+
+      allocate (forces(mesh%n_elements))
+      !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
+      !$omp firstprivate(geometry) private(stress) &
+      !$omp shared(forces, mesh, materials, body_force, displacement, thermal_strain)
+      do i = 1, mesh%n_elements
+         associate (material => materials%list(materials%of_element(i)))
+            call new_element_geometry(geometry, mesh, i, material, 1)
+            if (present(thermal_strain)) call set_thermal_strain(geometry, &
+               thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
+            stress = element_stress(geometry, material, displacement, 1)
+            forces(i)%depth = material%thickness
+            forces(i)%stress = material%thickness*stress(:3)
+            forces(i)%load = geometry%volume(1)*body_force(:, i)
+         end associate
+      end do
+      !$omp end parallel do
+   end subroutine find_element_forces
+
    !> Finds the moments of the tractions that act on each element along its sides.
-   subroutine find_side_moments(moment, imbalance, mesh, materials, constraints, tractions, body_force, stress)
+   subroutine find_side_moments(moment, imbalance, mesh, constraints, tractions, forces)
       real(dp), allocatable, intent(out) :: moment(:, :, :, :)
          !! x and y at the first and second corner of each side (2, 2, 3, n_elements) [F]
       real(dp), intent(out) :: imbalance
          !! by how much the solution misses equilibrium with the loads, over the norm of the moments [-]
       type(mesh_t), intent(in) :: mesh !! a checked mesh of three-node triangles
-      type(materials_t), intent(in) :: materials !! its materials, of a plane body
       type(constraints_t), intent(in) :: constraints !! the supports
       type(known_tractions_t), intent(in) :: tractions !! the tractions on the boundary
-      real(dp), intent(in) :: body_force(:, :) !! force per volume of each element, x and y (2, n_elements) [F/L^3]
-      real(dp), intent(in) :: stress(:, :, :) !! xx, yy, xy, zz at the corners (4, 3, n_elements) [F/L^2]
-      type(element_forces_t), allocatable :: forces(:)
+      type(element_forces_t), intent(in) :: forces(:) !! the forces inside the elements, from `find_element_forces`
       type(incidence_t) :: incidence
       real(dp) :: missing
-      integer :: i, node
+      integer :: node
 
-      allocate (forces(mesh%n_elements))
-      do i = 1, mesh%n_elements
-         associate (x => mesh%coordinates(:, mesh%node(mesh%node_start(i):mesh%node_start(i) + 2)))
-            forces(i)%depth = materials%list(materials%of_element(i))%thickness
-            forces(i)%stress = forces(i)%depth*sum(stress(:3, :, i), dim=2)/3.0_dp
-            forces(i)%load = 0.5_dp*dot_product(x(:, 2) - x(:, 1), outward(x(:, 3) - x(:, 1)))*forces(i)%depth* &
-               body_force(:, i)
-         end associate
-      end do
       call new_incidence(incidence, mesh)
-      allocate (moment(2, 2, 3, mesh%n_elements), source=0.0_dp)
+      allocate (moment(2, 2, 3, mesh%n_elements))
       missing = 0.0_dp
       !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
       !$omp shared(moment, mesh, constraints, tractions, forces, incidence) reduction(+: missing)
@@ -252,12 +275,5 @@ contains
 
       outward = [along(2), -along(1)]
    end function outward
-
-   !> The corner after a corner of a triangle.
-   pure integer function next(corner)
-      integer, intent(in) :: corner !! the corner, 1 to 3
-
-      next = 1 + mod(corner, 3)
-   end function next
 
 end module amontons_equilibrated_sides

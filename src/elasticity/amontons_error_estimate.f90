@@ -41,7 +41,7 @@ contains
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
       type(element_geometry_t) :: geometry
-      real(dp) :: energy(mesh%n_elements), strain(4), stress(4), missing(4)
+      real(dp) :: energy(mesh%n_elements), strain(4), stress(4), smooth(4, max_points)
       real(dp) :: weights(max_corners, max_points, size(element_names))
       ! Blocks whose patches take little memory beside all else, and few of whose elements share patches with others.
       integer, parameter :: block_size = 50000
@@ -53,22 +53,23 @@ contains
          last = min(mesh%n_elements, first + block_size - 1)
          call recovered%fit(mesh, materials, first, last)
          !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
-         !$omp firstprivate(geometry) private(point, strain, stress, missing) &
+         !$omp firstprivate(geometry) private(point, strain, stress, smooth) &
          !$omp shared(estimate, mesh, materials, displacement, recovered, thermal_strain, energy, weights, first, last)
          do i = first, last
             associate (material => materials%list(materials%of_element(i)), kind => mesh%element_kind(i))
                call new_element_geometry(geometry, mesh, i, material, n_fine_points(kind))
                if (present(thermal_strain)) call set_thermal_strain(geometry, &
                   thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
+               call recovered%find(mesh, i, geometry%position(:, :geometry%n_points), &
+                  weights(:n_corners(kind), :geometry%n_points, kind), smooth(:, :geometry%n_points))
                energy(i) = 0.0_dp
                estimate%element(i) = 0.0_dp
                do point = 1, geometry%n_points
                   strain = elastic_strain(geometry, material, displacement, point)
                   stress = material%stress(strain)
-                  missing = recovered%stress(mesh, i, geometry%position(:, point), &
-                     weights(:n_corners(kind), point, kind)) - stress
                   energy(i) = energy(i) + geometry%volume(point)*dot_product(strain, stress)
-                  estimate%element(i) = estimate%element(i) + geometry%volume(point)*material%squared_norm(missing)
+                  estimate%element(i) = estimate%element(i) + geometry%volume(point) &
+                     *material%squared_norm(smooth(:, point) - stress)
                end do
             end associate
          end do

@@ -33,7 +33,8 @@ module amontons_known_traction
    contains
       procedure :: add => known_tractions_add
       procedure :: at => known_tractions_at
-      procedure :: set_nodal => known_tractions_set_nodal
+      procedure :: forget => known_tractions_forget
+      procedure :: add_nodal => known_tractions_add_nodal
    end type known_tractions_t
 
 contains
@@ -130,28 +131,41 @@ contains
       end associate
    end subroutine add_load
 
-   !> Sets the traction on the sides of a boundary set to one given at nodes, linear or quadratic between them: that of
-   !> contact. Nothing is known along a direction that supports hold at a corner.
-   pure subroutine known_tractions_set_nodal(self, mesh, constraints, set, traction)
+   !> Adds to the traction on the sides of a boundary set one given at nodes, linear or quadratic between them: that of
+   !> contact, beside that of loads. Nothing is known along a direction that supports hold at a corner.
+   pure subroutine known_tractions_add_nodal(self, mesh, constraints, set, traction)
       class(known_tractions_t), intent(inout) :: self !! the sides
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
       character(*), intent(in) :: set !! name of the boundary set
       real(dp), intent(in) :: traction(:, :) !! force per area at the nodes of the mesh, x and y (2, n_nodes) [F/L^2]
+      real(dp) :: at_places(2, 3)
       integer :: i
 
       associate (set_sides => mesh%sets(mesh%find_set(set)))
          do i = 1, size(set_sides%element)
             associate (side => self%side(self%of_number(side_number(set_sides%element(i), set_sides%side(i)))))
                side%is_known = .not. (held(side, constraints, 1) .or. held(side, constraints, 2))
-               side%traction(:, 1) = traction(:, side%corner(1))
-               side%traction(:, 3) = traction(:, side%corner(2))
-               side%traction(:, 2) = 0.5_dp*(side%traction(:, 1) + side%traction(:, 3))
-               if (side%middle > 0) side%traction(:, 2) = traction(:, side%middle)
+               at_places(:, 1) = traction(:, side%corner(1))
+               at_places(:, 3) = traction(:, side%corner(2))
+               at_places(:, 2) = 0.5_dp*(at_places(:, 1) + at_places(:, 3))
+               if (side%middle > 0) at_places(:, 2) = traction(:, side%middle)
+               side%traction = side%traction + at_places
             end associate
          end do
       end associate
-   end subroutine known_tractions_set_nodal
+   end subroutine known_tractions_add_nodal
+
+   !> Leaves the traction unknown on every side between two marked corners.
+   pure subroutine known_tractions_forget(self, is_marked)
+      class(known_tractions_t), intent(inout) :: self !! the sides
+      logical, intent(in) :: is_marked(:) !! the marks of the nodes (n_nodes)
+      integer :: i
+
+      do i = 1, size(self%side)
+         if (all(is_marked(self%side(i)%corner))) self%side(i)%is_known = .false.
+      end do
+   end subroutine known_tractions_forget
 
    !> The side of an element at the boundary.
    pure function known_tractions_at(self, element, place) result(side)

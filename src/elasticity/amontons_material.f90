@@ -202,13 +202,13 @@ contains
    pure real(dp) function material_squared_norm(self, stress) result(product)
       class(material_t), intent(in) :: self !! the material
       real(dp), intent(in) :: stress(4) !! stress xx, yy, xy, zz; zz counts in a body of revolution alone [F/L^2]
-      real(dp) :: normal(3)
+      real(dp) :: across
 
-      normal = stress([1, 2, 4])
-      if (self%is_plane_stress) normal(3) = 0.0_dp
-      if (.not. (self%is_plane_stress .or. self%is_axisymmetric)) normal(3) = self%poisson*(stress(1) + stress(2))
-      product = ((1.0_dp + self%poisson)*(sum(normal**2) + 2.0_dp*stress(3)**2) - self%poisson*sum(normal)**2) &
-         /self%young
+      across = stress(4)
+      if (self%is_plane_stress) across = 0.0_dp
+      if (.not. (self%is_plane_stress .or. self%is_axisymmetric)) across = self%poisson*(stress(1) + stress(2))
+      product = ((1.0_dp + self%poisson)*(stress(1)**2 + stress(2)**2 + across**2 + 2.0_dp*stress(3)**2) &
+         - self%poisson*(stress(1) + stress(2) + across)**2)/self%young
    end function material_squared_norm
 
    !> What an area of the plane is multiplied by: the thickness, or the circumference at a radius [L].

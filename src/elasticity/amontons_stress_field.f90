@@ -1,8 +1,10 @@
-!> Stresses and strain energy density of a whole body, as result files show them.
+!> Stresses and strain energy density of a whole body, as result files show them, and the nodal forces that they amount
+!> to.
 module amontons_stress_field
    use amontons_coloring, only: coloring_t, worth_threads
    use amontons_dense, only: cholesky_factor, cholesky_solve
-   use amontons_elasticity, only: elastic_strain, element_geometry_t, new_element_geometry, set_thermal_strain
+   use amontons_elasticity, only: add_point_forces, elastic_strain, element_geometry_t, new_element_geometry, &
+      set_thermal_strain
    use amontons_element, only: element_names, is_triangle, max_nodes, max_points, n_element_nodes, n_element_points, &
       node_coordinates, quadrature_point
    use amontons_kinds, only: dp
@@ -19,6 +21,8 @@ module amontons_stress_field
       real(dp), allocatable :: energy_density(:) !! mean strain energy density of each element (n_elements) [F/L^2]
       real(dp), allocatable :: node(:, :)
          !! stress at each node: the mean of what its elements say; 0 at a node without elements (4, n_nodes) [F/L^2]
+      real(dp), allocatable :: force(:, :)
+         !! nodal forces that the stresses amount to, x and y; K u - f_th where there are no springs (2, n_nodes) [F]
    end type stress_field_t
 
 contains
@@ -33,7 +37,8 @@ contains
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
       type(element_geometry_t) :: geometry
-      real(dp) :: to_nodes(max_nodes, max_points, size(element_names)), at_nodes(4, max_nodes)
+      real(dp) :: to_nodes(max_nodes, max_points, size(element_names)), at_nodes(4, max_nodes), &
+         force(2, max_nodes)
       integer, allocatable :: n_elements(:)
       integer :: color, element, i, k, kind
 
@@ -42,9 +47,10 @@ contains
       end do
       allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements))
       allocate (field%node(4, mesh%n_nodes), source=0.0_dp)
+      allocate (field%force(2, mesh%n_nodes), source=0.0_dp)
       allocate (n_elements(mesh%n_nodes), source=0)
       do color = 1, coloring%n_colors
-         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(element, at_nodes, k) &
+         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(element, at_nodes, force, k) &
          !$omp shared(field, mesh, materials, coloring, displacement, thermal_strain, to_nodes, n_elements, color) &
          !$omp if (mesh%n_elements >= worth_threads)
          do i = coloring%start(color), coloring%start(color + 1) - 1
@@ -54,10 +60,11 @@ contains
                if (present(thermal_strain)) call set_thermal_strain(geometry, &
                   thermal_strain(mesh%node_start(element):mesh%node_start(element + 1) - 1))
                call evaluate_element(geometry, material, displacement, to_nodes(:, :, mesh%element_kind(element)), &
-                  field%element(:, element), field%energy_density(element), at_nodes)
+                  field%element(:, element), field%energy_density(element), at_nodes, force)
             end associate
             do k = 1, geometry%n_nodes
                field%node(:, geometry%node(k)) = field%node(:, geometry%node(k)) + at_nodes(:, k)
+               field%force(:, geometry%node(k)) = field%force(:, geometry%node(k)) + force(:, k)
                n_elements(geometry%node(k)) = n_elements(geometry%node(k)) + 1
             end do
          end do
@@ -68,8 +75,8 @@ contains
       end do
    end subroutine new_stress_field
 
-   !> Evaluates one element: means over its volume, and stresses at its nodes.
-   pure subroutine evaluate_element(geometry, material, displacement, to_nodes, mean, energy_density, at_nodes)
+   !> Evaluates one element: means over its volume, stresses and forces at its nodes.
+   pure subroutine evaluate_element(geometry, material, displacement, to_nodes, mean, energy_density, at_nodes, force)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
@@ -78,15 +85,18 @@ contains
       real(dp), intent(out) :: mean(4) !! mean stress [F/L^2]
       real(dp), intent(out) :: energy_density !! mean strain energy density [F/L^2]
       real(dp), intent(out) :: at_nodes(4, max_nodes) !! stress at the element's nodes [F/L^2]
+      real(dp), intent(out) :: force(2, max_nodes) !! nodal forces that its stresses amount to [F]
       real(dp) :: strain(4), stress(4), volume
       integer :: i, point
 
       mean = 0.0_dp
       energy_density = 0.0_dp
       at_nodes = 0.0_dp
+      force = 0.0_dp
       do point = 1, geometry%n_points
          strain = elastic_strain(geometry, material, displacement, point)
          stress = material%stress(strain)
+         call add_point_forces(force, geometry, material, stress, point)
          mean = mean + geometry%volume(point)*stress
          energy_density = energy_density + 0.5_dp*geometry%volume(point)*dot_product(strain, stress)
          do i = 1, geometry%n_nodes

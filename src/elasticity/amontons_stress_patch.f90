@@ -23,11 +23,12 @@ module amontons_stress_patch
    !> elements need no other treatment than others.
    type :: patch_t
       real(dp) :: center(2) = 0.0_dp !! mean of the nodes [L]
-      real(dp) :: spread(3) = 1.0_dp !! Cholesky factor (xx, yx, yy) of their covariance [L]
+      real(dp) :: frame(3) = 0.0_dp
+         !! inverse (xx, yx, yy) of the Cholesky factor of their covariance [1/L]
       integer :: n_terms = 1 !! terms of the polynomial
       real(dp) :: coefficient(4, max_terms) = 0.0_dp !! of the stresses xx, yy, xy, zz (component, term) [F/L^2]
    contains
-      procedure :: stress => patch_stress
+      procedure :: add_stress => patch_add_stress
    end type patch_t
 
    !> Stresses at the points of the elements where they are most accurate.
@@ -44,45 +45,47 @@ contains
       type(patch_t), intent(inout) :: patch !! the patch
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: elements(:) !! its elements
-      real(dp) :: covariance(3), distance(2)
-      integer :: i, k, n, pass
+      real(dp) :: covariance(3), distance(2), origin(2), mean(2)
+      integer :: i, k, n
 
+      origin = mesh%coordinates(:, mesh%node(mesh%node_start(elements(1))))
+      mean = 0.0_dp
       covariance = 0.0_dp
-      patch%center = 0.0_dp
-      do pass = 1, 2
-         n = 0
-         do i = 1, size(elements)
-            do k = mesh%node_start(elements(i)), &
-               mesh%node_start(elements(i)) + n_corners(mesh%element_kind(elements(i))) - 1
-               n = n + 1
-               distance = mesh%coordinates(:, mesh%node(k)) - patch%center
-               if (pass == 1) then
-                  patch%center = patch%center + distance/n
-               else
-                  covariance = covariance + distance([1, 1, 2])*distance([1, 2, 2])
-               end if
-            end do
+      n = 0
+      do i = 1, size(elements)
+         do k = mesh%node_start(elements(i)), &
+            mesh%node_start(elements(i)) + n_corners(mesh%element_kind(elements(i))) - 1
+            n = n + 1
+            distance = mesh%coordinates(:, mesh%node(k)) - origin
+            mean = mean + distance
+            covariance(:2) = covariance(:2) + distance(1)*distance
+            covariance(3) = covariance(3) + distance(2)**2
          end do
       end do
-      covariance = covariance/n
-      patch%spread(1) = sqrt(covariance(1))
-      patch%spread(2) = covariance(2)/patch%spread(1)
-      patch%spread(3) = sqrt(covariance(3) - patch%spread(2)**2)
+      mean = mean/n
+      covariance = covariance/n - [mean(1)*mean, mean(2)**2]
+      patch%center = origin + mean
+      patch%frame(1) = 1.0_dp/sqrt(covariance(1))
+      distance(1) = covariance(2)*patch%frame(1)
+      patch%frame(3) = 1.0_dp/sqrt(covariance(3) - distance(1)**2)
+      patch%frame(2) = -distance(1)*patch%frame(1)*patch%frame(3)
    end subroutine spread_patch
 
-   !> The terms of a patch's polynomial at a point; 0 behind the last.
-   pure function terms(patch, position)
-      class(patch_t), intent(in) :: patch !! the patch
+   !> The terms of a patch's polynomial at a point; nothing behind the last.
+   pure subroutine find_terms(patch, position, p)
+      type(patch_t), intent(in) :: patch !! the patch
       real(dp), intent(in) :: position(2) !! the point [L]
-      real(dp) :: terms(max_terms)
-      real(dp) :: x, y
+      real(dp), intent(inout) :: p(max_terms) !! the terms, the first always 1
+      real(dp) :: x, y, distance(2)
 
-      x = (position(1) - patch%center(1))/patch%spread(1)
-      y = (position(2) - patch%center(2) - patch%spread(2)*x)/patch%spread(3)
-      terms(:3) = [1.0_dp, x, y]
-      terms(4:) = 0.0_dp
-      if (patch%n_terms > 3) terms(4:) = [x*x, x*y, y*y, x*x*y, x*y*y, x*x*y*y]
-   end function terms
+      distance = position - patch%center
+      x = patch%frame(1)*distance(1)
+      y = patch%frame(2)*distance(1) + patch%frame(3)*distance(2)
+      p(1) = 1.0_dp
+      p(2) = x
+      p(3) = y
+      if (patch%n_terms > 3) p(4:) = [x*x, x*y, y*y, x*x*y, x*y*y, x*x*y*y]
+   end subroutine find_terms
 
    !> Fits the polynomial of a patch, unless the samples do not determine it.
    pure subroutine fit_polynomial(patch, samples, elements, n_near, tractions, node, is_determined)
@@ -94,32 +97,24 @@ contains
       integer, intent(in) :: node !! the node
       logical, intent(out) :: is_determined
          !! whether there is a sample more than terms and the matrix is well conditioned; always for a constant
-      ! The samples of a regular patch leave pivots of a few hundredths of their number, a row too few of them leaves 0.
-      real(dp), parameter :: least_pivot = 1.0e-4_dp
-      real(dp), dimension(patch%n_terms, patch%n_terms) :: normal, factor
-      real(dp) :: right(patch%n_terms, 4)
-      integer :: i, n, n_samples, info
+      real(dp) :: normal(max_terms, max_terms), right(4, max_terms)
+      integer :: n_samples
 
-      n = patch%n_terms
       call sum_samples(normal, right, n_samples, patch, samples, elements, n_near)
-      is_determined = .false.
-      if (n > 1 .and. n_samples <= n) return
-      factor = normal
-      call cholesky_factor(factor, info)
-      if (info == 0) is_determined = minval([(factor(i, i)**2, i=1, n)]) > least_pivot*normal(1, 1)
-      if (.not. is_determined) return
-      if (size(tractions) > 0) call fit_tractions(patch, normal, right, tractions, node)
-      call cholesky_solve(factor, right)
-      if (size(tractions) > 0) right(:, :3) = transpose(patch%coefficient(:3, :n))
-      patch%coefficient(:, :n) = transpose(right)
+      associate (n => patch%n_terms)
+         is_determined = n == 1 .or. n_samples > n
+         if (is_determined) call solve_normal(patch, normal, right, is_determined)
+         if (.not. is_determined .or. size(tractions) == 0) return
+         call fit_tractions(patch, normal(:n, :n), transpose(right(:3, :n)), tractions, node)
+      end associate
    end subroutine fit_polynomial
 
    !> Sums the normal equations of the samples of a patch.
    pure subroutine sum_samples(normal, right, n_samples, patch, samples, elements, n_near)
-      type(patch_t), intent(in) :: patch !! the patch
-      real(dp), intent(out) :: normal(patch%n_terms, patch%n_terms) !! their matrix
-      real(dp), intent(out) :: right(patch%n_terms, 4) !! their right-hand sides (term, component)
+      real(dp), intent(out) :: normal(max_terms, max_terms) !! the lower triangle of their matrix
+      real(dp), intent(out) :: right(4, max_terms) !! their right-hand sides (component, term) [F/L^2]
       integer, intent(out) :: n_samples !! number of samples
+      type(patch_t), intent(in) :: patch !! the patch
       type(samples_t), intent(in) :: samples !! the stresses
       integer, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! how many of them meet at its node
@@ -127,29 +122,62 @@ contains
       integer :: i, j, k, n
 
       n = patch%n_terms
-      normal = 0.0_dp
-      right = 0.0_dp
+      normal(:n, :n) = 0.0_dp
+      right(:, :n) = 0.0_dp
       n_samples = 0
       weight = 1.0_dp
       do i = 1, size(elements)
          if (i > n_near) weight = far_weight
          do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
             n_samples = n_samples + 1
-            p = terms(patch, samples%position(:, k))
+            call find_terms(patch, samples%position(:, k), p)
             do j = 1, n
-               normal(:, j) = normal(:, j) + weight*p(j)*p(:n)
-            end do
-            do j = 1, 4
-               right(:, j) = right(:, j) + weight*samples%stress(j, k)*p(:n)
+               normal(j:n, j) = normal(j:n, j) + (weight*p(j))*p(j:n)
+               right(:, j) = right(:, j) + (weight*p(j))*samples%stress(:, k)
             end do
          end do
       end do
    end subroutine sum_samples
 
+   !> Solves the normal equations of a patch, unless their matrix is badly conditioned. They are few: BLAS would take
+   !> longer to be called than this takes.
+   pure subroutine solve_normal(patch, normal, right, is_determined)
+      type(patch_t), intent(inout) :: patch !! the patch; gains its coefficients
+      real(dp), intent(in) :: normal(max_terms, max_terms) !! the lower triangle of the matrix
+      real(dp), intent(in) :: right(4, max_terms) !! the right-hand sides (component, term) [F/L^2]
+      logical, intent(out) :: is_determined !! whether the matrix is well conditioned
+      ! The samples of a regular patch leave pivots of a few hundredths of their number, a row too few of them leaves 0.
+      real(dp), parameter :: least_pivot = 1.0e-4_dp
+      real(dp) :: factor(max_terms, max_terms)
+      integer :: j, k, n
+
+      n = patch%n_terms
+      associate (x => patch%coefficient)
+         do j = 1, n
+            factor(j:n, j) = normal(j:n, j)
+            x(:, j) = right(:, j)
+            do k = 1, j - 1
+               factor(j:n, j) = factor(j:n, j) - factor(j, k)*factor(j:n, k)
+               x(:, j) = x(:, j) - factor(j, k)*x(:, k)
+            end do
+            is_determined = factor(j, j) > least_pivot*normal(1, 1)
+            if (.not. is_determined) return
+            factor(j:n, j) = factor(j:n, j)/sqrt(factor(j, j))
+            x(:, j) = x(:, j)/factor(j, j)
+         end do
+         do j = n, 1, -1
+            do k = j + 1, n
+               x(:, j) = x(:, j) - factor(k, j)*x(:, k)
+            end do
+            x(:, j) = x(:, j)/factor(j, j)
+         end do
+      end associate
+   end subroutine solve_normal
+
    !> Fits the stresses xx, yy and xy to the samples and, with a large weight, to known tractions.
    pure subroutine fit_tractions(patch, normal, right, tractions, node)
       type(patch_t), intent(inout) :: patch !! the patch; gains their coefficients
-      real(dp), intent(in) :: normal(:, :) !! the normal matrix of the samples
+      real(dp), intent(in) :: normal(:, :) !! the lower triangle of the normal matrix of the samples
       real(dp), intent(in) :: right(:, :) !! its right-hand sides (term, component)
       type(known_traction_t), intent(in) :: tractions(:) !! the known tractions at sides that meet at the node
       integer, intent(in) :: node !! the node
@@ -213,7 +241,7 @@ contains
       integer :: i, n
 
       n = patch%n_terms
-      p = terms(patch, side%position(:, place))
+      call find_terms(patch, side%position(:, place), p)
       associate (normal => side%normal(:, place))
          do i = 1, 2
             if (.not. side%is_known(i)) cycle
@@ -228,19 +256,19 @@ contains
       end associate
    end subroutine add_traction
 
-   !> The stress of a patch's polynomial at a point: xx, yy, xy, zz [F/L^2].
-   pure function patch_stress(self, position) result(stress)
+   !> Adds a multiple of the stress of a patch's polynomial at a point.
+   pure subroutine patch_add_stress(self, position, weight, stress)
       class(patch_t), intent(in) :: self !! the patch
       real(dp), intent(in) :: position(2) !! the point [L]
-      real(dp) :: stress(4)
+      real(dp), intent(in) :: weight !! what the stress is multiplied by [-]
+      real(dp), intent(inout) :: stress(4) !! xx, yy, xy, zz; gains the multiple [F/L^2]
       real(dp) :: p(max_terms)
       integer :: i
 
-      p = terms(self, position)
-      stress = self%coefficient(:, 1) + p(2)*self%coefficient(:, 2) + p(3)*self%coefficient(:, 3)
-      do i = 4, self%n_terms
-         stress = stress + p(i)*self%coefficient(:, i)
+      call find_terms(self, position, p)
+      do i = 1, self%n_terms
+         stress = stress + (weight*p(i))*self%coefficient(:, i)
       end do
-   end function patch_stress
+   end subroutine patch_add_stress
 
 end module amontons_stress_patch

@@ -36,7 +36,7 @@ module amontons_stress_recovery
       type(known_traction_t), allocatable :: tractions(:) !! what is known of the tractions, patch by patch
    contains
       procedure, public :: fit => recovered_stress_fit
-      procedure, public :: stress => recovered_stress_stress
+      procedure, public :: find => recovered_stress_find
    end type recovered_stress_t
 
 contains
@@ -68,7 +68,8 @@ contains
       type(materials_t), intent(in) :: materials !! the mesh's materials
       integer, intent(in) :: first !! the first of the elements
       integer, intent(in) :: last !! the last one
-      type(integer_list_t) :: list
+      type(integer_list_t) :: list, elements
+      type(patch_t) :: patch
       integer :: i, element
 
       self%place = 0
@@ -84,13 +85,10 @@ contains
       if (allocated(self%patch)) deallocate (self%patch)
       allocate (self%patch(list%n))
       !$omp parallel do default(none) schedule(dynamic, 256) if (mesh%n_elements >= worth_threads) &
-      !$omp shared(self, mesh, materials, list)
+      !$omp shared(self, mesh, materials, list) firstprivate(elements) private(patch)
       do i = 1, list%n
-         associate (number => list%item(i))
-            call fit_patch(self%patch(i), mesh, materials, self%incidence, self%samples, &
-               self%tractions(self%side_start(number):self%side_start(number + 1) - 1), self%node(number), &
-               self%element(number))
-         end associate
+         call fit_patch(patch, self, mesh, materials, list%item(i), elements)
+         self%patch(i) = patch
       end do
       !$omp end parallel do
    end subroutine recovered_stress_fit
@@ -194,33 +192,35 @@ contains
 
    !> Fits the polynomial of a patch. A patch with too few samples for it grows by the elements around it; what no
    !> growth determines is left out.
-   subroutine fit_patch(patch, mesh, materials, incidence, samples, tractions, node, first)
+   subroutine fit_patch(patch, recovered, mesh, materials, number, elements)
       type(patch_t), intent(out) :: patch !! the polynomial
+      class(recovered_stress_t), intent(in) :: recovered !! the recovered stress field
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! its materials
-      type(incidence_t), intent(in) :: incidence !! the elements at each node
-      type(samples_t), intent(in) :: samples !! the stresses to fit
-      type(known_traction_t), intent(in) :: tractions(:) !! the sides of known tractions that meet at the node
-      integer, intent(in) :: node !! the node
-      integer, intent(in) :: first !! the first element of the patch
+      integer, intent(in) :: number !! number of the patch
+      type(integer_list_t), intent(inout) :: elements
+         !! room for the elements of the patch: to make it anew for each would take longer than to fit the polynomial
       integer, parameter :: most_growths = 2
-      type(integer_list_t) :: elements
       integer :: growth, n_near
       logical :: is_determined
 
-      patch%n_terms = n_kind_terms(mesh%element_kind(first))
-      call add_elements_at(elements, node, materials, incidence, materials%of_element(first))
-      n_near = elements%n
-      do growth = 0, most_growths
-         if (growth > 0) call grow_patch(elements, mesh, materials, incidence)
-         call spread_patch(patch, mesh, elements%item(:elements%n))
-         call fit_polynomial(patch, samples, elements%item(:elements%n), n_near, tractions, node, is_determined)
-         if (is_determined) exit
-      end do
-      do while (.not. is_determined)
-         patch%n_terms = merge(1, patch%n_terms - 3, patch%n_terms == 3)
-         call fit_polynomial(patch, samples, elements%item(:elements%n), n_near, tractions, node, is_determined)
-      end do
+      associate (node => recovered%node(number), first => recovered%element(number), samples => recovered%samples, &
+         tractions => recovered%tractions(recovered%side_start(number):recovered%side_start(number + 1) - 1))
+         patch%n_terms = n_kind_terms(mesh%element_kind(first))
+         elements%n = 0
+         call add_elements_at(elements, node, materials, recovered%incidence, materials%of_element(first))
+         n_near = elements%n
+         do growth = 0, most_growths
+            if (growth > 0) call grow_patch(elements, mesh, materials, recovered%incidence)
+            call spread_patch(patch, mesh, elements%item(:elements%n))
+            call fit_polynomial(patch, samples, elements%item(:elements%n), n_near, tractions, node, is_determined)
+            if (is_determined) exit
+         end do
+         do while (.not. is_determined)
+            patch%n_terms = merge(1, patch%n_terms - 3, patch%n_terms == 3)
+            call fit_polynomial(patch, samples, elements%item(:elements%n), n_near, tractions, node, is_determined)
+         end do
+      end associate
    end subroutine fit_patch
 
    !> Adds the elements of a material at a node that are not in a patch yet.
@@ -249,33 +249,36 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! its materials
       type(incidence_t), intent(in) :: incidence !! the elements at each node
-      integer :: i, k
+      integer :: i, k, element
 
       do i = 1, elements%n
-         associate (element => elements%item(i))
-            do k = mesh%node_start(element), mesh%node_start(element) + n_corners(mesh%element_kind(element)) - 1
-               call add_elements_at(elements, mesh%node(k), materials, incidence, materials%of_element(element))
-            end do
-         end associate
+         ! A copy: the list may move to a larger place as it grows.
+         element = elements%item(i)
+         do k = mesh%node_start(element), mesh%node_start(element) + n_corners(mesh%element_kind(element)) - 1
+            call add_elements_at(elements, mesh%node(k), materials, incidence, materials%of_element(element))
+         end do
       end do
    end subroutine grow_patch
 
-   !> The recovered stress at a point of an element, one of those that `fit` was called for: xx, yy, xy, zz [F/L^2].
-   pure function recovered_stress_stress(self, mesh, element, position, weights) result(stress)
+   !> The recovered stresses at points of an element, one of those that `fit` was called for: xx, yy, xy, zz (4, points)
+   !> [F/L^2].
+   pure subroutine recovered_stress_find(self, mesh, element, position, weights, stress)
       class(recovered_stress_t), intent(in) :: self !! the recovered stress field
       type(mesh_t), intent(in) :: mesh !! its mesh
       integer, intent(in) :: element !! the element
-      real(dp), intent(in) :: position(2) !! the point [L]
-      real(dp), intent(in) :: weights(:) !! linear shape functions of the element's corners there (corners) [-]
-      real(dp) :: stress(4)
-      integer :: i
+      real(dp), contiguous, intent(in) :: position(:, :) !! the points (2, points) [L]
+      real(dp), intent(in) :: weights(:, :) !! linear shape functions of the corners there (corners, points) [-]
+      real(dp), contiguous, intent(out) :: stress(:, :) !! the stresses (4, points) [F/L^2]
+      integer :: i, point
 
       stress = 0.0_dp
-      do i = 1, size(weights)
+      do i = 1, size(weights, 1)
          associate (patch => self%patch(self%place(self%of_corner(mesh%node_start(element) - 1 + i))))
-            stress = stress + weights(i)*patch%stress(position)
+            do point = 1, size(position, 2)
+               call patch%add_stress(position(:, point), weights(i, point), stress(:, point))
+            end do
          end associate
       end do
-   end function recovered_stress_stress
+   end subroutine recovered_stress_find
 
 end module amontons_stress_recovery

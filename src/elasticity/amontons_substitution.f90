@@ -24,6 +24,7 @@ module amontons_substitution
       procedure :: forces => substitution_forces
       procedure :: is_substituted => substitution_is_substituted
       procedure :: own_nodes_of_elements => substitution_own_nodes_of_elements
+      procedure :: take_part => substitution_take_part
       procedure :: transform => substitution_transform
    end type substitution_t
 
@@ -104,6 +105,11 @@ contains
       integer, allocatable :: own(:)
       integer :: element, turn
 
+      if (.not. allocated(self%start)) then
+         own_start = start
+         own_node = node
+         return
+      end if
       allocate (own_start(size(start)))
       ! Counted first, then listed.
       do turn = 1, 2
@@ -117,6 +123,27 @@ contains
          if (turn == 1) allocate (own_node(own_start(size(start)) - 1))
       end do
    end subroutine substitution_own_nodes_of_elements
+
+   !> The substitution of a part of a body, its nodes numbered anew.
+   pure subroutine substitution_take_part(self, body, nodes, number)
+      class(substitution_t), intent(inout) :: self !! that of the part; nothing yet, nor later if it substitutes none
+      type(substitution_t), intent(in) :: body !! that of the body
+      integer, intent(in) :: nodes(:) !! nodes of the part whose displacements are of interest: its first ones
+      integer, intent(in) :: number(:) !! number in the part of each node of the body
+      integer, allocatable :: row(:)
+      integer :: i, k
+
+      if (.not. body%is_substituted(nodes)) return
+      allocate (self%start(maxval(number) + 1))
+      self%start(1) = 1
+      do i = 1, size(nodes)
+         self%start(i + 1) = self%start(i) + body%start(nodes(i) + 1) - body%start(nodes(i))
+      end do
+      self%start(size(nodes) + 2:) = self%start(size(nodes) + 1)
+      row = [((k, k=body%start(nodes(i)), body%start(nodes(i) + 1) - 1), i=1, size(nodes))]
+      self%node = number(body%node(row))
+      self%block = body%block(:, :, row)
+   end subroutine substitution_take_part
 
    !> The rows of P of some nodes, in the columns of the nodes of `element_nodes` (2 nodes, 2 own_nodes) [-].
    pure function substitution_transform(self, nodes, own_nodes) result(transform)

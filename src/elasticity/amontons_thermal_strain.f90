@@ -61,7 +61,8 @@ contains
       end do
    end subroutine add_thermal_strain
 
-   !> Temperatures of a load at the nodes of its elements; of its table where it has one.
+   !> Temperatures of a load at the nodes of its elements; of its table where it has one. A node of refinement that the
+   !> table has not takes the mean of the nodes that it comes from.
    subroutine find_temperatures(temperature, mesh, load, elements, error)
       real(dp), allocatable, intent(out) :: temperature(:) !! temperature of each node (n_nodes) [K]
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -70,7 +71,8 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the table lacks a node, or gives one twice
       type(tag_map_t) :: map
       integer, allocatable :: tags(:)
-      integer :: i, k, row
+      logical :: is_met(mesh%n_nodes)
+      integer :: i, node, row
 
       temperature = load%temperature + matmul(load%temperature_slope, mesh%coordinates)
       if (.not. allocated(load%temperature_table)) return
@@ -80,18 +82,25 @@ contains
       if (row > 0) call new_error(error, input_refused, load%temperature_file//': node '//to_text(tags(row))// &
          ' is given a second time')
       if (allocated(error)) return
+      is_met = .false.
       do i = 1, size(elements)
-         do k = mesh%node_start(elements(i)), mesh%node_start(elements(i) + 1) - 1
-            associate (node => mesh%node(k))
-               row = map%find(tag_of(mesh, node))
-               if (row == 0) then
-                  call new_error(error, input_refused, load%temperature_file//': no temperature of '// &
-                     name_of(mesh, node))
-                  return
-               end if
-               temperature(node) = load%temperature_table(2, row)
+         is_met(mesh%node(mesh%node_start(elements(i)):mesh%node_start(elements(i) + 1) - 1)) = .true.
+      end do
+      do node = 1, mesh%n_nodes
+         if (.not. is_met(node)) cycle
+         row = map%find(tag_of(mesh, node))
+         if (row > 0) then
+            temperature(node) = load%temperature_table(2, row)
+         else if (mesh%is_of_refinement(node)) then
+            associate (first => mesh%parents%start(node), last => mesh%parents%start(node + 1) - 1)
+               temperature(node) = dot_product(mesh%parents%weight(first:last), &
+                  temperature(mesh%parents%node(first:last)))
             end associate
-         end do
+         else
+            call new_error(error, input_refused, load%temperature_file//': no temperature of node '// &
+               to_text(tag_of(mesh, node)))
+            return
+         end if
       end do
    end subroutine find_temperatures
 
@@ -106,15 +115,5 @@ contains
       tag = 0
       if (node <= size(mesh%node_tag)) tag = mesh%node_tag(node)
    end function tag_of
-
-   !> What messages call a node.
-   pure function name_of(mesh, node) result(name)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      integer, intent(in) :: node !! the node
-      character(:), allocatable :: name
-
-      name = 'node '//to_text(tag_of(mesh, node))
-      if (tag_of(mesh, node) == 0) name = 'the nodes that refine adds'
-   end function name_of
 
 end module amontons_thermal_strain

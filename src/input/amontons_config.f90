@@ -10,6 +10,7 @@ module amontons_config
    use amontons_config_contact, only: contact_group, describe_contact, describe_tie, tie_group
    use amontons_config_file, only: take_file
    use amontons_config_history, only: describe_history, history_group, steps_group
+   use amontons_config_output, only: describe_output, output_group
    use amontons_config_reduced, only: describe_problem, problem_group, reduced_source_t
    use amontons_config_sweep, only: describe_sweep, sweep_group
    use amontons_constraints, only: support_t
@@ -32,19 +33,17 @@ module amontons_config
       space_names, variant_names
    use amontons_new_cholesky, only: factorization_names
    use amontons_pairing, only: tie_t
-   use amontons_sweep, only: key_result_names, sweep_t
+   use amontons_sweep, only: sweep_t
    use amontons_system, only: absolute_path
    use amontons_text, only: lower_case, quoted, to_text
    implicit none (type, external)
    private
 
    public :: body_text, config_t, effective_deck, new_reduced_config, read_config, read_config_text, &
-      read_set_config, reference_text
+      reference_text
 
    !> The group of the solver.
    type(group_t), parameter :: solver_group = group_t('solver')
-   !> The group of what is written.
-   type(group_t), parameter :: output_group = group_t('output')
    !> The groups that describe a body, what acts on it, what varies, and how accurate the results shall be.
    type(group_t), parameter :: body_groups(*) = [mesh_group, material_group, support_group, load_group, contact_group, &
       tie_group, sweep_group, history_group, steps_group, accuracy_group]
@@ -75,45 +74,30 @@ contains
 
    !> Reads a case from a deck. All faults of the deck are told in one error, one line each; what a group means is
    !> judged only where its form is right, and what follows from another fault is not told.
-   subroutine read_config(config, file, error)
+   subroutine read_config(config, file, error, settings)
       type(config_t), intent(out) :: config !! the case
       character(*), intent(in) :: file !! name of the deck, `-` for standard input
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
-      type(setting_t) :: no_settings(0)
+      type(setting_t), intent(in), optional :: settings(:) !! what takes the place of what it says
+      type(deck_reader_t) :: reader
 
-      call read_set_config(config, file, .false., no_settings, error)
+      call read_deck(reader%deck, file, error)
+      if (.not. allocated(error)) call read_groups(config, reader, error, settings)
    end subroutine read_config
 
    !> Makes the case of a reduced problem's file alone: that of a deck which names the file and nothing else.
-   subroutine new_reduced_config(config, file, error)
+   subroutine new_reduced_config(config, file, error, settings)
       type(config_t), intent(out) :: config !! the case
       character(*), intent(in) :: file !! name of the reduced problem's file
       type(error_t), allocatable, intent(out) :: error !! the name cannot stand in a deck
-      type(setting_t) :: no_settings(0)
-
-      call read_set_config(config, file, .true., no_settings, error)
-   end subroutine new_reduced_config
-
-   !> Reads a case in which settings take the place of what its deck says.
-   subroutine read_set_config(config, file, is_reduced, settings, error)
-      type(config_t), intent(out) :: config !! the case
-      character(*), intent(in) :: file !! name of the deck, `-` for standard input; or of a reduced problem's file
-      logical, intent(in) :: is_reduced !! whether it is that of a reduced problem
-      type(setting_t), intent(in) :: settings(:) !! the settings
-      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(setting_t), intent(in), optional :: settings(:) !! what takes the place of what the deck says
       type(deck_reader_t) :: reader
 
-      if (is_reduced) then
-         call read_deck_text(reader%deck, file, "&problem kind = 'reduced'  file = "//quoted(absolute_path(file))//' /')
-      else
-         call read_deck(reader%deck, file, error)
-         if (allocated(error)) return
-      end if
-      call read_groups(config, reader, settings, error)
-      if (.not. is_reduced) return
+      call read_deck_text(reader%deck, file, "&problem kind = 'reduced'  file = "//quoted(absolute_path(file))//' /')
+      call read_groups(config, reader, error, settings)
       config%reduced%file = file
       config%reduced%origin = ''
-   end subroutine read_set_config
+   end subroutine new_reduced_config
 
    !> Reads a case from the text of a deck, in which settings take the place of what it says.
    subroutine read_config_text(config, file, text, settings, error)
@@ -128,18 +112,18 @@ contains
       call read_settings(list, settings, error)
       if (allocated(error)) return
       call read_deck_text(reader%deck, file, text)
-      call read_groups(config, reader, list, error)
+      call read_groups(config, reader, error, list)
    end subroutine read_config_text
 
    !> Reads the groups of a deck, in which settings take the place of what it says.
-   subroutine read_groups(config, reader, settings, error)
+   subroutine read_groups(config, reader, error, settings)
       type(config_t), intent(inout) :: config !! the case
       type(deck_reader_t), intent(inout) :: reader !! the reader, with its deck
-      type(setting_t), intent(in) :: settings(:) !! the settings
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(setting_t), intent(in), optional :: settings(:) !! the settings
 
       config%file = reader%deck%file
-      call apply_settings(reader%deck, settings)
+      if (present(settings)) call apply_settings(reader%deck, settings)
       call reader%deck%refuse_unknown_groups(groups%name, pack(groups%name, groups%is_repeatable))
       call describe_config(reader, config)
       call reader%deck%finish(error)
@@ -351,49 +335,5 @@ contains
             "condensation must be 'dense' or 'auto' with constant multipliers and with contact against another body")
       end associate
    end subroutine describe_solver
-
-   !> Describes `&output`: what a sweep or a history leaves besides its table.
-   subroutine describe_output(visitor, sweep, history)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(sweep_t), intent(inout) :: sweep !! the sweep
-      type(history_t), intent(inout) :: history !! the history
-      character(:), allocatable :: key_results
-      integer :: fields_every
-      logical :: has_fields, has_key_results, has_points, has_states, has_probes
-
-      fields_every = max(sweep%fields_every, history%fields_every)
-      has_fields = fields_every > 0
-      has_points = history%points_every > 0
-      has_states = history%states_every > 0
-      has_probes = history%n_probes() > 0
-      call visitor%open_group(output_group)
-      call visitor%whole(key_t('fields_every', 'with `&sweep` or `&history`: the fields of case or step 1 and of'// &
-         ' every so-many-th behind it are written as `.vtu`', default='none', at_least=1.0_dp, &
-         also='out every frequency'), fields_every, has_fields)
-      has_key_results = sweep%has_body_results
-      key_results = trim(key_result_names(merge(2, 1, sweep%has_body_results)))
-      call visitor%word(key_t('key_results', 'with `&sweep`: the key results of each case, those of the contact'// &
-         ' points or all, with the largest von Mises stress and displacement of the body, which take longer', &
-         default="`'contact'`"), key_results, key_result_names, has_key_results)
-      sweep%has_body_results = key_results == key_result_names(2)
-      call visitor%whole(key_t('points_every', 'with `&history`: the contact points of step 1 and of every'// &
-         ' so-many-th step behind it are written as a table', default='none', at_least=1.0_dp), history%points_every, &
-         has_points)
-      call visitor%whole(key_t('states_every', 'with `&history`: all that another history needs to `start` from'// &
-         ' step 1 or from a so-many-th step behind it is written', default='none', at_least=1.0_dp), &
-         history%states_every, has_states)
-      call visitor%list(key_t('probe', 'with `&history`: coordinates of nodes, x and y in turn, whose displacements'// &
-         ' the table of the history shows', 'L', default='none', also='probes'), history%probes, has_probes)
-      call visitor%close_group()
-      if (sweep%is_given()) sweep%fields_every = fields_every
-      if (history%is_given) history%fields_every = fields_every
-      call visitor%only('fields_every', sweep%is_given() .or. history%is_given, 'a deck with &sweep or &history')
-      call visitor%only('key_results', sweep%is_given(), 'a deck with &sweep')
-      call visitor%only('points_every', history%is_given, 'a deck with &history')
-      call visitor%only('states_every', history%is_given, 'a deck with &history')
-      call visitor%only('probe', history%is_given, 'a deck with &history')
-      if (has_probes) call visitor%require(modulo(size(history%probes), 2) == 0, 'probe', &
-         'probe needs two coordinates for each node, found '//to_text(size(history%probes))//' numbers')
-   end subroutine describe_output
 
 end module amontons_config

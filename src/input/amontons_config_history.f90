@@ -69,13 +69,15 @@ contains
    subroutine describe_times(visitor, history)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(history_t), intent(inout) :: history !! the history
-      logical :: has_times, has_tolerance, has_least, has_start, has_start_step
+      logical :: has_times, has_tolerance, has_least, has_start, has_start_step, has_cycles, has_period
 
       has_times = history%is_given
       has_tolerance = history%step_tolerance < huge(1.0_dp)
       has_least = history%min_step > 0.0_dp
       has_start = is_filled(history%start)
       has_start_step = history%start_step > 0
+      has_cycles = allocated(history%cycles)
+      has_period = history%period > 0.0_dp
       if (.not. allocated(history%name)) history%name = 'time'
       call visitor%open_group(history_group)
       call visitor%list(key_t('times', 'ascending values of the pseudo-time; the body is at rest and unstressed'// &
@@ -90,6 +92,13 @@ contains
          history%step_tolerance, has_tolerance)
       call visitor%real(key_t('min_step', 'steps are not halved below this', default='1/1024 of a step', &
          above=0.0_dp, also='dtmin'), history%min_step, has_least)
+      call visitor%list(key_t('cycles', 'times at which cycles begin and end, each at the end of a planned step;'// &
+         ' with `period` the one time at which the first begins', default='none', is_ascending=.true., also='cycle'), &
+         history%cycles, has_cycles)
+      call visitor%real(key_t('period', 'with `cycles`: length of each cycle', default='the times are listed', &
+         above=0.0_dp), history%period, has_period)
+      call visitor%real(key_t('cycle_tolerance', 'with `cycles`: a cycle whose dissipation, forces and slips differ'// &
+         ' less from those of the one before is like it', above=0.0_dp), history%cycle_tolerance)
       call visitor%text(key_t('start', 'a file `NAME.states.csv`: the body is in a state of that file before the'// &
          ' first step, which leads to the time behind it', default='at rest', is_file=.true., is_filled=.true., &
          also='restart initial'), history%start, has_start)
@@ -101,10 +110,42 @@ contains
       call visitor%require(visitor%deck%count_groups('sweep') == 0, '', &
          'a deck has either &history or &sweep; give each a deck of its own')
       call visitor%only('start_step', is_filled(history%start), 'start')
+      call visitor%only('period', has_cycles, 'cycles')
+      if (has_times .and. has_cycles) call judge_cycles(visitor, history)
       call visitor%require( &
          verify(history%name, 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_') == 0 .and. &
          len(history%name) > 0, 'name', 'name must consist of letters, digits and _')
    end subroutine describe_times
+
+   !> Judges the times of cycles.
+   subroutine judge_cycles(visitor, history)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(history_t), intent(in) :: history !! the history, with times and cycles
+      real(dp), allocatable :: ends(:)
+      real(dp) :: nearest, before
+      integer :: i
+      ! How far the end of a cycle may be from that of a planned step, over the whole history.
+      real(dp), parameter :: near = 1.0e-9_dp
+
+      if (.not. visitor%deck%is_sound(visitor%place)) return
+      ends = history%cycles
+      if (history%period > 0.0_dp) then
+         call visitor%require(size(ends) == 1, 'cycles', 'with period, cycles is the one time at which the first'// &
+            ' cycle begins, found '//to_text(size(ends))//' times')
+         ends = ends(1) + history%period*[(i, i=0, max(1, history%n_cycles()))]
+      else
+         call visitor%require(size(ends) > 1, 'cycles', 'cycles needs two times at least, or a period')
+      end if
+      before = -huge(1.0_dp)
+      do i = 1, size(ends)
+         nearest = history%nearest_planned_time(ends(i))
+         call visitor%require(nearest > before .and. abs(nearest - ends(i)) <= near*(history%times(size( &
+            history%times)) - history%times(1)), 'cycles', 'no planned step ends at '//to_text(ends(i))// &
+            ', where a cycle should begin or end; the nearest ends at '//to_text(nearest))
+         if (.not. visitor%deck%is_sound(visitor%place)) return
+         before = nearest
+      end do
+   end subroutine judge_cycles
 
    !> Describes one `&steps`.
    subroutine describe_steps(visitor, steps)

@@ -7,7 +7,7 @@ module amontons_history
    implicit none (type, external)
    private
 
-   public :: history_t, is_shown, moved_things, steps_t
+   public :: fretting_names, history_t, is_shown, moved_things, steps_t
 
    !> What changes: the factor of all loads of a name.
    integer, parameter, public :: stepped_load = 1
@@ -20,6 +20,9 @@ module amontons_history
 
    !> How a deck writes whose change it is.
    character(8), parameter :: moved_things(4) = [character(8) :: 'load', 'support', 'obstacle', 'contact']
+
+   !> Whether parameters of fretting are computed, as a deck writes it.
+   character(10), parameter :: fretting_names(2) = [character(10) :: 'none', 'parameters']
 
    !> What changes over the history, in numbers: one factor, or shift along x, shift along y and angle of an obstacle.
    type :: steps_t
@@ -47,6 +50,10 @@ module amontons_history
       real(dp) :: step_tolerance = huge(1.0_dp)
          !! a step whose energy error is a larger part of its energies is halved [-]
       real(dp) :: min_step = 0.0_dp !! steps that would become smaller are not halved [-]
+      real(dp), allocatable :: cycles(:) !! times at which cycles begin and end; one time with a period [-]
+      real(dp) :: period = 0.0_dp !! length of each cycle; 0 where all times are listed [-]
+      real(dp) :: cycle_tolerance = 1.0e-3_dp !! a smaller change from one cycle to the next counts as none [-]
+      logical :: has_fretting = .false. !! whether stresses of the surface and parameters of fretting are computed
       type(steps_t), allocatable :: steps(:) !! what changes
       integer :: fields_every = 0 !! the fields of the first step and of every so many behind it are written; 0 for none
       integer :: points_every = 0 !! the same of the contact points
@@ -55,10 +62,13 @@ module amontons_history
       integer :: start_step = 0 !! the step of the state; 0 for the last one
       real(dp), allocatable :: probes(:) !! coordinates of the nodes whose displacements are shown, x and y in turn [L]
    contains
+      procedure :: cycle_ends => history_cycle_ends
       procedure :: has_start => history_has_start
+      procedure :: n_cycles => history_n_cycles
       procedure :: n_probes => history_n_probes
       procedure :: n_steps => history_n_steps
       procedure :: numbers => history_numbers
+      procedure :: nearest_planned_time => history_nearest_planned_time
       procedure :: planned_time => history_planned_time
    end type history_t
 
@@ -157,6 +167,47 @@ contains
             /self%n_substeps)
       end if
    end function history_planned_time
+
+   !> The time of a planned step that is nearest to a time within the history [-].
+   pure real(dp) function history_nearest_planned_time(self, time) result(nearest)
+      class(history_t), intent(in) :: self !! the history
+      real(dp), intent(in) :: time !! the time [-]
+      integer :: interval
+
+      interval = max(1, min(count(self%times <= time), size(self%times) - 1))
+      if (size(self%times) == 1) then
+         nearest = self%times(1)
+      else
+         associate (begin => self%times(interval), end => self%times(interval + 1))
+            nearest = self%planned_time(1 + self%n_substeps*(interval - 1) &
+               + nint(self%n_substeps*max(0.0_dp, min(1.0_dp, (time - begin)/(end - begin)))))
+         end associate
+      end if
+   end function history_nearest_planned_time
+
+   !> How many cycles of the period end within the history. No more than there are planned steps.
+   pure integer function history_n_cycles(self) result(n)
+      class(history_t), intent(in) :: self !! the history, with a period
+      ! A cycle that ends this little behind the last time, over its length, is whole.
+      real(dp), parameter :: rounding = 1.0e-6_dp
+
+      n = int(max(0.0_dp, min(real(self%n_steps(), dp), (self%times(size(self%times)) - self%cycles(1))/self%period &
+         + rounding)))
+   end function history_n_cycles
+
+   !> The times at which cycles begin and end, those of planned steps; none without cycles [-].
+   pure function history_cycle_ends(self) result(ends)
+      class(history_t), intent(in) :: self !! the history
+      real(dp), allocatable :: ends(:)
+      integer :: i
+
+      allocate (ends(0))
+      if (allocated(self%cycles)) ends = self%cycles
+      if (size(ends) > 0 .and. self%period > 0.0_dp) ends = ends(1) + self%period*[(i, i=0, self%n_cycles())]
+      do i = 1, size(ends)
+         ends(i) = self%nearest_planned_time(ends(i))
+      end do
+   end function history_cycle_ends
 
    !> The numbers of one of the changes at a time (1 or 3).
    pure function history_numbers(self, which, time) result(numbers)

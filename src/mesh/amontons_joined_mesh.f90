@@ -2,7 +2,7 @@
 module amontons_joined_mesh
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_mesh, only: boundary_set_t, mesh_t, node_set_t, region_t
+   use amontons_mesh, only: boundary_set_t, mesh_t, node_set_t, parents_t, region_t
    implicit none (type, external)
    private
 
@@ -51,6 +51,7 @@ contains
       call append_sets(mesh, other, error)
       if (allocated(error)) return
       call append_tags(mesh, other)
+      call append_parents(mesh, other)
       allocate (coordinates(2, mesh%n_nodes + other%n_nodes))
       coordinates(:, :mesh%n_nodes) = mesh%coordinates
       coordinates(:, mesh%n_nodes + 1:) = other%coordinates
@@ -150,6 +151,33 @@ contains
       where (tags(mesh%n_nodes + 1:) > 0) tags(mesh%n_nodes + 1:) = before + tags(mesh%n_nodes + 1:)
       call move_alloc(tags, mesh%node_tag)
    end subroutine append_tags
+
+   !> Appends the parents of nodes of refinement.
+   pure subroutine append_parents(mesh, other)
+      type(mesh_t), intent(inout) :: mesh !! the first mesh, its nodes still alone
+      type(mesh_t), intent(in) :: other !! the mesh to append
+      type(parents_t) :: behind
+
+      if (.not. (allocated(mesh%parents) .or. allocated(other%parents))) return
+      behind = parents_of(other)
+      mesh%parents = parents_of(mesh)
+      call append(mesh%parents%start, size(mesh%parents%node) + behind%start(2:))
+      call append(mesh%parents%node, mesh%n_nodes + behind%node)
+      mesh%parents%weight = [mesh%parents%weight, behind%weight]
+   end subroutine append_parents
+
+   !> The parents of the nodes of a mesh, whether refined or not.
+   pure function parents_of(mesh) result(parents)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(parents_t) :: parents
+
+      if (allocated(mesh%parents)) then
+         parents = mesh%parents
+      else
+         allocate (parents%start(mesh%n_nodes + 1), source=1)
+         allocate (parents%node(0), parents%weight(0))
+      end if
+   end function parents_of
 
    !> The numbers that the nodes of a mesh have in its file, 0 for a node of refinement.
    pure function tags_of(mesh) result(tags)

@@ -9,7 +9,7 @@ module amontons_mesh
    implicit none (type, external)
    private
 
-   public :: boundary_set_t, element_jacobian, mesh_t, node_set_t, region_t
+   public :: boundary_set_t, element_jacobian, mesh_t, node_set_t, parents_t, region_t
 
    !> A named part of the boundary: sides of elements.
    type :: boundary_set_t
@@ -30,12 +30,20 @@ module amontons_mesh
       integer, allocatable :: element(:) !! its elements
    end type region_t
 
+   !> The nodes that a node of refinement has its place from: it is their weighted mean.
+   type :: parents_t
+      integer, allocatable :: start(:) !! where the parents of a node begin in `node` (n_nodes + 1)
+      integer, allocatable :: node(:) !! the parents, of lower numbers than the node
+      real(dp), allocatable :: weight(:) !! the weight of each [-]
+   end type parents_t
+
    !> A plane mesh; elements may be of different kinds.
    type :: mesh_t
       integer :: n_nodes = 0 !! number of nodes
       integer :: n_elements = 0 !! number of elements
       real(dp), allocatable :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
       integer, allocatable :: node_tag(:) !! number of each node in the mesh's file; not allocated without a file
+      type(parents_t), allocatable :: parents !! where nodes of refinement come from; not allocated without any
       integer, allocatable :: element_kind(:) !! kind of each element, see `amontons_element` (n_elements)
       integer, allocatable :: node_start(:) !! where the nodes of an element begin in `node` (n_elements + 1)
       integer, allocatable :: node(:) !! nodes of the elements, counter-clockwise
@@ -53,6 +61,7 @@ module amontons_mesh
       procedure :: find_set => mesh_find_set
       procedure :: nearest_node => mesh_nearest_node
       procedure :: region_elements => mesh_region_elements
+      procedure :: is_of_refinement => mesh_is_of_refinement
       procedure :: is_turned_over => mesh_is_turned_over
       procedure :: set_nodes => mesh_set_nodes
       procedure :: set_sides => mesh_set_sides
@@ -209,6 +218,15 @@ contains
          text = text//self%regions(i)%name
       end do
    end function mesh_region_names
+
+   !> Whether a node came with a refinement of the mesh.
+   pure logical function mesh_is_of_refinement(self, node) result(is_of_refinement)
+      class(mesh_t), intent(in) :: self !! the mesh
+      integer, intent(in) :: node !! the node
+
+      is_of_refinement = allocated(self%parents)
+      if (is_of_refinement) is_of_refinement = self%parents%start(node + 1) > self%parents%start(node)
+   end function mesh_is_of_refinement
 
    !> The names of all boundary sets, as messages list them, and the one that is near another name.
    pure function mesh_set_names(self, name) result(text)

@@ -3,7 +3,7 @@ module amontons_rectangle
    use amontons_element, only: element_names, is_triangle, n_element_nodes, quad4, tri3
    use amontons_error, only: error_t, input_refused, new_error, system_failure
    use amontons_kinds, only: dp, int64
-   use amontons_listing_text, only: short
+   use amontons_listing_text, only: short_text
    use amontons_mesh, only: boundary_set_t, mesh_t
    use amontons_quadratic_mesh, only: raise_order
    use amontons_system, only: available_memory_mb
@@ -52,7 +52,7 @@ contains
       end if
       call check_memory(rectangle%cells, kind /= shape, error)
       if (allocated(error)) return
-      mesh%source = 'rectangle '//short(rectangle%size(1))//' x '//short(rectangle%size(2))//', '// &
+      mesh%source = 'rectangle '//short_text(rectangle%size(1))//' x '//short_text(rectangle%size(2))//', '// &
          to_text(rectangle%cells(1))//' x '//to_text(rectangle%cells(2))//' cells of '//trim(rectangle%element)
       call place_nodes(mesh, rectangle)
       call connect_cells(mesh, rectangle, shape)

@@ -1,11 +1,11 @@
 !> Uniform refinement: every element in four, its sides halved where its shape functions put their middles, so that
 !> curved sides keep their curve.
 module amontons_refined_mesh
-   use amontons_element, only: is_triangle, max_nodes, n_corners, n_element_nodes, node_coordinates, quad4, quad8, &
-      quad9, shape_functions, tri3, tri6
+   use amontons_element, only: element_names, is_triangle, max_nodes, n_corners, n_element_nodes, node_coordinates, &
+      quad4, quad8, quad9, shape_functions, tri3, tri6
    use amontons_error, only: error_t, input_refused, new_error, system_failure
    use amontons_kinds, only: dp, int64
-   use amontons_mesh, only: mesh_t
+   use amontons_mesh, only: mesh_t, parents_t
    use amontons_quadratic_mesh, only: raise_order
    use amontons_system, only: available_memory_mb
    use amontons_text, only: to_text
@@ -57,29 +57,28 @@ contains
    !> elements 4 e - 3 to 4 e. Boundary sets and regions become those of the parts, sets of nodes stay as they are.
    pure subroutine refine_once(mesh)
       type(mesh_t), intent(inout) :: mesh !! a checked mesh, refined on return
-      type(mesh_t) :: parent
-      logical :: is_linear
+      type(mesh_t) :: parent, quadratic
+      integer, allocatable :: kinds(:)
 
+      kinds = mesh%element_kind
       parent = mesh
-      is_linear = all(n_element_nodes(mesh%element_kind) == n_corners(mesh%element_kind))
-      ! Then the nodes that become corners of parts are those of a quadratic mesh.
-      if (is_linear) call raise_order(parent, merge(tri6, quad9, is_triangle(mesh%element_kind)))
-      call cut_elements(mesh, parent)
-      if (.not. is_linear) then
-         call raise_order(mesh, [spread(parent%element_kind, 1, n_parts)])
-         call bend_sides(mesh, parent)
-      end if
+      ! The nodes that become corners of parts are those of quadratic elements.
+      quadratic = mesh
+      call raise_order(quadratic, merge(merge(tri6, quad9, is_triangle(kinds)), kinds, &
+         n_element_nodes(kinds) == n_corners(kinds)))
+      call cut_elements(mesh, quadratic)
+      call raise_order(mesh, [spread(kinds, 1, n_parts)])
+      call place_nodes(mesh, parent)
       call refine_sets(mesh)
    end subroutine refine_once
 
-   !> Replaces the elements of a mesh by the linear ones that its quadratic ones are cut into.
+   !> Replaces the elements of a mesh by the linear ones that its quadratic ones are cut into. The centers of eight-node
+   !> elements become nodes, which are not placed yet.
    pure subroutine cut_elements(mesh, parent)
       type(mesh_t), intent(inout) :: mesh !! the mesh; gains nodes and elements
       type(mesh_t), intent(in) :: parent !! the same mesh, of quadratic elements
-      real(dp) :: center(2, count(parent%element_kind == quad8)), values(max_nodes), derivatives(2, max_nodes)
       integer :: node(max_nodes), element, part, n, n_centers, first
 
-      call shape_functions(quad8, [0.0_dp, 0.0_dp], values, derivatives)
       deallocate (mesh%node, mesh%node_start)
       allocate (mesh%node(n_parts*sum(n_corners(parent%element_kind))), mesh%node_start(n_parts*parent%n_elements + 1))
       mesh%node_start(1) = 1
@@ -91,7 +90,6 @@ contains
             if (kind == quad8) then
                n_centers = n_centers + 1
                node(max_nodes) = parent%n_nodes + n_centers
-               center(:, n_centers) = matmul(parent%coordinates(:, nodes), values(:size(nodes)))
             end if
             n = n_corners(kind)
             do part = 1, n_parts
@@ -106,7 +104,7 @@ contains
       mesh%element_kind = [spread(merge(tri3, quad4, is_triangle(parent%element_kind)), 1, n_parts)]
       mesh%n_elements = n_parts*parent%n_elements
       mesh%n_nodes = parent%n_nodes + n_centers
-      mesh%coordinates = reshape([parent%coordinates, center], [2, mesh%n_nodes])
+      mesh%coordinates = reshape(parent%coordinates, [2, mesh%n_nodes], pad=[0.0_dp])
    end subroutine cut_elements
 
    !> The nodes of a quadratic element, as the nine-node one numbers them, that are the corners of a part of it.
@@ -122,35 +120,96 @@ contains
       end if
    end function part_corners
 
-   !> Puts the nodes of the parts where the shape functions of their parents have them.
-   pure subroutine bend_sides(mesh, parent)
-      type(mesh_t), intent(inout) :: mesh !! the refined mesh, its sides straight
+   !> Puts the nodes that are new where the shape functions of the elements before have them, and notes their parents.
+   pure subroutine place_nodes(mesh, parent)
+      type(mesh_t), intent(inout) :: mesh !! the refined mesh, its new nodes anywhere
       type(mesh_t), intent(in) :: parent !! the mesh before
-      real(dp) :: corners(2, 4), xi(2), values(max_nodes), derivatives(2, max_nodes)
-      integer :: element, part, i, first, shape
+      real(dp) :: share(max_nodes, max_nodes, n_parts, size(element_names))
+      logical :: is_placed(mesh%n_nodes)
+      type(parents_t) :: parents
+      integer :: element, pass, part, i, first, last
 
-      do element = 1, parent%n_elements
-         associate (kind => parent%element_kind(element), nodes => parent%node(parent%node_start(element): &
-            parent%node_start(element + 1) - 1))
-            shape = merge(tri3, quad4, is_triangle(kind))
-            do part = 1, n_parts
-               associate (places => part_corners(kind, part))
-                  do i = 1, size(places)
-                     corners(:, i) = node_coordinates(merge(tri6, quad9, is_triangle(kind)), places(i))
+      share = part_shares()
+      allocate (parents%start(mesh%n_nodes + 1))
+      do pass = 1, 2
+         is_placed = .false.
+         is_placed(:parent%n_nodes) = .true.
+         if (pass == 2) call begin_parents(parents, parent)
+         do element = 1, parent%n_elements
+            associate (kind => parent%element_kind(element), nodes => parent%node(parent%node_start(element): &
+               parent%node_start(element + 1) - 1))
+               do part = 1, n_parts
+                  do i = 1, size(nodes)
+                     associate (node => mesh%node(mesh%node_start(n_parts*(element - 1) + part) + i - 1), &
+                        weight => share(:size(nodes), i, part, kind))
+                        if (is_placed(node)) cycle
+                        is_placed(node) = .true.
+                        if (pass == 1) then
+                           parents%start(node + 1) = count(abs(weight) > 0.0_dp)
+                           cycle
+                        end if
+                        first = parents%start(node)
+                        last = parents%start(node + 1) - 1
+                        parents%node(first:last) = pack(nodes, abs(weight) > 0.0_dp)
+                        parents%weight(first:last) = pack(weight, abs(weight) > 0.0_dp)
+                        mesh%coordinates(:, node) = matmul(parent%coordinates(:, nodes), weight)
+                     end associate
                   end do
-               end associate
-               first = mesh%node_start(n_parts*(element - 1) + part) - 1
-               do i = n_corners(kind) + 1, n_element_nodes(kind)
-                  call shape_functions(shape, node_coordinates(kind, i), values, derivatives)
-                  xi = matmul(corners(:, :n_corners(kind)), values(:n_corners(kind)))
-                  call shape_functions(kind, xi, values, derivatives)
-                  mesh%coordinates(:, mesh%node(first + i)) = &
-                     matmul(parent%coordinates(:, nodes), values(:size(nodes)))
                end do
-            end do
-         end associate
+            end associate
+         end do
       end do
-   end subroutine bend_sides
+      mesh%parents = parents
+   end subroutine place_nodes
+
+   !> Begins the lists of parents with those of the mesh before.
+   pure subroutine begin_parents(parents, parent)
+      type(parents_t), intent(inout) :: parents !! number of parents of each new node, behind it; then where each begins
+      type(mesh_t), intent(in) :: parent !! the mesh before
+      integer :: i, n
+
+      n = 0
+      parents%start(:parent%n_nodes + 1) = 1
+      if (allocated(parent%parents)) then
+         parents%start(:parent%n_nodes + 1) = parent%parents%start
+         n = size(parent%parents%node)
+      end if
+      do i = parent%n_nodes + 1, size(parents%start) - 1
+         parents%start(i + 1) = parents%start(i) + parents%start(i + 1)
+      end do
+      associate (total => parents%start(size(parents%start)) - 1)
+         allocate (parents%node(total), parents%weight(total))
+      end associate
+      if (n == 0) return
+      parents%node(:n) = parent%parents%node
+      parents%weight(:n) = parent%parents%weight
+   end subroutine begin_parents
+
+   !> The shape functions of the elements of every kind at the nodes of their parts (shape function, node, part,
+   !> kind) [-].
+   pure function part_shares() result(share)
+      real(dp) :: share(max_nodes, max_nodes, n_parts, size(element_names))
+      real(dp) :: corners(2, 4), xi(2), values(max_nodes), derivatives(2, max_nodes)
+      integer :: kind, part, i, shape
+
+      share = 0.0_dp
+      do kind = 1, size(element_names)
+         shape = merge(tri3, quad4, is_triangle(kind))
+         do part = 1, n_parts
+            associate (places => part_corners(kind, part))
+               do i = 1, size(places)
+                  corners(:, i) = node_coordinates(merge(tri6, quad9, is_triangle(kind)), places(i))
+               end do
+            end associate
+            do i = 1, n_element_nodes(kind)
+               call shape_functions(shape, node_coordinates(kind, i), values, derivatives)
+               xi = matmul(corners(:, :n_corners(kind)), values(:n_corners(kind)))
+               call shape_functions(kind, xi, values, derivatives)
+               share(:n_element_nodes(kind), i, part, kind) = values(:n_element_nodes(kind))
+            end do
+         end do
+      end do
+   end function part_shares
 
    !> Replaces the sides of the boundary sets and the elements of the regions by their parts: side i of an element is
    !> that of its parts i and i + 1.

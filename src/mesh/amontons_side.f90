@@ -4,7 +4,14 @@ module amontons_side
    implicit none (type, external)
    private
 
-   public :: new_side_geometry, side_geometry_t
+   public :: n_side_points, new_side_geometry, side_abscissa, side_geometry_t, side_shapes, side_weight
+
+   !> Number of Gauss points of a side.
+   integer, parameter :: n_side_points = 3
+   !> Where they are, from -1 to 1.
+   real(dp), parameter :: side_abscissa(n_side_points) = [-sqrt(0.6_dp), 0.0_dp, sqrt(0.6_dp)]
+   !> Their weights.
+   real(dp), parameter :: side_weight(n_side_points) = [5.0_dp, 8.0_dp, 5.0_dp]/9.0_dp
 
    !> A side at three Gauss points, exact for products of quadratic functions.
    type :: side_geometry_t
@@ -21,9 +28,7 @@ contains
       integer, intent(in) :: side(3) !! first corner, second corner, middle node or 0
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
       real(dp), intent(in), optional :: range(2) !! where the part begins and ends; the whole side is -1, 1 [-]
-      real(dp), parameter :: abscissa(3) = [-sqrt(0.6_dp), 0.0_dp, sqrt(0.6_dp)]
-      real(dp), parameter :: weight(3) = [5.0_dp, 8.0_dp, 5.0_dp]/9.0_dp
-      real(dp) :: r, ends(2), slope(3), nodes(2, 3)
+      real(dp) :: ends(2), slope(3), nodes(2, 3)
       integer :: point
 
       nodes = 0.0_dp
@@ -31,18 +36,28 @@ contains
       if (side(3) > 0) nodes(:, 3) = coordinates(:, side(3))
       ends = [-1.0_dp, 1.0_dp]
       if (present(range)) ends = range
-      do point = 1, 3
-         r = 0.5_dp*(sum(ends) + (ends(2) - ends(1))*abscissa(point))
-         if (side(3) > 0) then
-            geometry%values(:, point) = [0.5_dp*r*(r - 1.0_dp), 0.5_dp*r*(r + 1.0_dp), 1.0_dp - r**2]
-            slope = [r - 0.5_dp, r + 0.5_dp, -2.0_dp*r]
-         else
-            geometry%values(:, point) = [0.5_dp*(1.0_dp - r), 0.5_dp*(1.0_dp + r), 0.0_dp]
-            slope = [-0.5_dp, 0.5_dp, 0.0_dp]
-         end if
+      do point = 1, n_side_points
+         call side_shapes(side(3) > 0, 0.5_dp*(sum(ends) + (ends(2) - ends(1))*side_abscissa(point)), &
+            geometry%values(:, point), slope)
          geometry%position(:, point) = matmul(nodes, geometry%values(:, point))
-         geometry%along(:, point) = 0.5_dp*(ends(2) - ends(1))*weight(point)*matmul(nodes, slope)
+         geometry%along(:, point) = 0.5_dp*(ends(2) - ends(1))*side_weight(point)*matmul(nodes, slope)
       end do
    end subroutine new_side_geometry
+
+   !> Shape functions of a side and their derivatives: of first corner, second corner, middle.
+   pure subroutine side_shapes(has_middle, xi, values, slopes)
+      logical, intent(in) :: has_middle !! whether the side has a node in its middle
+      real(dp), intent(in) :: xi !! the place on it, from -1 to 1 [-]
+      real(dp), intent(out) :: values(3) !! shape functions [-]
+      real(dp), intent(out) :: slopes(3) !! their derivatives by the place [-]
+
+      if (has_middle) then
+         values = [0.5_dp*xi*(xi - 1.0_dp), 0.5_dp*xi*(xi + 1.0_dp), 1.0_dp - xi**2]
+         slopes = [xi - 0.5_dp, xi + 0.5_dp, -2.0_dp*xi]
+      else
+         values = [0.5_dp*(1.0_dp - xi), 0.5_dp*(1.0_dp + xi), 0.0_dp]
+         slopes = [-0.5_dp, 0.5_dp, 0.0_dp]
+      end if
+   end subroutine side_shapes
 
 end module amontons_side

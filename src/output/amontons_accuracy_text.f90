@@ -1,12 +1,13 @@
 !> What files say about the mesh: how numbers change from mesh to mesh.
 module amontons_accuracy_text
    use amontons_convergence, only: refined_quantity_t, verdict_names
-   use amontons_json, only: numbers, quantity_members, string
+   use amontons_json, only: json_numbers, json_string, quantity_members
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: heading, right, scientific, short
+   use amontons_listing_text, only: flush_right, heading, scientific, short_text
    use amontons_quantity, only: quantity_t
    use amontons_summary_members, only: member
    use amontons_text, only: as_lines, comma_separated, newline, to_text
+   use amontons_units, only: unit_of
    implicit none (type, external)
    private
 
@@ -15,21 +16,25 @@ module amontons_accuracy_text
 contains
 
    !> The section of the listing.
-   pure function convergence_text(list) result(text)
+   pure function convergence_text(list, units) result(text)
       type(refined_quantity_t), intent(in) :: list(:) !! the numbers
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
       integer, parameter :: width = 13
-      character(200) :: rows(0:size(list))
+      character(200 + len(units)) :: rows(0:size(list))
       integer :: i
 
-      rows(0) = repeat(' ', 22)//right('finest mesh', width)//right('+-', width)//right('extrapolated', width)// &
-         right('order', 8)//'  from mesh to mesh'
+      rows(0) = repeat(' ', 22)//flush_right('finest mesh', width)//flush_right('+-', width)// &
+         flush_right('extrapolated', width)// &
+         flush_right('order', 8)//'  from mesh to mesh'
+      if (len_trim(units) > 0) rows(0) = trim(rows(0))//'  unit'
       do i = 1, size(list)
          associate (quantity => list(i)%quantity, judged => list(i)%convergence)
             rows(i) = quantity%label
-            rows(i)(23:) = right(short(quantity%value), width)//right(scientific(judged%bar), width)// &
-               right(short(judged%extrapolated), width)//right(order_text(judged%order), 8)//'  '// &
-               verdict_names(judged%verdict)
+            rows(i)(23:) = flush_right(short_text(quantity%value), width)// &
+               flush_right(scientific(judged%bar), width)// &
+               flush_right(short_text(judged%extrapolated), width)//flush_right(order_text(judged%order), 8)//'  '// &
+               verdict_names(judged%verdict)//repeat(' ', 8)//unit_of(units, trim(quantity%dimension))
          end associate
       end do
       text = heading('Refined meshes ('//to_text(size(list(1)%convergence%value))// &
@@ -59,8 +64,8 @@ contains
       do i = 1, size(list)
          associate (judged => list(i)%convergence)
             if (i > 1) text = text//', '
-            text = text//string(trim(list(i)%quantity%key))//': {"values": ['//numbers(judged%value)// &
-               '], "verdict": '//string(trim(verdict_names(judged%verdict)))//', '//quantity_members([ &
+            text = text//json_string(trim(list(i)%quantity%key))//': {"values": ['//json_numbers(judged%value)// &
+               '], "verdict": '//json_string(trim(verdict_names(judged%verdict)))//', '//quantity_members([ &
                quantity_t('order', '', judged%order), quantity_t('extrapolated', '', judged%extrapolated), &
                quantity_t('error_bar', '', judged%bar)])//'}'
          end associate

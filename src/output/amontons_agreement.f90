@@ -5,33 +5,14 @@
 !> otherwise. Both differences are far below 1e-8 of the largest number of a kind, below which no certificate speaks.
 module amontons_agreement
    use amontons_kinds, only: dp
-   use amontons_text, only: newline, to_text
+   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: agree, contradiction, fault_text_t, first_disagreement
+   public :: agree, contradiction, first_disagreement
 
    !> Largest difference of two numbers that agree, over the largest number of their kind [-].
    real(dp), parameter :: limit = 1.0e-8_dp
-
-   !> How many faults are told: the first ones show what was changed, the others only how much.
-   integer, parameter :: most_told = 20
-
-   !> A fault.
-   type :: fault_t
-      character(:), allocatable :: text !! what is wrong with which file, lines of text
-   end type fault_t
-
-   !> Faults found so far.
-   type :: fault_text_t
-      private
-      type(fault_t) :: told(most_told) !! the first of them
-      integer, public :: n = 0 !! number of faults
-   contains
-      procedure, public :: add => fault_text_add
-      procedure, public :: append => fault_text_append
-      procedure, public :: text => fault_text_text
-   end type fault_text_t
 
 contains
 
@@ -81,55 +62,5 @@ contains
          text = 'not a finite number'
       end if
    end function shown
-
-   !> Adds a fault.
-   pure subroutine fault_text_add(self, file, sentence)
-      class(fault_text_t), intent(inout) :: self !! the faults
-      character(*), intent(in) :: file !! name of the file
-      character(*), intent(in) :: sentence !! what is wrong with it
-
-      self%n = self%n + 1
-      if (self%n <= most_told) self%told(self%n)%text = file//': '//printable(sentence)
-   end subroutine fault_text_add
-
-   !> A text that quotes what was changed, with question marks for all that is no letter, digit or sign.
-   pure function printable(text)
-      character(*), intent(in) :: text !! the text, lines
-      character(len(text)) :: printable
-      integer :: i
-
-      printable = text
-      do i = 1, len(text)
-         if (text(i:i) == newline .or. (iachar(text(i:i)) >= 32 .and. iachar(text(i:i)) < 127)) cycle
-         printable(i:i) = '?'
-      end do
-   end function printable
-
-   !> Adds the faults of another list.
-   pure subroutine fault_text_append(self, other)
-      class(fault_text_t), intent(inout) :: self !! the faults
-      type(fault_text_t), intent(in) :: other !! the other list
-      integer :: i
-
-      do i = 1, min(other%n, most_told - self%n)
-         self%told(self%n + i)%text = other%told(i)%text
-      end do
-      self%n = self%n + other%n
-   end subroutine fault_text_append
-
-   !> The faults as lines of text, without the end of the last one; empty if there is none.
-   pure function fault_text_text(self) result(text)
-      class(fault_text_t), intent(in) :: self !! the faults
-      character(:), allocatable :: text
-      integer :: i
-
-      text = ''
-      if (self%n == 0) return
-      text = self%told(1)%text
-      do i = 2, min(self%n, most_told)
-         text = text//newline//self%told(i)%text
-      end do
-      if (self%n > most_told) text = text//newline//to_text(self%n - most_told)//' more faults follow'
-   end function fault_text_text
 
 end module amontons_agreement

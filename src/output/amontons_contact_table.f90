@@ -6,10 +6,10 @@ module amontons_contact_table
    use amontons_document, only: document_t
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: columns, heading, right
+   use amontons_listing_text, only: columns, flush_right, heading
    use amontons_master_line, only: has_pairs
    use amontons_result, only: result_t
-   use amontons_text, only: as_lines, comma_separated, to_text
+   use amontons_text, only: as_lines, comma_separated, n_characters, to_text
    use amontons_units, only: unit_of
    implicit none (type, external)
    private
@@ -27,10 +27,11 @@ module amontons_contact_table
    end type column_t
 
    !> What a load history adds.
-   character(16), parameter :: slip_keys(4) = [character(16) :: 'slip_step', 'slip_accumulated', 'dissipation', &
-      'wear_integral']
+   character(16), parameter :: slip_keys(*) = [character(16) :: 'slip_step', 'slip_accumulated', 'dissipation', &
+      'wear_integral', 'surface_stress', 'ruiz_1', 'ruiz_2', 'swt', 'swt_angle']
    !> What these are measured in.
-   character(3), parameter :: slip_dimensions(4) = [character(3) :: 'L', 'L', 'F L', 'F/L']
+   character(7), parameter :: slip_dimensions(size(slip_keys)) = [character(7) :: 'L', 'L', 'F L', 'F/L', 'F/L^2', &
+      'F/L', 'F^2/L^3', 'F/L^2', 'rad']
 
 contains
 
@@ -40,7 +41,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       real(dp) :: at_points(2*body%zone%n_points), length
-      integer, parameter :: most_columns = 20
+      integer, parameter :: most_columns = 25
       integer :: n, i
 
       n = 0
@@ -67,7 +68,7 @@ contains
          if (has_pairs(zone)) call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
          if (has_pairs(zone)) call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
       end associate
-      do i = 1, merge(size(slip_keys), 0, allocated(result%slip_record))
+      do i = 1, n_slip_columns(result)
          call add(trim(slip_keys(i)), '', trim(slip_dimensions(i)), result%slip_record(:, i), &
             merge(length, 0.0_dp, slip_dimensions(i) == 'L'), .true.)
       end do
@@ -94,6 +95,14 @@ contains
       end subroutine add
 
    end subroutine contact_columns
+
+   !> How many columns a load history adds.
+   pure integer function n_slip_columns(result) result(n)
+      type(result_t), intent(in) :: result !! the result
+
+      n = 0
+      if (allocated(result%slip_record)) n = size(result%slip_record, 2)
+   end function n_slip_columns
 
    !> A quantity of the contact points at nodes: 0 at those that no point is made of, and the mean of several points by
    !> their shares in the node (nodes).
@@ -197,23 +206,25 @@ contains
       integer, intent(in) :: status(:) !! the statuses (m)
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
-      integer, parameter :: width = 13
-      character(20 + 2*width*size(list)), allocatable :: rows(:)
-      integer, allocatable :: shown(:)
-      integer :: p, i, first
+      character(:), allocatable :: rows(:), labels, units_line
+      type(column_t), allocatable :: shown(:)
+      integer :: p, i, first, width
 
-      first = merge(-1, 0, len_trim(units) > 0)
-      allocate (rows(first:size(status)))
-      shown = pack([(i, i=1, size(list))], list%label /= '')
-      rows(0) = ''
-      rows(first) = right('point', 7)
+      shown = pack(list, list%label /= '')
+      ! Numbers with six digits, or a unit with a long name.
+      width = max(13, 1 + maxval([(n_characters(unit_of(units, trim(shown(i)%dimension))), i=1, size(shown))]))
+      labels = flush_right('point', 7)
+      units_line = repeat(' ', len(labels))
       do i = 1, size(shown)
-         rows(first) = trim(rows(first))//right(trim(list(shown(i))%label), width)
-         if (first < 0) rows(0)(8 + width*(i - 1):) = right(unit_of(units, trim(list(shown(i))%dimension)), width)
+         labels = labels//flush_right(trim(shown(i)%label), width)
+         units_line = units_line//flush_right(unit_of(units, trim(shown(i)%dimension)), width)
       end do
-      rows(first) = trim(rows(first))//'  status'
+      first = merge(-1, 0, len_trim(units) > 0)
+      allocate (character(20 + 2*width*size(shown)) :: rows(first:size(status)))
+      rows(0) = units_line
+      rows(first) = labels//'  status'
       do p = 1, size(status)
-         rows(p) = right(to_text(p), 7)//columns([(list(shown(i))%values(p), i=1, size(shown))])//'  '// &
+         rows(p) = flush_right(to_text(p), 7)//columns([(shown(i)%values(p), i=1, size(shown))], width)//'  '// &
             status_names(status(p))
       end do
       text = heading(title)//as_lines(rows)

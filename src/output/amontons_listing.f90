@@ -8,10 +8,10 @@ module amontons_listing
    use amontons_document, only: document_t
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
-   use amontons_listing_model, only: loads_text, model_text
+   use amontons_listing_model, only: model_text
    use amontons_listing_parts, only: head_text, method_text, outcome_text, quantities_text, residual_text, &
       status_counts, times_text, violations_text, warnings_text
-   use amontons_listing_text, only: heading, line, pair, scientific, short
+   use amontons_listing_text, only: heading, labeled, pair_text, scientific, short_text
    use amontons_result, only: certificate_limit, result_t
    use amontons_solutions_report, only: solutions_text, uniqueness_text
    use amontons_text, only: to_text
@@ -42,25 +42,35 @@ contains
       call listing%record(head_text(label))
       associate (solution => result%solution)
          call listing%add(heading('Key results')//quantities_text(result%key_results, label%units)// &
-            line('Points', status_counts(solution%status)), [maxval([force_scale(result), result%key_results%scale])])
+            counts_text(solution%status), [maxval([force_scale(result), result%key_results%scale])])
          call listing%add(warnings_text(result%warnings))
-         call listing%add(model_text(body, result%load_case)//loads_text(result%load_case))
+         call listing%add(model_text(body, result%load_case, label%units))
          if (allocated(result%study_listing)) call listing%record(result%study_listing)
          call listing%record(solution_text(body, result))
-         if (allocated(result%convergence)) call listing%record(convergence_text(result%convergence))
+         if (allocated(result%convergence)) call listing%record(convergence_text(result%convergence, label%units))
          if (allocated(result%error_bound)) call listing%record(heading('Error in the constitutive relation')// &
             quantities_text(result%error_bound%quantities(), label%units))
-         call listing%add(zones_text(body, result, label%units), [line_scale(body)])
+         if (body%zone%n_points > 0) call listing%add(zones_text(result, label%units), [line_scale(body)])
          call listing%add(resultants_text(result, label%units), [force_scale(result)])
          call listing%add(certificate_text(result%certificate, result%method%tolerance), [1.0_dp])
          if (allocated(result%error_estimate)) call listing%add( &
             heading('Accuracy (energy norm of the stress error)')// &
             quantities_text(result%error_estimate%quantities(), label%units))
-         call listing%add(points_text('Contact points (normal: compression positive; tangential: positive along t)', &
-            columns, solution%status, label%units), [0.0_dp, pack(columns%scale, columns%label /= ''), 0.0_dp])
+         if (body%zone%n_points > 0) call listing%add(points_text('Contact points (normal: compression positive; '// &
+            'tangential: positive along t)', columns, solution%status, label%units), &
+            [0.0_dp, pack(columns%scale, columns%label /= ''), 0.0_dp])
       end associate
       call listing%record(times_text(result%timings, listed_phases))
    end subroutine new_listing
+
+   !> The contact points by status; nothing where there are none.
+   pure function counts_text(status) result(text)
+      integer, intent(in) :: status(:) !! statuses of the points
+      character(:), allocatable :: text
+
+      text = ''
+      if (size(status) > 0) text = labeled('Points', to_text(size(status))//': '//status_counts(status))
+   end function counts_text
 
    !> What places along the contact line are measured by [L].
    pure real(dp) function line_scale(body) result(scale)
@@ -83,11 +93,11 @@ contains
       character(:), allocatable :: text
 
       associate (solution => result%solution)
-         text = heading('Solution')//line('Method', method_text(result%method))// &
-            line('Factorization', factorization_text(result))
-         if (allocated(result%started_from)) text = text//line('Started from', 'case '//result%started_from)
+         text = heading('Solution')//labeled('Method', method_text(result%method))// &
+            labeled('Factorization', factorization_text(result))
+         if (allocated(result%started_from)) text = text//labeled('Started from', 'case '//result%started_from)
          text = text//outcome_text(solution)
-         if (result%method_error >= 0.0_dp) text = text//line('Error of method', scientific(result%method_error)// &
+         if (result%method_error >= 0.0_dp) text = text//labeled('Error of method', scientific(result%method_error)// &
             ' of the largest contact force, against the exact solution')
          text = text//residual_text(solution, result%method%tolerance)// &
             uniqueness_text(result%uniqueness, &
@@ -108,14 +118,12 @@ contains
    end function factorization_text
 
    !> Counts and lengths of the open, slip and stick zones.
-   pure function zones_text(body, result, units) result(text)
-      type(body_t), intent(in) :: body !! the body
+   pure function zones_text(result, units) result(text)
       type(result_t), intent(in) :: result !! the result
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
-      text = heading('Contact line')// &
-         line('Points', to_text(body%zone%n_points)//': '//status_counts(result%solution%status))// &
+      text = heading('Contact line')//counts_text(result%solution%status)// &
          quantities_text(result%lengths%quantities(), units)// &
          intervals_text('Closed zone', result%closed, units)//intervals_text('Stick zone', result%stuck, units)
    end function zones_text
@@ -130,8 +138,8 @@ contains
 
       text = ''
       do i = 1, size(intervals)
-         text = text//line(label, pair(intervals(i)%ends(:, 1))//' to '//pair(intervals(i)%ends(:, 2))// &
-            with_unit(', length '//short(intervals(i)%length), units, 'L'))
+         text = text//labeled(label, pair_text(intervals(i)%ends(:, 1))//' to '//pair_text(intervals(i)%ends(:, 2))// &
+            with_unit(', length '//short_text(intervals(i)%length), units, 'L'))
       end do
    end function intervals_text
 
@@ -143,9 +151,9 @@ contains
 
       associate (certificate => result%certificate)
          text = heading('Resultants')// &
-            line('Loads', with_unit(pair(certificate%load), units, 'F'))// &
-            line('Support reactions', with_unit(pair(certificate%reaction), units, 'F'))// &
-            line('Contact forces', with_unit(pair(certificate%contact), units, 'F'))// &
+            labeled('Loads', with_unit(pair_text(certificate%load), units, 'F'))// &
+            labeled('Support reactions', with_unit(pair_text(certificate%reaction), units, 'F'))// &
+            labeled('Contact forces', with_unit(pair_text(certificate%contact), units, 'F'))// &
             quantities_text([resultants(result%solution%force), certificate%energies()], units)
       end associate
    end function resultants_text

@@ -7,119 +7,140 @@ module amontons_listing_model
    use amontons_element, only: quad4
    use amontons_kinds, only: dp
    use amontons_line_field, only: line_field_t
-   use amontons_listing_text, only: heading, line, pair, short
+   use amontons_listing_text, only: heading, labeled, pair_text, short_text
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_sides, load_t
    use amontons_material, only: material_t
    use amontons_pairing, only: gap_names
-   use amontons_text, only: line_end, to_text
+   use amontons_text, only: counted, line_end, to_text
+   use amontons_units, only: with_unit
    implicit none (type, external)
    private
 
-   public :: loads_text, model_text
+   public :: model_text
 
 contains
 
-   !> Mesh, material, supports and contact sets.
-   function model_text(body, load_case) result(text)
+   !> Mesh, material, supports, contact sets and loads.
+   function model_text(body, load_case, units) result(text)
       type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! its supports and obstacles
+      type(load_case_t), intent(in) :: load_case !! its supports, obstacles and loads
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
       integer :: i
 
       text = heading('Model')
-      if (allocated(body%mesh%source)) text = text//line('Mesh', body%mesh%source)
-      text = text//line('Nodes, elements', to_text(body%mesh%n_nodes)//', '//to_text(body%mesh%n_elements))// &
-         line('Unknowns', to_text(body%dof_map%n_dofs)//', of them '//to_text(body%dof_map%n_trailing)// &
+      if (allocated(body%mesh%source)) text = text//labeled('Mesh', body%mesh%source)
+      text = text//labeled('Nodes, elements', to_text(body%mesh%n_nodes)//', '//to_text(body%mesh%n_elements))// &
+         labeled('Unknowns', to_text(body%dof_map%n_dofs)//', of them '//to_text(body%dof_map%n_schur)// &
          ' on the contact line')
       do i = 1, size(body%materials%list)
-         text = text//line('Material', material_text(body%materials%list(i), any(body%mesh%element_kind == quad4)))
+         text = text//labeled('Material', material_text(body%materials%list(i), any(body%mesh%element_kind == quad4), &
+            units))
       end do
       do i = 1, size(load_case%supports)
-         text = text//line('Support', support_text(load_case%supports(i)))
+         text = text//labeled('Support', support_text(load_case%supports(i), units))
       end do
       do i = 1, size(load_case%contacts)
-         text = text//line('Contact', contact_text(load_case%contacts(i)))
-         if (load_case%contacts(i)%partition%is_constant) text = text//cells_text(body, i)
+         text = text//labeled('Contact', contact_text(load_case%contacts(i), units))
+         if (load_case%contacts(i)%partition%is_constant) text = text//cells_text(body, i, units)
       end do
       do i = 1, size(body%ties)
-         text = text//line('Tie', body%ties(i)%label//' (slave/master)')
+         text = text//labeled('Tie', body%ties(i)%label//' (slave/master)')
       end do
-      text = text//line('Contact points', to_text(body%zone%n_points))//mesh_notes_text(body)// &
-         notes_text(body, load_case)
+      text = text//labeled('Contact points', to_text(body%zone%n_points))//mesh_notes_text(body)// &
+         notes_text(body, load_case, units)
+      do i = 1, size(load_case%loads)
+         text = text//labeled('Load', load_text(load_case%loads(i), units))
+      end do
    end function model_text
 
    !> What a material is.
-   pure function material_text(material, has_quad4) result(text)
+   pure function material_text(material, has_quad4, units) result(text)
       type(material_t), intent(in) :: material !! the material
       logical, intent(in) :: has_quad4 !! whether the mesh has linear quadrilaterals
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
-      text = material%hypothesis//', Young '//short(material%young)//', Poisson '//short(material%poisson)
-      if (.not. material%is_axisymmetric) text = text//', thickness '//short(material%thickness)
-      if (material%density > 0.0_dp) text = text//', density '//short(material%density)
-      if (abs(material%expansion) > 0.0_dp) text = text//', expansion '//short(material%expansion)
+      text = material%hypothesis//', Young '//with_unit(short_text(material%young), units, 'F/L^2')//', Poisson '// &
+         short_text(material%poisson)
+      if (.not. material%is_axisymmetric) text = text//', thickness '// &
+         with_unit(short_text(material%thickness), units, 'L')
+      if (material%density > 0.0_dp) text = text//', density '//short_text(material%density)
+      if (abs(material%expansion) > 0.0_dp) text = text//', expansion '//short_text(material%expansion)
       if (material%has_mean_dilatation .and. has_quad4) text = text//', quad4 of B-bar formulation'
       if (len(material%region) > 0) text = text//", region '"//material%region//"'"
    end function material_text
 
    !> What a support holds.
-   pure function support_text(support) result(text)
+   pure function support_text(support, units) result(text)
       type(support_t), intent(in) :: support !! the support
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
       integer :: k
 
       if (len(support%set) > 0) then
          text = "set '"//support%set//"'"
       else
-         text = 'point '//pair(support%point)
+         text = 'point '//with_unit(pair_text(support%point), units, 'L')
       end if
       do k = 1, size(supported_components)
-         if (support%is_held(k)) text = text//', '//supported_components(k)//' = '//short(support%displacement(k))
+         if (support%is_held(k)) text = text//', '//supported_components(k)//' = '// &
+            with_unit(short_text(support%displacement(k)), units, 'L')
       end do
-      if (any(support%spring > 0.0_dp)) text = text//', springs '//pair(support%spring)//' along normal and tangent'
+      if (any(support%spring > 0.0_dp)) text = text//', springs '// &
+         with_unit(pair_text(support%spring), units, 'F/L^3')//' along normal and tangent'
    end function support_text
 
    !> What a contact set may touch, and how it rubs.
-   pure function contact_text(contact) result(text)
+   pure function contact_text(contact, units) result(text)
       type(contact_t), intent(in) :: contact !! the contact set
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
       text = "set '"//contact%set//"'"
       if (contact%pairing%is_pair()) text = text//" (slave) against '"//contact%pairing%against//"' (master)"
-      text = text//field_text('friction', contact%friction)//field_text('slip bound', contact%slip_bound)
+      text = text//field_text('friction', contact%friction)// &
+         field_text('slip bound', contact%slip_bound)
       if (contact%pairing%is_pair()) then
          if (contact%pairing%gap /= gap_names(1)) text = text//', '//trim(contact%pairing%gap)
-         if (contact%pairing%search > 0.0_dp) text = text//', search '//short(contact%pairing%search)
+         if (contact%pairing%search > 0.0_dp) text = text//', search '// &
+            with_unit(short_text(contact%pairing%search), units, 'L')
       else
-         text = text//obstacle_text(contact)
+         text = text//obstacle_text(contact, units)
       end if
-      if (abs(contact%extra_gap) > 0.0_dp) text = text//', extra gap '//short(contact%extra_gap)
+      if (abs(contact%extra_gap) > 0.0_dp) text = text//', extra gap '// &
+         with_unit(short_text(contact%extra_gap), units, 'L')
    end function contact_text
 
    !> The rigid obstacle of a contact set.
-   pure function obstacle_text(contact) result(text)
+   pure function obstacle_text(contact, units) result(text)
       type(contact_t), intent(in) :: contact !! the contact set
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
       associate (obstacle => contact%obstacle)
-         text = ', '//obstacle%kind//' at '//pair(obstacle%point)//' with normal '//pair(obstacle%normal)
-         if (obstacle%has_radius()) text = text//', radius '//short(obstacle%radius)
+         text = ', '//obstacle%kind//' at '//with_unit(pair_text(obstacle%point), units, 'L')// &
+            ' with normal '//pair_text(obstacle%normal)
+         if (obstacle%has_radius()) text = text//', radius '//with_unit(short_text(obstacle%radius), units, 'L')
          if (obstacle%kind == 'polyline') text = text//', points of '//obstacle%file
-         if (any(abs(contact%direction) > 0.0_dp)) text = text//', gaps along '//pair(contact%direction)
+         if (any(abs(contact%direction) > 0.0_dp)) text = text//', gaps along '//pair_text(contact%direction)
       end associate
    end function obstacle_text
 
    !> The cells of the constant multipliers of a contact set, and how well the mesh can tell them apart.
-   pure function cells_text(body, i) result(text)
+   pure function cells_text(body, i, units) result(text)
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: i !! which contact set
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
       real(dp), allocatable :: lengths(:)
 
       lengths = pack(body%zone%weight, body%zone%set == i)
-      text = line('Multipliers', 'constant on '//to_text(size(lengths))//' cells of length '//short(minval(lengths))// &
-         ' to '//short(maxval(lengths)))//line('Inf-sup constant', short(body%inf_sup(i)))
+      text = labeled('Multipliers', 'constant on '//to_text(size(lengths))//' cells of length '// &
+         short_text(minval(lengths))// &
+         ' to '//with_unit(short_text(maxval(lengths)), units, 'L'))// &
+         labeled('Inf-sup constant', short_text(body%inf_sup(i)))
    end function cells_text
 
    !> A quantity along a contact line; nothing where it is zero.
@@ -132,9 +153,9 @@ contains
       if (allocated(field%table)) then
          text = ', '//name//' from '//field%file
       else if (any(abs(field%slope) > 0.0_dp)) then
-         text = ', '//name//' '//short(field%value)//' + '//pair(field%slope)//' . (x, y)'
+         text = ', '//name//' '//short_text(field%value)//' + '//pair_text(field%slope)//' . (x, y)'
       else if (abs(field%value) > 0.0_dp .or. name == 'friction') then
-         text = ', '//name//' '//short(field%value)
+         text = ', '//name//' '//short_text(field%value)
       end if
    end function field_text
 
@@ -148,41 +169,42 @@ contains
       first = 1
       do while (first <= len(body%mesh_notes))
          last = line_end(body%mesh_notes, first)
-         text = text//line('Note', body%mesh_notes(first:last))
+         text = text//labeled('Note', body%mesh_notes(first:last))
          first = last + 2
       end do
    end function mesh_notes_text
 
    !> What the reader must know of the contact points: what supports take over, overlap, free motions.
-   pure function notes_text(body, load_case) result(text)
+   pure function notes_text(body, load_case, units) result(text)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its obstacles
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
       integer :: i
 
       text = ''
       associate (zone => body%zone)
-         if (any(body%motions%n_free > 0)) text = text//line('Note', modes_text(sum(body%motions%n_free)))
+         if (any(body%motions%n_free > 0)) text = text//labeled('Note', modes_text(sum(body%motions%n_free)))
          do i = 1, size(zone%held_node)
-            text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%held_node(i)))// &
+            text = text//labeled('Note', 'the node at '//pair_text(body%mesh%coordinates(:, zone%held_node(i)))// &
                ' is not a contact point: supports hold it')
          end do
          do i = 1, size(zone%zero_area_node)
-            text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%zero_area_node(i)))// &
+            text = text//labeled('Note', 'the node at '//pair_text(body%mesh%coordinates(:, zone%zero_area_node(i)))// &
                ' is not a contact point: on the axis it has no area that a pressure could act on')
          end do
          do i = 1, size(zone%shared_node)
-            text = text//line('Note', 'the node at '//pair(body%mesh%coordinates(:, zone%shared_node(i)))// &
+            text = text//labeled('Note', 'the node at '//pair_text(body%mesh%coordinates(:, zone%shared_node(i)))// &
                ' is a corner of two contact sets; it belongs to the one named first')
          end do
          do i = 1, zone%n_points
-            if (zone%is_tangent_fixed(i)) text = text//line('Note', 'the '//trim(merge('cell', 'node', &
-               zone%is_cell(i)))//' at '//pair(zone%position(:, i))//guide_text(body, i))
+            if (zone%is_tangent_fixed(i)) text = text//labeled('Note', 'the '//trim(merge('cell', 'node', &
+               zone%is_cell(i)))//' at '//pair_text(zone%position(:, i))//guide_text(body, i))
          end do
-         if (zone%n_held_cells > 0) text = text//line('Note', to_text(zone%n_held_cells)// &
-            ' cell(s) of constant multipliers are not contact points: supports hold their nodes')
-         if (any(load_case%gap < 0.0_dp)) text = text//line('Note', 'the body overlaps the obstacle by up to '// &
-            short(-minval(load_case%gap))//' at the start')
+         if (zone%n_held_cells > 0) text = text//labeled('Note', 'not contact points, since supports hold '// &
+            'their nodes: '//counted(zone%n_held_cells, 'cell')//' of constant multipliers')
+         if (any(load_case%gap < 0.0_dp)) text = text//labeled('Note', 'the body overlaps the obstacle by up to '// &
+            with_unit(short_text(-minval(load_case%gap)), units, 'L')//' at the start')
       end associate
    end function notes_text
 
@@ -210,21 +232,10 @@ contains
       end if
    end function guide_text
 
-   !> The loads.
-   pure function loads_text(load_case) result(text)
-      type(load_case_t), intent(in) :: load_case !! the load case
-      character(:), allocatable :: text
-      integer :: i
-
-      text = ''
-      do i = 1, size(load_case%loads)
-         text = text//line('Load', load_text(load_case%loads(i)))
-      end do
-   end function loads_text
-
    !> What a load is.
-   pure function load_text(load) result(text)
+   pure function load_text(load, units) result(text)
       type(load_t), intent(in) :: load !! the load
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
       text = ''
@@ -233,33 +244,37 @@ contains
       if (len(load%region) > 0) text = text//"region '"//load%region//"', "
       select case (load%target)
       case (load_on_sides)
-         text = text//'traction '//pair(load%traction)//', pressure '//short(load%pressure)
+         text = text//'traction '//with_unit(pair_text(load%traction), units, 'F/L^2')// &
+            ', pressure '//with_unit(short_text(load%pressure), units, 'F/L^2')
          if (any(abs(load%traction_slope) > 0.0_dp)) text = text//', traction slope '// &
-            pair(load%traction_slope(:, 1))//' along x, '//pair(load%traction_slope(:, 2))//' along y'
-         if (any(abs(load%pressure_slope) > 0.0_dp)) text = text//', pressure slope '//pair(load%pressure_slope)
+            pair_text(load%traction_slope(:, 1))//' along x, '//pair_text(load%traction_slope(:, 2))//' along y'
+         if (any(abs(load%pressure_slope) > 0.0_dp)) text = text//', pressure slope '//pair_text(load%pressure_slope)
       case (load_on_nodes)
-         if (len(load%set) == 0) text = text//'point '//pair(load%point)//', '
-         text = text//'force '//pair(load%force)
+         if (len(load%set) == 0) text = text//'point '//with_unit(pair_text(load%point), units, 'L')//', '
+         text = text//'force '//with_unit(pair_text(load%force), units, 'F')
       case (load_by_temperature)
          text = text//temperature_text(load)
       case default
-         text = text//body_force_text(load)
+         text = text//body_force_text(load, units)
       end select
    end function load_text
 
    !> What acts on the volume.
-   pure function body_force_text(load) result(text)
+   pure function body_force_text(load, units) result(text)
       type(load_t), intent(in) :: load !! the load
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
       text = ''
-      if (any(abs(load%body_force) > 0.0_dp)) text = text//', body force '//pair(load%body_force)
-      if (any(abs(load%gravity) > 0.0_dp)) text = text//', gravity '//pair(load%gravity)
+      if (any(abs(load%body_force) > 0.0_dp)) text = text//', body force '//with_unit(pair_text(load%body_force), &
+         units, 'F/L^3')
+      if (any(abs(load%gravity) > 0.0_dp)) text = text//', gravity '//pair_text(load%gravity)
       if (abs(load%angular_speed) > 0.0_dp) then
-         text = text//', angular speed '//short(load%angular_speed)//' about '//pair(load%center)
-         if (any(abs(load%axis) > 0.0_dp)) text = text//' along '//pair(load%axis)
+         text = text//', angular speed '//short_text(load%angular_speed)//' about '// &
+            with_unit(pair_text(load%center), units, 'L')
+         if (any(abs(load%axis) > 0.0_dp)) text = text//' along '//pair_text(load%axis)
       end if
-      if (text == '') text = ', body force '//pair(load%body_force)
+      if (text == '') text = ', body force '//with_unit(pair_text(load%body_force), units, 'F/L^3')
       text = text(3:)
    end function body_force_text
 
@@ -271,8 +286,9 @@ contains
       if (allocated(load%temperature_table)) then
          text = 'temperature from '//load%temperature_file
       else
-         text = 'temperature '//short(load%temperature)
-         if (any(abs(load%temperature_slope) > 0.0_dp)) text = text//' + '//pair(load%temperature_slope)//' . (x, y)'
+         text = 'temperature '//short_text(load%temperature)
+         if (any(abs(load%temperature_slope) > 0.0_dp)) text = text//' + '//pair_text(load%temperature_slope)// &
+            ' . (x, y)'
       end if
    end function temperature_text
 

@@ -5,10 +5,10 @@ module amontons_listing_parts
    use amontons_contact_solution, only: contact_solution_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: heading, line, pair, right, scientific, short
+   use amontons_listing_text, only: flush_right, heading, labeled, pair_text, scientific, short_text
    use amontons_methods, only: method_options_t
    use amontons_quantity, only: quantity_t
-   use amontons_text, only: newline, to_text
+   use amontons_text, only: counted, newline, to_text
    use amontons_timings, only: phase_names, timings_t
    use amontons_units, only: with_unit
    use amontons_version, only: version
@@ -27,9 +27,9 @@ contains
       character(:), allocatable :: text
 
       text = 'Amontons '//version//': plane contact with Coulomb friction by the dual method'//newline//newline// &
-         line('Case', label%name)//line('Title', label%title)
-      if (allocated(label%file)) text = text//line('Deck', label%file)
-      if (len(label%units) > 0) text = text//line('Units', label%units)
+         labeled('Case', label%name)//labeled('Title', label%title)
+      if (allocated(label%file)) text = text//labeled('Deck', label%file)
+      if (len(label%units) > 0) text = text//labeled('Units', label%units)
    end function head_text
 
    !> The method with the options that it uses.
@@ -44,7 +44,7 @@ contains
       case ('fixed_point')
          text = text//', quadratic programs by '//method%box
       case ('psor')
-         text = text//', omega '//short(method%omega)//', '//method%space//' space, local '//method%local// &
+         text = text//', omega '//short_text(method%omega)//', '//method%space//' space, local '//method%local// &
             ', acceleration '//method%acceleration
       case default
          continue
@@ -57,13 +57,13 @@ contains
       character(:), allocatable :: text
 
       if (solution%is_converged) then
-         text = line('Converged', 'yes, in '//to_text(solution%n_iterations)//' iterations')
+         text = labeled('Converged', 'yes, in '//counted(solution%n_iterations, 'iteration'))
          return
       end if
-      text = line('Converged', 'NO: stopped after '//to_text(solution%n_iterations)// &
-         ' iterations; the results below are not the solution')
+      text = labeled('Converged', 'NO: stopped after '//counted(solution%n_iterations, 'iteration')// &
+         '; the results below are not the solution')
       if (solution%is_at_rest) text = text// &
-         line('Note', 'iteration stagnated at a wrong answer: the forces do not satisfy the contact law')
+         labeled('Note', 'iteration stagnated at a wrong answer: the forces do not satisfy the contact law')
    end function outcome_text
 
    !> The residual, at the end and after each iteration; of many iterations about twenty.
@@ -74,12 +74,12 @@ contains
       integer, parameter :: n_lines = 20
       integer :: i, stride
 
-      text = line('Residual', scientific(solution%residual)//', tolerance '//scientific(tolerance))// &
-         line('Residual history', 'iteration, residual')
+      text = labeled('Residual', scientific(solution%residual)//', tolerance '//scientific(tolerance))// &
+         labeled('Residual history', 'iteration, residual')
       stride = max(1, solution%n_iterations/n_lines)
       do i = 1, solution%n_iterations
          if (i /= 1 .and. i /= solution%n_iterations .and. mod(i, stride) /= 0) cycle
-         text = text//line('', right(to_text(i), len('iteration'))//'  '//scientific(solution%history(i)))
+         text = text//labeled('', flush_right(to_text(i), len('iteration'))//'  '//scientific(solution%history(i)))
       end do
    end function residual_text
 
@@ -109,10 +109,10 @@ contains
 
       text = ''
       do i = 1, size(violations)
-         text = text//line(violations(i)%label, scientific(violations(i)%value)//trim(merge('        ', '  FAILED', &
+         text = text//labeled(violations(i)%label, scientific(violations(i)%value)//trim(merge('        ', '  FAILED', &
             violations(i)%value <= limit)))
       end do
-      text = text//line('Verdict', trim(merge('passed', 'FAILED', all(violations%value <= limit)))// &
+      text = text//labeled('Verdict', trim(merge('passed', 'FAILED', all(violations%value <= limit)))// &
          ': every violation must be at most '//scientific(limit))
    end function violations_text
 
@@ -123,9 +123,9 @@ contains
       integer :: i
 
       text = heading('Warnings')
-      if (warnings%n() == 0) text = text//line('Warnings', 'none')
+      if (warnings%n() == 0) text = text//labeled('Warnings', 'none')
       do i = 1, warnings%n()
-         text = text//line('Warning', warnings%item(i))
+         text = text//labeled('Warning', warnings%item(i))
       end do
    end function warnings_text
 
@@ -139,9 +139,9 @@ contains
       text = ''
       do i = 1, size(quantities)
          associate (quantity => quantities(i))
-            number = with_unit(short(quantity%value), units, trim(quantity%dimension))
-            if (quantity%has_place) number = number//' at '//pair(quantity%place)
-            text = text//line(quantity%label, number)
+            number = with_unit(short_text(quantity%value), units, trim(quantity%dimension))
+            if (quantity%has_place) number = number//' at '//pair_text(quantity%place)
+            text = text//labeled(quantity%label, number)
          end associate
       end do
    end function quantities_text
@@ -157,7 +157,7 @@ contains
       text = heading('Time [s]')
       do i = 1, size(phases)
          write (seconds, '(f10.4)') timings%seconds(phases(i))
-         text = text//line(trim(phase_names(phases(i))), seconds)
+         text = text//labeled(trim(phase_names(phases(i))), seconds)
       end do
       text = text//newline//'End of listing'//newline
    end function times_text

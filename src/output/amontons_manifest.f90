@@ -5,7 +5,7 @@ module amontons_manifest
    use amontons_checksum, only: checksum_t, file_checksum, text_checksum
    use amontons_contact_zone, only: contact_t
    use amontons_error, only: error_t
-   use amontons_json, only: string
+   use amontons_json, only: json_string
    use amontons_kinds, only: int64
    use amontons_loads, only: load_t
    use amontons_mesh, only: mesh_t
@@ -128,42 +128,34 @@ contains
       type(checksum_t) :: checksum
 
       call file_checksum(checksum, path, error)
-      if (.not. allocated(error)) call self%append_known(name, checksum)
+      if (.not. allocated(error)) call self%append_known(name, checksum%n_bytes, checksum%value())
    end subroutine manifest_list_append
 
-   !> Appends a file whose checksum is known.
-   pure subroutine manifest_list_append_known(self, name, checksum)
+   !> Appends a file whose size and checksum are known. The grids of a sweep are many thousands: a full list grows by
+   !> doubling.
+   pure subroutine manifest_list_append_known(self, name, n_bytes, checksum)
       class(manifest_list_t), intent(inout) :: self !! the list
-      character(*), intent(in) :: name !! its name in the list
-      type(checksum_t), intent(in) :: checksum !! its checksum
-
-      call append(self, name, checksum%n_bytes, checksum%value())
-   end subroutine manifest_list_append_known
-
-   !> Appends to a list. The grids of a sweep are many thousands: a full list grows by doubling.
-   pure subroutine append(list, name, n_bytes, checksum)
-      type(manifest_list_t), intent(inout) :: list !! the list
       character(*), intent(in) :: name !! name of the file in it
       integer(int64), intent(in) :: n_bytes !! its size
       integer(int64), intent(in) :: checksum !! its checksum
       type(manifest_file_t), allocatable :: longer(:)
       integer :: i
 
-      if (.not. allocated(list%files)) allocate (list%files(8))
-      if (list%n == size(list%files)) then
-         allocate (longer(2*list%n))
-         do i = 1, list%n
-            longer(i)%n_bytes = list%files(i)%n_bytes
-            longer(i)%checksum = list%files(i)%checksum
-            call move_alloc(list%files(i)%name, longer(i)%name)
+      if (.not. allocated(self%files)) allocate (self%files(8))
+      if (self%n == size(self%files)) then
+         allocate (longer(2*self%n))
+         do i = 1, self%n
+            longer(i)%n_bytes = self%files(i)%n_bytes
+            longer(i)%checksum = self%files(i)%checksum
+            call move_alloc(self%files(i)%name, longer(i)%name)
          end do
-         call move_alloc(longer, list%files)
+         call move_alloc(longer, self%files)
       end if
-      list%n = list%n + 1
-      list%files(list%n)%name = name
-      list%files(list%n)%n_bytes = n_bytes
-      list%files(list%n)%checksum = checksum
-   end subroutine append
+      self%n = self%n + 1
+      self%files(self%n)%name = name
+      self%files(self%n)%n_bytes = n_bytes
+      self%files(self%n)%checksum = checksum
+   end subroutine manifest_list_append_known
 
    !> A summary with its manifest, lines with their ends.
    function with_manifest(text, manifest) result(complete)
@@ -187,7 +179,7 @@ contains
       allocate (character(0) :: text)
       n = 0
       do i = 1, list%n
-         line = newline//'    {"name": '//string(list%files(i)%name)//', "bytes": '// &
+         line = newline//'    {"name": '//json_string(list%files(i)%name)//', "bytes": '// &
             to_text(list%files(i)%n_bytes)//', "checksum": '//to_text(list%files(i)%checksum)//'},'
          ! As the list, the text grows by doubling.
          if (n + len(line) > len(text)) then
@@ -270,7 +262,7 @@ contains
             if (status /= 0) return
             read (line(at_digits + len(before_digits):index(line, '}', back=.true.) - 1), *, iostat=status) checksum
             if (status /= 0) return
-            call append(list, unescaped(line(len(before_name) + 1:at_bytes - 1)), n_bytes, checksum)
+            call list%append_known(unescaped(line(len(before_name) + 1:at_bytes - 1)), n_bytes, checksum)
             first = first + len(line) + 1
          end associate
       end do

@@ -3,7 +3,7 @@
 !> Threads make rows side by side, without any function that returns a text: gfortran 12 keeps the length of such a text
 !> in a place that all threads share.
 module amontons_row_text
-   use amontons_text, only: read_integer
+   use amontons_text, only: read_integer, replaced
    implicit none (type, external)
    private
 
@@ -67,16 +67,9 @@ contains
    pure function field(value) result(text)
       character(*), intent(in) :: value !! the text
       character(:), allocatable :: text
-      integer :: i
 
       text = value
-      if (scan(value, ',"') == 0) return
-      text = '"'
-      do i = 1, len(value)
-         if (value(i:i) == '"') text = text//'"'
-         text = text//value(i:i)
-      end do
-      text = text//'"'
+      if (scan(value, ',"') > 0) text = '"'//replaced(value, '"', '""')//'"'
    end function field
 
 end module amontons_row_text

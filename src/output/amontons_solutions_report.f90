@@ -3,7 +3,7 @@ module amontons_solutions_report
    use amontons_all_solutions, only: all_solutions_t
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: heading, line, short
+   use amontons_listing_text, only: heading, labeled, short_text
    use amontons_text, only: as_lines, comma_separated, newline, to_text
    use amontons_uniqueness, only: uniqueness_t
    implicit none (type, external)
@@ -29,12 +29,12 @@ contains
       else if (uniqueness%is_for_any) then
          known = 'unique for any friction'
       else
-         known = 'proven below '//short(uniqueness%friction)
+         known = 'proven below '//short_text(uniqueness%friction)
          if (uniqueness%is_exact) known = known//', the exact bound'
-         if (uniqueness%is_unique) known = 'unique (friction '//short(maxval(friction))//'; '//known//')'
+         if (uniqueness%is_unique) known = 'unique (friction '//short_text(maxval(friction))//'; '//known//')'
       end if
-      if (.not. uniqueness%is_unique) known = 'not proven (friction '//short(maxval(friction))//'; '//known//')'
-      text = line('Uniqueness', known)
+      if (.not. uniqueness%is_unique) known = 'not proven (friction '//short_text(maxval(friction))//'; '//known//')'
+      text = labeled('Uniqueness', known)
    end function uniqueness_text
 
    !> The section on all solutions.
@@ -45,14 +45,14 @@ contains
       integer :: i, m, p
 
       m = size(force)/2
-      text = heading('All solutions')//line('Found', to_text(solutions%n))
-      if (solutions%has_family) text = text//line('Note', 'some statuses admit a continuum of solutions, of '// &
+      text = heading('All solutions')//labeled('Found', to_text(solutions%n))
+      if (solutions%has_family) text = text//labeled('Note', 'some statuses admit a continuum of solutions, of '// &
          'which only the corners are found')
       do i = 1, solutions%n
-         text = text//line('Solution '//to_text(i), kind_of(i))
+         text = text//labeled('Solution '//to_text(i), kind_of(i))
          do p = 1, m
-            text = text//line('', 'point '//to_text(p)//': '//trim(status_names(solutions%status(p, i)))// &
-               ', forces '//short(solutions%force(p, i))//', '//short(solutions%force(m + p, i)))
+            text = text//labeled('', 'point '//to_text(p)//': '//trim(status_names(solutions%status(p, i)))// &
+               ', forces '//short_text(solutions%force(p, i))//', '//short_text(solutions%force(m + p, i)))
          end do
       end do
 

@@ -4,7 +4,7 @@ module amontons_summary
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
    use amontons_document, only: document_t
-   use amontons_json, only: number, quantity_members
+   use amontons_json, only: json_number, quantity_members
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp, int64
    use amontons_quantity, only: quantity_t, scales
@@ -32,10 +32,11 @@ contains
             solution%is_converged .and. result%is_complete)), result%warnings)
          if (allocated(result%study_members)) call summary%record(result%study_members)
          call summary%record(effort_members(solution))
-         if (result%method_error >= 0.0_dp) call summary%record(member('method_error', number(result%method_error)))
+         if (result%method_error >= 0.0_dp) call summary%record(member('method_error', &
+            json_number(result%method_error)))
          if (any(result%load_case%contacts%partition%is_constant)) call summary%add(member('inf_sup', &
-            number(minval(body%inf_sup))))
-         if (result%condition > 0.0_dp) call summary%record(member('condition', number(result%condition)))
+            json_number(minval(body%inf_sup))))
+         if (result%condition > 0.0_dp) call summary%record(member('condition', json_number(result%condition)))
          call summary%add(certificate_member(certificate%violations(), certificate_limit(result%method%tolerance), &
             certificate%energies()), [1.0_dp, scales([certificate%violations(), certificate%energies()])])
          call summary%record(uniqueness_member(result%uniqueness))

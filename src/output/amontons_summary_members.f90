@@ -5,7 +5,7 @@ module amontons_summary_members
    use amontons_contact_solution, only: contact_solution_t
    use amontons_document, only: document_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
-   use amontons_json, only: number, numbers, quantity_members, string, truth
+   use amontons_json, only: json_logical, json_number, json_numbers, json_string, quantity_members
    use amontons_kinds, only: dp
    use amontons_quantity, only: quantity_t
    use amontons_system, only: peak_memory_mb
@@ -40,11 +40,12 @@ contains
       type(warning_list_t), intent(in) :: warnings !! what is doubtful about it
 
       summary%ending = '.summary.json'
-      call summary%add('{'//newline//member('case', string(label%name))//member('title', string(label%title)) &
-         //member('units', string(label%units)))
-      call summary%record(member('version', string(version)))
-      call summary%add(member('method', string(method)))
-      call summary%add(member('outcome', string(outcome))//member('converged', truth(outcome == 'converged')))
+      call summary%add('{'//newline//member('case', json_string(label%name))//member('title', &
+         json_string(label%title)) //member('units', json_string(label%units)))
+      call summary%record(member('version', json_string(version)))
+      call summary%add(member('method', json_string(method)))
+      call summary%add(member('outcome', json_string(outcome))//member('converged', &
+         json_logical(outcome == 'converged')))
       call summary%add(member('warnings', warnings_array(warnings)))
    end subroutine add_head
 
@@ -57,7 +58,7 @@ contains
       text = '['
       do i = 1, warnings%n()
          if (i > 1) text = text//', '
-         text = text//string(warnings%item(i))
+         text = text//json_string(warnings%item(i))
       end do
       text = text//']'
    end function warnings_array
@@ -68,10 +69,10 @@ contains
       character(:), allocatable :: text
 
       text = member('iterations', to_text(solution%n_iterations)) &
-         //member('products', number(solution%effort%n_products)) &
+         //member('products', json_number(solution%effort%n_products)) &
          //member('factorizations', to_text(solution%effort%n_factorizations)) &
-         //member('residual', number(solution%residual)) &
-         //member('history', '['//numbers(solution%history(:solution%n_iterations))//']')
+         //member('residual', json_number(solution%residual)) &
+         //member('history', '['//json_numbers(solution%history(:solution%n_iterations))//']')
    end function effort_members
 
    !> What is known of uniqueness.
@@ -80,9 +81,9 @@ contains
       character(:), allocatable :: text, bound
 
       bound = 'null'
-      if (uniqueness%has_bound .and. .not. uniqueness%is_for_any) bound = number(uniqueness%friction)
-      text = member('uniqueness', '{"guaranteed": '//truth(uniqueness%is_unique)//', "friction_below": '//bound &
-         //', "exact": '//truth(uniqueness%is_exact)//'}')
+      if (uniqueness%has_bound .and. .not. uniqueness%is_for_any) bound = json_number(uniqueness%friction)
+      text = member('uniqueness', '{"guaranteed": '//json_logical(uniqueness%is_unique)//', "friction_below": '//bound &
+         //', "exact": '//json_logical(uniqueness%is_exact)//'}')
    end function uniqueness_member
 
    !> Sizes of the model, for the member `counts`.
@@ -122,7 +123,7 @@ contains
 
       text = ''
       if (present(head)) text = head
-      text = member('certificate', '{'//text//'"passed": '//truth(all(violations%value <= limit))//', '// &
+      text = member('certificate', '{'//text//'"passed": '//json_logical(all(violations%value <= limit))//', '// &
          quantity_members([quantity_t('limit', '', limit), violations, others])//'}')
    end function certificate_member
 
@@ -134,7 +135,7 @@ contains
 
       text = quantities_member('seconds', [(quantity_t(phase_names(i), '', timings%seconds(i)), &
          i=1, size(phase_names)), quantity_t('total', '', sum(timings%seconds))]) &
-         //'  "peak_memory_mb": '//number(peak_memory_mb())//newline//'}'//newline
+         //'  "peak_memory_mb": '//json_number(peak_memory_mb())//newline//'}'//newline
    end function last_members
 
 end module amontons_summary_members

@@ -135,9 +135,9 @@ contains
       do i = 1, size(number_keys)
          text = text//','
          if (.not. allocated(outcome%numbers)) cycle
+         if (.not. any(outcome%numbers%key == number_keys(i))) cycle
          if (i == 1) text = text//to_text(nint(value_of(outcome%numbers, number_keys(i))))
-         if (i > 1 .and. any(outcome%numbers%key == number_keys(i))) text = text// &
-            to_text(value_of(outcome%numbers, number_keys(i)))
+         if (i > 1) text = text//to_text(value_of(outcome%numbers, number_keys(i)))
       end do
       text = text//','//scientific(outcome%seconds)//','//field(one_line(outcome%message))//newline
    end function row_text

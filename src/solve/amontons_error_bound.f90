@@ -12,8 +12,8 @@ module amontons_error_bound
    use amontons_contact_solution, only: contact_solution_t
    use amontons_dense, only: cholesky_factor, cholesky_solve
    use amontons_element, only: tri3
-   use amontons_equilibrated_sides, only: find_side_moments
-   use amontons_equilibrated_stress, only: find_corner_stresses, stress_distance
+   use amontons_equilibrated_sides, only: element_forces_t, find_element_forces, find_side_moments
+   use amontons_equilibrated_stress, only: stress_distance
    use amontons_kinds, only: dp
    use amontons_known_traction, only: known_tractions_t, new_known_tractions
    use amontons_load_case, only: load_case_t, recover_displacement
@@ -54,9 +54,9 @@ contains
       ! What residuals of the contact problem leave, and far below any force on a single node.
       real(dp), parameter :: negligible = 1.0e-7_dp
       type(known_tractions_t) :: tractions
+      type(element_forces_t), allocatable :: inside(:)
       type(contact_side_t), allocatable :: sides(:)
       real(dp), allocatable :: body_force(:, :), balanced(:, :), change(:), force(:, :), moment(:, :, :, :)
-      real(dp), allocatable :: stress(:, :, :)
       real(dp) :: distance, imbalance
       logical :: is_uniform
 
@@ -72,12 +72,10 @@ contains
       call recover_displacement(balanced, body, load_case, solution%displacement + change)
       call new_known_tractions(tractions, body%mesh, body%constraints, body%springs, load_case%loads)
       call add_tractions(tractions, sides, body, force)
-      call find_corner_stresses(stress, body%mesh, body%materials, balanced, load_case%thermal_strain)
-      call find_side_moments(moment, imbalance, body%mesh, body%materials, body%constraints, tractions, body_force, &
-         stress)
+      call find_element_forces(inside, body%mesh, body%materials, body_force, balanced, load_case%thermal_strain)
+      call find_side_moments(moment, imbalance, body%mesh, body%constraints, tractions, inside)
       if (.not. imbalance < negligible) return
-      call find_corner_stresses(stress, body%mesh, body%materials, displacement, load_case%thermal_strain)
-      distance = stress_distance(body%mesh, body%materials, moment, body_force, stress)
+      distance = stress_distance(body%mesh, body%materials, moment, body_force, displacement, load_case%thermal_strain)
       allocate (bound)
       bound%norm = sqrt(distance**2 + 2.0_dp*law_error(sides, body, load_case, solution, force))
       bound%is_bound = all(load_case%friction <= 0.0_dp) .and. &
@@ -225,7 +223,7 @@ contains
       real(dp), allocatable :: motion(:, :), gram(:, :), right(:, :), weighted(:, :)
       integer :: i, k, info
 
-      motion = free_motions(body)
+      motion = body%rigid_modes
       if (size(motion, 2) == 0) return
       allocate (gram(size(motion, 2), size(motion, 2)), right(size(motion, 2), 1))
       do k = 1, size(motion, 2)
@@ -242,31 +240,6 @@ contains
          force = force + right(i, 1)*spread(motion(:size(force, 1), i), 2, 2)*weighted
       end do
    end subroutine balance_rigid_motions
-
-   !> The displacements of the contact points by the rigid motions that supports leave free, normal and tangential
-   !> (2m, motions).
-   pure function free_motions(body) result(motion)
-      type(body_t), intent(in) :: body !! the body
-      real(dp), allocatable :: motion(:, :)
-      real(dp), allocatable :: field(:, :), at_node(:, :)
-      integer :: i, k, l, n
-
-      allocate (motion(2*body%zone%n_points, sum(body%motions%n_free)), field(2, body%mesh%n_nodes))
-      n = 0
-      do i = 1, size(body%motions)
-         do k = 1, body%motions(i)%n_free
-            n = n + 1
-            field = 0.0_dp
-            associate (piece => body%motions(i))
-               do l = 1, size(piece%node)
-                  at_node = piece%displacement(body%mesh%coordinates(:, piece%node(l)))
-                  field(:, piece%node(l)) = at_node(:, k)
-               end do
-            end associate
-            motion(:, n) = body%zone%rows%displacement(field)
-         end do
-      end do
-   end function free_motions
 
    !> Adds the contact tractions to those of the loads.
    pure subroutine add_tractions(tractions, sides, body, force)
@@ -294,7 +267,8 @@ contains
    subroutine solve_stiffness(problem, x)
       type(contact_problem_t), intent(in) :: problem !! the contact problem
       real(dp), intent(inout) :: x(:) !! b on entry, the solution on return (2m)
-      real(dp), parameter :: small = 1.0e-11_dp
+      ! Of forces that are themselves a part of the contact forces: far below what is negligible.
+      real(dp), parameter :: small = 1.0e-9_dp
       real(dp), allocatable :: rest(:), direction(:), product(:)
       real(dp) :: square, before, first
       integer :: i

@@ -9,6 +9,7 @@ module amontons_estimate_error
    use amontons_known_traction, only: known_tractions_t, new_known_tractions
    use amontons_load_case, only: load_case_t
    use amontons_stress_recovery, only: new_recovered_stress, recovered_stress_t
+   use amontons_surface, only: surface_t
    implicit none (type, external)
    private
 
@@ -34,28 +35,72 @@ contains
          load_case%thermal_strain)
    end subroutine estimate_error
 
-   !> Sets the tractions on the sides of the contact sets: the force on each node over its area.
+   !> Sets the tractions on the sides of the contact sets: the force on each node over its area. What a master bears
+   !> and what ties transmit is not known side by side.
    subroutine set_contact_tractions(tractions, body, load_case, force)
       type(known_tractions_t), intent(inout) :: tractions !! the sides of the boundary
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its contact sets
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
-      real(dp), allocatable :: traction(:, :)
+      real(dp), allocatable :: traction(:, :), on_nodes(:, :)
+      logical, allocatable :: is_joined(:)
       type(boundary_line_t) :: line
       type(error_t), allocatable :: error
-      integer :: i, k
+      integer :: i
 
+      on_nodes = body%zone%rows%forces(force, body%mesh%n_nodes)
       do i = 1, size(load_case%contacts)
-         traction = body%zone%rows%forces(force, body%mesh%n_nodes)
+         traction = on_nodes
          ! The contact zone was made of these lines, so they are sound.
          call new_boundary_line(line, body%mesh, load_case%contacts(i)%set, error, body%materials)
-         do k = 1, line%n_nodes
-            associate (node => line%node(k))
-               traction(:, node) = traction(:, node)/max(line%area(k), tiny(1.0_dp))
-            end associate
-         end do
-         call tractions%set_nodal(body%mesh, body%constraints, load_case%contacts(i)%set, traction)
+         call divide_by_area(traction, line)
+         call tractions%add_nodal(body%mesh, body%constraints, load_case%contacts(i)%set, traction)
       end do
+      allocate (is_joined(body%mesh%n_nodes), source=.false.)
+      do i = 1, size(body%zone%pairs)
+         if (body%zone%pairs(i)%is_set()) call mark_sides(is_joined, body%zone%pairs(i)%master, &
+            body%zone%pairs(i)%segments%master)
+      end do
+      is_joined = is_joined .and. any(abs(on_nodes) > 0.0_dp, dim=1)
+      do i = 1, size(body%ties)
+         call mark_sides(is_joined, body%ties(i)%master, body%ties(i)%segments%master)
+         call mark_sides(is_joined, body%ties(i)%slave, body%ties(i)%segments%slave)
+      end do
+      call tractions%forget(is_joined)
    end subroutine set_contact_tractions
+
+   !> Makes tractions of the forces on the nodes of a line. On the axis of revolution a corner of a quadratic side has
+   !> no area: its traction continues those of the two nodes beside it linearly.
+   pure subroutine divide_by_area(traction, line)
+      real(dp), intent(inout) :: traction(:, :)
+         !! forces on the nodes of the mesh, and on return, on those of the line, over their areas (2, n_nodes) [F/L^2]
+      type(boundary_line_t), intent(in) :: line !! the line
+      ! Areas that are rounding errors of those of the other nodes.
+      real(dp), parameter :: negligible = 1.0e-10_dp
+      logical :: is_bare(line%n_nodes)
+      integer :: k, way
+
+      is_bare = line%area <= negligible*maxval(line%area)
+      do k = 1, line%n_nodes
+         if (.not. is_bare(k)) traction(:, line%node(k)) = traction(:, line%node(k))/line%area(k)
+      end do
+      do k = 1, line%n_nodes
+         if (.not. is_bare(k)) cycle
+         way = merge(1, -1, line%next(k) > 0)
+         traction(:, line%node(k)) = 2.0_dp*traction(:, line%node(k + way)) - traction(:, line%node(k + 2*way))
+      end do
+   end subroutine divide_by_area
+
+   !> Marks the corners of sides of a surface.
+   pure subroutine mark_sides(is_marked, surface, sides)
+      logical, intent(inout) :: is_marked(:) !! the marks of the nodes (n_nodes)
+      type(surface_t), intent(in) :: surface !! the surface
+      integer, intent(in) :: sides(:) !! numbers of sides; one may occur more than once
+      integer :: i
+
+      do i = 1, size(sides)
+         is_marked(surface%side(:2, sides(i))) = .true.
+      end do
+   end subroutine mark_sides
 
 end module amontons_estimate_error

@@ -28,23 +28,28 @@ contains
    end function resultants
 
    !> The largest pressure, shear and slip of the contact points. The slip of a point that is open, or whose tangential
-   !> direction a support holds, is left out.
-   pure function contact_peaks(body, slip, force, status, scale) result(list)
+   !> direction a support holds, is left out. A body without contact points has none of these.
+   pure function contact_peaks(body, slip, force, status, displacement) result(list)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: slip(:) !! slip of the points (m) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
       integer, intent(in) :: status(:) !! statuses of the points (m)
-      real(dp), intent(in) :: scale !! what rounding errors of displacements are measured by [L]
-      type(quantity_t) :: list(3)
-      real(dp) :: area(size(status))
+      real(dp), intent(in) :: displacement !! largest displacement that is known [L]
+      type(quantity_t), allocatable :: list(:)
+      real(dp) :: area(size(status)), scale
       integer :: m
 
       m = size(status)
+      allocate (list(merge(3, 0, m > 0)))
+      if (m == 0) return
       associate (zone => body%zone)
          area = merge(zone%area, 1.0_dp, zone%area > 0.0_dp)
          list(1) = peak('max_contact_pressure', 'Max. pressure', force(:m)/area, zone%position, 0.0_dp, 'F/L^2')
          list(2) = peak('max_contact_shear', 'Max. shear', abs(force(m + 1:))/area, zone%position, list(1)%value, &
             'F/L^2')
+         ! The slip of what sticks is a rounding error, if not of what has moved then of what forces of this size move.
+         scale = max(displacement, maxval([0.0_dp, abs(force/[area, area])])/maxval(body%materials%list%young) &
+            *maxval([0.0_dp, maxval(zone%position, dim=2) - minval(zone%position, dim=2)]))
          list(3) = peak('max_slip', 'Max. slip', merge(abs(slip), 0.0_dp, &
             status /= open_point .and. .not. zone%is_tangent_fixed), zone%position, scale, 'L')
       end associate

@@ -23,14 +23,18 @@ contains
    !> Measures the zones side by side, as Table 1 of the paper reads its separated, sliding and sticking parts: the open
    !> zone ends at the first closed node, the slip zone at the first sticking node. A cell of constant multipliers
    !> belongs to one zone as a whole.
-   pure subroutine new_lengths(lengths, zone, status)
+   pure subroutine new_lengths(lengths, zone, status, set)
       type(lengths_t), intent(out) :: lengths !! the lengths
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: status(:) !! status of each point (m)
+      integer, intent(in), optional :: set !! the contact set to measure; all of them without it
       real(dp) :: length
       integer :: p, ends(2)
 
       do p = 1, zone%n_points
+         if (present(set)) then
+            if (zone%set(p) /= set) cycle
+         end if
          ends = p
          if (zone%is_cell(p)) then
             length = zone%weight(p)

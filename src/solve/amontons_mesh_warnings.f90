@@ -7,7 +7,7 @@ module amontons_mesh_warnings
    use amontons_error_estimate, only: error_estimate_t
    use amontons_friction_law, only: open_point, stick_point
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: pair
+   use amontons_listing_text, only: pair_text
    use amontons_mesh, only: mesh_t
    use amontons_model_warnings, only: percent
    use amontons_result, only: result_t
@@ -59,9 +59,9 @@ contains
          if (before(first) > 0) is_end([before(first), first]) = .true.
          if (zone%next(last) > 0) is_end([last, zone%next(last)]) = .true.
          if (max(before(first), zone%next(last)) == 0 .or. n < 2 .or. (n - 1)/n_per_side >= enough_sides) cycle
-         call warnings%add('the '//name//' zone from '//pair(zone%position(:, first))//' to '// &
-            pair(zone%position(:, last))//' has fewer than '//to_text(enough_sides)//' sides: its ends are known '// &
-            'to a side only; refine the mesh there, or see the error bars of --refine 2')
+         call warnings%add('the '//name//' zone from '//pair_text(zone%position(:, first))//' to '// &
+            pair_text(zone%position(:, last))//' has fewer than '//to_text(enough_sides)// &
+            ' sides: its ends are known '//'to a side only; refine the mesh there, or see the error bars of --refine 2')
          return
       end do
    end subroutine add_short_zones
@@ -110,7 +110,7 @@ contains
       share = share_near(result%error_estimate, body%mesh, is_near)
       p = findloc(is_end, .true., dim=1)
       if (share > most_of_it) call result%warnings%add(percent(share)//' of the estimated error is in the elements '// &
-         'at the ends of the contact and stick zones, the first at '//pair(body%zone%position(:, p))// &
+         'at the ends of the contact and stick zones, the first at '//pair_text(body%zone%position(:, p))// &
          ': refine the mesh there')
    end subroutine add_uncertain_ends
 

@@ -4,11 +4,11 @@ module amontons_model_warnings
    use amontons_contact_zone, only: contact_t
    use amontons_element, only: element_names, quad4, tri3
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: short
+   use amontons_listing_text, only: short_text
    use amontons_load_case, only: load_case_t
    use amontons_pair_warnings, only: add_gap_warnings, add_pair_warnings
    use amontons_sweep, only: quantity_names, sweep_axis_t, sweep_t, swept_friction, swept_friction_factor
-   use amontons_text, only: to_text
+   use amontons_text, only: counted, to_text
    use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
@@ -93,8 +93,8 @@ contains
       if (n_locking(tri3) > 0) remedy = "use tri6, quad8, or quad4 with formulation = 'b-bar'"
       call warnings%add(to_text(sum(n_locking))//' linear elements ('// &
          trim(element_names(merge(tri3, quad4, n_locking(tri3) > 0)))//') of a nearly incompressible material '// &
-         "(Poisson's ratio "//short(maxval(body%materials%list%poisson))//') lock: stresses and forces are too '// &
-         'large, by far near 0.5; '//remedy)
+         "(Poisson's ratio "//short_text(maxval(body%materials%list%poisson))// &
+         ') lock: stresses and forces are too '//'large, by far near 0.5; '//remedy)
    end subroutine add_locking
 
    !> Warns of what is doubtful about a contact set.
@@ -112,22 +112,23 @@ contains
       is_of_set = body%zone%set == set
       associate (zone => body%zone, size => body_size(body))
          if (body%inf_sup(set) < poor_inf_sup) call warnings%add(name//'the inf-sup constant '// &
-            short(body%inf_sup(set))//' is below '//short(poor_inf_sup)//'; forces and statuses may oscillate from '// &
-            'cell to cell; make the cells larger')
+            short_text(body%inf_sup(set))//' is below '//short_text(poor_inf_sup)// &
+            '; forces and statuses may oscillate from '//'cell to cell; make the cells larger')
          associate (overlap => maxval(-load_case%gap, mask=is_of_set))
-            if (overlap > large_overlap*size) call warnings%add(name//'initial overlap of '//short(overlap)//', '// &
-               percent(overlap/size)//" of the body's size")
+            if (overlap > large_overlap*size) call warnings%add(name//'initial overlap of '//short_text(overlap)// &
+               ', '//percent(overlap/size)//" of the body's size")
          end associate
          associate (friction => maxval(load_case%friction, mask=is_of_set))
-            if (friction > large_friction) call warnings%add(name//'friction of '//short(friction)// &
-               '; coefficients above '//short(large_friction)//' are rare')
+            if (friction > large_friction) call warnings%add(name//'friction of '//short_text(friction)// &
+               '; coefficients above '//short_text(large_friction)//' are rare')
          end associate
          if (all(zone%is_tangent_fixed .or. .not. is_of_set) .and. &
             any(is_of_set .and. max(load_case%friction, load_case%slip_bound) > 0.0_dp)) call warnings%add(name// &
             'friction has no effect: supports hold all its points tangentially')
          associate (n_buried => count(is_of_set .and. load_case%depth > rounding*size))
-            if (n_buried > 0) call warnings%add(name//to_text(n_buried)//' point(s) inside the obstacle are left '// &
-               'open: their normals do not meet its surface, or at more than 84 degrees; check set and obstacle')
+            if (n_buried > 0) call warnings%add(name//'left open inside the obstacle: '// &
+               counted(n_buried, 'point')//'; their normals do not meet its surface, or at more than '// &
+               '84 degrees; check set and obstacle')
          end associate
       end associate
    end subroutine add_contact_warnings
@@ -144,7 +145,8 @@ contains
          associate (axis => sweep%axes(i), name => 'sweep of '//sweep%axes(i)%label()//': ')
             call add_repetition(warnings, name, axis)
             if (axis%target == swept_friction .and. maxval(axis%values) > large_friction) call warnings%add(name// &
-               'friction of '//short(maxval(axis%values))//'; coefficients above '//short(large_friction)//' are rare')
+               'friction of '//short_text(maxval(axis%values))//'; coefficients above '//short_text(large_friction)// &
+               ' are rare')
             if (axis%target /= swept_friction_factor) cycle
             is_frictionless = .true.
             do k = 1, size(contacts)
@@ -167,7 +169,7 @@ contains
       ! Equal steps repeat a value only if they are 0.
       do i = 2, merge(2, size(axis%values), axis%is_range)
          if (.not. any(abs(axis%values(:i - 1) - axis%values(i)) <= 0.0_dp)) cycle
-         call warnings%add(name//'the value '//short(axis%values(i))//' is given twice')
+         call warnings%add(name//'the value '//short_text(axis%values(i))//' is given twice')
          return
       end do
    end subroutine add_repetition

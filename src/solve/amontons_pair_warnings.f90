@@ -1,10 +1,10 @@
 !> What is doubtful about pairs of bodies before they are solved.
 module amontons_pair_warnings
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: short
+   use amontons_listing_text, only: short_text
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_surface, only: surface_t
-   use amontons_text, only: to_text
+   use amontons_text, only: counted, to_text
    use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
@@ -23,21 +23,21 @@ contains
       real(dp) :: lengths(2), depths(2)
 
       name = pair%label//': '
-      if (size(pair%open_node) > 0) call warnings%add(name//to_text(size(pair%open_node))// &
-         ' node(s) of the slave face nothing within '//short(pair%search)//'; they stay open')
+      if (size(pair%open_node) > 0) call warnings%add(name//'left open: '// &
+         counted(size(pair%open_node), 'node')//' of the slave, without a master within '//short_text(pair%search))
       if (pair%sliver_side > 0) then
          associate (at => pair%slave%corner(:, 3, pair%sliver_side))
-            call warnings%add(name//'the side at '//short(at(1))//', '//short(at(2))//' is covered to '// &
-               short(pair%sliver_share)//' of its length; it is left out')
+            call warnings%add(name//'the side at '//short_text(at(1))//', '//short_text(at(2))//' is covered to '// &
+               short_text(pair%sliver_share)//' of its length; it is left out')
          end associate
       end if
       lengths = [mean_length(pair%slave), mean_length(pair%master)]
       if (lengths(1) > coarse*lengths(2)) call warnings%add(name//'the slave is coarser than the master (sides '// &
-         short(lengths(1))//' against '//short(lengths(2))//'): exchange both sets for a sharper contact')
+         short_text(lengths(1))//' against '//short_text(lengths(2))//'): exchange both sets for a sharper contact')
       depths = [pair%slave%material(1)%thickness, pair%master%material(1)%thickness]
       if (.not. pair%slave%material(1)%is_plane_stress) return
       if (abs(depths(1) - depths(2)) > epsilon(1.0_dp)*depths(1)) call warnings%add(name//'the thicknesses differ ('// &
-         short(depths(1))//', '//short(depths(2))//'): forces are matched, stresses are those of the slave')
+         short_text(depths(1))//', '//short_text(depths(2))//'): forces are matched, stresses are those of the slave')
    end subroutine add_pair_warnings
 
    !> Adds the warnings on the gaps that the meshes of a pair in contact have.
@@ -58,11 +58,12 @@ contains
       bulge = largest_bulge(pair%slave) + largest_bulge(pair%master)
       overlap = maxval(extra_gap - gap)
       if (bulge > rounding*pair%slave%longest .and. maxval(abs(gap)) < resolved*bulge) then
-         call warnings%add(name//'gaps and interference of up to '//short(maxval(abs(gap)))//' are not much larger '// &
-            'than the distance between the two polygons ('//short(bulge)//'): refine, use quadratic elements, '// &
+         call warnings%add(name//'gaps and interference of up to '//short_text(maxval(abs(gap)))// &
+            ' are not much larger '// &
+            'than the distance between the two polygons ('//short_text(bulge)//'): refine, use quadratic elements, '// &
             "or gap = 'touching'")
       else if (overlap > rounding*pair%slave%longest) then
-         call warnings%add(name//'the meshes overlap by up to '//short(overlap)//' before any load: give '// &
+         call warnings%add(name//'the meshes overlap by up to '//short_text(overlap)//' before any load: give '// &
             "extra_gap for an interference, or gap = 'touching'")
       end if
    end subroutine add_gap_warnings

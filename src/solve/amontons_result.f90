@@ -59,7 +59,7 @@ module amontons_result
          !! largest difference of a contact force from the exact solution, over the largest force; -1 if not asked [-]
       real(dp), allocatable :: slip_record(:, :)
          !! of a load history: slip of its last step [L], accumulated slip [L], dissipation [F L] and the integral of
-         !! the pressure over the slip [F/L] of each point (m, 4)
+         !! the pressure over the slip [F/L] of each point; parameters of fretting where they are asked for (m, 4 or 9)
       logical :: is_complete = .true. !! whether a study of several steps has come to its end
       character(:), allocatable :: study_listing !! what a study of several steps says of them in the listing
       character(:), allocatable :: study_members !! what it says in the summary, members of a JSON object

@@ -8,13 +8,13 @@ module amontons_result_warnings
    use amontons_element, only: n_corners
    use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: pair, short
+   use amontons_listing_text, only: pair_text, short_text
    use amontons_load_case, only: load_case_t
    use amontons_mesh, only: mesh_t
    use amontons_mesh_warnings, only: add_mesh_warnings
    use amontons_model_warnings, only: body_size, percent
    use amontons_result, only: result_t
-   use amontons_text, only: to_text
+   use amontons_text, only: counted, to_text
    use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
@@ -22,14 +22,15 @@ module amontons_result_warnings
    public :: add_conditioning, add_result_warnings, find_case_warnings, lacks_points
 
    !> What is doubtful about a case of a sweep, as its row names it.
-   character(18), parameter, public :: case_warning_names(4) = [character(18) :: 'large_displacement', 'no_contact', &
-      'few_points', 'pressure_jump']
+   character(18), parameter, public :: case_warning_names(*) = [character(18) :: 'large_displacement', 'no_contact', &
+      'few_points', 'pressure_jump', 'large_strain']
    !> The same as a sentence.
-   character(99), parameter, public :: case_warning_sentences(4) = [character(99) :: &
+   character(99), parameter, public :: case_warning_sentences(size(case_warning_names)) = [character(99) :: &
       "displacement of contact points above 5 % of the body's size; the theory is for small displacements", &
       'nothing touches the obstacle', &
       'fewer than 3 contact points closed: the mesh is too coarse for the pressure there', &
-      'the largest pressure is more than twice that of the points beside it: the mesh is too coarse for it']
+      'the largest pressure is more than twice that of the points beside it: the mesh is too coarse for it', &
+      "contact pressure above 2 % of Young's modulus; the theory is for small strains"]
 
    !> Largest displacement, as a share of the body's size, and largest strain that pass for small [-].
    real(dp), parameter :: large_displacement = 0.05_dp, large_strain = 0.02_dp
@@ -49,8 +50,8 @@ contains
          if (lacks(1)) then
             call result%warnings%add('nothing touches the obstacle')
          else if (lacks(2)) then
-            call result%warnings%add('only '//to_text(count(is_closed))// &
-               ' contact point(s) closed: the mesh is too coarse for the pressure there')
+            call result%warnings%add('only '//counted(count(is_closed), 'contact point')// &
+               ' closed: the mesh is too coarse for the pressure there')
          else if (zone%n_points > 2) then
             associate (pressure => result%solution%force(:zone%n_points)/zone%area)
                if (jump_at(zone, pressure) > 0) then
@@ -66,10 +67,11 @@ contains
    end subroutine add_result_warnings
 
    !> Finds what is doubtful about the solution of a contact problem, without the displacements of the body.
-   pure subroutine find_case_warnings(is_raised, zone, size_of_body, solution)
+   pure subroutine find_case_warnings(is_raised, zone, size_of_body, young, solution)
       logical, intent(out) :: is_raised(size(case_warning_names)) !! which of the warnings it deserves
       type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: size_of_body !! the larger side of the box around the mesh [L]
+      real(dp), intent(in) :: young !! the largest Young's modulus of the body [F/L^2]
       type(contact_solution_t), intent(in) :: solution !! the solution
       integer :: m
 
@@ -79,6 +81,7 @@ contains
       is_raised(1) = maxval(hypot(solution%displacement(:m), solution%displacement(m + 1:))) &
          > large_displacement*size_of_body
       is_raised(2:3) = lacks_points(solution%status)
+      is_raised(5) = maxval(solution%force(:m)/zone%area) > large_strain*young
       if (m > 2 .and. .not. any(is_raised(2:3))) is_raised(4) = jump_at(zone, solution%force(:m)/zone%area) > 0
    end subroutine find_case_warnings
 
@@ -97,11 +100,21 @@ contains
    pure subroutine add_conditioning(result, body)
       type(result_t), intent(inout) :: result !! the result; gains the warning
       type(body_t), intent(in) :: body !! the body
+      ! Strains of displacements so much larger keep fewer than ten of 16 digits.
+      real(dp), parameter :: far = 1.0e6_dp
+      character(:), allocatable :: travel
+      real(dp) :: strain, distance
+      integer :: at
 
       if (.not. result%condition > 0.0_dp) return
+      call find_strain(body%mesh, result%displacement, strain, at)
+      distance = maxval(norm2(result%displacement, dim=1))
+      travel = ''
+      if (distance > far*strain*body_size(body)) travel = '; the body moves by '//short_text(distance)// &
+         ', far more than it is strained: place it closer to its obstacle'
       call result%warnings%add('the stiffness is ill-conditioned, condition number about '// &
          rounded(result%condition)//': rounding may cost '//to_text(min(16, nint(log10(result%condition))))// &
-         ' of 16 digits'//conditioning_text(body%mesh, body%materials, body%springs))
+         ' of 16 digits'//conditioning_text(body%mesh, body%materials, body%springs)//travel)
    end subroutine add_conditioning
 
    !> Warns of displacements and strains that are not small.
@@ -113,7 +126,8 @@ contains
       integer :: node, at
 
       largest = maxval(norm2(displacement, dim=1))
-      if (largest > large_displacement*body_size(body)) call warnings%add('displacement of '//short(largest)//', '// &
+      if (largest > large_displacement*body_size(body)) call warnings%add('displacement of '//short_text(largest)// &
+         ', '// &
          percent(largest/body_size(body))//" of the body's size; the theory is for small displacements (up to "// &
          percent(large_displacement)//'); check units, loads and moduli')
       call find_strain(body%mesh, displacement, strain, at)
@@ -127,7 +141,8 @@ contains
          end do
       end if
       if (strain > large_strain) call warnings%add('strain of '//percent(strain)//' at '// &
-         pair(body%mesh%coordinates(:, at))//'; the theory is for small strains (up to '//percent(large_strain)//')')
+         pair_text(body%mesh%coordinates(:, at))//'; the theory is for small strains (up to '//percent(large_strain)// &
+         ')')
    end subroutine add_size_warnings
 
    !> The largest elongation or shortening of the distance between two corners of an element.
@@ -138,7 +153,7 @@ contains
       integer, intent(out) :: at !! one of the two nodes; 0 if there is no strain
       ! Of strains that differ by rounding alone the first is taken, whatever the compiler.
       real(dp), parameter :: clearly = 1.0_dp + 1.0e-6_dp
-      real(dp) :: distance(2), difference(2), elongation, length
+      real(dp) :: distance(2), difference(2), elongation
       integer :: element, i, k, first
 
       strain = 0.0_dp
@@ -149,10 +164,10 @@ contains
             do k = first, i - 1
                distance = mesh%coordinates(:, mesh%node(i)) - mesh%coordinates(:, mesh%node(k))
                difference = displacement(:, mesh%node(i)) - displacement(:, mesh%node(k))
-               length = hypot(distance(1), distance(2))
-               elongation = abs(difference(1)*(distance(1)/length) + difference(2)*(distance(2)/length))
-               if (.not. elongation > clearly*strain*length) cycle
-               strain = elongation/length
+               ! Times the distance, whose square an element's area has in it, too.
+               elongation = abs(dot_product(difference, distance))
+               if (.not. elongation > clearly*strain*dot_product(distance, distance)) cycle
+               strain = elongation/dot_product(distance, distance)
                at = mesh%node(i)
             end do
          end do
@@ -168,7 +183,8 @@ contains
 
       peak = jump_at(zone, pressure)
       call warnings%add('the largest pressure '// &
-         short(pressure(peak))//' at '//pair(zone%position(:, peak))//' is more than twice that of the points '// &
+         short_text(pressure(peak))//' at '//pair_text(zone%position(:, peak))// &
+         ' is more than twice that of the points '// &
          'beside it: the mesh is too coarse for it, or it grows without bound at an edge; refine it there, or see '// &
          'with --refine 2 whether it converges')
    end subroutine add_pressure_jump
@@ -198,8 +214,8 @@ contains
 
       associate (is_aslant => is_closed .and. cosine < smallest_cosine)
          first = findloc(is_aslant, .true., dim=1)
-         if (first > 0) call warnings%add(to_text(count(is_aslant))//' closed contact point(s), the first at '// &
-            pair(zone%position(:, first))//", press along normals more than 30 degrees off the obstacle's; end the "// &
+         if (first > 0) call warnings%add(counted(count(is_aslant), 'closed contact point')//', the first at '// &
+            pair_text(zone%position(:, first))//", more than 30 degrees off the obstacle's normal; end the "// &
             'contact set at the corner, or give gap_direction')
       end associate
    end subroutine add_aslant_points
@@ -228,8 +244,8 @@ contains
             end associate
          end do
       end associate
-      if (n_passed > 0) call warnings%add(to_text(n_passed)//' contact point(s) that do not face the obstacle move '// &
-         'into it unhindered')
+      if (n_passed > 0) call warnings%add('the body moves into the obstacle unhindered at '// &
+         counted(n_passed, 'contact point')//' out of reach')
    end subroutine add_passed_points
 
 end module amontons_result_warnings

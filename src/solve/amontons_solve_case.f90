@@ -32,6 +32,7 @@ module amontons_solve_case
       logical :: is_condensed = .false. !! whether the body is factorized
       type(contact_problem_t) :: problem !! its contact problem, once it is condensed
       type(state_t), allocatable :: state !! where the last case of this body ended; not allocated before the first
+      logical :: is_refining = .false. !! whether the next body is the one at hand on a finer mesh, and keeps its state
    end type cache_t
 
 contains
@@ -93,7 +94,7 @@ contains
       cache%body%mesh_notes = notes
       cache%key = body_text(config)
       cache%first_case = config%name
-      if (allocated(cache%state)) deallocate (cache%state)
+      if (allocated(cache%state) .and. .not. cache%is_refining) deallocate (cache%state)
    end subroutine make_body
 
    !> Whether the body at hand is that of a case.
@@ -124,7 +125,7 @@ contains
       if (allocated(error)) return
       if (.not. result%solution%is_converged) return
       if (.not. allocated(cache%state)) allocate (cache%state)
-      call new_state(cache%state, config%name, result%solution)
+      call new_state(cache%state, config%name, result%solution, cache%body%zone)
    end subroutine solve_case
 
    !> Factorizes and condenses the body, unless an earlier case has done so.
@@ -143,12 +144,14 @@ contains
       end if
    end subroutine condense_case
 
-   !> Starts from where the last case of the same body ended, or from rest.
+   !> Starts from where the last case of the same body ended, on a coarser mesh where this one is refined, or from rest.
    subroutine start_solution(cache, result)
       type(cache_t), intent(in) :: cache !! the body at hand
       type(result_t), intent(inout) :: result !! the result, its solution set to the start
 
-      if (allocated(cache%state)) then
+      if (cache%is_refining .and. allocated(cache%state)) then
+         call cache%state%prolong(result%solution, cache%body%zone)
+      else if (allocated(cache%state)) then
          call cache%state%start(result%solution)
          result%started_from = cache%state%case_name
       else

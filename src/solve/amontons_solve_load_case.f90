@@ -19,6 +19,7 @@ module amontons_solve_load_case
    use amontons_result, only: factor_t, result_t
    use amontons_result_warnings, only: add_result_warnings
    use amontons_rigid_fit, only: fit_rigid_motion, fit_travel
+   use amontons_spin, only: check_spin
    use amontons_stress_field, only: new_stress_field
    use amontons_timings, only: phase_condense, phase_recover, phase_solve, phase_write
    use amontons_uniqueness, only: new_uniqueness
@@ -47,6 +48,9 @@ contains
       call solve_from_obstacles(method, body, result%load_case, problem, result%solution, error)
       if (allocated(error)) return
       call check_finite(result%solution, error)
+      if (allocated(error)) return
+      call check_spin(body, result%load_case%is_in_reach, problem, result%solution, error)
+      result%has_no_equilibrium = allocated(error)
       if (allocated(error)) return
       if (result%solution%is_at_rest) call compare_with_exact(problem, method%tolerance, result, error)
       if (allocated(error)) return
@@ -87,27 +91,30 @@ contains
 
       call fit_rigid_motion(motion, body, load_case)
       ! Nothing has a place before it meets its obstacles: a start at rest is there.
-      if (.not. any(abs(solution%force) > 0.0_dp)) solution%displacement = solution%displacement + motion
+      if (any(abs(solution%force) > 0.0_dp)) solution%displacement = solution%displacement - motion
       call solve_from(motion, method, problem, solution, error)
-      if (allocated(error) .or. solution%is_at_rest) return
-      call fit_travel(travel, body, solution%displacement - motion)
-      if (.not. any(abs(travel) > 0.0_dp)) return
-      first = solution
-      call solve_from(motion + travel, method, problem, solution, error)
-      if (allocated(error)) return
-      if (solution%is_converged .or. .not. first%is_converged) then
-         call solution%follow(first)
-      else
-         solution = first
+      ! Of displacements that the motion is a part of, rounding would look like travel.
+      call fit_travel(travel, body, solution%displacement)
+      if (.not. (allocated(error) .or. solution%is_at_rest) .and. any(abs(travel) > 0.0_dp)) then
+         first = solution
+         solution%displacement = solution%displacement - travel
+         call solve_from(motion + travel, method, problem, solution, error)
+         solution%displacement = solution%displacement + travel
+         if (solution%is_converged .or. .not. first%is_converged) then
+            call solution%follow(first)
+         else
+            solution = first
+         end if
       end if
+      solution%displacement = solution%displacement + motion
    end subroutine solve_from_obstacles
 
-   !> Solves a contact problem, its displacements counted from a rigid motion.
+   !> Solves a contact problem for the displacements from a rigid motion.
    subroutine solve_from(motion, method, problem, solution, error)
       real(dp), intent(in) :: motion(:) !! displacements of the points under the motion (2m) [L]
       class(contact_method_t), intent(in) :: method !! the contact method
       type(contact_problem_t), intent(inout) :: problem !! the contact problem; stays as it is
-      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(contact_solution_t), intent(inout) :: solution !! start and result, displacements from the motion
       type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
       real(dp), allocatable :: gap(:), anchor(:)
 
@@ -115,9 +122,7 @@ contains
       anchor = problem%anchor
       problem%gap = gap - motion(:size(gap))
       problem%anchor = anchor - motion(size(gap) + 1:)
-      solution%displacement = solution%displacement - motion
       call solve_components(method, problem, solution, error)
-      solution%displacement = solution%displacement + motion
       problem%gap = gap
       problem%anchor = anchor
    end subroutine solve_from
@@ -167,15 +172,15 @@ contains
       slip = result%solution%displacement(m + 1:)
       if (allocated(result%load_case%anchor)) slip = slip - result%load_case%anchor
       associate (solution => result%solution)
-         call new_certificate(result%certificate, body, result%load_case, result%displacement, solution%force)
          call new_stress_field(result%stress, body%mesh, body%materials, body%coloring, result%displacement, &
             result%load_case%thermal_strain)
+         call new_certificate(result%certificate, body, result%load_case, result%displacement, solution%force, &
+            result%stress%force)
          call new_lengths(result%lengths, body%zone, solution%status)
          call find_zones(result%closed, result%stuck, body, solution%force, solution%status, &
             result%load_case%friction, result%load_case%slip_bound, slip)
-         result%key_results = [contact_peaks(body, solution%displacement(m + 1:), solution%force, solution%status, &
-            maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, &
-            result%stress), &
+         result%key_results = [contact_peaks(body, slip, solution%force, solution%status, &
+            maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, result%stress), &
             set_results(body, solution%force, result%closed, result%stuck)]
       end associate
       if (result%wants_error_estimate) then
@@ -199,14 +204,14 @@ contains
    end function cancellation
 
    !> Whether what the certificate finds may come from the rounding errors of an ill-conditioned stiffness: of what
-   !> depends on the whole model, something is well above rounding.
+   !> depends on the whole model, something is well above rounding, or the forces keep fewer than six digits.
    pure logical function shows_rounding(result)
       type(result_t), intent(in) :: result !! the result
-      real(dp), parameter :: suspicious = 1.0e-9_dp
+      real(dp), parameter :: suspicious = 1.0e-9_dp, few_digits = 1.0e-6_dp
 
       associate (certificate => result%certificate)
          shows_rounding = max(certificate%equilibrium, certificate%resultant, certificate%moment, &
-            certificate%energy) > suspicious
+            certificate%energy) > suspicious .or. certificate%imbalance > few_digits
       end associate
    end function shows_rounding
 

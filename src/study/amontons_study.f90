@@ -3,7 +3,7 @@
 !> Each kind extends `study_t` in a folder of its own; `new_study` chooses the kind of a deck.
 module amontons_study
    use amontons_config, only: config_t
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, input_refused, new_error
    use amontons_outcome, only: outcome_t
    use amontons_solve_case, only: cache_t
    use amontons_study_monitor, only: study_monitor_t
@@ -26,7 +26,6 @@ module amontons_study
       procedure(check_procedure), deferred :: check
       procedure(solve_procedure), deferred :: solve
       procedure :: has_grids => study_has_grids
-      procedure :: refuse_options => study_refuse_options
    end type study_t
 
    abstract interface
@@ -64,7 +63,7 @@ contains
       type(error_t), allocatable :: error
 
       call outcome%begin(study%config%file, study%config%name)
-      call study%refuse_options(options, error)
+      call refuse_options(study%config, options, error)
       outcome%word = 'checked'
       if (.not. allocated(error)) call study%check(cache, outcome, error)
       call conclude(outcome, error)
@@ -80,7 +79,7 @@ contains
       type(error_t), allocatable :: error
 
       call outcome%begin(study%config%file, study%config%name)
-      call study%refuse_options(options, error)
+      call refuse_options(study%config, options, error)
       if (.not. allocated(error)) call study%solve(cache, options, monitor, outcome, error)
       call conclude(outcome, error)
    end subroutine solve_study
@@ -99,19 +98,19 @@ contains
    pure logical function study_has_grids(self) result(has_grids)
       class(study_t), intent(in) :: self !! the study
 
-      has_grids = .false.
-      associate (unused => self)
-      end associate
+      has_grids = .not. (self%config%reduced%is_given .or. self%config%sweep%is_given())
    end function study_has_grids
 
-   !> Refuses options that the kind of study has no use for; every kind takes all of them unless it says otherwise.
-   pure subroutine study_refuse_options(self, options, error)
-      class(study_t), intent(in) :: self !! the study
-      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
-      type(error_t), allocatable, intent(out) :: error !! an option does not go with the study
+   !> Refuses what is asked for besides a deck of many cases or steps, and is there for single cases only.
+   pure subroutine refuse_options(config, options, error)
+      type(config_t), intent(in) :: config !! the deck
+      type(study_options_t), intent(in) :: options !! what is asked for
+      type(error_t), allocatable, intent(out) :: error !! an option does not go with the deck
 
-      associate (unused => self, unused_too => options)
-      end associate
-   end subroutine study_refuse_options
+      if (.not. (config%sweep%is_given() .or. config%history%is_given)) return
+      if (options%writes_reduced .or. options%wants_all_solutions) call new_error(error, input_refused, &
+         '--write-reduced and --all-solutions take single cases, found a deck with '// &
+         trim(merge('&history', '&sweep  ', config%history%is_given)))
+   end subroutine refuse_options
 
 end module amontons_study

@@ -1,34 +1,35 @@
 !> Collections as they were written, held against the files that they name.
 module amontons_collection_check
-   use amontons_agreement, only: fault_text_t
    use amontons_collection, only: case_entries, collection_head, collection_tail
    use amontons_error, only: error_t
-   use amontons_text, only: read_integer, to_text
+   use amontons_fault_list, only: fault_list_t
+   use amontons_text, only: read_integer, replaced, to_text
    use amontons_text_file, only: read_text_file
    implicit none (type, external)
    private
 
    public :: check_collection, compare_collection
 
-   !> What is said of a collection that is not in the form of the program.
-   character(*), parameter :: foreign = 'not as the program writes a collection, from byte '
-
 contains
 
    !> Checks cases.pvd of a directory, if it is there: its form, its steps, and that there are the files it names.
    subroutine check_collection(faults, directory)
-      type(fault_text_t), intent(inout) :: faults !! gains what is wrong
+      type(fault_list_t), intent(inout) :: faults !! gains what is wrong
       character(*), intent(in) :: directory !! the directory
       character(:), allocatable :: path, text, stem
+      type(error_t), allocatable :: error
       integer :: at, number, last_number
       logical :: is_there
 
       path = directory//'/cases.pvd'
       inquire (file=path, exist=is_there)
       if (.not. is_there) return
-      call open_collection(faults, path, text, at)
+      call read_text_file(path, text, error)
+      if (allocated(error)) text = ''
+      at = 1
+      if (index(text, collection_head) == 1) at = len(collection_head) + 1
       last_number = 0
-      do while (at <= len(text))
+      do while (at > 1 .and. at <= len(text))
          if (text(at:) == collection_tail) return
          call read_case(text, at, number, stem)
          if (len(stem) == 0 .or. number <= last_number) exit
@@ -37,13 +38,13 @@ contains
          at = at + len(case_entries(to_text(number), stem))
          last_number = number
       end do
-      if (allocated(text)) call faults%add(path, foreign//to_text(at)//' on')
+      call faults%add(path, 'not as the program writes a collection, from byte '//to_text(at)//' on')
 
    contains
 
       !> Checks that a file is there.
       subroutine expect_file(name)
-         character(*), intent(in) :: name !! its name
+         character(*), intent(in) :: name !! name of the file, without its directory
 
          inquire (file=directory//'/'//name, exist=is_there)
          if (.not. is_there) call faults%add(path, "it names '"//name//"', which is not there")
@@ -51,48 +52,20 @@ contains
 
    end subroutine check_collection
 
-   !> Compares a collection with the cases that it should have.
-   subroutine compare_collection(faults, path, numbers, folder)
-      type(fault_text_t), intent(inout) :: faults !! gains what is wrong
-      character(*), intent(in) :: path !! name of the file
-      integer, intent(in) :: numbers(:) !! numbers of the cases, of which their files have their names
-      character(*), intent(in) :: folder !! where these are, a slash behind it
-      character(:), allocatable :: text, entries
-      integer :: at, i
-
-      call open_collection(faults, path, text, at)
-      if (.not. allocated(text)) return
-      do i = 1, size(numbers)
-         entries = case_entries(to_text(numbers(i)), folder//to_text(numbers(i)))
-         if (index(text(at:min(len(text), at + len(entries) - 1)), entries) /= 1) then
-            call faults%add(path, 'files of case '//to_text(numbers(i))//' are missing or misplaced')
-            return
-         end if
-         at = at + len(entries)
-      end do
-      if (text(at:) /= collection_tail .or. len(text) - at + 1 /= len(collection_tail)) call faults%add(path, &
-         'unexpected text after the last of '//to_text(size(numbers))//' cases')
-   end subroutine compare_collection
-
-   !> Reads a collection and its head.
-   subroutine open_collection(faults, path, text, at)
-      type(fault_text_t), intent(inout) :: faults !! gains what is wrong
-      character(*), intent(in) :: path !! name of the file
-      character(:), allocatable, intent(out) :: text !! the collection; not allocated if it cannot be read
-      integer, intent(out) :: at !! where its first case stands
+   !> Compares a collection with the entries that it should have.
+   subroutine compare_collection(faults, path, entries)
+      type(fault_list_t), intent(inout) :: faults !! gains what is wrong
+      character(*), intent(in) :: path !! name of the collection
+      character(*), intent(in) :: entries !! the entries of its cases or steps, in their order
+      character(:), allocatable :: text
       type(error_t), allocatable :: error
+      logical :: is_same
 
-      at = len(collection_head) + 1
       call read_text_file(path, text, error)
-      if (allocated(error)) then
-         call faults%add(path, 'cannot be read')
-      else if (index(text, collection_head) /= 1) then
-         call faults%add(path, foreign//'1 on')
-      else
-         return
-      end if
-      if (allocated(text)) deallocate (text)
-   end subroutine open_collection
+      is_same = .not. allocated(error)
+      if (is_same) is_same = text == collection_head//entries//collection_tail
+      if (.not. is_same) call faults%add(path, 'it does not list the grids that it should, in their order')
+   end subroutine compare_collection
 
    !> Reads the number and the files of the next case.
    pure subroutine read_case(text, at, number, stem)
@@ -112,34 +85,10 @@ contains
       last = middle + index(text(middle + 1:), behind_stem)
       call read_integer(text(first:middle - 1), number, ok)
       if (.not. ok .or. last <= middle) return
-      stem = unescaped(text(middle + len(behind_number):last - 1))
+      stem = text(middle + len(behind_number):last - 1)
+      stem = replaced(replaced(replaced(stem, '&quot;', '"'), '&lt;', '<'), '&amp;', '&')
       entries = case_entries(to_text(number), stem)
       if (index(text(at:min(len(text), at + len(entries) - 1)), entries) /= 1) stem = ''
    end subroutine read_case
-
-   !> What the value of an XML attribute stands for, of those that the program writes.
-   pure function unescaped(value) result(text)
-      character(*), intent(in) :: value !! the value
-      character(:), allocatable :: text
-      integer :: i, length
-
-      text = ''
-      i = 1
-      do while (i <= len(value))
-         length = 1
-         if (value(i:i) == '&') length = max(1, index(value(i:), ';'))
-         select case (value(i:i + length - 1))
-         case ('&amp;')
-            text = text//'&'
-         case ('&lt;')
-            text = text//'<'
-         case ('&quot;')
-            text = text//'"'
-         case default
-            text = text//value(i:i + length - 1)
-         end select
-         i = i + length
-      end do
-   end function unescaped
 
 end module amontons_collection_check

@@ -1,7 +1,7 @@
 !> Forces and statuses of the contact points, read back and held against the contact law.
 module amontons_contact_check
-   use amontons_agreement, only: fault_text_t
    use amontons_csv_table, only: csv_table_t, read_csv_table
+   use amontons_fault_list, only: fault_list_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, status_names, stick_point
    use amontons_kinds, only: dp
    use amontons_text, only: to_text
@@ -81,7 +81,7 @@ contains
 
    !> Holds the statuses of a converged case against the contact law, point by point.
    subroutine check_statuses(faults, path, has_rows, points, friction, slip_bound, is_tangent_fixed, scales)
-      type(fault_text_t), intent(inout) :: faults !! gains what does not agree
+      type(fault_list_t), intent(inout) :: faults !! gains what does not agree
       character(*), intent(in) :: path !! name of the file
       logical, intent(in) :: has_rows !! whether it has a line for each point, behind one of names
       type(contact_state_t), intent(in) :: points !! gaps, slips, forces and statuses

@@ -1,9 +1,10 @@
 !> Text files as they were written, compared with the documents that follow from the other files: line by line, word by
 !> word, numbers up to rounding. The parts that only the run knew are passed over.
 module amontons_document_check
-   use amontons_agreement, only: agree, fault_text_t
+   use amontons_agreement, only: agree
    use amontons_document, only: document_t, part_t
    use amontons_error, only: error_t
+   use amontons_fault_list, only: fault_list_t
    use amontons_kinds, only: dp
    use amontons_text, only: line_end, newline, read_real, to_text
    use amontons_text_file, only: read_text_file
@@ -21,7 +22,7 @@ contains
 
    !> Compares a file with its document.
    subroutine compare_document(faults, stem, document)
-      type(fault_text_t), intent(inout) :: faults !! gains what does not agree
+      type(fault_list_t), intent(inout) :: faults !! gains what does not agree
       character(*), intent(in) :: stem !! directory and name of the case
       type(document_t), intent(in) :: document !! what should stand in the file
       character(:), allocatable :: stated, path
@@ -60,7 +61,7 @@ contains
 
    !> Compares the lines of a part. Where they have other words, the rest of it is passed over.
    subroutine compare_part(faults, path, stated, at, part, document, is_lost)
-      type(fault_text_t), intent(inout) :: faults !! gains what does not agree
+      type(fault_list_t), intent(inout) :: faults !! gains what does not agree
       character(*), intent(in) :: path !! name of the file
       character(*), intent(in) :: stated !! its text
       integer, intent(inout) :: at !! where the part begins in it; behind the part on return

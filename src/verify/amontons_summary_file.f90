@@ -1,6 +1,6 @@
 !> NAME.summary.json, read back: what only the run knew, and the faults of the case.
 module amontons_summary_file
-   use amontons_agreement, only: fault_text_t
+   use amontons_fault_list, only: fault_list_t
    use amontons_kinds, only: dp
    use amontons_text, only: newline, read_real
    implicit none (type, external)
@@ -12,7 +12,7 @@ module amontons_summary_file
    type :: summary_file_t
       character(:), allocatable :: path !! name of the file
       character(:), allocatable :: text !! all of its bytes
-      type(fault_text_t) :: faults !! what does not agree
+      type(fault_list_t) :: faults !! what does not agree
    contains
       procedure :: number => summary_file_number
       procedure :: value => summary_file_value

@@ -5,12 +5,12 @@
 !> the deck and the mesh, and do the tables, grids, listing and summary say the same? Checksums answer
 !> the first and find accidents; recomputation answers the second and finds wrong numbers.
 module amontons_verify
-   use amontons_agreement, only: fault_text_t
    use amontons_checksum, only: checksum_t, file_checksum
    use amontons_config, only: config_t, read_config
    use amontons_directory, only: file_name_t, list_directory
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_json, only: string
+   use amontons_fault_list, only: fault_list_t
+   use amontons_json, only: json_string
    use amontons_manifest, only: read_summary, manifest_t, manifest_file_t
    use amontons_solve_case, only: cache_t
    use amontons_summary_file, only: summary_file_t
@@ -99,7 +99,7 @@ contains
       summary%path = stem//summary_suffix
       call check_manifest(summary, directory)
       if (allocated(summary%text)) then
-         if (summary%faults%n == 0 .and. index(summary%text, '"name": '//string(name//'.deck.nml')//',') == 0) then
+         if (summary%faults%n == 0 .and. index(summary%text, '"name": '//json_string(name//'.deck.nml')//',') == 0) then
             call trust_summary(verdict, summary, 'no deck: nothing was recomputed')
          else
             call verify_contents(verdict, summary, cache, stem, name)
@@ -171,7 +171,7 @@ contains
 
    !> Compares a file with its manifest.
    subroutine check_file(faults, path, listed)
-      type(fault_text_t), intent(inout) :: faults !! gains what does not agree
+      type(fault_list_t), intent(inout) :: faults !! gains what does not agree
       character(*), intent(in) :: path !! name of the file
       type(manifest_file_t), intent(in) :: listed !! what is known of it
       type(error_t), allocatable :: error

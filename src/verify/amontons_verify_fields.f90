@@ -2,6 +2,7 @@
 !> stresses of the other the result is restored, and all that they show, and the row of the case, are computed again.
 module amontons_verify_fields
    use amontons_body, only: body_t
+   use amontons_collection, only: case_entries
    use amontons_collection_check, only: compare_collection
    use amontons_config, only: config_t
    use amontons_contact_solution, only: new_contact_solution
@@ -20,7 +21,7 @@ module amontons_verify_fields
    use amontons_sweep_model, only: new_sweep_loads, sweep_model_t
    use amontons_sweep_statistics, only: case_keys, case_quantities, case_result_t
    use amontons_sweep_table, only: append_row, sweep_header
-   use amontons_text, only: read_integer, to_text
+   use amontons_text, only: as_lines, read_integer, to_text
    use amontons_verify_case, only: check_grids, check_law, restore_displacement
    use amontons_vtk_check, only: read_array
    implicit none (type, external)
@@ -49,6 +50,7 @@ contains
       type(sweep_model_t) :: model
       type(result_t) :: result
       type(error_t), allocatable :: error
+      character(:), allocatable :: entries(:), longest
       integer :: i
 
       sweep%has_certificate = .false.
@@ -68,8 +70,24 @@ contains
          sweep%certified%certificate = result%certificate
          sweep%has_certificate = .true.
       end do
-      call compare_collection(summary%faults, stem//'.sweep.pvd', cases%number, &
-         stem(index(stem, '/', back=.true.) + 1:)//'.sweep/')
+      longest = entry_of(maxval(cases%number))
+      allocate (character(len(longest)) :: entries(size(cases)))
+      do i = 1, size(cases)
+         entries(i) = entry_of(cases(i)%number)
+      end do
+      call compare_collection(summary%faults, stem//'.sweep.pvd', as_lines(entries))
+
+   contains
+
+      !> The lines of a case in the collection, without the end of the last one.
+      pure function entry_of(number) result(lines)
+         integer, intent(in) :: number !! number of the case
+         character(:), allocatable :: lines
+
+         lines = case_entries(to_text(number), stem(index(stem, '/', back=.true.) + 1:)//'.sweep/'//to_text(number))
+         lines = lines(:len(lines) - 1)
+      end function entry_of
+
    end subroutine verify_fields
 
    !> Tells of grids that are none of this sweep, as an interrupted one of the same name may leave them.

@@ -3,7 +3,8 @@
 !> these steps; the files of the last one are restored and judged on the full model like those of a case.
 module amontons_verify_history
    use amontons_agreement, only: first_disagreement
-   use amontons_collection, only: case_entries, collection_head, collection_tail
+   use amontons_collection, only: case_entries
+   use amontons_collection_check, only: compare_collection
    use amontons_config, only: config_t
    use amontons_contact_method, only: contact_method_t
    use amontons_csv_table, only: csv_table_t, read_csv_table
@@ -12,8 +13,8 @@ module amontons_verify_history
    use amontons_history, only: is_shown
    use amontons_history_milestone, only: read_start
    use amontons_history_model, only: history_model_t, instant_t
-   use amontons_history_table, only: history_header, history_kinds, history_row, n_kinds, number_alone, point_kinds, &
-      points_header, points_rows, states_header
+   use amontons_history_table, only: cycle_kinds, cycle_row, cycles_header, history_header, history_kinds, &
+      history_row, n_kinds, number_alone, point_kinds, points_header, points_rows, states_header
    use amontons_history_walk, only: has_balance, history_walk_t, new_history_walk
    use amontons_kinds, only: dp
    use amontons_result, only: result_t
@@ -22,23 +23,28 @@ module amontons_verify_history
    use amontons_stepper, only: step_state_t, take_step
    use amontons_summary_file, only: summary_file_t
    use amontons_text, only: newline, read_reals, to_text
-   use amontons_text_file, only: read_text_file
    use amontons_verify_case, only: check_grids, verify_result
    implicit none (type, external)
    private
 
    public :: verify_history
 
+   !> A table while its rows are computed again.
+   type :: stated_table_t
+      character(:), allocatable :: path !! name of the file
+      character(:), allocatable :: header !! its first line
+      type(csv_table_t) :: csv !! its rows; none where it is not written
+      real(dp), allocatable :: scales(:) !! what each column but the last is measured by
+      integer :: n_compared = 0 !! how many rows were compared
+   end type stated_table_t
+
    !> The tables of a history while its steps are taken again.
    type :: stated_t
       character(:), allocatable :: stem !! directory and name of the case
-      type(csv_table_t) :: steps !! NAME.history.csv
-      type(csv_table_t) :: points !! NAME.points.csv
-      type(csv_table_t) :: states !! NAME.states.csv
-      integer :: n_points = 0 !! rows of the contact points that were compared
-      integer :: n_states = 0 !! rows of the states that were compared
-      real(dp), allocatable :: step_scales(:) !! what each column of the steps is measured by
-      real(dp), allocatable :: point_scales(:) !! the same of the contact points
+      type(stated_table_t) :: steps !! NAME.history.csv
+      type(stated_table_t) :: points !! NAME.points.csv
+      type(stated_table_t) :: cycles !! NAME.cycles.csv
+      type(stated_table_t) :: states !! NAME.states.csv
       character(:), allocatable :: entries !! what the collection of the grids has so far
    end type stated_t
 
@@ -70,7 +76,7 @@ contains
          return
       end if
       n_faults = summary%faults%n
-      call read_tables(summary, stated, model, cache, stem)
+      call read_tables(summary, stated, model, cache, size(result%walk%watch%noted()), stem)
       if (summary%faults%n == n_faults) call retrace(summary, stated, cache, model, method, config, result)
       if (summary%faults%n > n_faults) return
       call result%add_jumps()
@@ -79,7 +85,7 @@ contains
          call model%load_case(cache%body, state%instant, state%anchor, result%last%load_case, error)
          ! not raised: the step itself had this load case
          if (allocated(error)) return
-         result%last%slip_record = state%slip_record(cache%body)
+         result%last%slip_record = result%walk%point_record(cache%body)
       end associate
       call verify_result(summary, cache%body, config, stem, result%last, is_certified)
       is_certified = is_certified .and. result%last%is_complete
@@ -100,41 +106,48 @@ contains
    end subroutine begin
 
    !> Reads the tables, and finds what their numbers are measured by.
-   subroutine read_tables(summary, stated, model, cache, stem)
+   subroutine read_tables(summary, stated, model, cache, n_noted, stem)
       type(summary_file_t), intent(inout) :: summary !! gains the faults
       type(stated_t), intent(inout) :: stated !! gains the tables
       type(history_model_t), intent(in) :: model !! the history
       type(cache_t), intent(in) :: cache !! the body
+      integer, intent(in) :: n_noted !! how many numbers a state notes of its cycle
       character(*), intent(in) :: stem !! directory and name of the case
 
       stated%stem = stem
-      stated%entries = collection_head
-      associate (history => model%history)
-         call read_table(summary, stated%steps, stem//'.history.csv', history_header(history), &
-            size(history_kinds(history)) + 1)
-         call find_scales(stated%step_scales, stated%steps, history_kinds(history))
-         if (history%points_every > 0) then
-            call read_table(summary, stated%points, stem//'.points.csv', points_header(history), size(point_kinds) + 1)
-            call find_scales(stated%point_scales, stated%points, point_kinds)
-         end if
+      stated%entries = ''
+      associate (history => model%history, n_sets => size(cache%body%zone%pairs))
+         call read_table(summary, stated%steps, stem//'.history.csv', history_header(history, n_sets), &
+            history_kinds(history, n_sets))
+         if (history%points_every > 0) call read_table(summary, stated%points, stem//'.points.csv', &
+            points_header(history), point_kinds(history))
+         if (size(model%cycle_times) > 0) call read_table(summary, stated%cycles, stem//'.cycles.csv', &
+            cycles_header(history), cycle_kinds(history))
          if (history%states_every > 0) call read_table(summary, stated%states, stem//'.states.csv', &
-            states_header(history, cache%body%zone%n_points))
+            states_header(history, cache%body%zone%n_points, n_noted))
       end associate
    end subroutine read_tables
 
    !> Reads a table.
-   subroutine read_table(summary, table, path, header, n_columns)
+   subroutine read_table(summary, table, path, header, kinds)
       type(summary_file_t), intent(inout) :: summary !! gains the fault
-      type(csv_table_t), intent(out) :: table !! the table; without rows if it cannot be read
+      type(stated_table_t), intent(out) :: table !! the table; without rows if it cannot be read
       character(*), intent(in) :: path !! name of the file
-      character(*), intent(in) :: header !! its first line
-      integer, intent(in), optional :: n_columns !! number of its columns
+      character(*), intent(in) :: header !! its first line, with its end
+      integer, intent(in), optional :: kinds(:) !! the kind of each column but the last; of any number without them
       character(:), allocatable :: fault
 
-      call read_csv_table(table, path, header(:len(header) - 1), n_columns, fault)
+      table%path = path
+      table%header = header(:len(header) - 1)
+      if (present(kinds)) then
+         call read_csv_table(table%csv, path, table%header, size(kinds) + 1, fault)
+         call find_scales(table%scales, table%csv, kinds)
+      else
+         call read_csv_table(table%csv, path, table%header, fault=fault)
+      end if
       if (len(fault) == 0) return
       call summary%faults%add(path, fault)
-      table%n_rows = 0
+      table%csv%n_rows = 0
    end subroutine read_table
 
    !> Finds what the numbers of each column are measured by: the largest of their kind.
@@ -172,19 +185,23 @@ contains
       integer :: row, n_faults
 
       n_faults = summary%faults%n
-      do row = 1, stated%steps%n_rows
+      do row = 1, stated%steps%csv%n_rows
          call take_stated_step(summary, stated, row, cache, model, method, result)
-         if (summary%faults%n == n_faults) call compare_points(summary, stated, cache, model, result%walk)
+         if (summary%faults%n > n_faults) return
+         if (is_shown(result%walk%n_steps, model%history%points_every)) call compare_rows(summary, stated%points, &
+            points_rows(model, cache%body, result%walk), row)
+         if (summary%faults%n == n_faults .and. result%walk%watch%is_finished) call compare_rows(summary, &
+            stated%cycles, cycle_row(model%history, result%walk%watch%numbers), row)
          if (summary%faults%n == n_faults) call compare_state(summary, stated, cache, model, result%walk)
          if (summary%faults%n > n_faults) return
          if (is_shown(result%walk%n_steps, model%history%fields_every)) call compare_fields(summary, stated, row, &
-            cache, model, config, result%walk%state)
+            cache, model, config, result%walk)
       end do
-      if (stated%n_points < stated%points%n_rows) call summary%faults%add(stated%stem//'.points.csv', &
-         'there are more rows than the steps have')
-      if (stated%n_states < stated%states%n_rows) call summary%faults%add(stated%stem//'.states.csv', &
-         'there are more rows than the steps have')
-      if (model%history%fields_every > 0) call compare_collection_text(summary, stated)
+      call compare_end(summary, stated%points)
+      call compare_end(summary, stated%cycles)
+      call compare_end(summary, stated%states)
+      if (model%history%fields_every > 0) call compare_collection(summary%faults, &
+         stated%stem//'.history.pvd', stated%entries)
    end subroutine retrace
 
    !> Takes a step to the time that its row states, and compares the row.
@@ -197,30 +214,32 @@ contains
       class(contact_method_t), intent(in) :: method !! the deck's method
       type(history_result_t), intent(inout) :: result !! the way; gains the step
       type(step_state_t) :: next
-      character(:), allocatable :: fault
+      character(:), allocatable :: fault, text
       real(dp) :: numbers(3)
+      logical :: is_lost
 
       fault = ''
-      associate (steps => stated%steps, times => model%history%times)
+      associate (steps => stated%steps%csv, times => model%history%times)
          call steps%get_number(row, 2, numbers(1), fault)
          call steps%get_number(row, steps%column('residual'), numbers(2), fault)
-         call steps%get_number(row, size(stated%step_scales), numbers(3), fault)
+         call steps%get_number(row, size(stated%steps%scales), numbers(3), fault)
          if (len(fault) == 0 .and. .not. (numbers(1) >= result%walk%state%instant%time .and. &
             numbers(1) <= times(size(times)))) fault = 'the times do not ascend within the history'
       end associate
       if (len(fault) == 0 .and. .not. numbers(2) <= method%tolerance) fault = 'the residual is above the tolerance'
       if (len(fault) == 0) call solve_again(next, fault, cache, model, method, result%walk%state, numbers(1))
       if (len(fault) == 0) then
-         result%walk%state = next
-         result%walk%n_steps = result%walk%n_steps + 1
+         call result%walk%note(model, next)
          result%walk%is_jump = .not. has_balance(next, model%history)
          call result%note_step(cache%body, model%history)
          ! What the method took is its own affair.
          next%solution%residual = numbers(2)
          next%solution%n_iterations = nint(numbers(size(numbers)))
-         call compare_row(fault, stated, row, cache, model, result%walk%n_steps, next)
+         text = history_row(model, cache%body, result%walk%n_steps, next)
+         call compare_line(fault, stated%steps%csv%row(row), text(:len(text) - 1), stated%steps%header, &
+            stated%steps%scales, 0.0_dp, is_lost)
       end if
-      if (len(fault) > 0) call summary%faults%add(stated%stem//'.history.csv:'//to_text(row + 1), fault)
+      if (len(fault) > 0) call summary%faults%add(stated%steps%path//':'//to_text(row + 1), fault)
    end subroutine take_stated_step
 
    !> Solves a step again.
@@ -244,53 +263,40 @@ contains
       end if
    end subroutine solve_again
 
-   !> Compares the row of a step.
-   subroutine compare_row(fault, stated, row, cache, model, number, state)
-      character(:), allocatable, intent(inout) :: fault !! gains what does not agree
-      type(stated_t), intent(in) :: stated !! the tables
-      integer, intent(in) :: row !! the row
-      type(cache_t), intent(in) :: cache !! the body
-      type(history_model_t), intent(in) :: model !! the history
-      integer, intent(in) :: number !! number of the step
-      type(step_state_t), intent(in) :: state !! the state at the end of the step
-      character(:), allocatable :: text, header
-      logical :: is_lost
-
-      text = history_row(model, cache%body, number, state)
-      header = history_header(model%history)
-      call compare_line(fault, stated%steps%row(row), text(:len(text) - 1), header(:len(header) - 1), &
-         stated%step_scales, 0.0_dp, is_lost)
-   end subroutine compare_row
-
-   !> Compares the rows of the contact points of a step.
-   subroutine compare_points(summary, stated, cache, model, walk)
-      type(summary_file_t), intent(inout) :: summary !! gains the faults
-      type(stated_t), intent(inout) :: stated !! the tables
-      type(cache_t), intent(in) :: cache !! the body
-      type(history_model_t), intent(in) :: model !! the history
-      type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
-      character(:), allocatable :: rows, header, fault
+   !> Compares the next rows of a table with what they should be.
+   subroutine compare_rows(summary, table, rows, row)
+      type(summary_file_t), intent(inout) :: summary !! gains the fault
+      type(stated_table_t), intent(inout) :: table !! the table
+      character(*), intent(in) :: rows !! what should stand there, lines of text
+      integer, intent(in) :: row !! row of the step
+      character(:), allocatable :: fault
       integer :: first, last
       logical :: is_lost
 
-      if (.not. is_shown(walk%n_steps, model%history%points_every)) return
-      rows = points_rows(model, cache%body, walk%n_steps, walk%state)
-      header = points_header(model%history)
       first = 1
       do while (first < len(rows))
          last = first + index(rows(first:), newline) - 2
-         stated%n_points = stated%n_points + 1
-         if (stated%n_points > stated%points%n_rows) then
-            fault = 'rows of step '//to_text(walk%n_steps)//' are missing'
+         table%n_compared = table%n_compared + 1
+         if (table%n_compared > table%csv%n_rows) then
+            fault = 'rows of step '//to_text(row)//' are missing'
          else
-            call compare_line(fault, stated%points%row(stated%n_points), rows(first:last), &
-               header(:len(header) - 1), stated%point_scales, 0.0_dp, is_lost)
+            call compare_line(fault, table%csv%row(table%n_compared), rows(first:last), table%header, table%scales, &
+               0.0_dp, is_lost)
          end if
-         if (len(fault) > 0) call summary%faults%add(stated%stem//'.points.csv:'//to_text(stated%n_points + 1), fault)
+         if (len(fault) > 0) call summary%faults%add(table%path//':'//to_text(table%n_compared + 1), fault)
          if (len(fault) > 0) return
          first = last + 2
       end do
-   end subroutine compare_points
+   end subroutine compare_rows
+
+   !> Finds rows behind those that the steps have.
+   subroutine compare_end(summary, table)
+      type(summary_file_t), intent(inout) :: summary !! gains the fault
+      type(stated_table_t), intent(in) :: table !! the table, all steps compared
+
+      if (table%n_compared < table%csv%n_rows) call summary%faults%add(table%path, &
+         'there are more rows than the steps have')
+   end subroutine compare_end
 
    !> Compares a state from which a history can go on.
    subroutine compare_state(summary, stated, cache, model, walk)
@@ -305,17 +311,20 @@ contains
       logical :: is_same
 
       if (.not. is_shown(walk%n_steps, model%history%states_every)) return
-      stated%n_states = stated%n_states + 1
-      is_same = stated%n_states <= stated%states%n_rows
-      if (is_same) call read_reals(stated%states%row(stated%n_states), numbers, is_same)
+      stated%states%n_compared = stated%states%n_compared + 1
+      associate (states => stated%states)
+         is_same = states%n_compared <= states%csv%n_rows
+         if (is_same) call read_reals(states%csv%row(states%n_compared), numbers, is_same)
+      end associate
       if (is_same) then
          call new_history_walk(found, model, cache%body)
          call found%restore(model, cache%body, cache%problem, numbers, error)
          is_same = .not. allocated(error)
       end if
       if (is_same) is_same = found%n_steps == walk%n_steps
-      if (is_same) is_same = agree_all(found%state, walk%state)
-      if (.not. is_same) call summary%faults%add(stated%stem//'.states.csv:'//to_text(stated%n_states + 1), &
+      if (is_same) is_same = agree_all(found%state, walk%state) .and. first_disagreement(found%watch%noted(), &
+         walk%watch%noted()) == 0
+      if (.not. is_same) call summary%faults%add(stated%states%path//':'//to_text(stated%states%n_compared + 1), &
          'it is not the state of step '//to_text(walk%n_steps))
    end subroutine compare_state
 
@@ -338,40 +347,25 @@ contains
    end function agree_all
 
    !> Compares the grids of a step.
-   subroutine compare_fields(summary, stated, row, cache, model, config, state)
+   subroutine compare_fields(summary, stated, row, cache, model, config, walk)
       type(summary_file_t), intent(inout) :: summary !! gains the faults
       type(stated_t), intent(inout) :: stated !! the tables; gains the entries of the collection
       integer, intent(in) :: row !! row of the step
       type(cache_t), intent(in) :: cache !! the body
       type(history_model_t), intent(in) :: model !! the history
       type(config_t), intent(in) :: config !! the deck
-      type(step_state_t), intent(in) :: state !! the state at the end of the step
+      type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
       type(result_t) :: step
       type(error_t), allocatable :: error
       character(:), allocatable :: name, number
 
-      number = stated%steps%field(row, 1)
-      call new_step_result(step, cache, model, state, error)
+      number = stated%steps%csv%field(row, 1)
+      call new_step_result(step, cache, model, walk, error)
       ! not raised: the numbers of the step were finite
       if (allocated(error)) return
       call check_grids(summary%faults, config%units, cache%body, step, stated%stem//'.history/'//number)
       name = stated%stem(index(stated%stem, '/', back=.true.) + 1:)
-      stated%entries = stated%entries//case_entries(stated%steps%field(row, 2), name//'.history/'//number)
+      stated%entries = stated%entries//case_entries(stated%steps%csv%field(row, 2), name//'.history/'//number)
    end subroutine compare_fields
-
-   !> Compares the collection of the grids.
-   subroutine compare_collection_text(summary, stated)
-      type(summary_file_t), intent(inout) :: summary !! gains the fault
-      type(stated_t), intent(in) :: stated !! the tables and the entries
-      character(:), allocatable :: text
-      type(error_t), allocatable :: error
-      logical :: is_same
-
-      call read_text_file(stated%stem//'.history.pvd', text, error)
-      is_same = .not. allocated(error)
-      if (is_same) is_same = text == stated%entries//collection_tail
-      if (.not. is_same) call summary%faults%add(stated%stem//'.history.pvd', &
-         'it does not list the grids of the steps at their times')
-   end subroutine compare_collection_text
 
 end module amontons_verify_history

@@ -120,7 +120,8 @@ contains
       runs = rows%field(row, first + n_quantities + 4)
       call read_warnings(result%is_warned, rows%field(row, first + n_quantities + 3))
       associate (at_iterations => first + n_quantities + 1)
-         result%has_solution = len(runs) > 0
+         ! A body without contact points has no statuses.
+         result%has_solution = len(rows%field(row, first)) > 0
          result%outcome = findloc(outcome_names == rows%field(row, at_iterations + 1), .true., dim=1)
          call read_integer(rows%field(row, at_iterations), result%n_iterations, ok)
          if (.not. ok .or. result%outcome == 0) fault = 'line '//to_text(row + 1)//': no iterations or no outcome'

@@ -1,8 +1,9 @@
 !> A grid as it was written, compared with what should stand there: whoever hands the arrays over to a file that is
 !> written can hand them over to this one.
 module amontons_vtk_check
-   use amontons_agreement, only: contradiction, fault_text_t, first_disagreement
+   use amontons_agreement, only: contradiction, first_disagreement
    use amontons_base64, only: base64_size, decode_base64
+   use amontons_fault_list, only: fault_list_t
    use amontons_kinds, only: dp, int32, int64
    use amontons_text, only: to_text
    use amontons_vtk_file, only: bytes_per_length, vtk_file_t
@@ -23,7 +24,7 @@ module amontons_vtk_check
       integer :: unit = -1 !! the open file
       integer(int64) :: position = 1_int64 !! the byte that comes next, from 1
       logical :: is_readable = .true. !! whether what comes next is where it should be
-      type(fault_text_t), public :: faults !! what does not agree
+      type(fault_list_t), public :: faults !! what does not agree
    contains
       procedure, public :: close => vtk_check_close
       procedure, public :: put_integers => vtk_check_put_integers

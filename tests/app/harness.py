@@ -1,6 +1,6 @@
 """Runs the program in a scratch directory and reads what it leaves there.
 
-The environment variable AMONTONS names the program, AMONTONS_SLOWNESS how many times longer than the optimised one it
+The environment variable AMONTONS names the program, AMONTONS_SLOWNESS how many times longer than the optimized one it
 may take. Standard library only.
 """
 import base64

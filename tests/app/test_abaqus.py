@@ -79,7 +79,7 @@ REFUSED = [
     ("*SOLID SECTION, ELSET=eall\n", "materials", "*SOLID SECTION: expected MATERIAL= and the name of a material"),
     ("*MATERIAL\n", "materials", "expected NAME= and the name of a material"),
     ("*ELASTIC\n1., 2.\n", "materials", "*elastic before any *MATERIAL"),
-    ("*MATERIAL, NAME=m\n*ELASTIC\n1.\n", "materials", "*elastic: expected 2 number(s)"),
+    ("*MATERIAL, NAME=m\n*ELASTIC\n1.\n", "materials", "*elastic: expected 2 numbers"),
     ("*MATERIAL, NAME=m\n*ELASTIC\n1., soft\n", "materials", "expected a number, found 'soft'"),
     ("*MATERIAL, NAME=m\n*ELASTIC\n1., .2, 0.\n2., .2, 10.\n", "materials",
      "*elastic that depends on the temperature cannot be used"),
@@ -163,10 +163,19 @@ class Abaqus(ProgramTest):
                            + "&contact set = 'bottom'  friction = 0.2 /\n", "plain")
         # The same mesh, its nodes in another order.
         self.assert_close(used["contact_pressure"], plain["contact_pressure"], 1e-11)
-        self.write("table.csv", "".join(f"{node}, 1.0\n" for node in range(1, 7)))
-        run = self.run_program("--check", self.write("deck.nml", ALL.replace(" /", "  refine = 1 /") + CONTACT
-                                                     + "&load temperature_table = 'table.csv' /\n"), status=1)
-        self.assertIn("table.csv: no temperature of the nodes that refine adds", run.stderr)
+
+    def test_temperatures_of_nodes_hold_on_a_refined_mesh(self):
+        self.write_mesh(MATERIAL, SUPPORTS.replace("4, 1\n", ""))
+        self.write("table.csv", "".join(f"{1 + i}, {3.0 + 2.0*(i % 3) - i//3}\n" for i in range(6)))
+        deck = ALL.replace(" /", "  refine = 2 /") + CONTACT + "&load set = 'top'  pressure = 9.0 /\n&load "
+        table = self.solve(deck + "temperature_table = 'table.csv' /\n", "table")
+        slope = self.solve(deck + "temperature = 3.0  temperature_slope = 2.0, -1.0 /\n", "slope")
+        # A linear field is what its values at the corners make of it.
+        self.assert_close(table["contact_pressure"], slope["contact_pressure"], 1e-11)
+        self.write("table.csv", "1, 1.0\n3, 1.0\n")
+        run = self.run_program("--check", self.write("deck.nml", deck + "temperature_table = 'table.csv' /\n"),
+                               status=1)
+        self.assertIn("table.csv: no temperature of node 2", run.stderr)
 
     def test_loads_can_be_swept(self):
         self.write_mesh(MATERIAL, SUPPORTS, LOADS)

@@ -250,6 +250,16 @@ class StandardOutput(ProgramTest):
 class NotConverged(ProgramTest):
     """Status 4: the files are written and say so."""
 
+    def test_tolerance_below_rounding_is_named(self):
+        # No sum of ten thousand rounded products vanishes to the last bit at all of 18 points.
+        run = self.run_program(self.write("strict.nml", block(
+            "load set = 'top'  pressure = 1.1", "load set = 'left'  traction = 0.37, 0.0",
+            "contact set = 'bottom'  friction = 0.31  obstacle = 'circle'  point = 2.0, 0.0  normal = 0.0, 1.0"
+            "  radius = 77.0", "solver tolerance = 1e-18", mesh="size = 4.0, 2.0  cells = 17, 9",
+            material="young = 97.3  poisson = 0.29")), status=4)
+        self.assertRegex(run.stderr, r"^strict\.nml: not converged: residual \S+, tolerance 1\.0e-18, which is below "
+                                     r"rounding \(about 1\.0e-14\)\n$")
+
     def test_files_are_written_and_marked(self):
         run = self.run_program(self.write("slow.nml", SLOW), status=4)
         self.assertRegex(run.stderr, r"^slow\.nml: not converged: residual [\d.]+, tolerance 1\.0e-10\n$")

@@ -223,11 +223,10 @@ class ForgedFields(Verification):
                                      "the sum of its tangential forces is .* follows|equilibrium")
 
     def test_collection(self):
-        for change, expected in ((lambda content: content.replace(b'"9"', b'"8"'), "files of case 9 are missing or "
-                                  "misplaced"),
-                                 (lambda content: content.replace(b"  </Coll", b"\n  </Coll"), "after the last of 3"),
-                                 (lambda content: content[:40], "from byte 1 on")):
-            self.assert_forgery_is_found("case_0.sweep.pvd", change, f"results/case_0.sweep.pvd: .*{expected}")
+        for change in (lambda content: content.replace(b'"9"', b'"8"'), lambda content: content[:40],
+                       lambda content: content.replace(b"  </Coll", b"\n  </Coll")):
+            self.assert_forgery_is_found("case_0.sweep.pvd", change, "results/case_0.sweep.pvd: it does not list the "
+                                         "grids that it should, in their order")
 
     def test_grids_that_belong_to_no_case(self):
         (self.results/"case_0.sweep/2.vtu").write_bytes((self.results/"case_0.sweep/1.vtu").read_bytes())

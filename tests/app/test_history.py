@@ -257,7 +257,7 @@ class History(Verification):
                 (started.replace("cells = 32", "cells = 16"),
                  "bar.states.csv: this state cannot be the start: it is of 33 contact points, the body has 17"),
                 (started.replace("start = 'bar.states.csv'", "start = 'bar.states.csv'  start_step = 2"),
-                 "bar.states.csv: expected the state of step 2, as NAME.states.csv has it"),
+                 "bar.states.csv: it has no state of step 2, only of 1, 21\n"),
                 (started.replace("times = 0.0", "times = 0.5").replace("'bar.states.csv'",
                                                                        "'bar.states.csv'  start_step = 1"),
                  "bar.states.csv: this state cannot be the start: it is of the time 0.0, the times are from 0.5 to "
@@ -267,6 +267,44 @@ class History(Verification):
                 (started.replace("bar.states.csv", "nothing.csv"), "nothing.csv: cannot read this file: No such")):
             run = self.walk(text, status=1)
             self.assertIn(message, run.stderr)
+
+    def test_missing_start_names_the_first_and_the_last_of_many_states(self):
+        self.walk(BAR + "&output states_every = 1 /\n")
+        shutil.copy(self.directory / "out" / "bar.states.csv", self.directory)
+        run = self.walk(BAR.replace("&history", "&history start = 'bar.states.csv'  start_step = 22"), status=1)
+        self.assertIn("it has no state of step 22, only of 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, ..., 21\n", run.stderr)
+
+    def test_temporary_grids_of_a_killed_run_are_removed(self):
+        folder = self.directory / "out" / "bar.history"
+        folder.mkdir(parents=True)
+        left = ("7.vtu.0a1b2c3d.tmp", "7.contact.vtu.ffffffff.tmp")
+        others = ("7.vtu.0a1b2c3.tmp", "x.vtu.0a1b2c3d.tmp", "7.csv.0a1b2c3d.tmp", "note.tmp")
+        for name in left + others:
+            (folder / name).touch()
+        self.walk(BAR + "&output fields_every = 20 /\n")
+        grids = [f"{step}.{kind}" for step in (1, 21) for kind in ("vtu", "contact.vtu")]
+        self.assertEqual(self.grids(), sorted([*grids, *others]))
+
+    def test_several_contact_sets_have_columns_of_their_own(self):
+        text = (BAR.replace("&contact set", "&contact set = 'left'  friction = 0.2  obstacle = 'plane'"
+                            "  point = -1.0, 0.0  normal = 1.0, 0.0 /\n&contact set"))
+        self.walk(text + "&output probe = 40.0, 0.0 /\n")
+        self.assertEqual(self.run_program("--verify", "out").stdout, "bar: verified\n")
+        contact = self.table("bar.contact.csv")
+        last = self.table("bar.history.csv")[-1]
+        # Points of the left side come first; the bottom has the corner no more.
+        for number, points in (("1", contact[:11]), ("2", contact[11:])):
+            for column in ("normal_force", "tangential_force"):
+                # The same numbers, summed in another way.
+                self.assertAlmostEqual(float(last[f"{column}_{number}"]), sum(float(point[column]) for point in points),
+                                       delta=1e-9)
+            length = sum(float(last[f"{kind}_length_{number}"]) for kind in ("open", "slip", "stick"))
+            self.assertAlmostEqual(length, {"1": 40.0, "2": 38.75}[number], delta=1e-9)
+        for column in ("open_length", "slip_length", "stick_length", "normal_force", "tangential_force"):
+            self.assertAlmostEqual(float(last[column]), float(last[f"{column}_1"]) + float(last[f"{column}_2"]),
+                                   delta=1e-9)
+        self.assertGreater(float(last["open_length_1"]), 0.0)
+        self.assertIn("ux_1", last)
 
     def contents_of_results(self):
         """The files in the folder of the results, if there is one."""
@@ -287,7 +325,7 @@ class History(Verification):
                 ("bar.history.csv", "dissipation", r"out/bar\.history\.csv:4: dissipation is .* follows from the"),
                 ("bar.points.csv", "slip", r"out/bar\.points\.csv:4: slip is .* follows from the other"),
                 ("bar.states.csv", "anchor_9", r"out/bar\.states\.csv:4: it is not the state of step 13"),
-                ("bar.history.pvd", None, "it does not list the grids of the steps at their times")):
+                ("bar.history.pvd", None, "it does not list the grids that it should, in their order")):
             path = self.directory / "out" / name
             sound = path.read_text(encoding="utf-8")
             lines = sound.splitlines(keepends=True)

@@ -68,7 +68,7 @@ class Decks(HostileTest):
 
     def test_million_faults(self):
         # Every unknown key is held against the known ones: a million takes 5 s, in a build with checks far more.
-        for text in ("&lod set = 'top' /\n"*MANY, "&mesh\n" + "colour = 3\n"*(MANY//10) + "/\n",
+        for text in ("&lod set = 'top' /\n"*MANY, "&mesh\n" + "color = 3\n"*(MANY//10) + "/\n",
                      "&mesh\n" + "cells = 3\n"*(MANY//10), "&load\n pressure = x\n/\n"*MANY):
             found = self.refuse("deck.nml", text)
             self.assertIn(" more faults follow\n", found)

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Two deformable bodies in one deck, as a user meets them: their meshes, tables and grids, sweeps, histories."""
 import csv
+import json
 import shutil
 import unittest
 from pathlib import Path
@@ -94,6 +95,60 @@ class Pairs(ProgramTest):
             + "&tie set = 'a.bottom' to = 'b.top' /\n&contact set = 'b.right'  point = 5.1, 0.0  normal = -1.0, 0.0 /\n"
         self.solve(deck)
         self.assertIn("a.bottom/b.top (slave/master)", (self.directory / "case.lst").read_text(encoding="utf-8"))
+        self.run_program("--verify", ".")
+
+    def test_uniform_stress_of_two_bodies_has_no_error(self):
+        # Of columns that their tops press alike: what one body bears is not known to be free.
+        deck = ("&mesh name = 'a'  size = 2.0, 1.0  cells = 5, 3  element = '{0}'  origin = 0.0, 1.0 /\n"
+                "&mesh name = 'b'  size = 2.0, 1.0  cells = 4, 3  element = '{1}' /\n"
+                "&material young = 100.0  poisson = 0.0  hypothesis = '{2}' /\n"
+                "&support set = 'b.bottom'  uy = 0.0 /\n&support set = 'a.left'  ux = 0.0 /\n"
+                "&support set = 'b.left'  ux = 0.0 /\n&load set = 'a.top'  pressure = 1.0 /\n")
+        for joint in ("&contact set = 'a.bottom'  against = 'b.top' /\n", "&tie set = 'a.bottom'  to = 'b.top' /\n"):
+            for hypothesis in ("plane strain", "axisymmetric"):
+                for kinds in (("quad4", "tri6"), ("tri6", "quad4"), ("quad8", "tri3")):
+                    deck_text = deck.format(*kinds, hypothesis) + joint
+                    self.solve(deck_text)
+                    summary = json.loads((self.directory / "case.summary.json").read_text(encoding="utf-8"))
+                    # Rounding of stresses of size 1 in a few dozen elements.
+                    self.assertLess(summary["accuracy"]["relative_error"], 1e-12, msg=deck_text)
+
+    def test_bodies_that_only_move_apart_are_certified(self):
+        # The upper body leaves an overlap behind; the lower one is at rest, its displacements are rounding errors.
+        self.solve(BODIES.replace("pressure = 1.0  traction = 0.3, 0.0", "pressure = 0.0")
+                   + CONTACT.replace(" /", "  extra_gap = -0.001 /"))
+        summary = json.loads((self.directory / "case.summary.json").read_text(encoding="utf-8"))
+        self.assertTrue(summary["certificate"]["passed"])
+        self.run_program("--verify", ".")
+
+    def test_tributary_lengths_of_a_body_of_revolution(self):
+        # Half a side at the ends, whatever the radius; the forces are those of the rings.
+        self.solve("&mesh name = 'a'  size = 2.0, 1.0  cells = 4, 2  origin = 0.0, 1.0 /\n"
+                   "&mesh name = 'b'  size = 2.0, 1.0  cells = 3, 2 /\n"
+                   "&material young = 100.0  poisson = 0.0  hypothesis = 'axisymmetric' /\n"
+                   "&support set = 'b.bottom'  uy = 0.0 /\n&load set = 'a.top'  pressure = 1.0 /\n"
+                   "&contact set = 'a.bottom'  against = 'b.top' /\n")
+        rows = self.rows()
+        for row, length in zip(rows, (0.25, 0.5, 0.5, 0.5, 0.25)):
+            self.assertAlmostEqual(float(row["weight"]), length, delta=1e-12)
+            self.assertAlmostEqual(float(row["contact_pressure"]), 1.0, delta=1e-9)
+
+    def test_sweep_of_bonded_bodies(self):
+        # Without a contact point there are no statuses and no residuals, but rows and fields.
+        for name, fields in (("rows", ""), ("fields", "  fields_every = 2")):
+            self.run_program("--output", name, self.write(
+                "case.nml", BODIES + "&tie set = 'a.bottom'  to = 'b.top' /\n"
+                "&sweep load = 'push'  factor = 0.5, 1.0, 2.0 /\n"
+                f"&output key_results = 'all'{fields} /\n"))
+            self.run_program("--verify", name)
+
+    def test_sticking_sweep_slips_by_nothing(self):
+        # What the grid leaves of the displacements of points at rest is no slip.
+        self.run_program("--quiet", self.write(
+            "case.nml", BODIES + CONTACT.replace("0.2", "5.0")
+            + "&sweep load = 'push'  factor = 1.0, 2.0 /\n&output fields_every = 1 /\n"))
+        with open(self.directory / "case.sweep.csv", newline="", encoding="utf-8") as table:
+            self.assertEqual({float(row["max_slip"]) for row in csv.DictReader(table)}, {0.0})
         self.run_program("--verify", ".")
 
     def test_sweep_with_fields(self):

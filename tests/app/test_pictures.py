@@ -123,7 +123,7 @@ class Pictures(ProgramTest):
         self.assertNotIn("http", page, "the page needs no network")
 
     def test_sweeps_with_cases_that_are_not_solved(self):
-        swept = (SUPPORT, "load name = 'press'  set = 'top'  pressure = 1.0", CONTACT)
+        swept = (SUPPORT, "load name = 'press'  set = 'top'  pressure = 0.2", CONTACT)
         for name, groups in {"off": ("sweep load = 'press'  factor = 1.0, -1.0, 2.0", "output fields_every = 1"),
                              "map": ("sweep load = 'press'  factor = 1.0, -1.0, 2.0", "sweep friction = 0.1, 0.3"),
                              "none": ("sweep load = 'press'  factor = -1.0, -2.0", )}.items():
@@ -133,9 +133,9 @@ class Pictures(ProgramTest):
         self.script("report", "swept")
         page = (self.directory / "swept" / "report.html").read_text(encoding="utf-8")
         verdicts = re.findall(r'<p class="verdict (\w+)"><b>\w+</b><span>(.*)</span></p>', page)
-        self.assertEqual([color for color, _ in verdicts], ["amber", "red", "amber"])
-        self.assertIn("Of 6 cases, 2 have no equilibrium", verdicts[0][1])
-        self.assertIn("No case is solved", verdicts[1][1])
+        self.assertEqual([color for color, _ in verdicts], ["amber"]*3)
+        self.assertIn("no case has an equilibrium", verdicts[0][1])
+        self.assertIn("Of 6 cases, 2 have no equilibrium", verdicts[1][1])
         self.assertIn('href="off.sweep.pvd"', page)
 
     def test_warnings_are_amber(self):

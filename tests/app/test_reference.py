@@ -29,7 +29,9 @@ COMPANIONS = {
     **{("tie", key): {"set": "'bottom'", "to": "'below.top'"} for key in ("set", "to", "search")},
     ("problem", "friction"): {"kind": "'reduced'", "file": "'none.dat'"},
     **{("history", key): {"times": "0.0, 1.0"}
-       for key in ("times", "name", "substeps", "step_tolerance", "min_step")},
+       for key in ("times", "name", "substeps", "step_tolerance", "min_step", "cycles")},
+    ("history", "period"): {"times": "0.0, 1.0", "cycles": "0.0"},
+    ("history", "cycle_tolerance"): {"times": "0.0, 1.0", "cycles": "0.0, 1.0"},
     ("history", "start"): {"times": "0.0, 1.0"},
     ("history", "start_step"): {"times": "0.0, 1.0", "start": "'none.csv'"},
     **{("steps", key): {"load": "'push'", "factor": "1.0"} for key in ("load", "factor")},
@@ -50,6 +52,7 @@ BESIDES = {
     ("output", "points_every"): HISTORY,
     ("output", "states_every"): HISTORY,
     ("output", "probe"): HISTORY,
+    ("output", "fretting"): HISTORY,
     **{("steps", key): HISTORY for key in ("load", "factor", "obstacle", "shift_x", "shift_y", "turn", "pivot",
                                           "friction_factor")},
 }

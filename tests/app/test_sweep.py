@@ -167,7 +167,8 @@ class Files(SweepTest):
         self.write("sweep.nml", map_of_states(3))
         run = self.run_program("--output", "results", "sweep.nml")
         self.assertRegex(run.stdout, r"^sweep: 600 cases, all solved, residual at most \S+\n"
-                         r"sweep: warning: 55 of 600 cases, case 201 the first: the largest pressure .*\n$")
+                         r"sweep: warning: 55 of 600 cases, case 201 the first: the largest pressure .*\n"
+                         r"sweep: warning: 423 of 600 cases, case 1 the first: contact pressure above 2 % of .*\n$")
         self.assertEqual(run.stderr, "")
         self.assertEqual(sorted(self.contents("results")),
                          [f"sweep.{name}" for name in ("deck.nml", "lst", "summary.json", "sweep.csv")])
@@ -229,7 +230,7 @@ class Files(SweepTest):
         self.assertRegex(run.stdout, ", 9 contact points, 600 cases; ")
         self.assertEqual(self.files(), ["sweep.nml"])
 
-    def test_sweep_shares_the_factorisation_of_a_single_deck(self):
+    def test_sweep_shares_the_factorization_of_a_single_deck(self):
         self.write("single.nml", block(SUPPORT, PRESSED, PUSHED, CONTACT))
         self.write("sweep.nml", map_of_states(2))
         self.run_program("--quiet", "single.nml", "sweep.nml")
@@ -276,7 +277,7 @@ class Unsolved(SweepTest):
         self.assertEqual([rows[0][name] for name in QUANTITIES + ["residual", "statuses"]], [""]*7)
         self.assertEqual(self.summary()["sweep"]["no_equilibrium"], 1)
         self.assertIs(self.summary()["converged"], True)
-        self.assertIn("No equilibrium      1 cases\n",
+        self.assertIn("No equilibrium      1 case\n",
                       (self.directory / "sweep.lst").read_text(encoding="utf-8"))
 
     def test_no_case_at_all_is_solved(self):
@@ -284,6 +285,9 @@ class Unsolved(SweepTest):
         run = self.run_program("sweep.nml")
         self.assertEqual(run.stdout, "sweep: 2 cases, 0 solved, 2 without equilibrium\n")
         self.assertNotIn("residual", self.summary())
+        self.assertEqual((self.summary()["outcome"], self.summary()["converged"]), ("no_equilibrium", False))
+        self.assertIn("no case has an equilibrium", self.summary()["message"])
+        self.run_program("--quiet", "--verify", ".")
 
     def test_certified_is_the_case_that_is_most_in_doubt(self):
         # The obstacle lets go of an overlap by a rigid motion: beside the forces of that, one of 1e-11 is rounding.

@@ -33,6 +33,15 @@ class Links(CheckerTest):
                          "1: there is no none.md", "3: doc/other.md has no heading #none",
                          "3: page.md has no heading #none", "4: there is no doc/none.md", "6: there is no doc/gone.md")
 
+    def test_names_that_the_sources_do_not_have_are_refused(self):
+        self.write("src/base/amontons_kinds.f90", "subroutine take_step()\n")
+        self.write("tests/app/test_some_thing.py", "")
+        self.write("doc/architecture.md", "`take_step(x)`, `amontons_kinds.f90`, `program_some_thing`,\n"
+                                          "`fuzz_FORMAT`, take_steps\n\n`take_steps` and `call a%leap_once`\n")
+        self.write("page.md", "`take_leaps`\n")
+        self.assert_finds("doc/architecture.md:4: the sources have no leap_once",
+                          "doc/architecture.md:4: the sources have no take_steps")
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -176,7 +176,7 @@ def serendipity(r, s):
 
 
 def biquadratic(r, s):
-    """Value and derivatives of the functions of the nine-node quadrilateral: corners, middles, centre."""
+    """Value and derivatives of the functions of the nine-node quadrilateral: corners, middles, center."""
     def line(x, node):
         return (1.0 - x*x, -2.0*x) if node == 0.0 else (0.5*x*(x + node), x + 0.5*node)
     middles = [(0.5*(a + c), 0.5*(b + d)) for (a, b), (c, d) in zip(CORNERS, (*CORNERS[1:], CORNERS[0]))]

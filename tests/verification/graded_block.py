@@ -3,14 +3,14 @@ from math import log
 
 from mapped_mesh import mapped_mesh
 
-# Each cell outside of the core is longer than the one before by this factor when the core's cells measure COARSE; when
-# they are halved, so are those outside.
+# Each cell outside of the core is longer than the one before by this factor when the core's cells measure COARSE, or
+# what is given; when they are halved, so are those outside.
 GROWTH, COARSE = 1.5, 1/8
 
 
-def stations(core, length, h):
+def stations(core, length, h, coarse=COARSE):
     """Coordinates of the cells' ends from 0 on: cells h up to the core's end, then growing ones up to the length."""
-    growth = GROWTH**(h/COARSE)
+    growth = GROWTH**(h/coarse)
     even = [core*i/round(core/h) for i in range(round(core/h) + 1)]
     number = round(log(1 + (length - core)*(growth - 1)/(h*growth))/log(growth))
     steps = [growth**k for k in range(1, number + 1)]

@@ -7,11 +7,12 @@ GMSH_SIDE = {1: 1, 2: 8}
 SIDES = ("bottom", "right", "top", "left")
 
 
-def mapped_mesh(cells, element, mapping=lambda s, t: (s, t)):
+def mapped_mesh(cells, element, mapping=lambda s, t: (s, t), n_pressed=0):
     """The text of a mesh file: cells[0] by cells[1] cells, the point (s, t) of the unit square put to mapping(s, t).
 
-    The boundary sets are bottom (t = 0), right, top and left, the region is body. Middle nodes are mapped as well, so
-    that curved sides are curved. Triangles halve the cells by turns along one diagonal and the other.
+    The boundary sets are bottom (t = 0), right, top and left, the region is body. The sides of the first n_pressed
+    cells of the top are not in that set, but in pressed. Middle nodes are mapped as well, so that curved
+    sides are curved. Triangles halve the cells by turns along one diagonal and the other.
     """
     order = 1 if element in ("tri3", "quad4") else 2
     across, up = order*cells[0], order*cells[1]
@@ -22,7 +23,7 @@ def mapped_mesh(cells, element, mapping=lambda s, t: (s, t)):
             if not is_left_out(i, j):
                 number[i, j] = len(number) + 1
     nodes = ["{} {!r} {!r} 0".format(node, *map(float, mapping(i/across, j/up))) for (i, j), node in number.items()]
-    rows = side_rows(number, order, across, up)
+    rows = side_rows(number, order, across, up, order*n_pressed)
     for j in range(0, up, order):
         for i in range(0, across, order):
             corners = [(i, j), (i + order, j), (i + order, j + order), (i, j + order)]
@@ -31,18 +32,21 @@ def mapped_mesh(cells, element, mapping=lambda s, t: (s, t)):
     elements = [" ".join(map(str, (row, kind, 2, group, group, *members)))
                 for row, (kind, group, members) in enumerate(rows, start=1)]
     names = [f'1 {group} "{name}"' for group, name in enumerate(SIDES, start=1)] + ['2 5 "body"']
+    names += ['1 6 "pressed"']*(n_pressed > 0)
     return "\n".join(["$MeshFormat", "2.2 0 8", "$EndMeshFormat",
-                      "$PhysicalNames", "5", *names, "$EndPhysicalNames",
+                      "$PhysicalNames", str(len(names)), *names, "$EndPhysicalNames",
                       "$Nodes", str(len(nodes)), *nodes, "$EndNodes",
                       "$Elements", str(len(elements)), *elements, "$EndElements", ""])
 
 
-def side_rows(number, order, across, up):
-    """The sides of the boundary: kind, group, nodes."""
+def side_rows(number, order, across, up, pressed):
+    """The sides of the boundary: kind, group, nodes; those of the top up to a place are a group of their own."""
     lines = {1: [(i, 0) for i in range(across + 1)], 2: [(across, j) for j in range(up + 1)],
              3: [(i, up) for i in range(across, -1, -1)], 4: [(0, j) for j in range(up, -1, -1)]}
-    return [(GMSH_SIDE[order], group, [number[line[k]], number[line[k + order]], *(number[line[k + 1]],)*(order - 1)])
-            for group, line in lines.items() for k in range(0, len(line) - 1, order)]
+    sides = [(3 + 3*(line[k][0] <= pressed) if group == 3 else group, [number[line[k]], number[line[k + order]],
+                                                                       *(number[line[k + 1]],)*(order - 1)])
+             for group, line in lines.items() for k in range(0, len(line) - 1, order)]
+    return [(GMSH_SIDE[order], *side) for side in sides]
 
 
 def polygons(corners, element, parity):
@@ -54,7 +58,7 @@ def polygons(corners, element, parity):
 
 
 def with_middles(polygon, element, number):
-    """The nodes of an element: corners, middles of its sides, centre."""
+    """The nodes of an element: corners, middles of its sides, center."""
     nodes = [number[corner] for corner in polygon]
     if element in ("tri6", "quad8", "quad9"):
         for (i, j), (k, l) in zip(polygon, (*polygon[1:], polygon[0])):

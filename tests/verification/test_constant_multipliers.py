@@ -169,7 +169,7 @@ def transitions(result):
 
 
 def sign_changes(values):
-    """How often neighbours have opposite signs."""
+    """How often neighbors have opposite signs."""
     return sum(a*b < 0 for a, b in zip(values, values[1:]))
 
 

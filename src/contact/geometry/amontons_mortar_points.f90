@@ -38,7 +38,7 @@ module amontons_mortar_points
    !> Integrals of the points of a pair.
    type :: mortar_points_t
       real(dp), allocatable :: area(:) !! D_p (n) [L^2]
-      real(dp), allocatable :: length(:) !! the integral of psi_p over the length (n) [L]
+      real(dp), allocatable :: length(:) !! tributary length: the integral of the averaging function (n) [L]
       real(dp), allocatable :: center(:, :) !! mean position on the slave (2, n) [L]
       real(dp), allocatable :: foot(:, :) !! mean position on the master (2, n) [L]
       real(dp), allocatable :: outward(:, :) !! mean normal of the slave, not of length 1 (2, n) [-]
@@ -275,7 +275,7 @@ contains
       type(surface_t), intent(in) :: master !! the master
       type(gauss_rule_t), intent(in) :: rule !! the quadrature
       type(surface_place_t) :: place, foot
-      real(dp) :: at, length, area, psi, hat, normal(2)
+      real(dp) :: at, area, psi, hat, normal(2)
       integer :: first_node, i, j, p, q
 
       p = piece%point(k)
@@ -291,8 +291,7 @@ contains
             normal = place%normal/norm2(place%normal)
             foot = master%place(segment%master, place_on(meet_side(master%corner(:, :, segment%master), &
                place%position, normal)))
-            length = 0.5_dp*(segment%range(2) - segment%range(1))*rule%weight(i)*norm2(place%along)
-            area = length*place%depth
+            area = 0.5_dp*(segment%range(2) - segment%range(1))*rule%weight(i)*norm2(place%along)*place%depth
             psi = dot_product(piece%psi(k, :), hats(at))
             hat = dot_product(piece%hat(k, :), hats(at))*area
             do j = 1, 3
@@ -300,7 +299,7 @@ contains
                part(1, first_node + 3 + j) = part(1, first_node + 3 + j) - psi*area*foot%values(j)
             end do
             points%area(p) = points%area(p) + psi*area
-            points%length(p) = points%length(p) + psi*length
+            points%length(p) = points%length(p) + hat/place%depth
             points%center(:, p) = points%center(:, p) + hat*place%position
             points%foot(:, p) = points%foot(:, p) + hat*foot%position
             points%outward(:, p) = points%outward(:, p) + hat*normal

@@ -10,6 +10,7 @@ module amontons_surface
    use amontons_kinds, only: dp
    use amontons_material, only: material_t, materials_t
    use amontons_mesh, only: mesh_t
+   use amontons_side, only: side_shapes
    implicit none (type, external)
    private
 
@@ -171,13 +172,7 @@ contains
       real(dp), intent(in) :: xi !! the place on it, from -1 to 1 [-]
       real(dp) :: slope(3)
 
-      if (self%side(3, side) > 0) then
-         place%values = [0.5_dp*xi*(xi - 1.0_dp), 0.5_dp*xi*(xi + 1.0_dp), 1.0_dp - xi**2]
-         slope = [xi - 0.5_dp, xi + 0.5_dp, -2.0_dp*xi]
-      else
-         place%values = [0.5_dp*(1.0_dp - xi), 0.5_dp*(1.0_dp + xi), 0.0_dp]
-         slope = [-0.5_dp, 0.5_dp, 0.0_dp]
-      end if
+      call side_shapes(self%side(3, side) > 0, xi, place%values, slope)
       place%position = matmul(self%corner(:, :, side), place%values)
       place%along = matmul(self%corner(:, :, side), slope)
       place%normal = matmul(self%normal(:, :, side), place%values)

@@ -49,6 +49,12 @@ module amontons_splitting
       procedure :: solve => splitting_solve
    end type splitting_t
 
+   !> The matrices of the printed half steps.
+   type :: printed_matrices_t
+      real(dp), allocatable :: a11_factor(:, :) !! Cholesky factor of A11, for `clip` and `printed` (m, m)
+      real(dp), allocatable :: schur(:, :) !! the paper's S, for `printed` (m, m) [L/F]
+   end type printed_matrices_t
+
    !> Where the proximal steps of a body that only contact holds are counted from.
    type :: proximal_center_t
       real(dp), allocatable :: place(:) !! the displacements (2m) [L]
@@ -66,7 +72,8 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
-      real(dp), allocatable :: force(:), displacement(:), a11_factor(:, :), schur(:, :)
+      real(dp), allocatable :: force(:), displacement(:)
+      type(printed_matrices_t) :: printed
       type(proximal_center_t) :: center
       ! An iteration that leaves more of the residual may have met the rounding errors of A.
       real(dp), parameter :: slow = 0.9_dp
@@ -83,15 +90,14 @@ contains
       center%place = solution%displacement
       allocate (displacement, source=problem%displacement(problem%dual_load(center%place), force))
       force_scale = problem%force_scale()
-      call prepare_variant(self%variant, problem, a11_factor, schur, solution%effort)
+      call new_printed_matrices(printed, self%variant, problem, solution%effort)
       call solution%effort%multiply(2.0_dp)
       previous = huge(previous)
       is_refining = .false.
 
       do iteration = 1, self%max_iterations
          solution%force = force
-         call iterate(self, problem, center%place, is_refining, a11_factor, schur, force, displacement, &
-            solution%effort)
+         call iterate(self, problem, center%place, is_refining, printed, force, displacement, solution%effort)
          ! A proximal step counts as the force that it takes.
          change = maxval(abs([force - solution%force, problem%proximal_parameter*(displacement - center%place)])) &
             /force_scale
@@ -105,137 +111,78 @@ contains
       end do
    end subroutine splitting_solve
 
-   !> Whether the paper's stop ends the iteration, which is no sign of a solution.
-   pure logical function is_stopped(self, change, residual)
-      class(splitting_t), intent(in) :: self !! the method
-      real(dp), intent(in) :: change !! largest change of a force, over the force scale [-]
-      real(dp), intent(in) :: residual !! the residual [-]
-      ! Forces that rest while the residual is this many tolerances away will not lower it any more.
-      real(dp), parameter :: far_from_solved = 1.0e3_dp
-
-      is_stopped = self%variant /= 'exact' .and. change <= self%tolerance &
-         .and. residual > far_from_solved*self%tolerance
-   end function is_stopped
-
    !> One iteration: both half steps, and the displacements of the forces that they lead to.
-   ! allow(S902): the variants' matrices come along
-   pure subroutine iterate(self, problem, center, is_refining, a11_factor, schur, force, displacement, effort)
+   pure subroutine iterate(self, problem, center, is_refining, printed, force, displacement, effort)
       class(splitting_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
       real(dp), intent(in) :: center(:) !! center of the proximal step (2m) [L]
       logical, intent(in) :: is_refining !! whether rounding errors of A are taken out
-      real(dp), allocatable, intent(in) :: a11_factor(:, :) !! Cholesky factor of A11, for `clip` and `printed` (m, m)
-      real(dp), allocatable, intent(in) :: schur(:, :) !! the paper's S, for `printed` (m, m) [L/F]
+      type(printed_matrices_t), intent(in) :: printed !! what the printed lines take besides A
       real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
       real(dp), intent(inout) :: displacement(:) !! v of these forces (2m) [L]
       type(effort_t), intent(inout) :: effort !! gains theirs
       ! Half steps a hundredth as wrong as the forces may be.
       real(dp), parameter :: half_step_part = 1.0e-2_dp
-      real(dp) :: before(size(force)), product(size(force)), accuracy
-      real(dp), allocatable :: b(:)
+      real(dp), dimension(size(force)) :: before, product
+      real(dp) :: accuracy
 
       before = force
       accuracy = half_step_part*self%tolerance*problem%force_scale(force)
       ! On an ill-conditioned A a small move down its parabolas may violate the law by a large force.
       if (is_refining) accuracy = accuracy*minval(problem%compliance%reciprocal_diagonal()/problem%augmentation())
-      allocate (b, source=displacement - problem%reference())
-      if (self%variant == 'exact') then
-         call half_steps(self, problem, b, accuracy, force, effort)
-      else
-         call half_steps_of_variant(self, problem, b, problem%dual_load(center), accuracy, a11_factor, schur, force, &
-            effort)
-      end if
+      call half_steps(self, problem, center, displacement - problem%reference(), accuracy, printed, force, effort)
       call problem%compliance%multiply(force - before, product)
       displacement = displacement - product
       call effort%multiply(1.0_dp)
       if (is_refining) call refine(problem, center, force, displacement, effort)
    end subroutine iterate
 
-   !> Makes what the readings of the paper's half steps take besides A.
-   pure subroutine prepare_variant(variant, problem, a11_factor, schur, effort)
-      character(*), intent(in) :: variant !! which reading
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), allocatable, intent(out) :: a11_factor(:, :) !! Cholesky factor of A11, for `clip` and `printed` (m, m)
-      real(dp), allocatable, intent(out) :: schur(:, :) !! the paper's S, for `printed` (m, m) [L/F]
-      type(effort_t), intent(inout) :: effort !! gains theirs
-
-      if (variant == 'exact') return
-      a11_factor = factor_of_a11(problem)
-      call effort%factorize(.true.)
-      if (variant /= 'printed') return
-      schur = printed_schur(problem, a11_factor)
-      call effort%multiply(quarter*problem%n_points)
-   end subroutine prepare_variant
-
-   !> The half steps of the exact variant: lambda_T from lambda_N, then lambda_N from lambda_T.
-   pure subroutine half_steps(self, problem, distance, accuracy, force, effort)
+   !> Both half steps, lambda_T within the bounds of lambda_N and then lambda_N: each as the paper prints it, in the
+   !> comment above, or as it is right (`minimize`).
+   pure subroutine half_steps(self, problem, center, distance, accuracy, printed, force, effort)
       class(splitting_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), intent(in) :: center(:) !! center of the proximal step (2m) [L]
       real(dp), intent(in) :: distance(:) !! B - A lambda, of the forces at the start (2m) [L]
       real(dp), intent(in) :: accuracy !! of the quadratic programs [F]
+      type(printed_matrices_t), intent(in) :: printed !! what the printed lines take besides A
       real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
       type(effort_t), intent(inout) :: effort !! gains theirs
-      real(dp) :: change(problem%n_points), coupled(problem%n_points)
-      integer :: m
-
-      m = problem%n_points
-      call tangential_step(self%box, problem, distance(m + 1:), accuracy, force, change, effort)
-      call problem%compliance%part_multiply([1, m], [m + 1, 2*m], change, coupled)
-      call effort%multiply(quarter)
-      call minimize(self%box, problem, [1, m], distance(:m) - coupled, spread(0.0_dp, 1, m), &
-         spread(huge(1.0_dp), 1, m), accuracy, force(:m), change, effort)
-   end subroutine half_steps
-
-   !> The half steps of the variants `clip` and `printed`.
-   ! allow(S902): the variants' matrices come along
-   pure subroutine half_steps_of_variant(self, problem, distance, b, accuracy, a11_factor, schur, force, effort)
-      class(splitting_t), intent(in) :: self !! the method
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(in) :: distance(:) !! B - A lambda, of the forces at the start (2m) [L]
-      real(dp), intent(in) :: b(:) !! dual load B (2m) [L]
-      real(dp), intent(in) :: accuracy !! of the quadratic program [F]
-      real(dp), intent(in) :: a11_factor(:, :) !! Cholesky factor of A11 (m, m)
-      real(dp), allocatable, intent(in) :: schur(:, :) !! the paper's S, for `printed` (m, m) [L/F]
-      real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
-      type(effort_t), intent(inout) :: effort !! gains theirs
-      real(dp) :: change(problem%n_points)
-      integer :: m
-
-      m = problem%n_points
-      ! B, and A12, with the paper's S in the place of A22.
-      call effort%multiply(1.0_dp + quarter)
-      if (self%variant == 'printed') then
-         call effort%multiply(quarter)
-         call printed_tangential_step(schur, b(m + 1:), problem%bound(force(:m)), force(m + 1:))
-      else
-         call tangential_step(self%box, problem, distance(m + 1:), accuracy, force, change, effort)
-      end if
-      call clipped_normal_step(problem, a11_factor, b(:m), force(m + 1:), force(:m))
-   end subroutine half_steps_of_variant
-
-   !> Tangential half step, within the slip bounds of the normal forces.
-   pure subroutine tangential_step(box, problem, distance, accuracy, force, change, effort)
-      character(*), intent(in) :: box !! the solver of box programs
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(in) :: distance(:) !! B2 - A21 lambda_N - A22 lambda_T (m) [L]
-      real(dp), intent(in) :: accuracy !! of the quadratic program [F]
-      real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
-      real(dp), intent(out) :: change(:) !! what lambda_T changes by (m) [F]
-      type(effort_t), intent(inout) :: effort !! gains that of the quadratic program
-      real(dp) :: bound(problem%n_points)
+      real(dp) :: b(2*problem%n_points)
+      real(dp), dimension(problem%n_points) :: bound, change, coupled
       integer :: m
 
       m = problem%n_points
       bound = problem%bound(force(:m))
-      call minimize(box, problem, [m + 1, 2*m], distance, -bound, bound, accuracy, force(m + 1:), change, effort)
-   end subroutine tangential_step
+      b = 0.0_dp
+      if (self%variant /= 'exact') then
+         b = problem%dual_load(center)
+         call effort%multiply(1.0_dp)
+      end if
+
+      ! lambda_T := (D - L)^-1 (U lambda_T + B2) such that |lambda_T| <= phi lambda_N
+      if (self%variant == 'printed') then
+         call printed_tangential_step(printed%schur, b(m + 1:), bound, force(m + 1:))
+         call effort%multiply(quarter)
+      else
+         call minimize(self%box, problem, [m + 1, 2*m], distance(m + 1:), -bound, bound, accuracy, force(m + 1:), &
+            change, effort)
+      end if
+
+      ! lambda_N := A11^-1 (B1 - A12 lambda_T) such that lambda_N >= 0
+      if (self%variant /= 'exact') then
+         call clipped_normal_step(problem, printed%a11_factor, b(:m), force(m + 1:), force(:m))
+      else
+         call problem%compliance%part_multiply([1, m], [m + 1, 2*m], change, coupled)
+         call minimize(self%box, problem, [1, m], distance(:m) - coupled, spread(0.0_dp, 1, m), &
+            spread(huge(1.0_dp), 1, m), accuracy, force(:m), change, effort)
+      end if
+      call effort%multiply(quarter)
+   end subroutine half_steps
 
    !> A half step, (2.3) for the forces of one direction alone: min 1/2 l.A l - l.(B - A' l') between bounds, l' the
    !> other forces. It is solved for the change of the forces: its linear term is then the distance, small at last, and
    !> loses no digits as that of the forces does, the difference of large displacements.
-   !>
-   !> For lambda_T the paper prints lambda_T := (D - L)^-1 (U lambda_T + B2) such that |lambda_T| <= phi lambda_N, for
-   !> lambda_N it prints lambda_N := A11^-1 (B1 - A12 lambda_T) such that lambda_N >= 0 (erratum 7).
    ! allow(S902): a program alone has six parts
    pure subroutine minimize(box, problem, rows, distance, lower, upper, accuracy, force, change, effort)
       character(*), intent(in) :: box !! the solver of box programs
@@ -254,6 +201,105 @@ contains
          effort)
       force = min(max(force + change, lower), upper)
    end subroutine minimize
+
+   !> Tangential half step as printed: (D - L)^-1 (U lambda_T + B2), then cut at the slip bound. That is one sweep of
+   !> Gauss-Seidel on S lambda_T = B2. Where nothing slides and nothing separates, -S lambda_T = B2 - A21 A11^-1 B1 is
+   !> right: the matrix has the wrong sign, and the right-hand side lacks a term (erratum 7).
+   pure subroutine printed_tangential_step(schur, b2, bound, tangential)
+      real(dp), intent(in) :: schur(:, :) !! the paper's S = D - L - U (m, m) [L/F]
+      real(dp), intent(in) :: b2(:) !! B2 (m) [L]
+      real(dp), intent(in) :: bound(:) !! slip bound phi lambda_N (m) [F]
+      real(dp), intent(inout) :: tangential(:) !! lambda_T (m) [F]
+      integer :: i
+
+      do i = 1, size(b2)
+         tangential(i) = tangential(i) + (b2(i) - dot_product(schur(:, i), tangential))/schur(i, i)
+      end do
+      tangential = bounded(tangential, bound)
+   end subroutine printed_tangential_step
+
+   !> Normal half step as printed: A11^-1 (B1 - A12 lambda_T), solved without the bound, then cut at zero. Right where
+   !> nothing is cut.
+   pure subroutine clipped_normal_step(problem, a11_factor, b1, tangential, normal)
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), intent(in) :: a11_factor(:, :) !! Cholesky factor of A11 (m, m)
+      real(dp), intent(in) :: b1(:) !! B1 (m) [L]
+      real(dp), intent(in) :: tangential(:) !! lambda_T (m) [F]
+      real(dp), intent(out) :: normal(:) !! lambda_N (m) [F]
+      integer :: m
+
+      m = problem%n_points
+      call problem%compliance%part_multiply([1, m], [m + 1, 2*m], tangential, normal)
+      normal = b1 - normal
+      call cholesky_solve(a11_factor, normal)
+      normal = max(0.0_dp, normal)
+   end subroutine clipped_normal_step
+
+   !> Whether the paper's stop ends the iteration, which is no sign of a solution.
+   pure logical function is_stopped(self, change, residual)
+      class(splitting_t), intent(in) :: self !! the method
+      real(dp), intent(in) :: change !! largest change of a force, over the force scale [-]
+      real(dp), intent(in) :: residual !! the residual [-]
+      ! Forces that rest while the residual is this many tolerances away will not lower it any more.
+      real(dp), parameter :: far_from_solved = 1.0e3_dp
+
+      is_stopped = self%variant /= 'exact' .and. change <= self%tolerance &
+         .and. residual > far_from_solved*self%tolerance
+   end function is_stopped
+
+   !> Makes what the printed half steps take besides A.
+   pure subroutine new_printed_matrices(printed, variant, problem, effort)
+      type(printed_matrices_t), intent(out) :: printed !! the matrices
+      character(*), intent(in) :: variant !! which reading
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      type(effort_t), intent(inout) :: effort !! gains theirs
+
+      if (variant == 'exact') return
+      printed%a11_factor = factor_of_a11(problem)
+      call effort%factorize(.true.)
+      if (variant /= 'printed') return
+      printed%schur = printed_schur(problem, printed%a11_factor)
+      call effort%multiply(quarter*problem%n_points)
+   end subroutine new_printed_matrices
+
+   !> The Cholesky factor of A11 (m, m).
+   pure function factor_of_a11(problem) result(factor)
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), allocatable :: factor(:, :)
+      logical :: is_soft
+      integer :: m
+
+      m = problem%n_points
+      factor = part(problem, [1, m], [1, m])
+      associate (rho => problem%compliance%reciprocal_diagonal())
+         call cholesky_factor_softly(factor, 1.0_dp/rho(:m), is_soft)
+      end associate
+   end function factor_of_a11
+
+   !> The paper's S = A21 A11^-1 A12 - A22, minus the Schur complement that it is called (m, m) [L/F].
+   pure function printed_schur(problem, a11_factor) result(schur)
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), intent(in) :: a11_factor(:, :) !! Cholesky factor of A11 (m, m)
+      real(dp), allocatable :: schur(:, :)
+      real(dp), allocatable :: columns(:, :)
+      integer :: m
+
+      m = problem%n_points
+      columns = part(problem, [1, m], [m + 1, 2*m])
+      call cholesky_solve(a11_factor, columns)
+      schur = matmul(part(problem, [m + 1, 2*m], [1, m]), columns) - part(problem, [m + 1, 2*m], [m + 1, 2*m])
+   end function printed_schur
+
+   !> A part of A as a full array.
+   pure function part(problem, rows, columns)
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      integer, intent(in) :: rows(2) !! first and last row of the part
+      integer, intent(in) :: columns(2) !! its first and last column
+      real(dp), allocatable :: part(:, :)
+      integer :: i
+
+      part = problem%compliance%block([(i, i=rows(1), rows(2))], [(i, i=columns(1), columns(2))])
+   end function part
 
    !> Takes the rounding errors of A out of displacements, by one step of refinement with S.
    pure subroutine refine(problem, center, force, displacement, effort)
@@ -299,77 +345,5 @@ contains
       displacement = displacement + product
       call effort%multiply(1.0_dp)
    end subroutine proximal_center_move
-
-   !> Normal half step as printed: A11^-1 (B1 - A12 lambda_T), solved without the bound, then cut at zero. Right where
-   !> nothing is cut.
-   pure subroutine clipped_normal_step(problem, a11_factor, b1, tangential, normal)
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(in) :: a11_factor(:, :) !! Cholesky factor of A11 (m, m)
-      real(dp), intent(in) :: b1(:) !! B1 (m) [L]
-      real(dp), intent(in) :: tangential(:) !! lambda_T (m) [F]
-      real(dp), intent(out) :: normal(:) !! lambda_N (m) [F]
-      integer :: m
-
-      m = problem%n_points
-      call problem%compliance%part_multiply([1, m], [m + 1, 2*m], tangential, normal)
-      normal = b1 - normal
-      call cholesky_solve(a11_factor, normal)
-      normal = max(0.0_dp, normal)
-   end subroutine clipped_normal_step
-
-   !> Tangential half step as printed: (D - L)^-1 (U lambda_T + B2), then cut at the slip bound. That is one sweep of
-   !> Gauss-Seidel on S lambda_T = B2. Where nothing slides and nothing separates, -S lambda_T = B2 - A21 A11^-1 B1 is
-   !> right: the matrix has the wrong sign, and the right-hand side lacks a term (erratum 7).
-   pure subroutine printed_tangential_step(schur, b2, bound, tangential)
-      real(dp), intent(in) :: schur(:, :) !! the paper's S = D - L - U (m, m) [L/F]
-      real(dp), intent(in) :: b2(:) !! B2 (m) [L]
-      real(dp), intent(in) :: bound(:) !! slip bound phi lambda_N (m) [F]
-      real(dp), intent(inout) :: tangential(:) !! lambda_T (m) [F]
-      integer :: i
-
-      do i = 1, size(b2)
-         tangential(i) = tangential(i) + (b2(i) - dot_product(schur(:, i), tangential))/schur(i, i)
-      end do
-      tangential = bounded(tangential, bound)
-   end subroutine printed_tangential_step
-
-   !> The Cholesky factor of A11 (m, m).
-   pure function factor_of_a11(problem) result(factor)
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), allocatable :: factor(:, :)
-      logical :: is_soft
-      integer :: m
-
-      m = problem%n_points
-      factor = part(problem, [1, m], [1, m])
-      associate (rho => problem%compliance%reciprocal_diagonal())
-         call cholesky_factor_softly(factor, 1.0_dp/rho(:m), is_soft)
-      end associate
-   end function factor_of_a11
-
-   !> The paper's S = A21 A11^-1 A12 - A22, minus the Schur complement that it is called (m, m) [L/F].
-   pure function printed_schur(problem, a11_factor) result(schur)
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(in) :: a11_factor(:, :) !! Cholesky factor of A11 (m, m)
-      real(dp), allocatable :: schur(:, :)
-      real(dp), allocatable :: columns(:, :)
-      integer :: m
-
-      m = problem%n_points
-      columns = part(problem, [1, m], [m + 1, 2*m])
-      call cholesky_solve(a11_factor, columns)
-      schur = matmul(part(problem, [m + 1, 2*m], [1, m]), columns) - part(problem, [m + 1, 2*m], [m + 1, 2*m])
-   end function printed_schur
-
-   !> A part of A as a full array.
-   pure function part(problem, rows, columns)
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      integer, intent(in) :: rows(2) !! first and last row of the part
-      integer, intent(in) :: columns(2) !! its first and last column
-      real(dp), allocatable :: part(:, :)
-      integer :: i
-
-      part = problem%compliance%block([(i, i=rows(1), rows(2))], [(i, i=columns(1), columns(2))])
-   end function part
 
 end module amontons_splitting

@@ -24,7 +24,7 @@ module amontons_body
    use amontons_pair_check, only: recompute_pairs
    use amontons_pair_substitution, only: new_pair_substitution
    use amontons_pairing, only: tie_t
-   use amontons_rigid_modes, only: check_common_motion
+   use amontons_rigid_modes, only: check_common_motion, find_rigid_modes
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_substitution, only: substitution_t
@@ -49,6 +49,8 @@ module amontons_body
       type(coloring_t) :: coloring !! colors of the elements
       type(constraints_t) :: constraints !! the supports
       type(rigid_motions_t), allocatable :: motions(:) !! the rigid motions of each piece that the supports leave free
+      real(dp), allocatable :: rigid_modes(:, :)
+         !! displacements (u_N; u_T) of the contact points under each of these (2m, motions) [-]
       type(contact_zone_t) :: zone !! the contact points
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
       type(mortar_pair_t), allocatable :: ties(:) !! the surfaces that are bonded
@@ -106,6 +108,7 @@ contains
          bonds(body%ties))
       call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error, is_bonded)
       if (allocated(error)) return
+      call find_rigid_modes(body%rigid_modes, body%zone, body%motions, mesh%coordinates)
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
       call new_pair_substitution(substitution, body%ties, body%zone%pairs, body%constraints, mesh%coordinates, error)
       if (allocated(error)) return
@@ -198,9 +201,8 @@ contains
       end if
    end subroutine condense_body
 
-   !> Whether a body is spread over the ranks of the run. A small one is quicker on one rank, a band matrix and unknowns
-   !> that stand for those of other bodies stay there, and without unknowns besides those of the contact points there is
-   !> nothing to spread.
+   !> Whether a body is spread over the ranks of the run. A small one is quicker on one rank, a band matrix stays there,
+   !> and without unknowns besides those of the contact points there is nothing to spread.
    pure logical function is_distributed(body, options)
       type(body_t), intent(in) :: body !! the body
       type(condensation_options_t), intent(in) :: options !! how to condense
@@ -208,7 +210,7 @@ contains
       integer, parameter :: least_unknowns = 10000
 
       associate (n => body%dof_map%n_dofs)
-         is_distributed = body%dof_map%n_trailing < n .and. .not. allocated(body%dof_map%substitution%start) .and. &
+         is_distributed = body%dof_map%n_schur < n .and. &
             (options%factorization == 'distributed' .or. &
             (options%factorization == 'auto' .and. n_ranks > 1 .and. n > least_unknowns .and. &
             .not. may_suit_band(n, options%form, body%zone)))
@@ -260,7 +262,7 @@ contains
             return
          end associate
       end do
-      if (any(body%zone%pairs%is_set())) call check_common_motion(body%zone, body%motions, body%mesh%coordinates, error)
+      if (any(body%zone%pairs%is_set())) call check_common_motion(body%motions, body%rigid_modes, error)
    end subroutine check_held
 
    !> Says of a stiffness that the factorization refused where it is singular, how ill-conditioned it must be and why.
@@ -312,7 +314,7 @@ contains
             estimate%n_rows = stiffness%n
          end if
          call new_condenser(condenser, trim(options%factorization), stiffness, &
-            merge(0, body%dof_map%n_trailing, allocated(order)), error)
+            merge(0, body%dof_map%n_schur, allocated(order)), error)
          if (allocated(error)) return
          stiffness = sparse_matrix_t()
       end if

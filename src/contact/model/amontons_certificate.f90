@@ -36,6 +36,7 @@ module amontons_certificate
       logical :: has_duality_gap = .false. !! whether no point rubs by Coulomb's law, so that both energies exist
       real(dp) :: duality_gap = 0.0_dp
          !! |primal energy of u - dual energy of lambda| / the same, of a given slip bound or none [-]
+      real(dp) :: imbalance = 0.0_dp !! the norm that equilibrium is made of / size of the forces, never more [-]
       real(dp) :: force_scale = 0.0_dp !! what contact forces are measured by: the largest nodal force, or more [F]
       real(dp) :: strain_energy = 0.0_dp !! half of stress times elastic strain and of spring force times way [F L]
       real(dp) :: dissipation = 0.0_dp !! work of friction: sum of lambda_T (u_T - a) [F L]
@@ -55,17 +56,24 @@ module amontons_certificate
 contains
 
    !> Computes the certificate.
-   subroutine new_certificate(certificate, body, load_case, displacement, force)
+   subroutine new_certificate(certificate, body, load_case, displacement, force, of_stresses)
       type(certificate_t), intent(out) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      real(dp), intent(in), optional :: of_stresses(:, :)
+         !! nodal forces that the stresses amount to, from `new_stress_field`, if they are at hand (2, n_nodes) [F]
       real(dp), allocatable :: internal(:, :), contact(:, :), reaction(:, :), springs(:, :)
       real(dp) :: force_size, least_scale, work
 
       associate (loads => load_case%force, prescribed => load_case%prescribed)
-         call body%internal_forces(internal, displacement, load_case%thermal_strain)
+         springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
+         if (present(of_stresses)) then
+            internal = of_stresses + springs
+         else
+            call body%internal_forces(internal, displacement, load_case%thermal_strain)
+         end if
          contact = body%zone%rows%forces(force, body%mesh%n_nodes)
          ! What ties transmit cancels.
          reaction = body%dof_map%substitution%forces(internal - loads - contact)
@@ -77,9 +85,9 @@ contains
          certificate%force_scale = max(maxval(abs(loads)), maxval(abs(reaction)), maxval(abs(contact)), least_scale)
          call check_points(certificate, body, load_case, displacement, force)
          call check_pairs(certificate, body, contact, force)
-         springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
          call check_resultants(certificate, body, max(least_scale, sum(abs(springs))), loads, reaction - springs, &
             contact)
+         certificate%imbalance = relative(certificate%equilibrium, force_size)
          certificate%equilibrium = relative_imbalance(certificate%equilibrium, body, displacement, force_size)
          certificate%strain_energy = 0.5_dp*sum(internal*displacement)
          if (allocated(load_case%thermal_strain)) certificate%strain_energy = certificate%strain_energy &

@@ -47,6 +47,8 @@ module amontons_condensation
       real(dp), allocatable, private :: partial(:)
          !! what the condenser needs of it to expand; with a band, the load itself (n)
       real(dp), allocatable, private :: contact_load(:) !! q on the contact unknowns (n_unknowns) [F]
+   contains
+      procedure :: add => condensed_load_add
    end type condensed_load_t
 
    !> The factorized body and the map between contact unknowns and normal and tangential displacements.
@@ -89,11 +91,11 @@ contains
       call keep_band(condensation, stiffness, options%form, zone, band_error)
       if (.not. is_held) then
          condensation%regularization = mean
-         call stiffness%shift_diagonal(dof_map%n_dofs - dof_map%n_trailing + 1, dof_map%n_dofs, &
+         call stiffness%shift_diagonal(dof_map%n_dofs - dof_map%n_schur + 1, dof_map%n_dofs, &
             condensation%regularization)
       end if
       call new_condenser(condensation%condenser, trim(options%factorization), stiffness, &
-         merge(0, dof_map%n_trailing, allocated(condensation%band)), error)
+         merge(0, dof_map%n_schur, allocated(condensation%band)), error)
       if (allocated(error)) return
       stiffness = sparse_matrix_t()
       call condensation%condenser%check_memory(error)
@@ -136,7 +138,7 @@ contains
          return
       end if
       condensation%is_held = is_held
-      condensation%n_unknowns = dof_map%n_trailing
+      condensation%n_unknowns = dof_map%n_schur
       if (.not. zone%is_nodal) then
          call map_rows(condensation, zone, constraints, dof_map)
       else
@@ -213,7 +215,7 @@ contains
          end do
       end do
       condensation%map = spread(reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2]), 3, zone%n_points)
-      allocate (condensation%rows(n, dof_map%n_trailing), source=0.0_dp)
+      allocate (condensation%rows(n, dof_map%n_schur), source=0.0_dp)
       do p = 1, zone%n_points
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
             own = dof_map%substitution%element_nodes(zone%rows%node(i:i))
@@ -241,7 +243,7 @@ contains
       frame = constraints%frame(node)
       do axis = 1, 2
          if (dof_map%dof(axis, node) == 0) cycle
-         column = dof_map%dof(axis, node) - dof_map%n_dofs + dof_map%n_trailing
+         column = dof_map%dof(axis, node) - dof_map%n_dofs + dof_map%n_schur
          do k = 1, count(condensation%unknown(:, p) > 0)
             associate (c => condensation%rows(condensation%unknown(k, p), column))
                c = c + dot_product(parts(:, k), frame(:, axis))
@@ -262,7 +264,7 @@ contains
       real(dp) :: frame(2, 2), normal(2)
       integer :: p, first, axis
 
-      first = dof_map%n_dofs - dof_map%n_trailing
+      first = dof_map%n_dofs - dof_map%n_schur
       allocate (condensation%unknown(2, zone%n_points), source=0)
       allocate (condensation%map(2, 2, zone%n_points), source=0.0_dp)
       do p = 1, zone%n_points
@@ -346,6 +348,17 @@ contains
       if (.not. allocated(self%band)) return
       condensed%load = self%band%condensed(load(:size(load) - self%n_unknowns), condensed%load)
    end subroutine condensation_condense_load
+
+   !> Adds a multiple of another load on the same body: everything about a condensed load is linear.
+   pure subroutine condensed_load_add(self, factor, other)
+      class(condensed_load_t), intent(inout) :: self !! the condensed load
+      real(dp), intent(in) :: factor !! what the other load is multiplied by [-]
+      type(condensed_load_t), intent(in) :: other !! the other one
+
+      self%load = self%load + factor*other%load
+      self%partial = self%partial + factor*other%partial
+      self%contact_load = self%contact_load + factor*other%contact_load
+   end subroutine condensed_load_add
 
    !> All unknowns from the displacements of the contact points under a load.
    subroutine condensation_recover(self, condensed, displacement, unknowns)

@@ -14,11 +14,12 @@ module amontons_equilibrium
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
+   use amontons_rigid_modes, only: largest_motion
    use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
    private
 
-   public :: check_balance, nonnegative_remainder
+   public :: check_balance, has_round_normals, nonnegative_remainder, round_normals
 
    !> What rounding leaves of a zero, over the numbers it came from.
    real(dp), parameter :: negligible = 1.0e-13_dp
@@ -76,11 +77,10 @@ contains
       real(dp), allocatable :: remainder(:)
       character(:), allocatable :: motion
       real(dp) :: scale
-      integer :: k
 
       call balance(pieces, body, load_case, body%zone%rows%part, remainder, scale)
       if (norm2(remainder) > unbalanced*scale) then
-         motion = free_motion(pieces, body, remainder)
+         motion = largest_motion(body%motions(pieces), remainder)
          if (body%zone%n_points == 0) then
             call new_error(error, numerical_failure, 'no equilibrium: nothing balances the loads; '//motion// &
                '; add a support or a contact set')
@@ -89,11 +89,11 @@ contains
                'no equilibrium: contact and friction cannot balance the loads; '//motion// &
                '; add a support, or a load that presses the body on its obstacle')
          end if
-      else if (all(body%zone%rows%start == [(k, k=1, body%zone%n_points + 1)]) .and. .not. any(body%zone%is_cell)) then
+      else if (has_round_normals(body%zone)) then
          call balance(pieces, body, load_case, round_normals(body%zone), remainder, scale)
          if (norm2(remainder) > unbalanced_when_round*scale) call new_error(error, numerical_failure, &
             'no equilibrium but for the irregularities of the mesh: contact and friction on the round line that '// &
-            'its nodes lie on cannot balance the loads; '//free_motion(pieces, body, remainder)// &
+            'its nodes lie on cannot balance the loads; '//largest_motion(body%motions(pieces), remainder)// &
             '; add a support or friction')
       end if
    end subroutine check_pieces
@@ -121,21 +121,13 @@ contains
       allocate (remainder, source=nonnegative_remainder(cone, work))
    end subroutine balance
 
-   !> Names the motion of the piece that a remainder of works is largest on.
-   pure function free_motion(pieces, body, remainder) result(motion)
-      integer, intent(in) :: pieces(:) !! the pieces
-      type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: remainder(:) !! what is left, piece after piece (n_free of all)
-      character(:), allocatable :: motion
-      integer :: first(size(pieces) + 1), i, k
+   !> Whether each contact point is one node, so that it lies on a line with its neighbors.
+   pure logical function has_round_normals(zone)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer :: k
 
-      first(1) = 1
-      do k = 1, size(pieces)
-         first(k + 1) = first(k) + body%motions(pieces(k))%n_free
-      end do
-      i = maxloc([(norm2(remainder(first(k):first(k + 1) - 1)), k=1, size(pieces))], dim=1)
-      motion = body%motions(pieces(i))%describe(remainder(first(i):first(i + 1) - 1))
-   end function free_motion
+      has_round_normals = all(zone%rows%start == [(k, k=1, zone%n_points + 1)]) .and. .not. any(zone%is_cell)
+   end function has_round_normals
 
    !> The normals of the points on the circles through each point and its neighbors; where the line is straight, ends or
    !> turns by more than 30 degrees, those of the facets (2, m) [-].

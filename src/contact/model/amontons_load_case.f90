@@ -16,8 +16,8 @@ module amontons_load_case
    implicit none (type, external)
    private
 
-   public :: condense_load_case, free_expansion, load_case_t, new_load_case, pose_problem, recover_displacement, &
-      set_obstacles
+   public :: condense_load_case, condensed_force, free_expansion, load_case_t, new_load_case, pose_problem, &
+      recover_displacement, set_obstacles
 
    !> Loads, prescribed displacements, obstacles and friction.
    type :: load_case_t
@@ -252,5 +252,17 @@ contains
       call body%condensation%recover(load_case%condensed, v, unknowns)
       displacement = from_unknowns(unknowns, load_case%prescribed, body%constraints, body%dof_map)
    end subroutine recover_displacement
+
+   !> The work that nodal forces do while the contact displacements v change and the rest follows by equilibrium, as a
+   !> vector on v (2m) [F].
+   function condensed_force(body, forces) result(row)
+      type(body_t), intent(in) :: body !! the body, condensed
+      real(dp), intent(in) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
+      real(dp), allocatable :: row(:)
+      type(condensed_load_t) :: condensed
+
+      call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), condensed)
+      row = condensed%load
+   end function condensed_force
 
 end module amontons_load_case

@@ -8,7 +8,6 @@ module amontons_rigid_fit
    use amontons_dense, only: symmetric_eigenvectors
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
-   use amontons_rigid_modes, only: find_rigid_modes
    implicit none (type, external)
    private
 
@@ -48,12 +47,12 @@ contains
       real(dp), intent(in) :: aim(:) !! displacements to come close to, 0 where they do not count (2m) [L]
       logical, intent(in) :: counts(:) !! whether they count (2m)
       real(dp), intent(in) :: much !! how much of the aim is much [-]
-      real(dp), allocatable :: modes(:, :)
 
       allocate (motion(size(aim)), source=0.0_dp)
-      if (all(body%motions%n_free == 0)) return
-      call find_rigid_modes(modes, body%zone, body%motions, body%mesh%coordinates)
-      motion = matmul(modes, amounts_of(merge(modes, 0.0_dp, spread(counts, 2, size(modes, 2))), aim))
+      associate (modes => body%rigid_modes)
+         if (size(modes, 2) == 0) return
+         motion = matmul(modes, amounts_of(merge(modes, 0.0_dp, spread(counts, 2, size(modes, 2))), aim))
+      end associate
       if (maxval(abs(aim - motion), mask=counts) > much*maxval(abs(aim))) motion = 0.0_dp
    end subroutine fit
 

@@ -8,7 +8,7 @@ module amontons_rigid_modes
    implicit none (type, external)
    private
 
-   public :: check_common_motion, find_rigid_modes
+   public :: check_common_motion, find_rigid_modes, largest_motion
 
 contains
 
@@ -43,29 +43,37 @@ contains
    end subroutine find_rigid_modes
 
    !> Refuses pieces that can move together so that no contact point notices.
-   subroutine check_common_motion(zone, motions, coordinates, error)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
+   subroutine check_common_motion(motions, modes, error)
       type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: modes(:, :) !! the displacements of the points under each, from `find_rigid_modes`
       type(error_t), allocatable, intent(out) :: error !! they can; names the motion of one of them
       ! Squares of displacements have half of the digits, and meshes of curves meet to a few.
       real(dp), parameter :: negligible = 1.0e-12_dp
-      real(dp), allocatable :: modes(:, :), gram(:, :), values(:)
-      integer :: last(0:size(motions)), i, info
+      real(dp), allocatable :: gram(:, :), values(:)
+      integer :: info
 
       if (all(motions%n_free == 0)) return
-      call find_rigid_modes(modes, zone, motions, coordinates)
       allocate (gram, source=matmul(transpose(modes), modes))
       allocate (values(size(gram, 1)))
       call symmetric_eigenvectors(gram, values, info)
       if (info /= 0 .or. values(1) > negligible*values(size(values))) return
-      last(0) = 0
-      do i = 1, size(motions)
-         last(i) = last(i - 1) + motions(i)%n_free
-      end do
-      i = maxloc([(norm2(gram(last(i - 1) + 1:last(i), 1)), i=1, size(motions))], dim=1)
       call new_error(error, numerical_failure, 'nothing holds the bodies together against a common motion: '// &
-         motions(i)%describe(gram(last(i - 1) + 1:last(i), 1))//'; contact between them cannot; add a support')
+         largest_motion(motions, gram(:, 1))//'; contact between them cannot; add a support')
    end subroutine check_common_motion
+
+   !> Names a combination of the free motions of some pieces by that of the piece that moves most.
+   pure function largest_motion(motions, amounts) result(text)
+      type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
+      real(dp), intent(in) :: amounts(:) !! amount of each, piece after piece (n_free of all)
+      character(:), allocatable :: text
+      integer :: first(size(motions) + 1), i
+
+      first(1) = 1
+      do i = 1, size(motions)
+         first(i + 1) = first(i) + motions(i)%n_free
+      end do
+      i = maxloc([(norm2(amounts(first(i):first(i + 1) - 1)), i=1, size(motions))], dim=1)
+      text = motions(i)%describe(amounts(first(i):first(i + 1) - 1))
+   end function largest_motion
 
 end module amontons_rigid_modes

@@ -252,12 +252,15 @@ contains
    !> what would close the smallest gap, or 1 if there is none [F].
    !>
    !> A loose body does not feel an interference that it moves out of: with the forces of a pair known, it is no more
-   !> than these and the loads, as far as rounding lets forces be known.
+   !> than these and the loads, as far as rounding lets forces be known. Nor need contact feel what expands a body or
+   !> moves it: of a load that heat or prescribed displacements have part in, a share counts.
    pure real(dp) function contact_problem_force_scale(self, contact_force) result(scale)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in), optional :: contact_force(:) !! lambda (2m) [F]
       ! Some hundred times the relative rounding error of a sum of a few dozen terms, and what that is negligible in.
       real(dp), parameter :: rounding = 1.0e-13_dp, rounding_share = 1.0e-5_dp
+      ! A residual within the usual tolerance is still larger than rounding errors.
+      real(dp), parameter :: share_of_moves = 1.0e-3_dp
       real(dp), dimension(2*self%n_points) :: held, force, uncancelled
       real(dp) :: acting
 
@@ -276,7 +279,8 @@ contains
       scale = maxval(abs(force))
       if (all(abs(force) <= rounding*uncancelled)) scale = rounding_share*maxval(uncancelled)
       if (present(contact_force) .and. .not. self%is_reduced()) then
-         acting = max(maxval(abs(self%load)), maxval(abs(contact_force)))
+         acting = max(merge(share_of_moves, 1.0_dp, self%prescribed > 0.0_dp)*maxval(abs(self%load)), &
+            maxval(abs(contact_force)))
          if (acting > 0.0_dp) scale = min(scale, max(acting, rounding_share*maxval(uncancelled)))
       end if
       if (scale > 0.0_dp) return

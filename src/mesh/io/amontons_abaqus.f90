@@ -10,7 +10,7 @@ module amontons_abaqus
    use amontons_file_model, only: use_materials
    use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
-   use amontons_mesh_draft, only: line2, line3, mesh_draft_t, n_cell_nodes, no_cell
+   use amontons_raw_mesh, only: line2, line3, raw_mesh_t, n_cell_nodes, no_cell
    use amontons_text, only: lower_case
    implicit none (type, external)
    private
@@ -20,28 +20,28 @@ module amontons_abaqus
 contains
 
    !> Reads nodes, elements and sets. Faults go to the input.
-   pure subroutine read_abaqus(draft, input)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_abaqus(raw, input)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, at its first keyword
       type(abaqus_scope_t) :: scope
       character(:), allocatable :: keyword, line
       type(ignored_keywords_t) :: ignored
 
-      draft%nodes_name_sides = .true.
-      draft%ignores_case = .true.
+      raw%nodes_name_sides = .true.
+      raw%ignores_case = .true.
       do
          call next_keyword(input, keyword, line)
          if (keyword == '' .or. allocated(input%error)) exit
-         call read_keyword(draft, input, scope, ignored, keyword, line)
+         call read_keyword(raw, input, scope, ignored, keyword, line)
       end do
-      call ignored%tell(draft)
-      if (.not. allocated(input%error)) call resolve_elements(draft, input)
-      if (.not. allocated(input%error)) call finish_materials(draft, input)
+      call ignored%tell(raw)
+      if (.not. allocated(input%error)) call resolve_elements(raw, input)
+      if (.not. allocated(input%error)) call finish_materials(raw, input)
    end subroutine read_abaqus
 
    !> Reads a keyword with its data lines.
-   pure subroutine read_keyword(draft, input, scope, ignored, keyword, line)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_keyword(raw, input, scope, ignored, keyword, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(inout) :: scope !! where the file is
       type(ignored_keywords_t), intent(inout) :: ignored !! gains the keyword if it is not read
@@ -52,28 +52,28 @@ contains
       select case (keyword)
       case ('node')
          if (scope%in_assembly) call ignored%add(keyword, line)
-         if (.not. scope%in_assembly) call read_nodes(draft, input, scope, line)
+         if (.not. scope%in_assembly) call read_nodes(raw, input, scope, line)
       case ('element')
-         call read_elements(draft, input, scope, line)
+         call read_elements(raw, input, scope, line)
       case ('nset', 'elset')
-         call read_set(draft, input, scope, line, keyword)
+         call read_set(raw, input, scope, line, keyword)
       case ('surface')
-         call read_surface(draft, input, scope, line)
+         call read_surface(raw, input, scope, line)
       case ('part', 'instance', 'assembly', 'endassembly')
-         call enter_scope(scope, draft, input, keyword)
+         call enter_scope(scope, raw, input, keyword)
       case ('include', 'system', 'ngen', 'nfill', 'nmap', 'ncopy', 'elgen', 'elcopy')
          call input%refuse('*'//keyword//' is not read: write the nodes and elements out', input%position - 1)
       case default
-         call read_model_keyword(draft, input, keyword, line, is_read)
+         call read_model_keyword(raw, input, keyword, line, is_read)
          if (.not. is_read) call ignored%add(keyword, line)
       end select
    end subroutine read_keyword
 
    !> Enters a part, an instance or the assembly, or leaves the assembly. There may be one part, in one instance, not
    !> moved.
-   pure subroutine enter_scope(scope, draft, input, keyword)
+   pure subroutine enter_scope(scope, raw, input, keyword)
       type(abaqus_scope_t), intent(inout) :: scope !! where the file is
-      type(mesh_draft_t), intent(in) :: draft !! the draft
+      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
       character(*), intent(in) :: keyword !! the keyword in small letters
       logical :: is_moved
@@ -87,7 +87,7 @@ contains
          if (is_moved) call input%refuse('an instance that is moved from where its part is')
       case ('assembly')
          scope%in_assembly = .true.
-         scope%n_part_groups = draft%n_groups
+         scope%n_part_groups = raw%n_groups
       case default
          scope%in_assembly = .false.
       end select
@@ -96,8 +96,8 @@ contains
    end subroutine enter_scope
 
    !> Reads nodes: number and up to three coordinates, absent ones being 0.
-   pure subroutine read_nodes(draft, input, scope, line)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_nodes(raw, input, scope, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
@@ -111,7 +111,7 @@ contains
       call find_parameter(line, 'system', value, is_there)
       if (is_there .and. lower_case(value) /= 'r') call input%refuse( &
          'nodes in other than rectangular coordinates', input%position - 1)
-      call get_set(draft, input, scope, line, 'nset', group)
+      call get_set(raw, input, scope, line, 'nset', group)
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
@@ -119,8 +119,8 @@ contains
          call input%take_integer(tag, 'the number of a node')
          call take_coordinates(input, x)
          if (allocated(input%error)) exit
-         call draft%add_node(tag, place, x)
-         if (group > 0) call draft%groups(group)%node%append(tag)
+         call raw%add_node(tag, place, x)
+         if (group > 0) call raw%groups(group)%node%append(tag)
       end do
    end subroutine read_nodes
 
@@ -146,8 +146,8 @@ contains
    end subroutine take_coordinates
 
    !> Reads elements of one type.
-   pure subroutine read_elements(draft, input, scope, line)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_elements(raw, input, scope, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
@@ -159,51 +159,51 @@ contains
       if (is_there) call input%refuse('*ELEMENT with INPUT= is not read: write the elements out', input%position - 1)
       call find_parameter(line, 'type', value, is_there)
       call find_kind(input, value, kind)
-      if (kind == line2 .or. kind == line3) call draft%add_note('elements of type '//value// &
+      if (kind == line2 .or. kind == line3) call raw%add_note('elements of type '//value// &
          ' are taken for names of the boundary, not for bars')
-      if (kind > 0 .and. len(value) > 4) call draft%add_note('elements of type '//value// &
+      if (kind > 0 .and. len(value) > 4) call raw%add_note('elements of type '//value// &
          ' are taken for '//value(:4)//': compatible and fully integrated')
-      call find_hypothesis(draft, input, value, kind)
-      call get_set(draft, input, scope, line, 'elset', group)
+      call find_hypothesis(raw, input, value, kind)
+      call get_set(raw, input, scope, line, 'elset', group)
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
          place = input%position
          call input%take_integer(tag, 'the number of an element')
-         call take_nodes(draft, input, kind, tag, place)
+         call take_nodes(raw, input, kind, tag, place)
          if (allocated(input%error)) exit
          if (group == 0) cycle
-         call draft%groups(group)%cell%append(tag)
-         call draft%groups(group)%side%append(0)
+         call raw%groups(group)%cell%append(tag)
+         call raw%groups(group)%side%append(0)
       end do
    end subroutine read_elements
 
    !> Notes the hypothesis that elements of a type are of; lines are of none.
-   pure subroutine find_hypothesis(draft, input, type, kind)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says; gains the hypothesis
+   pure subroutine find_hypothesis(raw, input, type, kind)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says; gains the hypothesis
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: type !! name of the type
       integer, intent(in) :: kind !! kind of the elements
       character(12) :: before
 
       if (kind <= 0) return
-      before = draft%hypothesis
+      before = raw%hypothesis
       select case (lower_case(type(:3)))
       case ('cps')
-         draft%hypothesis = 'plane stress'
+         raw%hypothesis = 'plane stress'
       case ('cax')
-         draft%hypothesis = 'axisymmetric'
+         raw%hypothesis = 'axisymmetric'
       case default
-         draft%hypothesis = 'plane strain'
+         raw%hypothesis = 'plane strain'
       end select
-      if (draft%model%is_used(use_materials) .and. before /= '' .and. before /= draft%hypothesis) call input%refuse( &
+      if (raw%model%is_used(use_materials) .and. before /= '' .and. before /= raw%hypothesis) call input%refuse( &
          'materials cannot be used: some elements are of type '//trim(before)//', others of '// &
-         trim(draft%hypothesis), input%position - 1)
+         trim(raw%hypothesis), input%position - 1)
    end subroutine find_hypothesis
 
    !> Takes the nodes of an element; a comma at the end of a line continues it on the next one.
-   pure subroutine take_nodes(draft, input, kind, tag, place)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine take_nodes(raw, input, kind, tag, place)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the number of the element
       integer, intent(in) :: kind !! kind of the element
       integer, intent(in) :: tag !! its number
@@ -222,7 +222,7 @@ contains
       if (allocated(input%error)) return
       ! A line over three nodes is given from end to end here.
       if (kind == line3) nodes = nodes([1, 3, 2])
-      call draft%add_cell(kind, tag, place, nodes)
+      call raw%add_cell(kind, tag, place, nodes)
    end subroutine take_nodes
 
    !> Finds the kind of elements of a type.

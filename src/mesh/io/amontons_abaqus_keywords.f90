@@ -2,7 +2,8 @@
 module amontons_abaqus_keywords
    use amontons_file_model, only: use_loads, use_materials, use_names, use_supports
    use amontons_input_file, only: printable
-   use amontons_mesh_draft, only: counted, mesh_draft_t
+   use amontons_raw_mesh, only: raw_mesh_t
+   use amontons_text, only: counted
    implicit none (type, external)
    private
 
@@ -68,22 +69,22 @@ contains
          .or. any(other_keywords == keyword)) self%warned = self%warned//name
    end subroutine ignored_keywords_add
 
-   !> Adds a note on what is ignored to a draft, and a warning on what matters.
-   pure subroutine ignored_keywords_tell(self, draft)
+   !> Adds a note on what is ignored to a raw mesh, and a warning on what matters.
+   pure subroutine ignored_keywords_tell(self, raw)
       class(ignored_keywords_t), intent(in) :: self !! the keywords
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       character(:), allocatable :: words
       integer :: i
 
       if (self%n == 0) return
-      call draft%add_note(counted(self%n, 'keyword')//' ignored (not mesh data): '//self%names(3:))
+      call raw%add_note(counted(self%n, 'keyword')//' ignored (not mesh data): '//self%names(3:))
       if (self%warned == '') return
-      draft%warning = 'not read from the mesh file: '//self%warned(3:)
+      raw%warning = 'not read from the mesh file: '//self%warned(3:)
       words = ''
       do i = 1, size(use_names)
          if (self%is_readable(i)) words = words//", '"//trim(use_names(i))//"'"
       end do
-      if (words /= '') draft%warning = draft%warning//'; give them in the deck, or &mesh use = '//words(3:)
+      if (words /= '') raw%warning = raw%warning//'; give them in the deck, or &mesh use = '//words(3:)
    end subroutine ignored_keywords_tell
 
    !> A text with capital letters in the place of small ones.

@@ -5,8 +5,8 @@ module amontons_abaqus_material
    use amontons_file_model, only: file_material_t, longest_name, use_materials
    use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
-   use amontons_mesh_draft, only: mesh_draft_t
-   use amontons_text, only: lower_case, to_text
+   use amontons_raw_mesh, only: raw_mesh_t
+   use amontons_text, only: counted, lower_case, to_text
    implicit none (type, external)
    private
 
@@ -18,31 +18,31 @@ module amontons_abaqus_material
 contains
 
    !> Reads a keyword of a material, or the section that says where it is.
-   pure subroutine read_material_keyword(draft, input, keyword, line)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_material_keyword(raw, input, keyword, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: keyword !! the keyword in small letters
       character(*), intent(in) :: line !! the keyword line
       character(:), allocatable :: name
       logical :: is_there
 
-      if (.not. allocated(draft%model%definitions)) allocate (draft%model%definitions(0), draft%model%materials(0))
+      if (.not. allocated(raw%model%definitions)) allocate (raw%model%definitions(0), raw%model%materials(0))
       select case (keyword)
       case ('material')
          call find_parameter(line, 'name', name, is_there)
          if (name == '' .or. len(name) > longest_name) call input%refuse('expected NAME= and the name of a material', &
             input%position - 1)
-         draft%model%definitions = [draft%model%definitions, file_material_t(name=name)]
+         raw%model%definitions = [raw%model%definitions, file_material_t(name=name)]
       case ('solidsection')
-         call read_section(draft, input, line)
+         call read_section(raw, input, line)
       case default
-         call read_constants(draft, input, keyword, line)
+         call read_constants(raw, input, keyword, line)
       end select
    end subroutine read_material_keyword
 
    !> Reads constants of the last material.
-   pure subroutine read_constants(draft, input, keyword, line)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_constants(raw, input, keyword, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: keyword !! 'elastic', 'density' or 'expansion'
       character(*), intent(in) :: line !! the keyword line
@@ -50,11 +50,11 @@ contains
       integer :: n
 
       call refuse_parameters(input, line)
-      n = size(draft%model%definitions)
+      n = size(raw%model%definitions)
       if (n == 0) call input%refuse('*'//keyword//' before any *MATERIAL', input%position - 1)
       call take_constants(input, keyword, values(:merge(2, 1, keyword == 'elastic')))
       if (allocated(input%error)) return
-      associate (material => draft%model%definitions(n))
+      associate (material => raw%model%definitions(n))
          select case (keyword)
          case ('elastic')
             material%young = values(1)
@@ -80,7 +80,7 @@ contains
       call next_data_line(input, is_there)
       n = 0
       if (is_there) call take_fields(input, fields, n)
-      if (n < size(values)) call input%refuse('*'//keyword//': expected '//to_text(size(values))//' number(s)', &
+      if (n < size(values)) call input%refuse('*'//keyword//': expected '//counted(size(values), 'number'), &
          input%position - 1)
       do i = 1, min(n, size(values))
          call take_number(input, fields(i), values(i))
@@ -90,8 +90,8 @@ contains
    end subroutine take_constants
 
    !> Reads a section: the region of a material, and its thickness.
-   pure subroutine read_section(draft, input, line)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_section(raw, input, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       type(file_material_t) :: section
@@ -102,31 +102,31 @@ contains
 
       call find_parameter(line, 'elset', region, is_there)
       call find_parameter(line, 'material', material, is_there)
-      group = named_group(draft, region)
+      group = named_group(raw, region)
       if (group == 0) call input%refuse("*SOLID SECTION: there is no set '"//region//"' above", input%position - 1)
       if (material == '' .or. len(material) > longest_name) call input%refuse( &
          '*SOLID SECTION: expected MATERIAL= and the name of a material', input%position - 1)
       if (allocated(input%error)) return
       section%name = material
-      section%region = draft%groups(group)%name
-      call draft%model%line_at(input%text, input%position - 1, section%line)
+      section%region = raw%groups(group)%name
+      call raw%model%line_at(input%text, input%position - 1, section%line)
       call next_data_line(input, is_there)
       if (is_there) then
          call take_fields(input, fields, n)
          if (n > 0 .and. fields(1) /= '') call take_number(input, fields(1), section%thickness)
          if (.not. section%thickness > 0.0_dp) section%thickness = 1.0_dp
       end if
-      draft%model%materials = [draft%model%materials, section]
+      raw%model%materials = [raw%model%materials, section]
    end subroutine read_section
 
    !> Gives each section its material, once the file is read.
-   pure subroutine finish_materials(draft, input)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine finish_materials(raw, input)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, at its end
       integer :: i, k
 
-      associate (model => draft%model)
-         model%hypothesis = draft%hypothesis
+      associate (model => raw%model)
+         model%hypothesis = raw%hypothesis
          if (.not. model%is_used(use_materials)) return
          if (.not. allocated(model%materials)) allocate (model%definitions(0), model%materials(0))
          do i = 1, size(model%materials)

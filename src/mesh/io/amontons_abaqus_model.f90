@@ -7,7 +7,7 @@ module amontons_abaqus_model
       file_support_t, longest_name, use_loads, use_materials, use_supports
    use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
-   use amontons_mesh_draft, only: mesh_draft_t
+   use amontons_raw_mesh, only: raw_mesh_t
    use amontons_text, only: lower_case, read_integer, to_text
    implicit none (type, external)
    private
@@ -20,31 +20,31 @@ module amontons_abaqus_model
 contains
 
    !> Reads a keyword with its data lines if it is one of those that are to be used.
-   pure subroutine read_model_keyword(draft, input, keyword, line, is_read)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says; gains materials, supports, loads and their sets
+   pure subroutine read_model_keyword(raw, input, keyword, line, is_read)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says; gains materials, supports, loads and their sets
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: keyword !! the keyword in small letters
       character(*), intent(in) :: line !! the keyword line
       logical, intent(out) :: is_read !! whether it was one
 
-      associate (is_used => draft%model%is_used)
+      associate (is_used => raw%model%is_used)
          select case (keyword)
          case ('material', 'elastic', 'density', 'expansion', 'solidsection')
             is_read = is_used(use_materials)
-            if (is_read) call read_material_keyword(draft, input, keyword, line)
+            if (is_read) call read_material_keyword(raw, input, keyword, line)
          case ('boundary')
             is_read = is_used(use_supports)
-            if (is_read) call read_boundary(draft, input, line)
+            if (is_read) call read_boundary(raw, input, line)
          case ('cload')
             is_read = is_used(use_loads)
-            if (is_read) call read_cload(draft, input, line)
+            if (is_read) call read_cload(raw, input, line)
          case ('dload', 'dsload')
             is_read = is_used(use_loads)
-            if (is_read) call read_dload(draft, input, keyword, line)
+            if (is_read) call read_dload(raw, input, keyword, line)
          case ('step')
             is_read = is_used(use_supports) .or. is_used(use_loads)
-            draft%model%n_steps = draft%model%n_steps + 1
-            if (is_read .and. draft%model%n_steps > 1) call input%refuse( &
+            raw%model%n_steps = raw%model%n_steps + 1
+            if (is_read .and. raw%model%n_steps > 1) call input%refuse( &
                'a second *STEP: the supports and loads of one step can be used', input%position - 1)
          case ('transform')
             is_read = is_used(use_supports) .or. is_used(use_loads)
@@ -57,8 +57,8 @@ contains
    end subroutine read_model_keyword
 
    !> Reads prescribed displacements: nodes, first and last component, value.
-   pure subroutine read_boundary(draft, input, line)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_boundary(raw, input, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(longest_name) :: fields(most_fields)
@@ -70,32 +70,32 @@ contains
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
-         call draft%model%line_at(input%text, input%position, support%line)
+         call raw%model%line_at(input%text, input%position, support%line)
          call take_fields(input, fields, n)
          if (allocated(input%error)) return
          support%value = 0.0_dp
          call find_components(input, fields(2:3), support%is_held)
          if (n > 3) call take_number(input, fields(4), support%value)
          if (.not. any(support%is_held)) cycle
-         call put_support(draft, input, fields(1), support, before)
+         call put_support(raw, input, fields(1), support, before)
          if (allocated(input%error)) return
       end do
    end subroutine read_boundary
 
    !> Puts a support on the nodes of a line. Numbers of nodes that follow each other are one set, if the same holds for
    !> them.
-   pure subroutine put_support(draft, input, field, support, before)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says; gains the support
+   pure subroutine put_support(raw, input, field, support, before)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says; gains the support
       type(input_file_t), intent(inout) :: input !! the file, behind the line
       character(*), intent(in) :: field !! the field of the nodes
       type(file_support_t), intent(inout) :: support !! the support; gains its set
       type(file_support_t), intent(inout) :: before !! that of the line before, then this one; without a set made here
 
-      call take_nodes(draft, input, '*BOUNDARY', field, support%line, &
+      call take_nodes(raw, input, '*BOUNDARY', field, support%line, &
          all(support%is_held .eqv. before%is_held) .and. .not. abs(support%value - before%value) > 0.0_dp, &
          before%set, support%set)
       if (allocated(input%error)) return
-      if (support%set /= before%set) call draft%model%add_support(support)
+      if (support%set /= before%set) call raw%model%add_support(support)
       before = support
       if (support%set(1:1) /= '*') before%set = ''
    end subroutine put_support
@@ -135,8 +135,8 @@ contains
    end subroutine take_component
 
    !> Reads forces on nodes: nodes, component, value.
-   pure subroutine read_cload(draft, input, line)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_cload(raw, input, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       character(longest_name) :: fields(most_fields)
@@ -150,7 +150,7 @@ contains
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
-         call draft%model%line_at(input%text, input%position, load%line)
+         call raw%model%line_at(input%text, input%position, load%line)
          call take_fields(input, fields, n)
          call read_integer(trim(fields(2)), component, ok)
          if (.not. ok .or. component < 1 .or. component > 2) call input%refuse( &
@@ -159,10 +159,10 @@ contains
          if (allocated(input%error)) return
          load%value = 0.0_dp
          load%value(component) = value
-         call take_nodes(draft, input, '*CLOAD', fields(1), load%line, all(abs(load%value - before%value) <= 0.0_dp), &
+         call take_nodes(raw, input, '*CLOAD', fields(1), load%line, all(abs(load%value - before%value) <= 0.0_dp), &
             before%set, load%set)
          if (allocated(input%error)) return
-         if (load%set /= before%set) call draft%model%add_load(load)
+         if (load%set /= before%set) call raw%model%add_load(load)
          before = load
          if (load%set(1:1) /= '*') before%set = ''
       end do
@@ -170,8 +170,8 @@ contains
 
    !> Takes the nodes of a line: those of a set, or one by its number, which goes into a set of the line or into that of
    !> the line before.
-   pure subroutine take_nodes(draft, input, keyword, field, line, is_same, set_before, set)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine take_nodes(raw, input, keyword, field, line, is_same, set_before, set)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the line
       character(*), intent(in) :: keyword !! the keyword, in capitals with its `*`
       character(*), intent(in) :: field !! the field of the nodes
@@ -186,18 +186,18 @@ contains
       if (is_number) then
          set = keyword//':'//to_text(line)
          if (is_same .and. set_before /= '') set = set_before
-         call draft%get_group(input, trim(set), group)
-         if (.not. allocated(input%error)) call draft%groups(group)%node%append(node)
+         call raw%get_group(input, trim(set), group)
+         if (.not. allocated(input%error)) call raw%groups(group)%node%append(node)
       else
-         group = named_group(draft, trim(field))
+         group = named_group(raw, trim(field))
          if (group == 0) call input%refuse(keyword//": there is no set '"//trim(field)//"' above", input%position - 1)
-         if (group > 0) set = draft%groups(group)%name
+         if (group > 0) set = raw%groups(group)%name
       end if
    end subroutine take_nodes
 
    !> Reads distributed loads: elements or a surface, kind, value.
-   pure subroutine read_dload(draft, input, keyword, line)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_dload(raw, input, keyword, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: keyword !! 'dload' or 'dsload'
       character(*), intent(in) :: line !! the keyword line
@@ -212,22 +212,22 @@ contains
          call next_data_line(input, is_there)
          if (.not. is_there) exit
          load = file_load_t()
-         call draft%model%line_at(input%text, input%position, load%line)
+         call raw%model%line_at(input%text, input%position, load%line)
          call take_fields(input, fields, n)
          values = 0.0_dp
          do i = 3, n
             if (fields(i) /= '') call take_number(input, fields(i), values(i - 2))
          end do
          if (allocated(input%error)) return
-         call interpret_dload(draft, input, keyword, fields, values, load)
+         call interpret_dload(raw, input, keyword, fields, values, load)
          if (allocated(input%error)) return
-         call draft%model%add_load(load)
+         call raw%model%add_load(load)
       end do
    end subroutine read_dload
 
    !> Finds what a line of distributed loads means.
-   pure subroutine interpret_dload(draft, input, keyword, fields, values, load)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine interpret_dload(raw, input, keyword, fields, values, load)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the line
       character(*), intent(in) :: keyword !! 'dload' or 'dsload'
       character(*), intent(in) :: fields(:) !! the fields of the line
@@ -239,17 +239,17 @@ contains
 
       kind = lower_case(fields(2))
       load%value(1) = values(1)
-      group = named_group(draft, trim(fields(1)))
-      if (group > 0) load%set = draft%groups(group)%name
+      group = named_group(raw, trim(fields(1)))
+      if (group > 0) load%set = raw%groups(group)%name
       side = findloc(side_labels, kind, dim=1)
       if (keyword == 'dsload' .and. kind == 'p' .and. group > 0) return
       if (keyword == 'dload' .and. side > 0) then
-         call gather_sides(draft, input, trim(fields(1)), group, side, load)
+         call gather_sides(raw, input, trim(fields(1)), group, side, load)
          return
       end if
       if (group == 0 .and. fields(1) /= '') call input%refuse('*'//keyword//": there is no set '"// &
          trim(fields(1))//"' above", input%position - 1)
-      call interpret_body_load(input, keyword, fields(2), draft%hypothesis, values, load)
+      call interpret_body_load(input, keyword, fields(2), raw%hypothesis, values, load)
    end subroutine interpret_dload
 
    !> Finds what a load on the inside of elements means.
@@ -282,8 +282,8 @@ contains
    end subroutine interpret_body_load
 
    !> Gathers the sides that a pressure acts on in a set of its own.
-   pure subroutine gather_sides(draft, input, field, from, side, load)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine gather_sides(raw, input, field, from, side, load)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the line
       character(*), intent(in) :: field !! the field of the elements
       integer, intent(in) :: from !! the set that it names, 0 for none
@@ -297,17 +297,17 @@ contains
       if (is_number) then
          elements = [element]
       else if (from > 0) then
-         elements = pack(draft%groups(from)%cell%items(), draft%groups(from)%side%items() == 0)
+         elements = pack(raw%groups(from)%cell%items(), raw%groups(from)%side%items() == 0)
       else
          call input%refuse("*DLOAD: there is no set '"//field//"' above", input%position - 1)
       end if
-      if (.not. allocated(input%error)) call draft%expect_members(input, size(elements))
+      if (.not. allocated(input%error)) call raw%expect_members(input, size(elements))
       if (allocated(input%error)) return
       load%set = '*DLOAD:'//to_text(load%line)
-      call draft%get_group(input, trim(load%set), group)
+      call raw%get_group(input, trim(load%set), group)
       if (allocated(input%error)) return
-      call draft%groups(group)%cell%append_all(elements)
-      call draft%groups(group)%side%append_all(spread(side, 1, size(elements)))
+      call raw%groups(group)%cell%append_all(elements)
+      call raw%groups(group)%side%append_all(spread(side, 1, size(elements)))
    end subroutine gather_sides
 
    !> Finds the axis of a rotation: a point and a direction. A body of revolution has its own.

@@ -4,7 +4,7 @@ module amontons_abaqus_sets
    use amontons_element, only: n_corners
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t
-   use amontons_mesh_draft, only: draft_group_t, mesh_draft_t
+   use amontons_raw_mesh, only: raw_group_t, raw_mesh_t
    use amontons_tag_map, only: new_tag_map, tag_map_t
    use amontons_text, only: lower_case, read_integer, to_text
    implicit none (type, external)
@@ -28,8 +28,8 @@ module amontons_abaqus_sets
 contains
 
    !> The set that a keyword line names, a new one if need be.
-   pure subroutine get_set(draft, input, scope, line, parameter, group)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine get_set(raw, input, scope, line, parameter, group)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
@@ -42,17 +42,17 @@ contains
       call find_parameter(line, parameter, name, is_there)
       if (name == '') return
       if (scope%in_assembly) then
-         group = draft%find_group(name)
+         group = raw%find_group(name)
          if (group > 0 .and. group <= scope%n_part_groups) then
             name = assembly_prefix//name
          end if
       end if
-      call draft%get_group(input, name, group)
+      call raw%get_group(input, name, group)
    end subroutine get_set
 
    !> Reads a set of nodes or elements.
-   pure subroutine read_set(draft, input, scope, line, keyword)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_set(raw, input, scope, line, keyword)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
@@ -66,21 +66,21 @@ contains
       call find_parameter(line, 'instance', value, is_in_instance)
       call find_parameter(line, 'generate', value, is_range)
       if (keyword == 'nset' .and. has_elements) then
-         call draft%add_note('a set of the nodes of an element set left out: '//line)
+         call raw%add_note('a set of the nodes of an element set left out: '//line)
       else if (scope%in_assembly .and. .not. is_in_instance) then
-         call draft%add_note('a set outside the instance left out: '//line)
+         call raw%add_note('a set outside the instance left out: '//line)
       else
-         call get_set(draft, input, scope, line, keyword, group)
+         call get_set(raw, input, scope, line, keyword, group)
          if (group == 0) call input%refuse('expected '//keyword//'= and a name', input%position - 1)
-         if (is_range) call take_ranges(draft, input, members)
-         if (.not. is_range) call take_members(draft, input, keyword == 'nset', members)
-         if (group > 0) call put(draft%groups(group), keyword == 'nset', members%items())
+         if (is_range) call take_ranges(raw, input, members)
+         if (.not. is_range) call take_members(raw, input, keyword == 'nset', members)
+         if (group > 0) call put(raw%groups(group), keyword == 'nset', members%items())
       end if
    end subroutine read_set
 
    !> Puts nodes or elements into a set.
    pure subroutine put(group, of_nodes, members)
-      type(draft_group_t), intent(inout) :: group !! the set
+      type(raw_group_t), intent(inout) :: group !! the set
       logical, intent(in) :: of_nodes !! whether the members are nodes rather than elements
       integer, intent(in) :: members(:) !! their numbers in the file
 
@@ -93,8 +93,8 @@ contains
    end subroutine put
 
    !> Takes ranges: first number, last number, and an increment that is 1 where it is absent.
-   pure subroutine take_ranges(draft, input, members)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine take_ranges(raw, input, members)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file
       type(integer_list_t), intent(inout) :: members !! the numbers in the ranges
       integer :: first, i, increment, last, n
@@ -113,7 +113,7 @@ contains
          if (first < 1 .or. last < first .or. increment < 1) call input%refuse( &
             'expected a range: two positive numbers, the second not the smaller one, and a positive increment')
          n = (last - first)/max(1, increment)
-         call draft%expect_members(input, n)
+         call raw%expect_members(input, n)
          call input%end_line()
          if (allocated(input%error)) exit
          call members%append_all([(first + i*increment, i=0, n)])
@@ -121,8 +121,8 @@ contains
    end subroutine take_ranges
 
    !> Takes the members of a set: numbers and names of sets above.
-   pure subroutine take_members(draft, input, of_nodes, members)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine take_members(raw, input, of_nodes, members)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file
       logical, intent(in) :: of_nodes !! whether the members are nodes rather than elements
       type(integer_list_t), intent(inout) :: members !! their numbers
@@ -134,7 +134,7 @@ contains
          if (.not. is_there) exit
          do
             call take_field(input, field)
-            call add_members(draft, input, of_nodes, field, members)
+            call add_members(raw, input, of_nodes, field, members)
             call take_comma(input, is_there)
             if (is_at_line_end(input) .or. allocated(input%error)) exit
          end do
@@ -142,19 +142,19 @@ contains
    end subroutine take_members
 
    !> The set that a field names, 0 for none: that of the assembly, if there is one.
-   pure integer function named_group(draft, field) result(group)
-      type(mesh_draft_t), intent(in) :: draft !! what the file says
+   pure integer function named_group(raw, field) result(group)
+      type(raw_mesh_t), intent(in) :: raw !! what the file says
       character(*), intent(in) :: field !! the name, perhaps with the name of an instance and a point before
 
       associate (name => field(index(field, '.', back=.true.) + 1:))
-         group = draft%find_group(assembly_prefix//name)
-         if (group == 0) group = draft%find_group(name)
+         group = raw%find_group(assembly_prefix//name)
+         if (group == 0) group = raw%find_group(name)
       end associate
    end function named_group
 
    !> Adds what a field names: one thing by its number, or the things of a set.
-   pure subroutine add_members(draft, input, of_nodes, field, members)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine add_members(raw, input, of_nodes, field, members)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file
       logical, intent(in) :: of_nodes !! whether the things are nodes rather than elements
       character(*), intent(in) :: field !! the field, perhaps with the name of an instance and a point before
@@ -168,23 +168,23 @@ contains
          call members%append(number)
          return
       end if
-      group = named_group(draft, field)
+      group = named_group(raw, field)
       if (group == 0) then
          call input%refuse("there is no set '"//field(index(field, '.', back=.true.) + 1:)//"' above")
       else if (of_nodes) then
-         call draft%expect_members(input, draft%groups(group)%node%n)
-         if (.not. allocated(input%error)) call members%append_all(draft%groups(group)%node%items())
+         call raw%expect_members(input, raw%groups(group)%node%n)
+         if (.not. allocated(input%error)) call members%append_all(raw%groups(group)%node%items())
       else
-         associate (cells => draft%groups(group)%cell%items(), sides => draft%groups(group)%side%items())
-            call draft%expect_members(input, size(cells))
+         associate (cells => raw%groups(group)%cell%items(), sides => raw%groups(group)%side%items())
+            call raw%expect_members(input, size(cells))
             if (.not. allocated(input%error)) call members%append_all(pack(cells, sides == 0))
          end associate
       end if
    end subroutine add_members
 
    !> Reads a surface: sides of elements, or nodes. One that names anything else is left out.
-   pure subroutine read_surface(draft, input, scope, line)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_surface(raw, input, scope, line)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       type(abaqus_scope_t), intent(in) :: scope !! where the file is
       character(*), intent(in) :: line !! the keyword line
@@ -197,24 +197,24 @@ contains
       call find_parameter(line, 'combine', value, is_combined)
       of_nodes = lower_case(type) == 'node'
       if (is_combined .or. (is_typed .and. .not. of_nodes .and. lower_case(type) /= 'element')) then
-         call draft%add_note('a surface of other things than sides and nodes left out: '//line)
+         call raw%add_note('a surface of other things than sides and nodes left out: '//line)
          return
       end if
-      call get_set(draft, input, scope, line, 'name', group)
+      call get_set(raw, input, scope, line, 'name', group)
       if (group == 0) call input%refuse('expected NAME= and a name', input%position - 1)
-      call take_sides(draft, input, of_nodes, members, sides)
+      call take_sides(raw, input, of_nodes, members, sides)
       if (allocated(input%error)) return
       if (of_nodes) then
-         call draft%groups(group)%node%append_all(members%items())
+         call raw%groups(group)%node%append_all(members%items())
       else
-         call draft%groups(group)%cell%append_all(members%items())
-         call draft%groups(group)%side%append_all(sides%items())
+         call raw%groups(group)%cell%append_all(members%items())
+         call raw%groups(group)%side%append_all(sides%items())
       end if
    end subroutine read_surface
 
    !> Takes the lines of a surface: an element, or a set, and a side of it; of a surface of nodes, nodes.
-   pure subroutine take_sides(draft, input, of_nodes, members, sides)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine take_sides(raw, input, of_nodes, members, sides)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file
       logical, intent(in) :: of_nodes !! whether the surface is one of nodes
       type(integer_list_t), intent(inout) :: members !! numbers of the elements or nodes
@@ -227,7 +227,7 @@ contains
          call next_data_line(input, is_there)
          if (.not. is_there) exit
          call take_field(input, field)
-         call add_members(draft, input, of_nodes, field, members)
+         call add_members(raw, input, of_nodes, field, members)
          call take_comma(input, is_there)
          call take_field(input, field)
          side = 0
@@ -242,26 +242,26 @@ contains
    end subroutine take_sides
 
    !> Replaces the numbers of elements in the sets by places in the list of cells.
-   pure subroutine resolve_elements(draft, input)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine resolve_elements(raw, input)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file
       type(tag_map_t) :: map
       integer :: cell, group, i, tag
 
-      call new_tag_map(map, draft%cell_tag%items())
-      do group = 1, draft%n_groups
-         do i = 1, draft%groups(group)%cell%n
-            tag = draft%groups(group)%cell%item(i)
+      call new_tag_map(map, raw%cell_tag%items())
+      do group = 1, raw%n_groups
+         do i = 1, raw%groups(group)%cell%n
+            tag = raw%groups(group)%cell%item(i)
             cell = map%find(tag)
             if (cell == 0) then
-               call input%refuse("the set '"//draft%groups(group)%name//"' names element "//to_text(tag)// &
-                  ', which the file does not give', draft%groups(group)%place)
-            else if (draft%groups(group)%side%item(i) > n_sides(draft%cell_kind%item(cell))) then
-               call input%refuse("the surface '"//draft%groups(group)%name//"' names a side that element "// &
-                  to_text(tag)//' has not', draft%groups(group)%place)
+               call input%refuse("the set '"//raw%groups(group)%name//"' names element "//to_text(tag)// &
+                  ', which the file does not give', raw%groups(group)%place)
+            else if (raw%groups(group)%side%item(i) > n_sides(raw%cell_kind%item(cell))) then
+               call input%refuse("the surface '"//raw%groups(group)%name//"' names a side that element "// &
+                  to_text(tag)//' has not', raw%groups(group)%place)
             end if
             if (allocated(input%error)) return
-            draft%groups(group)%cell%item(i) = cell
+            raw%groups(group)%cell%item(i) = cell
          end do
       end do
    end subroutine resolve_elements

@@ -5,8 +5,8 @@ module amontons_gmsh
    use amontons_gmsh_groups, only: gmsh_groups_t
    use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
-   use amontons_mesh_draft, only: mesh_draft_t
    use amontons_numeral, only: ends_word
+   use amontons_raw_mesh, only: raw_mesh_t
    use amontons_tag_map, only: new_tag_map, tag_map_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -17,8 +17,8 @@ module amontons_gmsh
 contains
 
    !> Reads a mesh section by section. Faults go to the input.
-   pure subroutine read_gmsh(draft, input)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_gmsh(raw, input)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(input_file_t), intent(inout) :: input !! the file, at its first section
       type(gmsh_groups_t) :: groups
       character(:), allocatable :: name, seen
@@ -35,7 +35,7 @@ contains
          case ('MeshFormat', 'PhysicalNames', 'Entities', 'Nodes', 'ParametricNodes', 'Elements')
             if (index(seen, ' '//name//' ') > 0) call input%refuse('a second section $'//name)
             seen = seen//name//' '
-            call read_section(draft, groups, input, name, version)
+            call read_section(raw, groups, input, name, version)
             call end_section(input, name)
          case ('PartitionedEntities')
             call input%refuse('a partitioned mesh; save it as one')
@@ -43,11 +43,11 @@ contains
             call skip_section(input, name)
          end select
       end do
-      if (draft%node_tag%n == 0) call input%refuse('the file has no section $Nodes with nodes in it')
-      if (draft%cell_tag%n == 0) call input%refuse('the file has no section $Elements with elements in it')
-      if (all(draft%cell_kind%items() < 0)) call input%refuse( &
+      if (raw%node_tag%n == 0) call input%refuse('the file has no section $Nodes with nodes in it')
+      if (raw%cell_tag%n == 0) call input%refuse('the file has no section $Elements with elements in it')
+      if (all(raw%cell_kind%items() < 0)) call input%refuse( &
          'no triangles or quadrilaterals: once there are physical groups, Gmsh saves only the surfaces in them')
-      if (.not. allocated(input%error)) call groups%put(draft, input)
+      if (.not. allocated(input%error)) call groups%put(raw, input)
    end subroutine read_gmsh
 
    !> Refuses everything but comments before the format; older versions of it begin otherwise.
@@ -110,8 +110,8 @@ contains
    end subroutine skip_section
 
    !> Reads the contents of a section.
-   pure subroutine read_section(draft, groups, input, name, version)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_section(raw, groups, input, name, version)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
       type(input_file_t), intent(inout) :: input !! the file, behind the name of the section
       character(*), intent(in) :: name !! name of the section
@@ -123,15 +123,15 @@ contains
          call read_format(input, version)
          groups%has_entities = version == 4
       case ('PhysicalNames')
-         call read_names(draft, groups, input)
+         call read_names(raw, groups, input)
       case ('Entities')
          call read_entities_4(groups, input)
       case ('Nodes', 'ParametricNodes')
-         if (version == 4) call read_nodes_4(draft, input)
-         if (version == 2) call read_nodes_2(draft, input, name == 'ParametricNodes')
+         if (version == 4) call read_nodes_4(raw, input)
+         if (version == 2) call read_nodes_2(raw, input, name == 'ParametricNodes')
       case default
-         if (version == 4) call read_elements_4(draft, groups, input)
-         if (version == 2) call read_elements_2(draft, groups, input)
+         if (version == 4) call read_elements_4(raw, groups, input)
+         if (version == 2) call read_elements_2(raw, groups, input)
       end select
    end subroutine read_section
 
@@ -164,8 +164,8 @@ contains
    end subroutine read_format
 
    !> Reads the names of the physical groups.
-   pure subroutine read_names(draft, groups, input)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_names(raw, groups, input)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(gmsh_groups_t), intent(inout) :: groups !! the groups
       type(input_file_t), intent(inout) :: input !! the file, at the number of names
       type(tag_map_t) :: map
@@ -173,7 +173,7 @@ contains
 
       call input%take_count(n, 'names')
       do i = 1, n
-         call read_name(draft, groups, input)
+         call read_name(raw, groups, input)
          if (allocated(input%error)) return
       end do
       do dimension = 0, 2
@@ -183,8 +183,8 @@ contains
    end subroutine read_names
 
    !> Reads the name of a physical group.
-   pure subroutine read_name(draft, groups, input)
-      type(mesh_draft_t), intent(inout) :: draft !! what the file says
+   pure subroutine read_name(raw, groups, input)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
       type(gmsh_groups_t), intent(inout) :: groups !! the groups
       type(input_file_t), intent(inout) :: input !! the file
       character(:), allocatable :: name
@@ -205,7 +205,7 @@ contains
       if (allocated(input%error) .or. dimension == 3) return
       name = trim(adjustl(name(2:len(name) - 1)))
       if (len(name) == 0) return
-      call draft%get_group(input, name, group)
+      call raw%get_group(input, name, group)
       call groups%add_name(dimension, tag, group)
    end subroutine read_name
 

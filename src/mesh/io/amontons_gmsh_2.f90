@@ -4,7 +4,7 @@ module amontons_gmsh_2
    use amontons_gmsh_groups, only: gmsh_groups_t
    use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
-   use amontons_mesh_draft, only: mesh_draft_t, n_cell_nodes
+   use amontons_raw_mesh, only: raw_mesh_t, n_cell_nodes
    implicit none (type, external)
    private
 
@@ -29,8 +29,8 @@ module amontons_gmsh_2
 contains
 
    !> Reads the section of the nodes.
-   pure subroutine read_nodes_2(draft, input, is_parametric)
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+   pure subroutine read_nodes_2(raw, input, is_parametric)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file, at the number of nodes
       logical, intent(in) :: is_parametric !! whether entity and parameters follow the coordinates
       integer :: i, n, node, tag, place
@@ -39,7 +39,7 @@ contains
       call input%take_count(n, 'nodes')
       call input%check_count(n, merge(least_node_bytes, least_node_text, input%is_binary), 'nodes')
       if (allocated(input%error)) return
-      call draft%expect_nodes(n)
+      call raw%expect_nodes(n)
       do node = 1, n
          call input%start_record()
          place = input%position
@@ -50,7 +50,7 @@ contains
          if (is_parametric) call skip_parameters(input)
          call input%end_record()
          if (allocated(input%error)) return
-         call draft%add_node(tag, place, x)
+         call raw%add_node(tag, place, x)
       end do
    end subroutine read_nodes_2
 
@@ -70,8 +70,8 @@ contains
    end subroutine skip_parameters
 
    !> Reads the section of the elements.
-   pure subroutine read_elements_2(draft, groups, input)
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+   pure subroutine read_elements_2(raw, groups, input)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
       type(input_file_t), intent(inout) :: input !! the file, at the number of elements
       type(element_header_t) :: header
@@ -80,7 +80,7 @@ contains
       call input%take_count(n, 'elements')
       call input%check_count(n, least_element, 'elements')
       if (allocated(input%error)) return
-      call draft%expect_cells(n)
+      call raw%expect_cells(n)
       do element = 1, n
          call input%start_record()
          place = input%position
@@ -93,7 +93,7 @@ contains
          end if
          header%n_left = header%n_left - 1
          call take_tags(input, header%n_tags, group)
-         call take_element(draft, groups, input, header%kind, tag, group, place)
+         call take_element(raw, groups, input, header%kind, tag, group, place)
          call input%end_record()
          if (allocated(input%error)) return
       end do
@@ -134,8 +134,8 @@ contains
    end subroutine take_tags
 
    !> Takes the nodes of an element.
-   pure subroutine take_element(draft, groups, input, kind, tag, group, place)
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+   pure subroutine take_element(raw, groups, input, kind, tag, group, place)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: kind !! kind of the element
@@ -148,17 +148,17 @@ contains
          call input%take_integer(nodes(i), 'a node of an element')
       end do
       if (allocated(input%error)) return
-      cell = draft%cell_tag%n
-      if (.not. is_twin(draft, cell, kind, nodes)) then
+      cell = raw%cell_tag%n
+      if (.not. is_twin(raw, cell, kind, nodes)) then
          cell = cell + 1
-         call draft%add_cell(kind, tag, place, nodes)
+         call raw%add_cell(kind, tag, place, nodes)
       end if
       if (group > 0) call groups%add_run(dimension_of(kind), group, cell, cell)
    end subroutine take_element
 
    !> Whether an element is the one before once more: the format repeats it for every physical group it belongs to.
-   pure logical function is_twin(draft, cell, kind, nodes)
-      type(mesh_draft_t), intent(in) :: draft !! the draft
+   pure logical function is_twin(raw, cell, kind, nodes)
+      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
       integer, intent(in) :: cell !! the element before, 0 for none
       integer, intent(in) :: kind !! kind of the element
       integer, intent(in) :: nodes(:) !! its nodes
@@ -166,8 +166,8 @@ contains
 
       is_twin = .false.
       if (cell == 0) return
-      if (draft%cell_kind%item(cell) /= kind) return
-      associate (twin => draft%cell_nodes(cell))
+      if (raw%cell_kind%item(cell) /= kind) return
+      associate (twin => raw%cell_nodes(cell))
          do i = 1, size(twin)
             if (all(nodes /= twin(i))) return
          end do

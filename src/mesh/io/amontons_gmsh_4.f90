@@ -4,7 +4,7 @@ module amontons_gmsh_4
    use amontons_gmsh_groups, only: gmsh_groups_t
    use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
-   use amontons_mesh_draft, only: mesh_draft_t, n_cell_nodes
+   use amontons_raw_mesh, only: raw_mesh_t, n_cell_nodes
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -73,16 +73,16 @@ contains
    end subroutine read_entity
 
    !> Reads the section of the nodes.
-   pure subroutine read_nodes_4(draft, input)
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+   pure subroutine read_nodes_4(raw, input)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file, at the number of blocks
       integer :: block, n_blocks, n_left
 
       call take_section_header(input, n_blocks, n_left, 'nodes')
       if (allocated(input%error)) return
-      call draft%expect_nodes(n_left)
+      call raw%expect_nodes(n_left)
       do block = 1, n_blocks
-         call read_node_block(draft, input, n_left)
+         call read_node_block(raw, input, n_left)
          if (allocated(input%error)) return
       end do
       call check_none_left(input, n_left, 'nodes')
@@ -131,8 +131,8 @@ contains
    end subroutine take_block_size
 
    !> Reads a block of nodes: their numbers, then their coordinates and the parameters on their entity.
-   pure subroutine read_node_block(draft, input, n_left)
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+   pure subroutine read_node_block(raw, input, n_left)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file, at the block's header
       integer, intent(inout) :: n_left !! number of nodes that the section still has to hold
       integer, allocatable :: tags(:), places(:)
@@ -160,30 +160,30 @@ contains
          end do
          call input%end_record()
          if (allocated(input%error)) return
-         call draft%add_node(tags(node), places(node), x(:3))
+         call raw%add_node(tags(node), places(node), x(:3))
       end do
    end subroutine read_node_block
 
    !> Reads the section of the elements.
-   pure subroutine read_elements_4(draft, groups, input)
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+   pure subroutine read_elements_4(raw, groups, input)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
       type(input_file_t), intent(inout) :: input !! the file, at the number of blocks
       integer :: block, n_blocks, n_left
 
       call take_section_header(input, n_blocks, n_left, 'elements')
       if (allocated(input%error)) return
-      call draft%expect_cells(n_left)
+      call raw%expect_cells(n_left)
       do block = 1, n_blocks
-         call read_element_block(draft, groups, input, n_left)
+         call read_element_block(raw, groups, input, n_left)
          if (allocated(input%error)) return
       end do
       call check_none_left(input, n_left, 'elements')
    end subroutine read_elements_4
 
    !> Reads a block of elements of one type on one entity.
-   pure subroutine read_element_block(draft, groups, input, n_left)
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+   pure subroutine read_element_block(raw, groups, input, n_left)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(gmsh_groups_t), intent(inout) :: groups !! what belongs to which physical group
       type(input_file_t), intent(inout) :: input !! the file, at the block's header
       integer, intent(inout) :: n_left !! number of elements that the section still has to hold
@@ -196,17 +196,17 @@ contains
       if (dimension /= dimension_of(kind)) call input%refuse('elements on an entity of dimension '// &
          to_text(dimension)//', which is not their own')
       call take_block_size(input, n, n_left, 'elements')
-      first = draft%cell_tag%n + 1
+      first = raw%cell_tag%n + 1
       do element = 1, n
-         call read_element(draft, input, kind)
+         call read_element(raw, input, kind)
          if (allocated(input%error)) return
       end do
-      if (n > 0) call groups%add_run(dimension, entity, first, draft%cell_tag%n)
+      if (n > 0) call groups%add_run(dimension, entity, first, raw%cell_tag%n)
    end subroutine read_element_block
 
    !> Reads an element: its number and its nodes.
-   pure subroutine read_element(draft, input, kind)
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+   pure subroutine read_element(raw, input, kind)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: kind !! kind of the element
       integer :: i, nodes(n_cell_nodes(kind)), place, tag
@@ -218,7 +218,7 @@ contains
          call input%take_size(nodes(i), 'a node of an element')
       end do
       call input%end_record()
-      if (.not. allocated(input%error)) call draft%add_cell(kind, tag, place, nodes)
+      if (.not. allocated(input%error)) call raw%add_cell(kind, tag, place, nodes)
    end subroutine read_element
 
 end module amontons_gmsh_4

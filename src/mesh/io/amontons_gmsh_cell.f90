@@ -2,7 +2,7 @@
 module amontons_gmsh_cell
    use amontons_element, only: quad4, quad8, quad9, tri3, tri6
    use amontons_input_file, only: input_file_t
-   use amontons_mesh_draft, only: line2, line3, no_cell, point1
+   use amontons_raw_mesh, only: line2, line3, no_cell, point1
    use amontons_text, only: to_text
    implicit none (type, external)
    private

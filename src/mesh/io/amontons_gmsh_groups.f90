@@ -2,9 +2,9 @@
 module amontons_gmsh_groups
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t
-   use amontons_mesh_draft, only: counted, mesh_draft_t, no_cell
+   use amontons_raw_mesh, only: raw_mesh_t, no_cell
    use amontons_tag_map, only: new_tag_map, tag_map_t
-   use amontons_text, only: to_text
+   use amontons_text, only: counted, to_text
    implicit none (type, external)
    private
 
@@ -13,7 +13,7 @@ module amontons_gmsh_groups
    !> The groups of one dimension.
    type :: dimension_t
       type(integer_list_t) :: named_tag !! number of each physical group that has a name
-      type(integer_list_t) :: named_group !! its set in the draft
+      type(integer_list_t) :: named_group !! its set in the raw mesh
       type(integer_list_t) :: entity !! numbers of entities
       type(integer_list_t) :: entity_tag !! number of a physical group that each belongs to
       type(integer_list_t) :: run_owner !! what a run of cells belongs to: an entity or a physical group
@@ -39,7 +39,7 @@ contains
       class(gmsh_groups_t), intent(inout) :: self !! the groups
       integer, intent(in) :: dimension !! dimension of the physical group
       integer, intent(in) :: tag !! its number, positive
-      integer, intent(in) :: group !! its set in the draft
+      integer, intent(in) :: group !! its set in the raw mesh
 
       call self%of_dimension(dimension)%named_tag%append(tag)
       call self%of_dimension(dimension)%named_group%append(group)
@@ -77,33 +77,33 @@ contains
       end associate
    end subroutine gmsh_groups_add_run
 
-   !> Makes the groups sets of a draft. Where there are physical surfaces, the body consists of them.
-   pure subroutine gmsh_groups_put(self, draft, input)
+   !> Makes the groups sets of a raw mesh. Where there are physical surfaces, the body consists of them.
+   pure subroutine gmsh_groups_put(self, raw, input)
       class(gmsh_groups_t), intent(inout) :: self !! the groups
-      type(mesh_draft_t), intent(inout) :: draft !! the draft, its cells complete
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh, its cells complete
       type(input_file_t), intent(inout) :: input !! the file
       integer :: dimension
       logical :: has_surfaces
 
       has_surfaces = .false.
       do dimension = 0, 2
-         call put_dimension(self%of_dimension(dimension), self%has_entities, draft, input, has_surfaces)
+         call put_dimension(self%of_dimension(dimension), self%has_entities, raw, input, has_surfaces)
       end do
-      if (has_surfaces) call drop_others(draft)
+      if (has_surfaces) call drop_others(raw)
    end subroutine gmsh_groups_put
 
-   !> Makes the groups of one dimension sets of a draft.
-   pure subroutine put_dimension(groups, has_entities, draft, input, has_any)
+   !> Makes the groups of one dimension sets of a raw mesh.
+   pure subroutine put_dimension(groups, has_entities, raw, input, has_any)
       type(dimension_t), intent(in) :: groups !! the groups
       logical, intent(in) :: has_entities !! whether runs belong to entities, and those to groups
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
       logical, intent(out) :: has_any !! whether any cell belongs to a group
       type(integer_list_t) :: tag, run
       type(tag_map_t) :: map, names
       integer :: cell, first, group, i, place, named
 
-      call list_pairs(groups, has_entities, draft, input, tag, run)
+      call list_pairs(groups, has_entities, raw, input, tag, run)
       call new_tag_map(map, tag%items())
       call new_tag_map(names, groups%named_tag%items())
       has_any = tag%n > 0
@@ -113,23 +113,23 @@ contains
             first = map%tag(place)
             named = names%find(first)
             if (named > 0) group = groups%named_group%item(named)
-            if (named == 0) call draft%get_group(input, to_text(first), group)
+            if (named == 0) call raw%get_group(input, to_text(first), group)
          end if
          i = run%item(map%item(place))
-         call draft%expect_members(input, groups%run_last%item(i) - groups%run_first%item(i) + 1)
+         call raw%expect_members(input, groups%run_last%item(i) - groups%run_first%item(i) + 1)
          if (allocated(input%error)) return
          do cell = groups%run_first%item(i), groups%run_last%item(i)
-            call draft%groups(group)%cell%append(cell)
-            call draft%groups(group)%side%append(0)
+            call raw%groups(group)%cell%append(cell)
+            call raw%groups(group)%side%append(0)
          end do
       end do
    end subroutine put_dimension
 
    !> Lists the physical groups and the runs that belong to them.
-   pure subroutine list_pairs(groups, has_entities, draft, input, tag, run)
+   pure subroutine list_pairs(groups, has_entities, raw, input, tag, run)
       type(dimension_t), intent(in) :: groups !! the groups
       logical, intent(in) :: has_entities !! whether runs belong to entities, and those to groups
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
       type(integer_list_t), intent(out) :: tag !! numbers of physical groups
       type(integer_list_t), intent(out) :: run !! a run that belongs to each
@@ -147,29 +147,29 @@ contains
             if (entities%tag(place) /= groups%run_owner%item(i)) exit
             call tag%append(groups%entity_tag%item(entities%item(place)))
             call run%append(i)
-            call draft%expect_members(input, 1)
+            call raw%expect_members(input, 1)
             if (allocated(input%error)) return
          end do
       end do
    end subroutine list_pairs
 
    !> Takes the elements that belong to no set out of the body.
-   pure subroutine drop_others(draft)
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+   pure subroutine drop_others(raw)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       logical, allocatable :: is_kept(:)
       integer :: cell, group, n_dropped
 
-      allocate (is_kept(draft%cell_kind%n), source=.false.)
-      do group = 1, draft%n_groups
-         is_kept(draft%groups(group)%cell%items()) = .true.
+      allocate (is_kept(raw%cell_kind%n), source=.false.)
+      do group = 1, raw%n_groups
+         is_kept(raw%groups(group)%cell%items()) = .true.
       end do
       n_dropped = 0
       do cell = 1, size(is_kept)
-         if (is_kept(cell) .or. draft%cell_kind%item(cell) < 0) cycle
-         draft%cell_kind%item(cell) = no_cell
+         if (is_kept(cell) .or. raw%cell_kind%item(cell) < 0) cycle
+         raw%cell_kind%item(cell) = no_cell
          n_dropped = n_dropped + 1
       end do
-      if (n_dropped > 0) call draft%add_note(counted(n_dropped, 'element')//' outside the physical surfaces left out')
+      if (n_dropped > 0) call raw%add_note(counted(n_dropped, 'element')//' outside the physical surfaces left out')
    end subroutine drop_others
 
 end module amontons_gmsh_groups

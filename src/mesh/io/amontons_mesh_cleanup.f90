@@ -1,16 +1,16 @@
-!> Makes a mesh of a draft: what can be put right is, with a note; the rest is refused.
+!> Makes a mesh of a raw mesh: what can be put right is, with a note; the rest is refused.
 module amontons_mesh_cleanup
    use amontons_element, only: n_corners, n_element_nodes
    use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
-   use amontons_mesh_draft, only: counted, mesh_draft_t, n_cell_nodes
-   use amontons_mesh_sets, only: name_sets, translation_t
+   use amontons_mesh_defects, only: find_hanging_node, find_slits
+   use amontons_mesh_sets, only: name_sets, renumbering_t
    use amontons_pieces, only: number_pieces
-   use amontons_seams, only: find_hanging_node, find_slits
+   use amontons_raw_mesh, only: raw_mesh_t, n_cell_nodes
    use amontons_side_table, only: new_side_table, side_element, side_place, side_table_t
    use amontons_tag_map, only: new_tag_map, tag_map_t
-   use amontons_text, only: to_text
+   use amontons_text, only: counted, to_text
    implicit none (type, external)
    private
 
@@ -23,37 +23,37 @@ module amontons_mesh_cleanup
 
 contains
 
-   !> Makes a mesh of a draft. Faults go to the input, notes to the draft.
-   pure subroutine new_clean_mesh(mesh, draft, input)
+   !> Makes a mesh of a raw mesh. Faults go to the input, notes to the raw mesh.
+   pure subroutine new_clean_mesh(mesh, raw, input)
       type(mesh_t), intent(out) :: mesh !! the mesh
-      type(mesh_draft_t), intent(inout) :: draft !! the draft; its cells name their nodes by place on return
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh; its cells name their nodes by place on return
       type(input_file_t), intent(inout) :: input !! the file
-      type(translation_t) :: translation
+      type(renumbering_t) :: renumbering
       type(side_table_t) :: table
       integer, allocatable :: cell_of(:)
       integer :: element
 
-      call check_tags(input, 'node', draft%node_tag%items(), draft%node_place%items())
-      call check_tags(input, 'element', draft%cell_tag%items(), draft%cell_place%items())
+      call check_tags(input, 'node', raw%node_tag%items(), raw%node_place%items())
+      call check_tags(input, 'element', raw%cell_tag%items(), raw%cell_place%items())
       if (allocated(input%error)) return
-      call new_tag_map(translation%place, draft%node_tag%items())
-      call find_nodes(draft, translation%place, input)
+      call new_tag_map(renumbering%place, raw%node_tag%items())
+      call find_nodes(raw, renumbering%place, input)
       if (allocated(input%error)) return
-      call connect_elements(mesh, draft, input, cell_of)
+      call connect_elements(mesh, raw, input, cell_of)
       if (allocated(input%error)) return
-      call place_nodes(mesh, draft, input, translation%node)
+      call place_nodes(mesh, raw, input, renumbering%node)
       if (allocated(input%error)) return
-      call turn_elements(mesh, draft, input, cell_of, translation%is_turned)
+      call turn_elements(mesh, raw, input, cell_of, renumbering%is_turned)
       if (allocated(input%error)) return
-      call check_neighbors(mesh, draft, input, cell_of, table)
+      call check_neighbors(mesh, raw, input, cell_of, table)
       if (allocated(input%error)) return
       call warn_of_pieces(mesh)
       call warn_of_slits(mesh, table)
-      allocate (translation%element(draft%cell_tag%n), source=0)
-      translation%element(cell_of) = [(element, element=1, mesh%n_elements)]
-      call name_sets(mesh, draft, input, table, translation)
-      mesh%hypothesis = draft%hypothesis
-      if (allocated(draft%warning)) call mesh%warnings%add(draft%warning)
+      allocate (renumbering%element(raw%cell_tag%n), source=0)
+      renumbering%element(cell_of) = [(element, element=1, mesh%n_elements)]
+      call name_sets(mesh, raw, input, table, renumbering)
+      mesh%hypothesis = raw%hypothesis
+      if (allocated(raw%warning)) call mesh%warnings%add(raw%warning)
    end subroutine new_clean_mesh
 
    !> Refuses numbers of nodes or of cells that are not positive or given twice.
@@ -74,48 +74,48 @@ contains
    end subroutine check_tags
 
    !> Refuses a cell.
-   pure subroutine refuse_cell(input, draft, cell, sentence)
+   pure subroutine refuse_cell(input, raw, cell, sentence)
       type(input_file_t), intent(inout) :: input !! the file
-      type(mesh_draft_t), intent(in) :: draft !! the draft
+      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
       integer, intent(in) :: cell !! the cell
       character(*), intent(in) :: sentence !! what is wrong with it, behind its number
 
-      call input%refuse('element '//to_text(draft%cell_tag%item(cell))//' '//sentence, draft%cell_place%item(cell))
+      call input%refuse('element '//to_text(raw%cell_tag%item(cell))//' '//sentence, raw%cell_place%item(cell))
    end subroutine refuse_cell
 
    !> Replaces the numbers of the cells' nodes by places in the list of nodes.
-   pure subroutine find_nodes(draft, node_map, input)
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+   pure subroutine find_nodes(raw, node_map, input)
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(tag_map_t), intent(in) :: node_map !! from the numbers of the nodes to their places
       type(input_file_t), intent(inout) :: input !! the file
       integer :: cell, first, i, node, tag
 
-      do cell = 1, draft%cell_tag%n
-         first = draft%cell_start%item(cell)
-         do i = first, first + n_cell_nodes(draft%cell_kind%item(cell)) - 1
-            tag = draft%node%item(i)
+      do cell = 1, raw%cell_tag%n
+         first = raw%cell_start%item(cell)
+         do i = first, first + n_cell_nodes(raw%cell_kind%item(cell)) - 1
+            tag = raw%node%item(i)
             node = node_map%find(tag)
             if (node == 0) then
-               call refuse_cell(input, draft, cell, 'names node '//to_text(tag)//', which the file does not give')
-            else if (any(draft%node%item(first:i - 1) == node)) then
-               call refuse_cell(input, draft, cell, 'names node '//to_text(tag)//' twice')
+               call refuse_cell(input, raw, cell, 'names node '//to_text(tag)//', which the file does not give')
+            else if (any(raw%node%item(first:i - 1) == node)) then
+               call refuse_cell(input, raw, cell, 'names node '//to_text(tag)//' twice')
             end if
             if (allocated(input%error)) return
-            draft%node%item(i) = node
+            raw%node%item(i) = node
          end do
       end do
    end subroutine find_nodes
 
    !> Makes elements of the cells that are no points and no lines; their nodes are places in the list of nodes still.
-   pure subroutine connect_elements(mesh, draft, input, cell_of)
+   pure subroutine connect_elements(mesh, raw, input, cell_of)
       type(mesh_t), intent(inout) :: mesh !! the mesh
-      type(mesh_draft_t), intent(in) :: draft !! the draft
+      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
       integer, allocatable, intent(out) :: cell_of(:) !! cell of each element (n_elements)
       integer :: cell, element, first, n
 
-      if (draft%cell_tag%n > 0) then
-         cell_of = pack([(cell, cell=1, draft%cell_tag%n)], draft%cell_kind%items() > 0)
+      if (raw%cell_tag%n > 0) then
+         cell_of = pack([(cell, cell=1, raw%cell_tag%n)], raw%cell_kind%items() > 0)
       else
          allocate (cell_of(0))
       end if
@@ -125,44 +125,44 @@ contains
          return
       end if
       allocate (mesh%node_start(mesh%n_elements + 1))
-      mesh%element_kind = draft%cell_kind%item(cell_of)
+      mesh%element_kind = raw%cell_kind%item(cell_of)
       mesh%node_start(1) = 1
       do element = 1, mesh%n_elements
          mesh%node_start(element + 1) = mesh%node_start(element) + n_element_nodes(mesh%element_kind(element))
       end do
       allocate (mesh%node(mesh%node_start(mesh%n_elements + 1) - 1))
       do element = 1, mesh%n_elements
-         first = draft%cell_start%item(cell_of(element))
+         first = raw%cell_start%item(cell_of(element))
          n = n_element_nodes(mesh%element_kind(element))
-         mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1) = draft%node%item(first:first + n - 1)
+         mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1) = raw%node%item(first:first + n - 1)
       end do
    end subroutine connect_elements
 
    !> Keeps the nodes that elements have, which must lie in a plane z = constant.
-   pure subroutine place_nodes(mesh, draft, input, node_of)
+   pure subroutine place_nodes(mesh, raw, input, node_of)
       type(mesh_t), intent(inout) :: mesh !! the mesh, its elements connected; they get the mesh's node numbers
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
-      integer, allocatable, intent(out) :: node_of(:) !! node of the mesh of each node of the draft, 0 for none
+      integer, allocatable, intent(out) :: node_of(:) !! node of the mesh of each node of the raw mesh, 0 for none
       integer, allocatable :: kept(:)
       integer :: node
 
-      allocate (node_of(draft%node_tag%n), source=0)
+      allocate (node_of(raw%node_tag%n), source=0)
       node_of(mesh%node) = 1
       kept = pack([(node, node=1, size(node_of))], node_of > 0)
       mesh%n_nodes = size(kept)
-      if (mesh%n_nodes < size(node_of)) call draft%add_note( &
+      if (mesh%n_nodes < size(node_of)) call raw%add_note( &
          counted(size(node_of) - mesh%n_nodes, 'node')//' without an element left out')
       node_of(kept) = [(node, node=1, mesh%n_nodes)]
       mesh%node = node_of(mesh%node)
-      call check_plane(draft, kept, input)
-      mesh%coordinates = draft%coordinates(:2, kept)
-      mesh%node_tag = draft%node_tag%item(kept)
+      call check_plane(raw, kept, input)
+      mesh%coordinates = raw%coordinates(:2, kept)
+      mesh%node_tag = raw%node_tag%item(kept)
    end subroutine place_nodes
 
    !> Refuses nodes that are out of range or out of the plane of the first.
-   pure subroutine check_plane(draft, kept, input)
-      type(mesh_draft_t), intent(in) :: draft !! the draft
+   pure subroutine check_plane(raw, kept, input)
+      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
       integer, intent(in) :: kept(:) !! the nodes to look at
       type(input_file_t), intent(inout) :: input !! the file
       real(dp) :: lowest(3), highest(3), x(3), allowed
@@ -171,10 +171,10 @@ contains
       lowest = largest_coordinate
       highest = -largest_coordinate
       do i = 1, size(kept)
-         x = draft%coordinates(:, kept(i))
+         x = raw%coordinates(:, kept(i))
          if (any(abs(x) > largest_coordinate)) then
-            call input%refuse('the coordinates of node '//to_text(draft%node_tag%item(kept(i)))//' are out of range', &
-               draft%node_place%item(kept(i)))
+            call input%refuse('the coordinates of node '//to_text(raw%node_tag%item(kept(i)))//' are out of range', &
+               raw%node_place%item(kept(i)))
             return
          end if
          lowest = min(lowest, x)
@@ -182,17 +182,17 @@ contains
       end do
       allowed = flatness*maxval(highest(:2) - lowest(:2))
       if (highest(3) - lowest(3) <= allowed) return
-      node = findloc(abs(draft%coordinates(3, kept) - draft%coordinates(3, kept(1))) > 0.5_dp*allowed, .true., dim=1)
-      call input%refuse('node '//to_text(draft%node_tag%item(kept(node)))//' lies at z = '// &
-         to_text(draft%coordinates(3, kept(node)))//', node '//to_text(draft%node_tag%item(kept(1)))//' at z = '// &
-         to_text(draft%coordinates(3, kept(1)))//': the body must lie in a plane z = constant', &
-         draft%node_place%item(kept(node)))
+      node = findloc(abs(raw%coordinates(3, kept) - raw%coordinates(3, kept(1))) > 0.5_dp*allowed, .true., dim=1)
+      call input%refuse('node '//to_text(raw%node_tag%item(kept(node)))//' lies at z = '// &
+         to_text(raw%coordinates(3, kept(node)))//', node '//to_text(raw%node_tag%item(kept(1)))//' at z = '// &
+         to_text(raw%coordinates(3, kept(1)))//': the body must lie in a plane z = constant', &
+         raw%node_place%item(kept(node)))
    end subroutine check_plane
 
    !> Turns the clockwise elements round; refuses those whose map from the reference element is not one to one.
-   pure subroutine turn_elements(mesh, draft, input, cell_of, is_turned)
+   pure subroutine turn_elements(mesh, raw, input, cell_of, is_turned)
       type(mesh_t), intent(inout) :: mesh !! the mesh
-      type(mesh_draft_t), intent(inout) :: draft !! the draft
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: cell_of(:) !! cell of each element (n_elements)
       logical, allocatable, intent(out) :: is_turned(:) !! whether an element was turned (n_elements)
@@ -211,18 +211,18 @@ contains
          end if
          if (.not. doubled_area(x(:, :n)) > 0.0_dp .or. (n == n_element_nodes(mesh%element_kind(element)) &
             .and. .not. is_convex(x(:, :n)))) then
-            call refuse_cell(input, draft, cell_of(element), &
+            call refuse_cell(input, raw, cell_of(element), &
                'is degenerate: its corners must go round a convex area')
             return
          end if
          if (n == n_element_nodes(mesh%element_kind(element))) cycle
          if (mesh%is_turned_over(element)) then
-            call refuse_cell(input, draft, cell_of(element), 'is folded: its corners must go round a convex area, '// &
+            call refuse_cell(input, raw, cell_of(element), 'is folded: its corners must go round a convex area, '// &
                'and the nodes in the middle of its sides lie near the middle')
             return
          end if
       end do
-      if (any(is_turned)) call draft%add_note(counted(count(is_turned), 'clockwise element')//' turned round')
+      if (any(is_turned)) call raw%add_note(counted(count(is_turned), 'clockwise element')//' turned round')
    end subroutine turn_elements
 
    !> Twice the area that corners go round, negative where they go clockwise [L^2].
@@ -268,9 +268,9 @@ contains
 
    !> Refuses elements that lie one over the other, hanging nodes, and neighbors that differ about the middle of their
    !> side.
-   pure subroutine check_neighbors(mesh, draft, input, cell_of, table)
+   pure subroutine check_neighbors(mesh, raw, input, cell_of, table)
       type(mesh_t), intent(in) :: mesh !! the mesh
-      type(mesh_draft_t), intent(in) :: draft !! the draft
+      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: cell_of(:) !! cell of each element (n_elements)
       type(side_table_t), intent(out) :: table !! the sides of the elements
@@ -278,13 +278,13 @@ contains
 
       call new_side_table(table, mesh, overlapping)
       if (overlapping(1) > 0) then
-         call refuse_cell(input, draft, cell_of(overlapping(2)), 'lies over element '// &
-            to_text(draft%cell_tag%item(cell_of(overlapping(1)))))
+         call refuse_cell(input, raw, cell_of(overlapping(2)), 'lies over element '// &
+            to_text(raw%cell_tag%item(cell_of(overlapping(1)))))
          return
       end if
       call find_hanging_node(mesh, table, element, node)
       if (element > 0) then
-         call refuse_cell(input, draft, cell_of(element), 'has a hanging node in one of its sides, at '// &
+         call refuse_cell(input, raw, cell_of(element), 'has a hanging node in one of its sides, at '// &
             to_text(mesh%coordinates(1, node))//', '//to_text(mesh%coordinates(2, node))// &
             ': neighbors must share whole sides')
          return
@@ -297,8 +297,8 @@ contains
          other = mesh%side(side_element(numbers(2)), side_place(numbers(2)))
          if (one(3) == other(3)) cycle
          elements = side_element([minval(numbers), maxval(numbers)])
-         call refuse_cell(input, draft, cell_of(elements(2)), 'shares a side with element '// &
-            to_text(draft%cell_tag%item(cell_of(elements(1))))//' but not the node in its middle')
+         call refuse_cell(input, raw, cell_of(elements(2)), 'shares a side with element '// &
+            to_text(raw%cell_tag%item(cell_of(elements(1))))//' but not the node in its middle')
          return
       end do
    end subroutine check_neighbors

@@ -7,7 +7,7 @@ module amontons_mesh_file
    use amontons_input_file, only: input_file_t, new_input_file
    use amontons_mesh, only: mesh_t
    use amontons_mesh_cleanup, only: new_clean_mesh
-   use amontons_mesh_draft, only: mesh_draft_t
+   use amontons_raw_mesh, only: raw_mesh_t
    implicit none (type, external)
    private
 
@@ -37,16 +37,16 @@ contains
          !! what was put right or left out, a line of text for each
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
       type(input_file_t) :: input
-      type(mesh_draft_t) :: draft
+      type(raw_mesh_t) :: raw
 
-      call read_draft(draft, input, file, is_used, error)
+      call read_raw_mesh(raw, input, file, is_used, error)
       if (allocated(error)) return
-      if (.not. allocated(input%error)) call new_clean_mesh(mesh, draft, input)
+      if (.not. allocated(input%error)) call new_clean_mesh(mesh, raw, input)
       call move_alloc(input%error, error)
       mesh%source = file
       call mesh%files%add(file)
       notes = ''
-      if (allocated(draft%notes)) notes = draft%notes
+      if (allocated(raw%notes)) notes = raw%notes
    end subroutine read_used_mesh
 
    !> Reads what a mesh file says beside the mesh.
@@ -56,17 +56,17 @@ contains
       logical, intent(in) :: is_used(:) !! which of `use_names` are used
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
       type(input_file_t) :: input
-      type(mesh_draft_t) :: draft
+      type(raw_mesh_t) :: raw
 
-      call read_draft(draft, input, file, is_used, error)
+      call read_raw_mesh(raw, input, file, is_used, error)
       if (allocated(error)) return
       call move_alloc(input%error, error)
-      model = draft%model
+      model = raw%model
    end subroutine read_file_model
 
    !> Reads a mesh file as it is.
-   subroutine read_draft(draft, input, file, is_used, error)
-      type(mesh_draft_t), intent(out) :: draft !! what it says
+   subroutine read_raw_mesh(raw, input, file, is_used, error)
+      type(raw_mesh_t), intent(out) :: raw !! what it says
       type(input_file_t), intent(out) :: input !! the file, with the first fault in it
       character(*), intent(in) :: file !! its name
       logical, intent(in) :: is_used(:) !! which of `use_names` are used
@@ -74,19 +74,19 @@ contains
 
       call new_input_file(input, file, error)
       if (allocated(error)) return
-      draft%model%is_used = is_used
+      raw%model%is_used = is_used
       call input%skip_white()
       select case (input%text(min(input%position, len(input%text)):min(input%position, len(input%text))))
       case ('$')
          if (any(is_used)) call input%refuse( &
             'materials, supports and loads can be used of Abaqus and CalculiX files only')
-         call read_gmsh(draft, input)
+         call read_gmsh(raw, input)
       case ('*')
-         call read_abaqus(draft, input)
+         call read_abaqus(raw, input)
       case default
          call input%refuse('neither a Gmsh mesh, which begins with $MeshFormat, nor an Abaqus one, which begins '// &
             'with a keyword such as *NODE; a .geo file is to be meshed first: gmsh -2')
       end select
-   end subroutine read_draft
+   end subroutine read_raw_mesh
 
 end module amontons_mesh_file

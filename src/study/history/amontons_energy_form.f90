@@ -5,16 +5,14 @@
 !> Any force field G does the work `v . condense(G)` on E v, so that a few vectors and small matrices, computed once,
 !> give every energy of a step in O(m^2) operations (section 10 of doc/theory.md).
 module amontons_energy_form
-   use amontons_assembly, only: to_unknowns
    use amontons_body, only: body_t
-   use amontons_condensation, only: condensed_load_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_kinds, only: dp
-   use amontons_load_case, only: load_case_t, recover_displacement
+   use amontons_load_case, only: condensed_force, load_case_t, recover_displacement
    implicit none (type, external)
    private
 
-   public :: condensed_force, energy_form_t, new_energy_form
+   public :: energy_form_t, new_energy_form
 
    !> Matrices over the parts, and vectors on the contact displacements for each part.
    type :: energy_form_t
@@ -81,17 +79,6 @@ contains
          loads(:, :, i) = parts(i)%force - forces
       end do
    end function load_forces
-
-   !> The work that nodal forces do on the field E v, as a vector on v (2m) [F].
-   function condensed_force(body, forces) result(row)
-      type(body_t), intent(in) :: body !! the body, condensed
-      real(dp), intent(in) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
-      real(dp), allocatable :: row(:)
-      type(condensed_load_t) :: condensed
-
-      call body%condensation%condense_load(to_unknowns(forces, body%constraints, body%dof_map), condensed)
-      row = condensed%load
-   end function condensed_force
 
    !> Strain energy u . K u / 2 [F L].
    pure real(dp) function energy_form_strain_energy(self, problem, factor, v) result(energy)

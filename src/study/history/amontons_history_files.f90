@@ -11,12 +11,14 @@ module amontons_history_files
    use amontons_grids, only: write_grids
    use amontons_history, only: is_shown
    use amontons_history_model, only: history_model_t
-   use amontons_history_table, only: history_header, history_row, points_header, points_rows, states_header, states_row
+   use amontons_history_table, only: cycle_row, cycles_header, history_header, history_row, points_header, &
+      points_rows, states_header, states_row
    use amontons_history_walk, only: history_walk_t
    use amontons_manifest, only: manifest_t
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
    use amontons_system, only: make_directory
+   use amontons_temporary_file, only: remove_temporaries
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -24,10 +26,11 @@ module amontons_history_files
    public :: history_files_t, new_history_files
 
    !> Endings of the tables, the first always there.
-   character(*), parameter :: endings(4) = [character(12) :: '.history.csv', '.points.csv', '.states.csv', &
-      '.history.pvd']
+   character(*), parameter :: endings(*) = [character(12) :: '.history.csv', '.points.csv', '.states.csv', &
+      '.history.pvd', '.cycles.csv']
    !> The number of each table in this list.
-   integer, parameter :: history_table = 1, points_table = 2, states_table = 3, collection_table = 4
+   integer, parameter :: history_table = 1, points_table = 2, states_table = 3, collection_table = 4, &
+      cycles_table = 5
 
    !> The files, under names of their own until the history is reported.
    type :: history_files_t
@@ -48,10 +51,11 @@ module amontons_history_files
 contains
 
    !> Names the files that the deck asks for.
-   pure subroutine new_history_files(files, model, body, directory, label)
+   pure subroutine new_history_files(files, model, body, walk, directory, label)
       type(history_files_t), intent(out) :: files !! the files
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
+      type(history_walk_t), intent(in) :: walk !! the way, where it begins
       character(*), intent(in) :: directory !! output directory
       class(case_label_t), intent(in) :: label !! what the case is called
 
@@ -60,11 +64,12 @@ contains
       files%folder = label%name//'.history/'
       files%collection%units = label%units
       call new_checkpoint(files%checkpoint, directory//'/'//label%name//'.history')
-      call add_table(files, history_table, history_header(model%history))
+      call add_table(files, history_table, history_header(model%history, size(body%zone%pairs)))
       if (model%history%points_every > 0) call add_table(files, points_table, points_header(model%history))
       if (model%history%states_every > 0) call add_table(files, states_table, &
-         states_header(model%history, body%zone%n_points))
+         states_header(model%history, body%zone%n_points, size(walk%watch%noted())))
       if (model%history%fields_every > 0) call add_table(files, collection_table, collection_head)
+      if (size(model%cycle_times) > 0) call add_table(files, cycles_table, cycles_header(model%history))
    end subroutine new_history_files
 
    !> Adds a table.
@@ -89,6 +94,8 @@ contains
       if (.not. allocated(error) .and. model%history%fields_every > 0) call make_directory(self%directory// &
          self%folder, error)
       if (.not. allocated(error)) call self%checkpoint%open(key, milestone, error)
+      if (.not. allocated(error) .and. model%history%fields_every > 0) call remove_temporaries(self%directory// &
+         self%folder)
    end subroutine history_files_open
 
    !> Adds the row of a step, and those of its contact points and its state where they are asked for.
@@ -101,9 +108,11 @@ contains
       associate (history => model%history, number => walk%n_steps, checkpoint => self%checkpoint)
          call checkpoint%add_rows(1, history_row(model, body, number, walk%state))
          if (is_shown(number, history%points_every)) call checkpoint%add_rows(self%place(points_table), &
-            points_rows(model, body, number, walk%state))
+            points_rows(model, body, walk))
          if (is_shown(number, history%states_every)) call checkpoint%add_rows(self%place(states_table), &
             states_row(walk))
+         if (walk%watch%is_finished) call checkpoint%add_rows(self%place(cycles_table), cycle_row(history, &
+            walk%watch%numbers))
       end associate
    end subroutine history_files_add_step
 

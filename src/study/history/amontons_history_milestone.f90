@@ -54,17 +54,34 @@ contains
       else
          first = index(text(:len(text) - 1), newline, back=.true.) + 1
       end if
-      if (index(text, 'step,') == 1 .and. first > 1) then
-         call read_reals(text(first:line_end(text, first)), numbers, ok)
-         if (ok) return
+      ok = index(text, 'step,') == 1
+      if (ok .and. history%start_step > 0 .and. first == 1) then
+         call new_error(error, input_refused, history%start//': it has no state of step '// &
+            to_text(history%start_step)//', only of '//steps_text(text))
+         return
       end if
-      if (history%start_step > 0) then
-         call new_error(error, input_refused, history%start//': expected the state of step '// &
-            to_text(history%start_step)//', as NAME.states.csv has it')
-      else
-         call new_error(error, input_refused, history%start//': expected states of a history, as NAME.states.csv'// &
-            ' has them')
-      end if
+      if (ok) call read_reals(text(first:line_end(text, first)), numbers, ok)
+      if (.not. ok) call new_error(error, input_refused, history%start//': expected states of a history, as'// &
+         ' NAME.states.csv has them')
    end subroutine read_start
+
+   !> The numbers of the steps whose states a file has; of many the first ones and the last.
+   pure function steps_text(states) result(text)
+      character(*), intent(in) :: states !! what the file says
+      character(:), allocatable :: text
+      integer, parameter :: most_named = 12
+      integer, allocatable :: starts(:)
+      integer :: i, n
+
+      starts = pack([(i, i=1, len(states) - 1)], [(states(i:i) == newline, i=1, len(states) - 1)]) + 1
+      n = size(starts)
+      text = ''
+      do i = 1, n
+         if (n > most_named .and. i > most_named - 2 .and. i < n) cycle
+         if (n > most_named .and. i == n) text = text//', ...'
+         if (i > 1) text = text//', '
+         text = text//states(starts(i):starts(i) + index(states(starts(i):)//',', ',') - 2)
+      end do
+   end function steps_text
 
 end module amontons_history_milestone

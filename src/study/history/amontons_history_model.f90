@@ -9,13 +9,14 @@ module amontons_history_model
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_zone, only: contact_t
-   use amontons_energy_form, only: condensed_force, energy_form_t, new_energy_form
+   use amontons_energy_form, only: energy_form_t, new_energy_form
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_history, only: history_t, stepped_friction, stepped_load, stepped_obstacle, stepped_support
    use amontons_kinds, only: dp
-   use amontons_load_case, only: condense_load_case, load_case_t, pose_problem, set_obstacles
+   use amontons_load_case, only: condense_load_case, condensed_force, load_case_t, pose_problem, set_obstacles
    use amontons_loads, only: load_t, load_vector
    use amontons_obstacle_motion, only: find_feet, obstacle_motion_t, tangential_motion
+   use amontons_surface_stress, only: new_surface_stress, surface_stress_t
    use amontons_text, only: to_text
    use amontons_thermal_strain, only: sum_thermal_strain
    implicit none (type, external)
@@ -33,12 +34,16 @@ module amontons_history_model
       real(dp), allocatable, private :: largest(:) !! largest displacement that each part prescribes (parts) [L]
       real(dp), allocatable, private :: feet(:, :) !! feet of the contact points on the obstacles (2, quadrature points)
       type(energy_form_t) :: energies !! energies in terms of factors and contact displacements
+      type(surface_stress_t), allocatable :: surface !! stresses of the surface, where they are asked for
+      real(dp), allocatable :: cycle_times(:) !! times at which cycles begin and end, ascending; none without cycles [-]
       integer, allocatable :: probe(:) !! nodes whose displacements are followed
       real(dp), allocatable, private :: probe_row(:, :) !! their displacements per contact displacement (2m, 2 probes)
    contains
       procedure :: acting => history_model_acting
       procedure :: at => history_model_at
+      procedure :: cycle_at => history_model_cycle_at
       procedure :: fingerprint => history_model_fingerprint
+      procedure :: has_surface => history_model_has_surface
       procedure :: load_case => history_model_load_case
       procedure :: pose => history_model_pose
       procedure :: probed => history_model_probed
@@ -85,10 +90,35 @@ contains
       end do
       call new_energy_form(model%energies, body, model%parts)
       model%feet = find_feet(body%zone, config%contacts)
+      model%cycle_times = model%history%cycle_ends()
+      if (model%history%has_fretting) then
+         allocate (model%surface)
+         call new_surface_stress(model%surface, body, config%contacts, model%parts, model%energies%field, error)
+         if (allocated(error)) return
+      end if
       call find_probes(model%probe, model%history, body, error)
       if (allocated(error)) return
       call condense_probes(model, body)
    end subroutine new_history_model
+
+   !> Whether stresses of the surface are asked for.
+   pure logical function history_model_has_surface(self) result(has_surface)
+      class(history_model_t), intent(in) :: self !! the model
+
+      has_surface = allocated(self%surface)
+   end function history_model_has_surface
+
+   !> Which cycle ends at a time: 0 where the first one begins, -1 where none does.
+   pure integer function history_model_cycle_at(self, time) result(cycle)
+      class(history_model_t), intent(in) :: self !! the model
+      real(dp), intent(in) :: time !! the time [-]
+      integer :: n
+
+      n = count(self%cycle_times <= time)
+      cycle = -1
+      if (n == 0) return
+      if (self%cycle_times(n) >= time) cycle = n - 1
+   end function history_model_cycle_at
 
    !> Gives every change of a load or support a part.
    pure subroutine number_parts(model)

@@ -2,15 +2,17 @@
 module amontons_history_report
    use amontons_body, only: body_t
    use amontons_config, only: config_t
+   use amontons_cycle_watch, only: cycle_outcomes, n_cycle_numbers, n_plain_numbers
    use amontons_history, only: history_t, moved_things, steps_t
-   use amontons_json, only: number, string, truth
+   use amontons_json, only: json_logical, json_number, json_string
    use amontons_kinds, only: dp
    use amontons_lengths, only: lengths_t, new_lengths
-   use amontons_listing_text, only: columns, heading, line, right, scientific, short
+   use amontons_listing_text, only: columns, flush_right, heading, labeled, scientific, short_text
    use amontons_solve_history, only: history_result_t, worst_step_t
    use amontons_stepper, only: step_state_t
    use amontons_summary_members, only: member
-   use amontons_text, only: as_lines, to_text
+   use amontons_text, only: counted, n_characters, newline, to_text
+   use amontons_units, only: unit_of, with_unit
    implicit none (type, external)
    private
 
@@ -28,24 +30,25 @@ contains
       associate (history => config%history, walk => result%walk)
          text = heading('Load history')
          do i = 1, size(history%steps)
-            text = text//line('Changes', steps_text(history%steps(i)))
+            text = text//labeled('Changes', steps_text(history%steps(i)))
          end do
          text = text//constant_loads_text(config)
-         if (len(walk%fault) > 0) text = text//line('INCOMPLETE', walk%fault)
-         text = text//line('Steps', to_text(walk%n_steps)//', row by row in '//config%name//'.history.csv')
-         if (history%has_start()) text = text//line('Start', history%start)
-         if (result%n_resumed > 0) text = text//line('Resumed', 'behind step '//to_text(result%n_resumed)// &
+         if (len(walk%fault) > 0) text = text//labeled('INCOMPLETE', walk%fault)
+         text = text//labeled('Steps', to_text(walk%n_steps)//', row by row in '//config%name//'.history.csv')
+         if (history%has_start()) text = text//labeled('Start', history%start)
+         if (result%n_resumed > 0) text = text//labeled('Resumed', 'behind step '//to_text(result%n_resumed)// &
             ' of an interrupted run')
-         if (result%checkpoint%is_anew) text = text//line('Note', 'an interrupted run had left steps of another'// &
+         if (result%checkpoint%is_anew) text = text//labeled('Note', 'an interrupted run had left steps of another'// &
             ' deck; all steps were taken anew')
-         if (walk%n_given_up > 0) text = text//line('Halved', to_text(walk%n_given_up)//' steps')
-         text = text//line('Iterations', to_text(walk%n_iterations)//', '// &
-            short(real(walk%n_iterations, dp)/max(1, walk%n_steps))//' per step')// &
+         if (walk%n_given_up > 0) text = text//labeled('Halved', to_text(walk%n_given_up)//' steps')
+         text = text//labeled('Iterations', to_text(walk%n_iterations)//', '// &
+            short_text(real(walk%n_iterations, dp)/max(1, walk%n_steps))//' per step')// &
             worst_text('Largest residual', result%residual)//worst_text('Energy identities', result%imbalance)// &
-            worst_text('Step indicator', result%indicator)//line('Certified', to_text(result%n_certified)// &
+            worst_text('Step indicator', result%indicator)//labeled('Certified', to_text(result%n_certified)// &
             ' steps; largest violation '//scientific(result%violation%value)//' in step '// &
             to_text(result%violation%step))
-         text = text//balance_text(walk%state)//times_table(history, result%reached)
+         text = text//balance_text(walk%state, config%units)//times_table(history, result%reached, config%units)// &
+            cycles_table(config, result%cycles)
          text = text//heading('Last step (slips count from its beginning, displacements from rest)')
       end associate
    end function history_listing
@@ -72,7 +75,7 @@ contains
       real(dp), intent(in) :: values(:) !! its values
       character(:), allocatable :: text
 
-      text = '; '//label//' from '//short(minval(values))//' to '//short(maxval(values))
+      text = '; '//label//' from '//short_text(minval(values))//' to '//short_text(maxval(values))
    end function range_text
 
    !> Says which loads act in full from the first time on.
@@ -87,7 +90,7 @@ contains
          if (.not. any([(config%history%steps(k)%target == 1 .and. config%history%steps(k)%name &
             == config%loads(i)%name, k=1, size(config%history%steps))])) n = n + 1
       end do
-      if (n > 0) text = line('Note', to_text(n)//' load(s) without &steps act in full from the first time on')
+      if (n > 0) text = labeled('Note', 'in full from the first time on: '//counted(n, 'load')//' without &steps')
    end function constant_loads_text
 
    !> The largest of a number over all steps.
@@ -96,43 +99,149 @@ contains
       type(worst_step_t), intent(in) :: worst !! the largest
       character(:), allocatable :: text
 
-      text = line(label, scientific(worst%value))
-      if (worst%step > 0) text = line(label, scientific(worst%value)//' in step '//to_text(worst%step))
+      text = labeled(label, scientific(worst%value))
+      if (worst%step > 0) text = labeled(label, scientific(worst%value)//' in step '//to_text(worst%step))
    end function worst_text
 
    !> Where the work of the history went.
-   pure function balance_text(state) result(text)
+   pure function balance_text(state, units) result(text)
       type(step_state_t), intent(in) :: state !! the last state
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
       text = heading('Energies of the history')// &
-         line('Work of loads', short(state%load_work))// &
-         line('Work of supports', short(state%support_work))// &
-         line('Work of obstacles', short(state%obstacle_work))// &
-         line('Strain energy', short(state%strain_energy))// &
-         line('Dissipation', short(sum(state%dissipation)))// &
-         line('Energy error', short(state%energy_error())//' (work less strain energy and dissipation; it vanishes'// &
+         labeled('Work of loads', energy(state%load_work))// &
+         labeled('Work of supports', energy(state%support_work))// &
+         labeled('Work of obstacles', energy(state%obstacle_work))// &
+         labeled('Strain energy', energy(state%strain_energy))// &
+         labeled('Dissipation', energy(sum(state%dissipation)))// &
+         labeled('Energy error', energy(state%energy_error())// &
+         ' (work less strain energy and dissipation; it vanishes'// &
          ' with the size of the steps)')
+
+   contains
+
+      !> An energy with its unit.
+      pure function energy(value)
+         real(dp), intent(in) :: value !! the energy [F L]
+         character(:), allocatable :: energy
+
+         energy = with_unit(short_text(value), units, 'F L')
+      end function energy
+
    end function balance_text
 
    !> The states at the times of the deck, with what the time since the one before took.
-   pure function times_table(history, reached) result(text)
+   pure function times_table(history, reached, units) result(text)
       type(history_t), intent(in) :: history !! the history
       real(dp), intent(in) :: reached(:, :) !! the times, each with what is known of it
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
-      character(140) :: rows(0:size(reached, 2))
+      character(13), parameter :: labels(*) = [character(13) :: 'open', 'slip', 'stick', 'normal force', &
+         'tang. force', 'strain energy', 'work', 'dissipated']
+      character(3), parameter :: dimensions(size(labels)) = [character(3) :: 'L', 'L', 'L', 'F', 'F', 'F L', 'F L', &
+         'F L']
       real(dp) :: before(2)
-      integer :: i
+      integer :: i, width
 
-      write (rows(0), '(9a13)') history%name(:min(12, len(history%name))), 'open', 'slip', 'stick', 'normal force', &
-         'tang. force', 'strain energy', 'work', 'dissipated'
+      width = column_width(units)
+      text = heading('States at the times of the deck (work and dissipation: since the time before)')// &
+         table_head(history%name(:min(12, len(history%name))), labels, dimensions, units)
       before = 0.0_dp
       do i = 1, size(reached, 2)
-         rows(i) = columns([reached(:7, i), reached(8:, i) - before])
+         text = text//columns([reached(:7, i), reached(8:, i) - before], width)//newline
          before = reached(8:, i)
       end do
-      text = heading('States at the times of the deck (work and dissipation: since the time before)')//as_lines(rows)
    end function times_table
+
+   !> Width of the columns of a table: of numbers with six digits, or of a unit with a long name.
+   pure integer function column_width(units) result(width)
+      character(*), intent(in) :: units !! names of the units of the case
+
+      width = max(14, 1 + n_characters(unit_of(units, 'F L')))
+   end function column_width
+
+   !> The first line of a table and, where there are units, the second.
+   pure function table_head(first, labels, dimensions, units) result(text)
+      character(*), intent(in) :: first !! what the first column is called, which is measured in nothing
+      character(*), intent(in) :: labels(:) !! what the others are called
+      character(*), intent(in) :: dimensions(:) !! what they are measured in
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      integer :: i
+
+      text = flush_right(first, column_width(units))
+      do i = 1, size(labels)
+         text = text//flush_right(trim(labels(i)), column_width(units))
+      end do
+      text = text//newline
+      if (len_trim(units) == 0) return
+      text = text//repeat(' ', column_width(units))
+      do i = 1, size(dimensions)
+         text = text//flush_right(unit_of(units, trim(dimensions(i))), column_width(units))
+      end do
+      text = trim(text)//newline
+   end function table_head
+
+   !> The cycles: of many the last ones, since these are like each other or not.
+   pure function cycles_table(config, cycles) result(text)
+      type(config_t), intent(in) :: config !! the deck
+      real(dp), intent(in) :: cycles(:, :) !! the cycles that ended (n_cycle_numbers, n)
+      character(:), allocatable :: text
+      integer, parameter :: most_shown = 20
+      character(10), parameter :: labels(*) = [character(10) :: 'end', 'work', 'dissipated', 'max. slip', &
+         'max. drift', 'd dissip.', 'd forces', 'outcome']
+      character(3), parameter :: dimensions(size(labels)) = [character(3) :: '', 'F L', 'F L', 'L', 'L', '', '', '']
+      integer :: i, n, n_passed
+
+      text = ''
+      n = size(cycles, 2)
+      if (n == 0) return
+      n_passed = max(0, n - most_shown)
+      text = heading('Cycles (d: changes from the one before, over the larger)')//table_head('cycle', labels, &
+         dimensions, config%units)
+      do i = n_passed + 1, n
+         text = text//columns(cycles([1, 3, 5, 7, 9, 10, 11, 12], i), column_width(config%units)) &
+            //flush_right(trim(outcome_name(cycles(:, i))), column_width(config%units))//newline
+      end do
+      if (n_passed > 0) text = text//labeled('Note', 'the first '//to_text(n_passed)//' of '//to_text(n)// &
+         ' cycles are in '//config%name//'.cycles.csv')
+      if (config%history%has_fretting) text = text//heading('Fretting, last cycle (largest of all points)')// &
+         labeled('Ruiz 1', with_unit(short_text(cycles(n_plain_numbers + 1, n)), config%units, 'F/L'))// &
+         labeled('Ruiz 2', with_unit(short_text(cycles(n_plain_numbers + 2, n)), config%units, 'F^2/L^3'))// &
+         labeled('SWT', with_unit(short_text(cycles(n_cycle_numbers, n)), config%units, 'F/L^2'))
+   end function cycles_table
+
+   !> What a cycle is.
+   pure function outcome_name(cycle) result(name)
+      real(dp), intent(in) :: cycle(:) !! the numbers of the cycle
+      character(len(cycle_outcomes)) :: name
+
+      name = cycle_outcomes(nint(cycle(n_plain_numbers)))
+   end function outcome_name
+
+   !> The member of the cycles: how many, what the last one is, and since which one all are that.
+   function cycles_member(history, cycles) result(text)
+      type(history_t), intent(in) :: history !! the history
+      real(dp), intent(in) :: cycles(:, :) !! the cycles that ended (n_cycle_numbers, n)
+      character(:), allocatable :: text
+      integer :: n, since
+
+      text = ''
+      n = size(cycles, 2)
+      if (n == 0) return
+      since = n
+      do while (since > 1)
+         if (nint(cycles(n_plain_numbers, since - 1)) /= nint(cycles(n_plain_numbers, n))) exit
+         since = since - 1
+      end do
+      text = ', "cycles": '//to_text(n)//', "cycle_outcome": '//json_string(trim(outcome_name(cycles(:, n))))// &
+         ', "cycle_outcome_since": '//to_text(nint(cycles(1, since)))//', "cycle_dissipation": '// &
+         json_number(cycles(7, n))
+      if (history%has_fretting) text = text//', "max_ruiz_1": '//json_number(cycles(n_plain_numbers + 1, n))// &
+         ', "max_ruiz_2": '//json_number(cycles(n_plain_numbers + 2, n))//', "max_swt": '// &
+         json_number(cycles(n_cycle_numbers, n))
+   end function cycles_member
 
    !> The members of the summary.
    function history_members(config, result) result(text)
@@ -142,23 +251,27 @@ contains
       integer :: i, k
 
       associate (walk => result%walk, state => result%walk%state)
-         text = '{"complete": '//truth(len(walk%fault) == 0)//', "end": '//string(walk%fault)//', "steps": '// &
+         text = '{"complete": '//json_logical(len(walk%fault) == 0)//', "end": '//json_string(walk%fault)// &
+            ', "steps": '// &
             to_text(walk%n_steps)//', "steps_done_earlier": '//to_text(result%n_resumed)//', "steps_given_up": '// &
             to_text(walk%n_given_up)//', "iterations": '//to_text(walk%n_iterations)//', "changes": ['
          do i = 1, size(config%history%steps)
             do k = 1, config%history%steps(i)%n_numbers()
                if (i > 1 .or. k > 1) text = text//', '
-               text = text//string(config%history%steps(i)%label(k))
+               text = text//json_string(config%history%steps(i)%label(k))
             end do
          end do
-         text = text//'], "time": '//number(state%instant%time)//', "work_loads": '//number(state%load_work)// &
-            ', "work_supports": '//number(state%support_work)//', "work_obstacles": '//number(state%obstacle_work)// &
-            ', "strain_energy": '//number(state%strain_energy)//', "dissipation": '//number(sum(state%dissipation))// &
-            ', "energy_error": '//number(state%energy_error())
+         text = text//'], "time": '//json_number(state%instant%time)//', "work_loads": '// &
+            json_number(state%load_work)// &
+            ', "work_supports": '//json_number(state%support_work)//', "work_obstacles": '// &
+            json_number(state%obstacle_work)// &
+            ', "strain_energy": '//json_number(state%strain_energy)//', "dissipation": '// &
+            json_number(sum(state%dissipation))//', "energy_error": '//json_number(state%energy_error())
       end associate
       text = member('load_history', text//worst_members('residual', result%residual)// &
          worst_members('energy_identities', result%imbalance)//worst_members('step_indicator', result%indicator)// &
-         worst_members('violation', result%violation)//'}')
+         worst_members('violation', result%violation)// &
+         cycles_member(config%history, result%cycles)//'}')
    end function history_members
 
    !> The largest of a number over all steps, behind others.
@@ -167,7 +280,7 @@ contains
       type(worst_step_t), intent(in) :: worst !! the largest
       character(:), allocatable :: text
 
-      text = ', "'//name//'": '//number(worst%value)//', "'//name//'_step": '//to_text(worst%step)
+      text = ', "'//name//'": '//json_number(worst%value)//', "'//name//'_step": '//to_text(worst%step)
    end function worst_members
 
 end module amontons_history_report

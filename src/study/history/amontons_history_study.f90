@@ -1,11 +1,14 @@
 !> The study of a load history: all steps of a deck with `&history`.
 module amontons_history_study
    use amontons_check_body, only: check_body
-   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_error, only: error_t
    use amontons_history_model, only: find_probes
    use amontons_history_report, only: history_listing, history_members
-   use amontons_listing_text, only: scientific, short
+   use amontons_key_results, only: resultants
+   use amontons_kinds, only: dp
+   use amontons_listing_text, only: scientific, short_text
    use amontons_outcome, only: outcome_t, status_interrupted
+   use amontons_quantity, only: quantity_t
    use amontons_report, only: write_report
    use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t
@@ -22,33 +25,10 @@ module amontons_history_study
    type, extends(study_t) :: history_study_t
    contains
       procedure :: check => history_study_check
-      procedure :: has_grids => history_study_has_grids
-      procedure :: refuse_options => history_study_refuse_options
       procedure :: solve => history_study_solve
    end type history_study_t
 
 contains
-
-   !> Refuses what is there for single cases only.
-   pure subroutine history_study_refuse_options(self, options, error)
-      class(history_study_t), intent(in) :: self !! the study
-      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
-      type(error_t), allocatable, intent(out) :: error !! an option is for single cases
-
-      if (options%writes_reduced .or. options%wants_all_solutions) call new_error(error, input_refused, &
-         '--write-reduced and --all-solutions take single cases, found a deck with &history')
-      associate (unused => self)
-      end associate
-   end subroutine history_study_refuse_options
-
-   !> The last step leaves its grids.
-   pure logical function history_study_has_grids(self) result(has_grids)
-      class(history_study_t), intent(in) :: self !! the study
-
-      has_grids = .true.
-      associate (unused => self)
-      end associate
-   end function history_study_has_grids
 
    !> Checks the history and reports its size.
    subroutine history_study_check(self, cache, outcome, error)
@@ -90,6 +70,9 @@ contains
       call result%checkpoint%close()
       if (allocated(error)) return
       outcome%text = solved_text(self%config%name, result)
+      outcome%numbers = [quantity_t('iterations', '', real(result%walk%n_iterations, dp)), &
+         quantity_t('residual', '', result%residual%value), result%last%key_results, &
+         resultants(result%last%solution%force)]
       outcome%warnings = result%last%warnings
       outcome%has_grids = len(result%walk%fault) == 0
       if (len(result%walk%fault) > 0) then
@@ -110,7 +93,7 @@ contains
       associate (walk => result%walk)
          text = name//': '//to_text(walk%n_steps)//' steps, '//trim(merge('all solved', 'INCOMPLETE', &
             len(walk%fault) == 0))//', residual at most '//scientific(result%residual%value)//'; dissipation '// &
-            short(sum(walk%state%dissipation))//', energy error '//short(walk%state%energy_error())
+            short_text(sum(walk%state%dissipation))//', energy error '//short_text(walk%state%energy_error())
       end associate
    end function solved_text
 

@@ -7,7 +7,9 @@ module amontons_history_walk
    use amontons_body, only: body_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
+   use amontons_cycle_watch, only: cycle_watch_t, new_cycle_watch
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_fretting, only: n_parameters
    use amontons_history, only: history_t
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_kinds, only: dp
@@ -24,11 +26,12 @@ module amontons_history_walk
    integer, parameter :: n_ticks = 2**most_halvings
 
    !> Numbers that the way keeps besides those of its state.
-   integer, parameter :: n_own = 4
+   integer, parameter :: n_own = 5
 
    !> Where the way has come to.
    type :: history_walk_t
       type(step_state_t) :: state !! the state at the end of the last step that was kept
+      type(cycle_watch_t) :: watch !! the cycle that is under way
       integer :: n_planned = 0 !! number of planned times reached
       integer :: n_steps = 0 !! number of steps kept
       integer :: n_given_up = 0 !! number of steps given up for shorter ones
@@ -40,7 +43,9 @@ module amontons_history_walk
       integer, private :: length = n_ticks !! length of the next step in smallest steps
    contains
       procedure :: advance => history_walk_advance
+      procedure :: note => history_walk_note
       procedure :: numbers => history_walk_numbers
+      procedure :: point_record => history_walk_point_record
       procedure :: restore => history_walk_restore
       procedure, private :: can_halve => history_walk_can_halve
       procedure, private :: plan => history_walk_plan
@@ -55,6 +60,7 @@ contains
       type(body_t), intent(in) :: body !! the body
 
       call new_step_state(walk%state, model, body)
+      call new_cycle_watch(walk%watch, model, body%zone%n_points)
       walk%fault = ''
    end subroutine new_history_walk
 
@@ -63,7 +69,11 @@ contains
       class(history_walk_t), intent(in) :: self !! the way
       real(dp), allocatable :: numbers(:)
 
-      numbers = [real([self%n_steps, self%n_given_up, self%n_iterations, self%length], dp), self%state%numbers()]
+      real(dp), allocatable :: noted(:)
+
+      noted = self%watch%noted()
+      numbers = [real([self%n_steps, self%n_given_up, self%n_iterations, self%length, size(noted)], dp), &
+         self%state%numbers(), noted]
    end function history_walk_numbers
 
    !> Goes to where the way was when it gave its numbers, perhaps through a history of other times.
@@ -75,9 +85,15 @@ contains
       real(dp), intent(in) :: numbers(:) !! the numbers
       type(error_t), allocatable, intent(out) :: error !! they do not fit body and history
       type(instant_t) :: instant
-      integer :: i
+      integer :: i, last
       real(dp) :: start
 
+      last = -1
+      if (size(numbers) > n_own) last = size(numbers) - nint(max(0.0_dp, min(numbers(n_own), real(size(numbers), dp))))
+      if (last <= n_own) then
+         call new_error(error, input_refused, 'it is of '//to_text(size(numbers))//' numbers')
+         return
+      end if
       associate (time => numbers(n_own + 1), times => model%history%times)
          if (time < times(1) .or. time > times(size(times))) then
             call new_error(error, input_refused, 'it is of the time '//to_text(time)//', the times are from '// &
@@ -86,9 +102,10 @@ contains
          end if
          call model%at(body, time, instant, error)
       end associate
-      if (.not. allocated(error)) call restore_step_state(self%state, model, body, problem, numbers(n_own + 1:), &
-         instant, error)
+      if (.not. allocated(error)) call restore_step_state(self%state, model, body, problem, &
+         numbers(n_own + 1:last), instant, error)
       if (allocated(error)) return
+      call self%watch%restore(model, self%state, numbers(last + 1:))
       self%n_steps = nint(numbers(1))
       self%n_given_up = nint(numbers(2))
       self%n_iterations = nint(numbers(3))
@@ -100,7 +117,7 @@ contains
          self%tick = nint(n_ticks*((time - start)/(history%planned_time(self%n_planned + 1) - start)))
       end associate
       ! Times of another history may lie elsewhere: from one of its smallest steps to the next it goes on anyway.
-      self%length = nint(numbers(n_own))
+      self%length = nint(numbers(4))
       do while (modulo(self%tick, self%length) /= 0)
          self%length = self%length/2
       end do
@@ -128,13 +145,13 @@ contains
          self%n_given_up = self%n_given_up + 1
          self%length = self%length/2
       end do
-      if (.not. self%is_ended) call end_step(self, model%history, time, next, is_balanced, error)
+      if (.not. self%is_ended) call end_step(self, model, time, next, is_balanced, error)
    end subroutine history_walk_advance
 
    !> Keeps a step that is not made shorter, or ends the way where it could not be taken.
-   pure subroutine end_step(walk, history, time, next, is_balanced, error)
+   pure subroutine end_step(walk, model, time, next, is_balanced, error)
       type(history_walk_t), intent(inout) :: walk !! the way
-      type(history_t), intent(in) :: history !! the history
+      type(history_model_t), intent(in) :: model !! the model
       real(dp), intent(in) :: time !! the time that the step leads to [-]
       type(step_state_t), intent(in) :: next !! the state at its end
       logical, intent(in) :: is_balanced !! whether it converged and its energies balance
@@ -146,7 +163,8 @@ contains
          call give_up(walk, time, 'not converged with the smallest step')
       else
          walk%is_jump = .not. is_balanced
-         call keep(walk, history, next)
+         call walk%note(model, next)
+         call go_on(walk, model%history)
       end if
    end subroutine end_step
 
@@ -187,19 +205,39 @@ contains
          '; the history ends at step '//to_text(walk%n_steps)
    end subroutine give_up
 
-   !> Keeps a step. The next one is twice as long where that ends at a multiple of its length.
-   pure subroutine keep(walk, history, state)
-      type(history_walk_t), intent(inout) :: walk !! the way
-      type(history_t), intent(in) :: history !! the history
+   !> Notes a step that is kept.
+   pure subroutine history_walk_note(self, model, state)
+      class(history_walk_t), intent(inout) :: self !! the way
+      type(history_model_t), intent(in) :: model !! the model
       type(step_state_t), intent(in) :: state !! the state at the end of the step
 
-      walk%state = state
-      walk%n_steps = walk%n_steps + 1
+      call self%watch%note(model, self%state, state)
+      self%state = state
+      self%n_steps = self%n_steps + 1
+   end subroutine history_walk_note
+
+   !> Slip of the step, accumulated slip [L], dissipation [F L], Archard's integral [F/L] and, where they are asked for,
+   !> the parameters of fretting (m, 4 or 9).
+   pure function history_walk_point_record(self, body) result(record)
+      class(history_walk_t), intent(in) :: self !! the way
+      type(body_t), intent(in) :: body !! the body
+      real(dp), allocatable :: record(:, :)
+
+      record = self%state%slip_record(body)
+      if (size(self%watch%fretting%extreme) > 0) record = reshape([record, self%watch%fretting%parameters()], &
+         [size(record, 1), size(record, 2) + n_parameters])
+   end function history_walk_point_record
+
+   !> Goes on behind a step that was kept. The next one is twice as long where that ends at a multiple of its length.
+   pure subroutine go_on(walk, history)
+      type(history_walk_t), intent(inout) :: walk !! the way
+      type(history_t), intent(in) :: history !! the history
+
       walk%tick = modulo(walk%tick + walk%length, n_ticks)
       if (walk%tick == 0) walk%n_planned = walk%n_planned + 1
       walk%is_ended = walk%n_planned == history%n_steps()
       if (modulo(walk%tick, 2*walk%length) == 0) walk%length = min(n_ticks, 2*walk%length)
-   end subroutine keep
+   end subroutine go_on
 
    !> The time that the next step leads to [-].
    pure real(dp) function history_walk_plan(self, history) result(time)

@@ -54,7 +54,7 @@ contains
       stepper%n_changes = sum([(config%history%steps(i)%n_numbers(), i=1, size(config%history%steps))])
       stepper%n_points = stepper%cache%body%zone%n_points
       stepper%n_state = 1 + stepper%n_changes + n_state_numbers(stepper%n_points)
-      header = history_header(config%history)
+      header = history_header(config%history, size(stepper%cache%body%zone%pairs))
       stepper%columns = header(len('step,') + 1:index(header, ',iterations,statuses') - 1)
    end subroutine new_load_stepper
 

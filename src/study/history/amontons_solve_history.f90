@@ -4,6 +4,7 @@ module amontons_solve_history
    use amontons_checkpoint, only: checkpoint_t
    use amontons_config, only: config_t, effective_deck
    use amontons_contact_method, only: contact_method_t
+   use amontons_cycle_watch, only: n_cycle_numbers
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_history, only: history_t, is_shown
    use amontons_history_files, only: history_files_t, new_history_files
@@ -21,7 +22,6 @@ module amontons_solve_history
    use amontons_result_warnings, only: add_result_warnings
    use amontons_solve_case, only: cache_t, condense_case, prepare_case
    use amontons_solve_load_case, only: certify, set_factor
-   use amontons_stepper, only: step_state_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_text, only: newline, to_text
    use amontons_timings, only: phase_recover, phase_solve, phase_write
@@ -52,6 +52,7 @@ module amontons_solve_history
       type(checkpoint_t) :: checkpoint !! their checkpoint, locked unless the history was interrupted
       real(dp), allocatable :: reached(:, :)
          !! the times of the deck that were reached, each with zones, forces, strain energy, work, dissipation (9, n)
+      real(dp), allocatable :: cycles(:, :) !! the cycles that ended, as `cycle_watch_t` has them (n_cycle_numbers, n)
       type(worst_step_t) :: residual !! largest residual of the contact problems
       type(worst_step_t) :: imbalance !! largest violation of the energy identities
       type(worst_step_t) :: indicator !! largest energy error of a step over its energies
@@ -110,7 +111,7 @@ contains
       type(history_milestone_t) :: milestone
       character(:), allocatable :: key
 
-      allocate (result%reached(n_reached_numbers, 0))
+      allocate (result%reached(n_reached_numbers, 0), result%cycles(n_cycle_numbers, 0))
       call new_history_walk(result%walk, model, cache%body)
       key = '! Amontons '//version//', a history under way; contact problem '//model%fingerprint()//newline// &
          effective_deck(config)
@@ -125,7 +126,7 @@ contains
          key = key//milestone%text()//newline
          deallocate (milestone%numbers)
       end if
-      call new_history_files(files, model, cache%body, directory, config)
+      call new_history_files(files, model, cache%body, result%walk, directory, config)
       call files%open(model, key, milestone, error)
       if (.not. allocated(error) .and. allocated(milestone%numbers)) call go_on(cache, model, milestone%numbers, &
          result, error)
@@ -141,7 +142,8 @@ contains
       if (result%walk%n_steps == 0) return
       milestone%numbers = [real(result%n_certified, dp), result%residual%numbers(), result%imbalance%numbers(), &
          result%indicator%numbers(), result%violation%numbers(), result%jump%numbers(), real(result%n_jumps, dp), &
-         real(size(result%reached, 2), dp), reshape(result%reached, [size(result%reached)]), result%walk%numbers()]
+         real([size(result%reached, 2), size(result%cycles, 2)], dp), reshape(result%reached, [size(result%reached)]), &
+         reshape(result%cycles, [size(result%cycles)]), result%walk%numbers()]
       call files%checkpoint%save(milestone, error)
    end subroutine note_milestone
 
@@ -152,8 +154,8 @@ contains
       real(dp), intent(in) :: numbers(:) !! the numbers of the note
       type(history_result_t), intent(inout) :: result !! the history, new
       type(error_t), allocatable, intent(out) :: error !! the note does not fit
-      integer, parameter :: n_before = 13
-      integer :: n_reached
+      integer, parameter :: n_before = 14
+      integer :: first, last
 
       result%n_certified = nint(numbers(1))
       result%residual = worst_step_t(numbers(2), nint(numbers(3)))
@@ -162,11 +164,11 @@ contains
       result%violation = worst_step_t(numbers(8), nint(numbers(9)))
       result%jump = worst_step_t(numbers(10), nint(numbers(11)))
       result%n_jumps = nint(numbers(12))
-      n_reached = nint(numbers(n_before))
-      associate (last => n_before + n_reached_numbers*n_reached)
-         result%reached = reshape(numbers(n_before + 1:last), [n_reached_numbers, n_reached])
-         call result%walk%restore(model, cache%body, cache%problem, numbers(last + 1:), error)
-      end associate
+      first = n_before + n_reached_numbers*nint(numbers(n_before - 1))
+      last = first + n_cycle_numbers*nint(numbers(n_before))
+      result%reached = reshape(numbers(n_before + 1:first), [n_reached_numbers, nint(numbers(n_before - 1))])
+      result%cycles = reshape(numbers(first + 1:last), [n_cycle_numbers, nint(numbers(n_before))])
+      call result%walk%restore(model, cache%body, cache%problem, numbers(last + 1:), error)
       result%n_resumed = result%walk%n_steps
    end subroutine go_on
 
@@ -264,13 +266,15 @@ contains
       type(history_t), intent(in) :: history !! the history
       type(lengths_t) :: lengths
 
-      if (.not. allocated(self%reached)) allocate (self%reached(n_reached_numbers, 0))
+      if (.not. allocated(self%reached)) allocate (self%reached(n_reached_numbers, 0), self%cycles(n_cycle_numbers, 0))
       associate (walk => self%walk, state => self%walk%state, m => body%zone%n_points)
          if (walk%is_jump) self%n_jumps = self%n_jumps + 1
          if (walk%is_jump) call self%jump%note(state%indicator, walk%n_steps)
          call self%residual%note(state%solution%residual, walk%n_steps)
          call self%imbalance%note(state%imbalance, walk%n_steps)
          call self%indicator%note(state%indicator, walk%n_steps)
+         if (walk%watch%is_finished) self%cycles = reshape([self%cycles, walk%watch%numbers], &
+            [n_cycle_numbers, size(self%cycles, 2) + 1])
          if (.not. any(abs(state%instant%time - history%times) <= 0.0_dp)) return
          call new_lengths(lengths, body%zone, state%solution%status)
          self%reached = reshape([self%reached, state%instant%time, lengths%open, lengths%slip, lengths%stick, &
@@ -298,7 +302,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the grids cannot be written
       type(result_t) :: step
 
-      call new_step_result(step, cache, model, result%walk%state, error)
+      call new_step_result(step, cache, model, result%walk, error)
       if (allocated(error)) return
       call result%violation%note(step%certificate%largest(), result%walk%n_steps)
       result%n_certified = result%n_certified + 1
@@ -306,18 +310,18 @@ contains
    end subroutine add_fields
 
    !> Makes the result of a step: displacements of all nodes, and their certificate.
-   subroutine new_step_result(step, cache, model, state, error)
+   subroutine new_step_result(step, cache, model, walk, error)
       type(result_t), intent(inout) :: step !! gains load case, solution, displacements and certificate
       type(cache_t), intent(in) :: cache !! the body
       type(history_model_t), intent(in) :: model !! the history
-      type(step_state_t), intent(in) :: state !! the state at the end of the step
+      type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
       type(error_t), allocatable, intent(out) :: error !! the numbers are not finite
 
-      call model%load_case(cache%body, state%instant, state%anchor, step%load_case, error)
+      call model%load_case(cache%body, walk%state%instant, walk%state%anchor, step%load_case, error)
       if (allocated(error)) return
       call condense_load_case(step%load_case, cache%body)
-      step%solution = state%solution
-      step%slip_record = state%slip_record(cache%body)
+      step%solution = walk%state%solution
+      step%slip_record = walk%point_record(cache%body)
       call certify(step, cache%body, error)
    end subroutine new_step_result
 
@@ -334,7 +338,7 @@ contains
       if (allocated(error)) return
       call result%last%timings%begin(phase_recover)
       associate (state => result%walk%state)
-         call new_step_result(result%last, cache, model, state, error)
+         call new_step_result(result%last, cache, model, result%walk, error)
          if (allocated(error)) return
          call result%violation%note(result%last%certificate%largest(), result%walk%n_steps)
          result%n_certified = result%n_certified + 1

@@ -6,7 +6,7 @@ module amontons_reduced_listing
    use amontons_kinds, only: dp
    use amontons_listing_parts, only: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
       violations_text, warnings_text
-   use amontons_listing_text, only: heading, line, scientific, short
+   use amontons_listing_text, only: heading, labeled, scientific, short_text
    use amontons_reduced_system, only: reduced_system_t
    use amontons_result, only: certificate_limit
    use amontons_solutions_report, only: solutions_text, uniqueness_text
@@ -46,20 +46,21 @@ contains
       type(reduced_system_t), intent(in) :: system !! the reduced problem
       character(:), allocatable :: text
 
-      text = heading('Reduced problem u = W r + q')//line('File', config%reduced%path)//line('Form', system%form)// &
-         line('Contacts', to_text(system%n_contacts))
+      text = heading('Reduced problem u = W r + q')//labeled('File', config%reduced%path)//labeled('Form', &
+         system%form)//labeled('Contacts', to_text(system%n_contacts))
       if (system%n_contacts == 0) return
-      text = text//line('Matrix W', to_text(size(system%entry))//' entries, '// &
+      text = text//labeled('Matrix W', to_text(size(system%entry))//' entries, '// &
          trim(merge('used as dense ', 'used as sparse', system%is_dense())))// &
-         line('Diagonal of W', 'up to '//short(system%largest))// &
-         line('Largest q', short(maxval(abs(system%q))))
+         labeled('Diagonal of W', 'up to '//short_text(system%largest))// &
+         labeled('Largest q', short_text(maxval(abs(system%q))))
       if (maxval(system%friction) > minval(system%friction)) then
-         text = text//line('Friction', short(minval(system%friction))//' to '//short(maxval(system%friction)))
+         text = text//labeled('Friction', short_text(minval(system%friction))//' to '// &
+            short_text(maxval(system%friction)))
       else
-         text = text//line('Friction', short(system%friction(1)))
+         text = text//labeled('Friction', short_text(system%friction(1)))
       end if
-      if (config%reduced%has_friction) text = text//line('', "the deck's, in the place of the file's")
-      if (system%asymmetry > 0.0_dp) text = text//line('Note', 'W differs from its transpose by up to '// &
+      if (config%reduced%has_friction) text = text//labeled('', "the deck's, in the place of the file's")
+      if (system%asymmetry > 0.0_dp) text = text//labeled('Note', 'W differs from its transpose by up to '// &
          scientific(system%asymmetry)//'; the forces below solve the problem with W as given in the file')
    end function problem_text
 
@@ -70,12 +71,12 @@ contains
       character(:), allocatable :: text
 
       associate (solution => result%solution)
-         text = heading('Solution')//line('Method', method_text(config%method))//outcome_text(solution)// &
+         text = heading('Solution')//labeled('Method', method_text(config%method))//outcome_text(solution)// &
             residual_text(solution, config%method%tolerance)// &
             uniqueness_text(result%uniqueness, result%system%friction)// &
-            line('Contacts', status_counts(solution%status))// &
-            line('Sum of forces', 'normal '//short(sum(result%system%r(1::2)))//', tangential '// &
-            short(sum(result%system%r(2::2))))
+            labeled('Contacts', status_counts(solution%status))// &
+            labeled('Sum of forces', 'normal '//short_text(sum(result%system%r(1::2)))//', tangential '// &
+            short_text(sum(result%system%r(2::2))))
          if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, &
             [result%system%r(1::2), result%system%r(2::2)])
       end associate

@@ -9,7 +9,7 @@ module amontons_reduced_study
    use amontons_solve_reduced, only: find_reduced_solutions, prepare_reduced, reduced_result_t, solve_reduced
    use amontons_study, only: study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_text, only: to_text
+   use amontons_text, only: counted, to_text
    use amontons_timings, only: phase_solve, phase_write
    implicit none (type, external)
    private
@@ -92,7 +92,8 @@ contains
       character(:), allocatable :: text
 
       text = name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
-         to_text(result%solution%n_iterations)//' iterations, residual '//scientific(result%solution%residual)//'; '// &
+         counted(result%solution%n_iterations, 'iteration')//', residual '// &
+            scientific(result%solution%residual)//'; '// &
          to_text(result%system%n_contacts)//' contacts'
    end function solved_text
 

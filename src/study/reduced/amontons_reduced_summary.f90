@@ -2,7 +2,7 @@
 module amontons_reduced_summary
    use amontons_config, only: config_t
    use amontons_document, only: document_t
-   use amontons_json, only: number, string
+   use amontons_json, only: json_number, json_string
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_quantity, only: quantity_t, scales
@@ -30,9 +30,9 @@ contains
          call add_head(summary, config, config%method%method, trim(merge('converged    ', 'not_converged', &
             solution%is_converged)), result%warnings)
          call summary%record(effort_members(solution))
-         call summary%add(member('problem', '{"file": '//string(config%reduced%path)//', "form": '// &
-            string(system%form)//', "entries": '//to_text(size(system%entry))//', "largest_compliance": '// &
-            number(system%largest)//', "asymmetry": '//number(system%asymmetry)//'}'), [system%largest])
+         call summary%add(member('problem', '{"file": '//json_string(config%reduced%path)//', "form": '// &
+            json_string(system%form)//', "entries": '//to_text(size(system%entry))//', "largest_compliance": '// &
+            json_number(system%largest)//', "asymmetry": '//json_number(system%asymmetry)//'}'), [system%largest])
          call summary%add(certificate_member(result%check%violations(), certificate_limit(config%method%tolerance), &
             no_quantities), [1.0_dp])
          call summary%record(uniqueness_member(result%uniqueness))

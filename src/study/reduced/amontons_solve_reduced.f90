@@ -10,7 +10,7 @@ module amontons_solve_reduced
    use amontons_effort, only: effort_t
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: short
+   use amontons_listing_text, only: short_text
    use amontons_methods, only: method_options_t, new_contact_method
    use amontons_reduced_check, only: new_reduced_check, reduced_check_t
    use amontons_reduced_file, only: read_reduced_file
@@ -55,8 +55,8 @@ contains
       if (config%reduced%has_friction) result%system%friction = config%reduced%friction
       associate (system => result%system)
          if (system%asymmetry > rounding*system%largest) call result%warnings%add( &
-            'W is not symmetric: it differs from its transpose by up to '//short(system%asymmetry)// &
-            ', beside a diagonal of up to '//short(system%largest))
+            'W is not symmetric: it differs from its transpose by up to '//short_text(system%asymmetry)// &
+            ', beside a diagonal of up to '//short_text(system%largest))
       end associate
    end subroutine prepare_reduced
 

@@ -45,16 +45,20 @@ contains
       integer :: level
 
       config = self%config
-      ! The files are those of a case on the finest mesh.
-      config%accuracy%n_refinements = 0
       allocate (levels(0:self%config%accuracy%n_refinements))
       do level = 0, self%config%accuracy%n_refinements
          config%meshes%n_refinements = self%config%meshes%n_refinements + level
          call solve_case(cache, config, result, error)
          if (allocated(error)) exit
+         ! A mesh without a solution is the last one: the files say so.
+         if (.not. result%solution%is_converged) exit
+         cache%is_refining = .true.
          levels(level)%quantities = [result%lengths%quantities(), result%key_results]
       end do
-      if (.not. allocated(error)) call compare_levels(result, cache%body%zone, levels)
+      cache%is_refining = .false.
+      if (level > self%config%accuracy%n_refinements) call compare_levels(result, cache%body%zone, levels)
+      ! The files are those of a case on the last mesh.
+      config%accuracy%n_refinements = 0
       call report_case(config, cache, options, result, outcome, error)
       associate (unused => monitor)
       end associate

@@ -6,8 +6,8 @@ module amontons_answer_report
    use amontons_document, only: document_t
    use amontons_earlier_files, only: find_earlier_files
    use amontons_error, only: error_t
-   use amontons_json, only: string
-   use amontons_listing_model, only: loads_text, model_text
+   use amontons_json, only: json_string
+   use amontons_listing_model, only: model_text
    use amontons_listing_parts, only: head_text, warnings_text
    use amontons_listing_text, only: heading
    use amontons_manifest, only: manifest_t, with_manifest
@@ -64,10 +64,10 @@ contains
       listing%ending = '.lst'
       call listing%record(head_text(config))
       call listing%add(warnings_text(result%warnings))
-      call listing%add(model_text(body, result%load_case)//loads_text(result%load_case))
+      call listing%add(model_text(body, result%load_case, config%units))
       call listing%add(heading('Solution')//'  '//sentence//newline)
       call add_head(summary, config, config%method%method, 'no_equilibrium', result%warnings)
-      call summary%add(member('message', string(sentence)))
+      call summary%add(member('message', json_string(sentence)))
       call summary%add(member('counts', '{'//size_counts(body)//'}'))
       call summary%record(last_members(result%timings))
    end subroutine answer_documents

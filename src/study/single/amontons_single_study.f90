@@ -9,7 +9,7 @@ module amontons_single_study
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing_parts, only: closed_text
-   use amontons_listing_text, only: scientific, short
+   use amontons_listing_text, only: scientific, short_text
    use amontons_outcome, only: method_numbers, outcome_t
    use amontons_quantity, only: value_of
    use amontons_reduced_file, only: write_reduced_file
@@ -19,7 +19,7 @@ module amontons_single_study
    use amontons_solve_case, only: cache_t, solve_case
    use amontons_study, only: study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_text, only: to_text
+   use amontons_text, only: counted
    use amontons_timings, only: phase_solve, phase_write
    implicit none (type, external)
    private
@@ -30,7 +30,6 @@ module amontons_single_study
    type, extends(study_t) :: single_study_t
    contains
       procedure :: check => single_study_check
-      procedure :: has_grids => single_study_has_grids
       procedure :: solve => single_study_solve
    end type single_study_t
 
@@ -45,15 +44,6 @@ contains
 
       call check_body(self%config, '', cache, outcome, error)
    end subroutine single_study_check
-
-   !> A single case leaves its grids.
-   pure logical function single_study_has_grids(self) result(has_grids)
-      class(single_study_t), intent(in) :: self !! the study
-
-      has_grids = .true.
-      associate (unused => self)
-      end associate
-   end function single_study_has_grids
 
    !> Solves the case and writes its files.
    subroutine single_study_solve(self, cache, options, monitor, outcome, error)
@@ -145,11 +135,17 @@ contains
       character(:), allocatable :: text
 
       text = name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
-         to_text(result%solution%n_iterations)//' iterations, residual '//scientific(result%solution%residual)// &
-         '; open '//short(result%lengths%open)//', slip '//short(result%lengths%slip)// &
-         ', stick '//short(result%lengths%stick)//'; '// &
-         closed_text(result%solution%status)//', peak pressure '// &
-         short(value_of(result%key_results, 'max_contact_pressure'))
+         counted(result%solution%n_iterations, 'iteration')//', residual '//scientific(result%solution%residual)
+      if (size(result%solution%status) == 0) then
+         text = text//'; no contact set, largest von Mises stress '// &
+            short_text(value_of(result%key_results, 'max_von_mises'))//', displacement '// &
+            short_text(value_of(result%key_results, 'max_displacement'))
+      else
+         text = text//'; open '//short_text(result%lengths%open)//', slip '//short_text(result%lengths%slip)// &
+            ', stick '//short_text(result%lengths%stick)//'; '//closed_text(result%solution%status)// &
+            ', peak pressure '// &
+            short_text(value_of(result%key_results, 'max_contact_pressure'))
+      end if
    end function solved_text
 
 end module amontons_single_study

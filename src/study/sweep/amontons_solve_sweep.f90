@@ -11,7 +11,6 @@ module amontons_solve_sweep
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_load_case, only: condense_load_case
    use amontons_manifest, only: manifest_t
    use amontons_methods, only: new_contact_method
    use amontons_output_file, only: output_file_t
@@ -231,7 +230,6 @@ contains
          call solve_chunk(task, body, problem, chunk, solutions)
          certified%solution = solutions(chunk%last - chunk%first + 1)
          call task%model%load_case(task%sweep%values(number), certified%load_case)
-         call condense_load_case(certified%load_case, body)
          call certify(certified, body, error)
          if (.not. allocated(error)) call add_conditioning(certified, body)
       end associate

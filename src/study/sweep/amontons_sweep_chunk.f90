@@ -11,11 +11,12 @@ module amontons_sweep_chunk
    use amontons_error, only: error_t
    use amontons_key_results, only: body_peaks, body_peaks_at_rest
    use amontons_kinds, only: dp
-   use amontons_load_case, only: condense_load_case, load_case_t, recover_displacement
+   use amontons_load_case, only: load_case_t, recover_displacement
    use amontons_newton, only: newton_t
    use amontons_quantity, only: quantity_t
    use amontons_result_warnings, only: find_case_warnings
    use amontons_row_text, only: status_runs
+   use amontons_spin, only: find_spin
    use amontons_stress_field, only: new_stress_field, stress_field_t
    use amontons_sweep, only: sweep_t
    use amontons_sweep_model, only: sweep_model_t
@@ -99,7 +100,7 @@ contains
       type(newton_t) :: newton
       type(error_t), allocatable :: error
       integer :: n_iterations
-      logical :: is_solved
+      logical :: is_solved, has_equilibrium
 
       n_iterations = 0
       is_solved = .false.
@@ -111,20 +112,15 @@ contains
          n_iterations = solution%n_iterations
          is_solved = solution%is_converged
       end if
-      if (.not. is_solved) then
-         call new_contact_solution(solution, problem%n_points)
-         ! Threads cannot make the texts of errors side by side, see `amontons_sweep_table`.
-         !$omp critical
-         call check_balance_of(task, body, number, error)
-         !$omp end critical
-         if (allocated(error)) then
-            kept%outcome = case_no_equilibrium
-            kept%quantity = spread(0.0_dp, 1, task%n_quantities)
-            kept%n_iterations = n_iterations
-            return
-         end if
-         call task%method%solve(problem, solution, error)
-         if (allocated(error)) solution%is_converged = .false.
+      has_equilibrium = .true.
+      if (.not. is_solved) call solve_from_rest(task, body, number, problem, solution, has_equilibrium)
+      if (has_equilibrium) has_equilibrium = .not. spins(task, body, problem, solution)
+      if (.not. has_equilibrium) then
+         solution%is_converged = .false.
+         kept%outcome = case_no_equilibrium
+         kept%quantity = spread(0.0_dp, 1, task%n_quantities)
+         kept%n_iterations = n_iterations
+         return
       end if
       associate (model => task%model)
          call new_case_result(kept, body, solution, model%fixed%friction + matmul(model%friction, &
@@ -132,9 +128,43 @@ contains
       end associate
       kept%error_estimate = error_estimate(problem, solution, &
          maxval(abs(task%model%case_forces(task%sweep%values(number)))))
-      if (.not. is_solved) kept%n_iterations = kept%n_iterations + n_iterations
-      if (solution%is_converged) call find_case_warnings(kept%is_warned, body%zone, task%model%size_of_body, solution)
+      kept%n_iterations = kept%n_iterations + merge(0, n_iterations, is_solved)
+      if (solution%is_converged) call find_case_warnings(kept%is_warned, body%zone, &
+         task%model%size_of_body, maxval(body%materials%list%young), solution)
    end subroutine solve_one
+
+   !> Solves a case from rest, if the loads have an equilibrium.
+   subroutine solve_from_rest(task, body, number, problem, solution, has_equilibrium)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: number !! number of the case
+      type(contact_problem_t), intent(inout) :: problem !! its contact problem
+      type(contact_solution_t), intent(out) :: solution !! its solution
+      logical, intent(out) :: has_equilibrium !! whether contact and friction can balance the loads
+      type(error_t), allocatable :: error
+
+      call new_contact_solution(solution, problem%n_points)
+      ! Threads cannot make the texts of errors side by side, see `amontons_sweep_table`.
+      !$omp critical
+      call check_balance_of(task, body, number, error)
+      !$omp end critical
+      has_equilibrium = .not. allocated(error)
+      if (.not. has_equilibrium) return
+      call task%method%solve(problem, solution, error)
+      if (allocated(error)) solution%is_converged = .false.
+   end subroutine solve_from_rest
+
+   !> Whether a body moves on without end although friction resists.
+   logical function spins(task, body, problem, solution)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(in) :: problem !! the contact problem of a case
+      type(contact_solution_t), intent(in) :: solution !! its solution
+      real(dp), allocatable :: amounts(:)
+
+      call find_spin(amounts, body, task%model%fixed%is_in_reach, problem, solution)
+      spins = allocated(amounts)
+   end function spins
 
    !> The key results of the whole body, if the deck asks for them.
    function peaks_of(task, body, number, solution) result(peaks)
@@ -151,7 +181,6 @@ contains
       if (.not. task%sweep%has_body_results) peaks = peaks(:0)
       if (size(peaks) == 0 .or. .not. solution%residual < huge(1.0_dp)) return
       call task%model%load_case(task%sweep%values(number), load_case)
-      call condense_load_case(load_case, body)
       call recover_displacement(displacement, body, load_case, solution%displacement)
       call new_stress_field(stress, body%mesh, body%materials, body%coloring, displacement, load_case%thermal_strain)
       peaks = body_peaks(body%mesh, displacement, stress)

@@ -9,7 +9,7 @@ module amontons_sweep_fields
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t
    use amontons_grids, only: write_grids
-   use amontons_load_case, only: condense_load_case, recover_displacement
+   use amontons_load_case, only: recover_displacement
    use amontons_manifest, only: manifest_t
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
@@ -18,6 +18,7 @@ module amontons_sweep_fields
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
    use amontons_sweep_statistics, only: case_converged
    use amontons_system, only: make_directory
+   use amontons_temporary_file, only: remove_temporaries
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -46,6 +47,7 @@ contains
       slash = index(stem, '/', back=.true.)
       call make_directory(stem//'.sweep', error)
       if (allocated(error)) return
+      call remove_temporaries(stem//'.sweep/')
       call new_collection(collection, stem//'.sweep.pvd', task%units, error)
       if (allocated(error)) return
       problem = task%model%problem
@@ -88,7 +90,6 @@ contains
          if (.not. task%sweep%has_fields(number, number) .or. chunk%results(i)%outcome /= case_converged) cycle
          result%solution = solutions(i)
          call task%model%load_case(task%sweep%values(number), result%load_case)
-         call condense_load_case(result%load_case, body)
          call recover_displacement(result%displacement, body, result%load_case, result%solution%displacement)
          call new_stress_field(result%stress, body%mesh, body%materials, body%coloring, result%displacement, &
             result%load_case%thermal_strain)

@@ -5,13 +5,15 @@ module amontons_sweep_listing
    use amontons_document, only: document_t
    use amontons_kinds, only: dp
    use amontons_listing, only: certificate_text, factorization_text, listed_phases
-   use amontons_listing_model, only: loads_text, model_text
+   use amontons_listing_model, only: model_text
    use amontons_listing_parts, only: head_text, method_text, times_text, warnings_text
-   use amontons_listing_text, only: heading, line, right, scientific, short
+   use amontons_listing_text, only: flush_right, heading, labeled, scientific, short_text
+   use amontons_quantity, only: quantity_t
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep, only: sweep_axis_t, sweep_t, swept_load
-   use amontons_sweep_statistics, only: case_converged, outcome_labels, ranked_keys, sweep_statistics_t
-   use amontons_text, only: to_text
+   use amontons_sweep_statistics, only: case_converged, outcome_labels, ranked_quantities, sweep_statistics_t
+   use amontons_text, only: counted, newline, to_text
+   use amontons_units, only: with_unit
    implicit none (type, external)
    private
 
@@ -30,10 +32,10 @@ contains
       call listing%record(head_text(config))
       associate (certified => result%certified, statistics => result%statistics)
          call listing%add(warnings_text(certified%warnings))
-         call listing%add(model_text(body, certified%load_case)//loads_text(certified%load_case)//sweep_text(config))
+         call listing%add(model_text(body, certified%load_case, config%units)//sweep_text(config))
          call listing%record(solution_text(config, result))
          if (statistics%residual_case > 0) then
-            call listing%add(extremes_text(body, config%sweep, statistics))
+            call listing%add(extremes_text(ranked_quantities(body, config%sweep), statistics, config%units))
             call add_certificate(listing, result)
          end if
          call listing%record(times_text(certified%timings, listed_phases))
@@ -47,7 +49,7 @@ contains
       character(:), allocatable :: text
 
       text = certificate_text(result%certified%certificate, result%certified%method%tolerance)// &
-         line('Worst case', to_text(result%statistics%worst_case)//', by the estimated error of its forces')
+         labeled('Worst case', to_text(result%statistics%worst_case)//', by the estimated error of its forces')
       if (result%has_certificate) then
          call listing%add(text, [1.0_dp])
       else
@@ -64,11 +66,11 @@ contains
       text = heading('Sweep')
       do i = 1, size(config%sweep%axes)
          associate (axis => config%sweep%axes(i))
-            text = text//line(trim(merge('along with', 'vary      ', axis%is_paired)), axis_text(axis))
+            text = text//labeled(trim(merge('along with', 'vary      ', axis%is_paired)), axis_text(axis))
          end associate
       end do
-      text = text//line('Cases', to_text(config%sweep%n_cases())//', row by row in '//config%name//'.sweep.csv')
-      if (config%sweep%n_fields() > 0) text = text//line('Fields', 'of '//to_text(config%sweep%n_fields())// &
+      text = text//labeled('Cases', to_text(config%sweep%n_cases())//', row by row in '//config%name//'.sweep.csv')
+      if (config%sweep%n_fields() > 0) text = text//labeled('Fields', 'of '//to_text(config%sweep%n_fields())// &
          ' cases, those that converged, in '//config%name//'.sweep.pvd')
    end function sweep_text
 
@@ -84,11 +86,11 @@ contains
       else
          text = axis%label()//': '
       end if
-      text = text//to_text(size(axis%values))//' values, '
+      text = text//counted(size(axis%values), 'value')//', '
       do i = 1, size(axis%values)
          if (i == n_shown .and. size(axis%values) > n_shown) text = text//'... '
          if (i >= n_shown .and. i < size(axis%values)) cycle
-         text = text//short(axis%values(i))
+         text = text//short_text(axis%values(i))
          if (i < size(axis%values)) text = text//', '
       end do
    end function axis_text
@@ -101,42 +103,44 @@ contains
       integer :: i
 
       associate (statistics => result%statistics)
-         text = heading('Solution')//line('Method', method_text(config%method))// &
-            line('Factorization', factorization_text(result%certified))// &
-            line('Converged', to_text(statistics%n_outcomes(case_converged))//' of '//to_text(statistics%n_cases)// &
+         text = heading('Solution')//labeled('Method', method_text(config%method))// &
+            labeled('Factorization', factorization_text(result%certified))// &
+            labeled('Converged', to_text(statistics%n_outcomes(case_converged))//' of '//to_text(statistics%n_cases)// &
             ' cases')
          do i = 1, size(outcome_labels)
             if (i /= case_converged .and. statistics%n_outcomes(i) > 0) text = text// &
-               line(trim(outcome_labels(i)), to_text(statistics%n_outcomes(i))//' cases')
+               labeled(trim(outcome_labels(i)), counted(statistics%n_outcomes(i), 'case'))
          end do
-         text = text//line('Iterations', to_text(statistics%n_iterations)//', '// &
+         text = text//labeled('Iterations', to_text(statistics%n_iterations)//', '// &
             scientific(real(statistics%n_iterations, dp)/max(1, statistics%n_cases))//' per case')
-         if (statistics%residual_case > 0) text = text//line('Largest residual', scientific(statistics%residual)// &
+         if (statistics%residual_case > 0) text = text//labeled('Largest residual', scientific(statistics%residual)// &
             ' in case '//to_text(statistics%residual_case)//', tolerance '//scientific(config%method%tolerance))
-         if (result%n_resumed > 0) text = text//line('Done earlier', to_text(result%n_resumed)//' cases')
-         if (result%checkpoint%is_anew) text = text//line('Note', 'the rows of an interrupted run are damaged or '// &
+         if (result%n_resumed > 0) text = text//labeled('Done earlier', counted(result%n_resumed, 'case'))
+         if (result%checkpoint%is_anew) text = text// &
+            labeled('Note', 'the rows of an interrupted run are damaged or '// &
             'of another deck or version: all cases were solved again')
-         text = text//line('Cases per second', short(result%cases_per_second()))
+         text = text//labeled('Cases per second', short_text(result%cases_per_second()))
       end associate
    end function solution_text
 
    !> Extremes of the cases that converged.
-   pure function extremes_text(body, sweep, statistics) result(text)
-      type(body_t), intent(in) :: body !! the body
-      type(sweep_t), intent(in) :: sweep !! the sweep
+   pure function extremes_text(list, statistics, units) result(text)
+      type(quantity_t), intent(in) :: list(:) !! what cases are ranked by
       type(sweep_statistics_t), intent(in) :: statistics !! counts and extremes
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
-      character(32), allocatable :: keys(:)
       integer, parameter :: width = 14
-      integer :: i
+      integer :: name_width, i
 
-      keys = ranked_keys(body, sweep)
-      text = heading('Extremes of the cases that converged')//line('', right('least', width)// &
-         right('in case', width)//right('greatest', width)//right('in case', width))
-      do i = 1, size(keys)
-         text = text//line(trim(keys(i)), right(short(statistics%least(i)), width)// &
-            right(to_text(statistics%least_case(i)), width)//right(short(statistics%greatest(i)), width)// &
-            right(to_text(statistics%greatest_case(i)), width))
+      name_width = maxval(len_trim(list%key))
+      text = heading('Extremes of the cases that converged')//repeat(' ', name_width + 2)// &
+         flush_right('least', width)// &
+         flush_right('in case', width)//flush_right('greatest', width)//flush_right('in case', width)//newline
+      do i = 1, size(list)
+         text = text//'  '//list(i)%key(:name_width)//with_unit(flush_right(short_text(statistics%least(i)), width)// &
+            flush_right(to_text(statistics%least_case(i)), width)// &
+            flush_right(short_text(statistics%greatest(i)), width)// &
+            flush_right(to_text(statistics%greatest_case(i)), width), units, trim(list(i)%dimension))//newline
       end do
    end function extremes_text
 

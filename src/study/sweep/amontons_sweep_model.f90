@@ -159,7 +159,7 @@ contains
       problem%friction = merge(0.0_dp, self%fixed%friction + matmul(self%friction, values), self%is_tangent_fixed)
    end subroutine sweep_model_set_case
 
-   !> The load case of a case of the sweep, not condensed.
+   !> The load case of a case of the sweep, condensed if the model's loads are.
    pure subroutine sweep_model_load_case(self, values, load_case)
       class(sweep_model_t), intent(in) :: self !! the model
       real(dp), intent(in) :: values(:) !! value of each quantity [-]
@@ -170,6 +170,7 @@ contains
       load_case%force = self%case_forces(values)
       load_case%friction = self%fixed%friction + matmul(self%friction, values)
       do k = 1, size(values)
+         if (allocated(self%parts(k)%condensed%load)) call load_case%condensed%add(values(k), self%parts(k)%condensed)
          if (.not. allocated(self%parts(k)%thermal_strain)) cycle
          if (allocated(load_case%thermal_strain)) then
             load_case%thermal_strain = load_case%thermal_strain + values(k)*self%parts(k)%thermal_strain

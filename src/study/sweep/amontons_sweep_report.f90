@@ -84,8 +84,8 @@ contains
       manifest = result%grids
       call manifest%add_outputs(files, '', error)
       if (allocated(error)) return
-      call manifest%outputs%append_known(config%name//'.sweep.csv', result%checkpoint%checksum(1))
-      associate (load_case => result%certified%load_case)
+      associate (load_case => result%certified%load_case, table => result%checkpoint%checksum(1))
+         call manifest%outputs%append_known(config%name//'.sweep.csv', table%n_bytes, table%value())
          call manifest%add_inputs(body%mesh, load_case%contacts, load_case%loads)
       end associate
       call result%certified%timings%begin(phase_write)

@@ -15,8 +15,8 @@ module amontons_sweep_statistics
    implicit none (type, external)
    private
 
-   public :: case_keys, case_quantities, case_result_t, new_case_result, outcome_labels, outcome_names, ranked_keys, &
-      sweep_statistics_t
+   public :: case_keys, case_quantities, case_result_t, new_case_result, outcome_labels, outcome_names, &
+      ranked_quantities, sweep_statistics_t
 
    !> Outcome of a case that converged.
    integer, parameter, public :: case_converged = 1
@@ -59,6 +59,7 @@ module amontons_sweep_statistics
       procedure :: add => sweep_statistics_add
       procedure :: add_warnings => sweep_statistics_add_warnings
       procedure :: is_answered => sweep_statistics_is_answered
+      procedure :: outcome => sweep_statistics_outcome
       procedure :: read => sweep_statistics_read
       procedure :: text => sweep_statistics_text
    end type sweep_statistics_t
@@ -93,23 +94,13 @@ contains
       character(32), allocatable :: keys(:)
       type(quantity_t), allocatable :: list(:)
 
-      list = expanded(quantities_at_rest(body, sweep))
+      list = expanded(ranked_quantities(body, sweep))
       keys = list%key
    end function case_keys
 
-   !> The first of these names, without those of places: what cases can be ranked by.
-   pure function ranked_keys(body, sweep) result(keys)
-      type(body_t), intent(in) :: body !! the body
-      type(sweep_t), intent(in) :: sweep !! the sweep
-      character(32), allocatable :: keys(:)
-      type(quantity_t), allocatable :: list(:)
-
-      list = quantities_at_rest(body, sweep)
-      keys = list%key
-   end function ranked_keys
-
-   !> What is kept of a case that nothing loads.
-   pure function quantities_at_rest(body, sweep) result(list)
+   !> What cases can be ranked by: all that is kept of a case but the places. The values are those of a case that
+   !> nothing loads.
+   pure function ranked_quantities(body, sweep) result(list)
       type(body_t), intent(in) :: body !! the body
       type(sweep_t), intent(in) :: sweep !! the sweep
       type(quantity_t), allocatable :: list(:), peaks(:)
@@ -121,7 +112,7 @@ contains
       peaks = body_peaks_at_rest()
       if (.not. sweep%has_body_results) peaks = peaks(:0)
       list = case_quantities(body, solution, zeros, zeros, peaks)
-   end function quantities_at_rest
+   end function ranked_quantities
 
    !> Takes what is kept of a solved case from its solution.
    pure subroutine new_case_result(result, body, solution, friction, slip_bound, peaks)
@@ -145,39 +136,44 @@ contains
    pure subroutine sweep_statistics_add(self, result)
       class(sweep_statistics_t), intent(inout) :: self !! the statistics
       type(case_result_t), intent(in) :: result !! what is kept of the case
-      integer :: i
 
       self%n_cases = self%n_cases + 1
       self%n_outcomes(result%outcome) = self%n_outcomes(result%outcome) + 1
       self%n_iterations = self%n_iterations + result%n_iterations
       if (result%outcome /= case_converged) return
-      if (result%residual > self%residual) then
+      if (self%residual_case == 0 .or. result%residual > self%residual) then
          self%residual = result%residual
          self%residual_case = self%n_cases
       end if
       where (result%is_warned .and. self%n_warned == 0) self%warned_case = self%n_cases
       where (result%is_warned) self%n_warned = self%n_warned + 1
-      if (result%error_estimate > self%error_estimate) then
+      if (self%worst_case == 0 .or. result%error_estimate > self%error_estimate) then
          self%error_estimate = result%error_estimate
          self%worst_case = self%n_cases
       end if
-      if (.not. allocated(self%least)) then
-         self%least = result%quantity
-         self%greatest = result%quantity
-         self%least_case = spread(self%n_cases, 1, size(result%quantity))
-         self%greatest_case = self%least_case
-      end if
-      do i = 1, size(self%least)
-         if (result%quantity(i) < self%least(i)) then
-            self%least(i) = result%quantity(i)
-            self%least_case(i) = self%n_cases
-         end if
-         if (result%quantity(i) > self%greatest(i)) then
-            self%greatest(i) = result%quantity(i)
-            self%greatest_case(i) = self%n_cases
-         end if
-      end do
+      call add_extremes(self, result%quantity)
    end subroutine sweep_statistics_add
+
+   !> Compares the numbers of the last case with the extremes of those before.
+   pure subroutine add_extremes(statistics, quantity)
+      class(sweep_statistics_t), intent(inout) :: statistics !! the statistics
+      real(dp), intent(in) :: quantity(:) !! the numbers of the case
+
+      if (.not. allocated(statistics%least)) then
+         statistics%least = quantity
+         statistics%greatest = quantity
+         statistics%least_case = spread(statistics%n_cases, 1, size(quantity))
+         statistics%greatest_case = statistics%least_case
+      end if
+      where (quantity < statistics%least)
+         statistics%least = quantity
+         statistics%least_case = statistics%n_cases
+      end where
+      where (quantity > statistics%greatest)
+         statistics%greatest = quantity
+         statistics%greatest_case = statistics%n_cases
+      end where
+   end subroutine add_extremes
 
    !> Adds a warning for each that cases of the sweep deserve.
    pure subroutine sweep_statistics_add_warnings(self, warnings)
@@ -197,6 +193,21 @@ contains
 
       is_answered = self%n_outcomes(case_not_converged) == 0
    end function sweep_statistics_is_answered
+
+   !> What became of the cases together, in a word: one that did not converge counts first, no equilibrium only where no
+   !> case has one.
+   pure function sweep_statistics_outcome(self) result(word)
+      class(sweep_statistics_t), intent(in) :: self !! the statistics
+      character(:), allocatable :: word
+
+      if (self%n_outcomes(case_not_converged) > 0) then
+         word = trim(outcome_names(case_not_converged))
+      else if (self%n_outcomes(case_converged) == 0) then
+         word = trim(outcome_names(case_no_equilibrium))
+      else
+         word = trim(outcome_names(case_converged))
+      end if
+   end function sweep_statistics_outcome
 
    !> The statistics as a line that `read` understands.
    pure function sweep_statistics_text(self) result(text)

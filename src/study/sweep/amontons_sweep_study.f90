@@ -1,8 +1,9 @@
 !> The study of a sweep: all cases of a deck with `&sweep`.
 module amontons_sweep_study
+   use amontons_body, only: body_t
    use amontons_check_body, only: check_body
    use amontons_conditioning, only: rounded
-   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_listing_text, only: scientific
    use amontons_outcome, only: outcome_t, status_interrupted
@@ -12,9 +13,11 @@ module amontons_sweep_study
    use amontons_solve_sweep, only: solve_sweep, sweep_result_t
    use amontons_study, only: study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
+   use amontons_sweep, only: sweep_t
    use amontons_sweep_report, only: write_sweep_report
-   use amontons_sweep_statistics, only: case_converged, case_no_equilibrium, case_not_converged
-   use amontons_text, only: to_text
+   use amontons_sweep_statistics, only: case_converged, case_no_equilibrium, case_not_converged, &
+      ranked_quantities, sweep_statistics_t
+   use amontons_text, only: counted, to_text
    implicit none (type, external)
    private
 
@@ -24,23 +27,10 @@ module amontons_sweep_study
    type, extends(study_t) :: sweep_study_t
    contains
       procedure :: check => sweep_study_check
-      procedure :: refuse_options => sweep_study_refuse_options
       procedure :: solve => sweep_study_solve
    end type sweep_study_t
 
 contains
-
-   !> Refuses what is there for single cases only.
-   pure subroutine sweep_study_refuse_options(self, options, error)
-      class(sweep_study_t), intent(in) :: self !! the study
-      type(study_options_t), intent(in) :: options !! what is asked for besides the deck
-      type(error_t), allocatable, intent(out) :: error !! an option is for single cases
-
-      if (options%writes_reduced .or. options%wants_all_solutions) call new_error(error, input_refused, &
-         '--write-reduced and --all-solutions take single cases, found a deck with &sweep')
-      associate (unused => self)
-      end associate
-   end subroutine sweep_study_refuse_options
 
    !> Checks the sweep and reports its size.
    subroutine sweep_study_check(self, cache, outcome, error)
@@ -80,8 +70,7 @@ contains
       if (allocated(error)) return
       outcome%text = swept_text(self%config%name, result)
       outcome%warnings = result%certified%warnings
-      outcome%numbers = [quantity_t('iterations', '', real(result%statistics%n_iterations, dp)), &
-         quantity_t('residual', '', max(0.0_dp, result%statistics%residual))]
+      outcome%numbers = swept_numbers(cache%body, self%config%sweep, result%statistics)
       call judge_sweep(result, self%config%method%tolerance, outcome)
    end subroutine sweep_study_solve
 
@@ -98,12 +87,33 @@ contains
             to_text(result%statistics%n_cases)//' cases of the sweep did not converge'
          return
       end if
-      ! Where no case has an equilibrium there is nothing to certify.
-      if (result%statistics%worst_case == 0) return
+      if (result%statistics%outcome() == 'no_equilibrium') then
+         outcome%word = 'no_equilibrium'
+         return
+      end if
       call outcome%judge(.true., result%statistics%residual, result%certified%certificate%largest(), tolerance)
       if (outcome%status /= 0 .and. result%certified%condition > 0.0_dp) outcome%message = outcome%message// &
          '; the condition number of the stiffness is about '//rounded(result%certified%condition)
    end subroutine judge_sweep
+
+   !> Iterations of all cases together, and of those that converged the largest residual and peaks.
+   pure function swept_numbers(body, sweep, statistics) result(list)
+      type(body_t), intent(in) :: body !! the body
+      type(sweep_t), intent(in) :: sweep !! the sweep
+      type(sweep_statistics_t), intent(in) :: statistics !! counts and extremes
+      type(quantity_t), allocatable :: list(:), ranked(:)
+      integer :: i
+
+      ranked = ranked_quantities(body, sweep)
+      allocate (list(0))
+      if (statistics%residual_case == 0) return
+      list = [quantity_t('iterations', '', real(statistics%n_iterations, dp)), &
+         quantity_t('residual', '', statistics%residual)]
+      do i = 1, size(ranked)
+         ranked(i)%value = statistics%greatest(i)
+         if (index(ranked(i)%key, 'max_') == 1) list = [list, ranked(i)]
+      end do
+   end function swept_numbers
 
    !> The line on the result of a sweep.
    pure function swept_text(name, result) result(text)
@@ -112,7 +122,7 @@ contains
       character(:), allocatable :: text
 
       associate (statistics => result%statistics)
-         text = name//': '//to_text(statistics%n_cases)//' cases, '
+         text = name//': '//counted(statistics%n_cases, 'case')//', '
          if (statistics%n_outcomes(case_converged) == statistics%n_cases) then
             text = text//'all solved'
          else

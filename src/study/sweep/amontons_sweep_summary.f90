@@ -3,14 +3,14 @@ module amontons_sweep_summary
    use amontons_body, only: body_t
    use amontons_config, only: config_t
    use amontons_document, only: document_t
-   use amontons_json, only: number, string, truth
+   use amontons_json, only: json_logical, json_number, json_string
    use amontons_kinds, only: dp
-   use amontons_quantity, only: scales
+   use amontons_quantity, only: quantity_t, scales
    use amontons_result, only: certificate_limit
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_summary_members, only: add_head, certificate_member, last_members, member, size_counts
    use amontons_sweep, only: sweep_t
-   use amontons_sweep_statistics, only: ranked_keys, outcome_names, sweep_statistics_t
+   use amontons_sweep_statistics, only: outcome_names, ranked_quantities, sweep_statistics_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -27,17 +27,19 @@ contains
       type(sweep_result_t), intent(in) :: result !! the result
 
       associate (statistics => result%statistics, certified => result%certified)
-         call add_head(summary, config, config%method%method, trim(merge('converged    ', 'not_converged', &
-            statistics%is_answered())), certified%warnings)
+         call add_head(summary, config, config%method%method, statistics%outcome(), &
+            certified%warnings)
+         if (statistics%outcome() == 'no_equilibrium') call summary%add(member('message', json_string( &
+            'no case has an equilibrium: contact and friction cannot balance the loads of any')))
          call summary%add(member('iterations', to_text(statistics%n_iterations)))
          call summary%add(member('sweep', '{'//sweep_text(result)//'}'))
          call summary%add(member('quantities', '['//quantities_text(config%sweep)//']'))
          if (statistics%residual_case > 0) then
-            call summary%add(member('residual', number(statistics%residual)))
+            call summary%add(member('residual', json_number(statistics%residual)))
             call summary%add(member('extremes', '{'//extremes_text(body, config%sweep, statistics)//'}'))
             call add_certificate(summary, result)
          end if
-         if (certified%condition > 0.0_dp) call summary%record(member('condition', number(certified%condition)))
+         if (certified%condition > 0.0_dp) call summary%record(member('condition', json_number(certified%condition)))
          call summary%add(member('counts', '{'//size_counts(body)//'}'))
          call summary%record(last_members(certified%timings))
       end associate
@@ -71,7 +73,7 @@ contains
          text = text//', "'//trim(outcome_names(i))//'": '//to_text(result%statistics%n_outcomes(i))
       end do
       text = text//', "done_earlier": '//to_text(result%n_resumed)//', "cases_per_second": '// &
-         number(result%cases_per_second())
+         json_number(result%cases_per_second())
    end function sweep_text
 
    !> What varies: name, number of values, the least and the greatest of them.
@@ -84,11 +86,11 @@ contains
       do i = 1, size(sweep%axes)
          if (i > 1) text = text//', '
          associate (axis => sweep%axes(i))
-            text = text//'{"name": '//string(axis%label())// &
+            text = text//'{"name": '//json_string(axis%label())// &
                ', "values": '//to_text(size(axis%values))// &
-               ', "least": '//number(minval(axis%values))// &
-               ', "greatest": '//number(maxval(axis%values))// &
-               ', "paired": '//truth(axis%is_paired)//'}'
+               ', "least": '//json_number(minval(axis%values))// &
+               ', "greatest": '//json_number(maxval(axis%values))// &
+               ', "paired": '//json_logical(axis%is_paired)//'}'
          end associate
       end do
    end function quantities_text
@@ -99,15 +101,15 @@ contains
       type(sweep_t), intent(in) :: sweep !! the sweep
       type(sweep_statistics_t), intent(in) :: statistics !! counts and extremes
       character(:), allocatable :: text
-      character(32), allocatable :: keys(:)
+      type(quantity_t), allocatable :: list(:)
       integer :: i
 
       text = ''
-      keys = ranked_keys(body, sweep)
-      do i = 1, size(keys)
+      list = ranked_quantities(body, sweep)
+      do i = 1, size(list)
          if (i > 1) text = text//', '
-         text = text//'"'//trim(keys(i))//'": {"least": '//number(statistics%least(i))//', "least_case": '// &
-            to_text(statistics%least_case(i))//', "greatest": '//number(statistics%greatest(i))// &
+         text = text//'"'//trim(list(i)%key)//'": {"least": '//json_number(statistics%least(i))//', "least_case": '// &
+            to_text(statistics%least_case(i))//', "greatest": '//json_number(statistics%greatest(i))// &
             ', "greatest_case": '//to_text(statistics%greatest_case(i))//'}'
       end do
    end function extremes_text

@@ -1,5 +1,5 @@
 !> What a mesh file says, before it is checked and made a mesh: nodes and cells by their numbers in the file.
-module amontons_mesh_draft
+module amontons_raw_mesh
    use amontons_element, only: n_element_nodes
    use amontons_file_model, only: file_model_t
    use amontons_input_file, only: input_file_t, printable
@@ -9,7 +9,7 @@ module amontons_mesh_draft
    implicit none (type, external)
    private
 
-   public :: counted, draft_group_t, line2, line3, mesh_draft_t, n_cell_nodes, no_cell, point1
+   public :: raw_group_t, line2, line3, raw_mesh_t, n_cell_nodes, no_cell, point1
 
    !> Kind of a cell that is left out.
    integer, parameter :: no_cell = 0
@@ -30,17 +30,17 @@ module amontons_mesh_draft
    integer, parameter :: most_notes = 100
 
    !> A named set: of elements, of lines and sides, of nodes.
-   type :: draft_group_t
+   type :: raw_group_t
       character(:), allocatable :: name !! its name
       character(:), allocatable, private :: key !! what tells it from the others: the name, with or without its case
       integer :: place = 0 !! the end of the line that names it first
       type(integer_list_t) :: cell !! its cells, and the cells whose sides are in it
       type(integer_list_t) :: side !! the side of each that is in it, 0 for the cell itself
       type(integer_list_t) :: node !! numbers of its nodes in the file
-   end type draft_group_t
+   end type raw_group_t
 
    !> The contents of a mesh file.
-   type :: mesh_draft_t
+   type :: raw_mesh_t
       type(integer_list_t) :: node_tag !! number of each node in the file
       type(integer_list_t) :: node_place !! where the file gives it
       real(dp), allocatable :: coordinates(:, :) !! its coordinates (3, at least the number of nodes) [L]
@@ -49,7 +49,7 @@ module amontons_mesh_draft
       type(integer_list_t) :: cell_kind !! its kind
       type(integer_list_t) :: cell_start !! where its nodes begin in `node`
       type(integer_list_t) :: node !! nodes of the cells, by their numbers in the file
-      type(draft_group_t), allocatable :: groups(:) !! the named sets, and room for more
+      type(raw_group_t), allocatable :: groups(:) !! the named sets, and room for more
       integer :: n_groups = 0 !! number of named sets
       integer, allocatable, private :: sorted(:) !! the named sets in the order of their keys, and room for more
       integer, private :: n_members = 0 !! number of things in all of them that are not written out
@@ -61,16 +61,16 @@ module amontons_mesh_draft
       integer, private :: n_notes = 0 !! number of notes
       character(:), allocatable :: notes !! what was put right or left out, a line of text for each
    contains
-      procedure :: add_cell => mesh_draft_add_cell
-      procedure :: add_note => mesh_draft_add_note
-      procedure :: add_node => mesh_draft_add_node
-      procedure :: cell_nodes => mesh_draft_cell_nodes
-      procedure :: expect_cells => mesh_draft_expect_cells
-      procedure :: expect_members => mesh_draft_expect_members
-      procedure :: expect_nodes => mesh_draft_expect_nodes
-      procedure :: find_group => mesh_draft_find_group
-      procedure :: get_group => mesh_draft_get_group
-   end type mesh_draft_t
+      procedure :: add_cell => raw_mesh_add_cell
+      procedure :: add_note => raw_mesh_add_note
+      procedure :: add_node => raw_mesh_add_node
+      procedure :: cell_nodes => raw_mesh_cell_nodes
+      procedure :: expect_cells => raw_mesh_expect_cells
+      procedure :: expect_members => raw_mesh_expect_members
+      procedure :: expect_nodes => raw_mesh_expect_nodes
+      procedure :: find_group => raw_mesh_find_group
+      procedure :: get_group => raw_mesh_get_group
+   end type raw_mesh_t
 
 contains
 
@@ -82,19 +82,9 @@ contains
       if (kind > 0) n_cell_nodes = n_element_nodes(kind)
    end function n_cell_nodes
 
-   !> A number of things in words: `1 node`, `2 nodes`.
-   pure function counted(n, thing) result(text)
-      integer, intent(in) :: n !! the number
-      character(*), intent(in) :: thing !! what one of them is
-      character(:), allocatable :: text
-
-      text = to_text(n)//' '//thing
-      if (n /= 1) text = text//'s'
-   end function counted
-
    !> Adds a note; the same note again is not another one.
-   pure subroutine mesh_draft_add_note(self, sentence)
-      class(mesh_draft_t), intent(inout) :: self !! the draft
+   pure subroutine raw_mesh_add_note(self, sentence)
+      class(raw_mesh_t), intent(inout) :: self !! the raw mesh
       character(*), intent(in) :: sentence !! what was put right or left out
 
       if (.not. allocated(self%notes)) then
@@ -106,32 +96,32 @@ contains
          self%notes = self%notes//newline//printable(sentence)
       end if
       self%n_notes = self%n_notes + 1
-   end subroutine mesh_draft_add_note
+   end subroutine raw_mesh_add_note
 
    !> Makes room for nodes to come.
-   pure subroutine mesh_draft_expect_nodes(self, n)
-      class(mesh_draft_t), intent(inout) :: self !! the draft
+   pure subroutine raw_mesh_expect_nodes(self, n)
+      class(raw_mesh_t), intent(inout) :: self !! the raw mesh
       integer, intent(in) :: n !! number of nodes, which the file must be long enough for
 
       if (.not. allocated(self%coordinates)) allocate (self%coordinates(3, n))
       call self%node_tag%make_room(n)
       call self%node_place%make_room(n)
-   end subroutine mesh_draft_expect_nodes
+   end subroutine raw_mesh_expect_nodes
 
    !> Makes room for cells to come.
-   pure subroutine mesh_draft_expect_cells(self, n)
-      class(mesh_draft_t), intent(inout) :: self !! the draft
+   pure subroutine raw_mesh_expect_cells(self, n)
+      class(raw_mesh_t), intent(inout) :: self !! the raw mesh
       integer, intent(in) :: n !! number of cells, which the file must be long enough for
 
       call self%cell_kind%make_room(n)
       call self%cell_tag%make_room(n)
       call self%cell_place%make_room(n)
       call self%cell_start%make_room(n)
-   end subroutine mesh_draft_expect_cells
+   end subroutine raw_mesh_expect_cells
 
    !> Adds a node.
-   pure subroutine mesh_draft_add_node(self, tag, place, coordinates)
-      class(mesh_draft_t), intent(inout) :: self !! the draft
+   pure subroutine raw_mesh_add_node(self, tag, place, coordinates)
+      class(raw_mesh_t), intent(inout) :: self !! the raw mesh
       integer, intent(in) :: tag !! its number in the file
       integer, intent(in) :: place !! where the file gives it
       real(dp), intent(in) :: coordinates(3) !! its coordinates [L]
@@ -150,11 +140,11 @@ contains
       self%coordinates(:, n + 1) = coordinates
       call self%node_tag%append(tag)
       call self%node_place%append(place)
-   end subroutine mesh_draft_add_node
+   end subroutine raw_mesh_add_node
 
    !> Adds a cell.
-   pure subroutine mesh_draft_add_cell(self, kind, tag, place, nodes)
-      class(mesh_draft_t), intent(inout) :: self !! the draft
+   pure subroutine raw_mesh_add_cell(self, kind, tag, place, nodes)
+      class(raw_mesh_t), intent(inout) :: self !! the raw mesh
       integer, intent(in) :: kind !! its kind
       integer, intent(in) :: tag !! its number in the file
       integer, intent(in) :: place !! where the file gives it
@@ -165,38 +155,38 @@ contains
       call self%cell_place%append(place)
       call self%cell_start%append(self%node%n + 1)
       call self%node%append_all(nodes)
-   end subroutine mesh_draft_add_cell
+   end subroutine raw_mesh_add_cell
 
    !> Nodes of a cell.
-   pure function mesh_draft_cell_nodes(self, cell) result(nodes)
-      class(mesh_draft_t), intent(in) :: self !! the draft
+   pure function raw_mesh_cell_nodes(self, cell) result(nodes)
+      class(raw_mesh_t), intent(in) :: self !! the raw mesh
       integer, intent(in) :: cell !! the cell
       integer :: nodes(n_cell_nodes(self%cell_kind%item(cell)))
 
       nodes = self%node%item(self%cell_start%item(cell):self%cell_start%item(cell) + size(nodes) - 1)
-   end function mesh_draft_cell_nodes
+   end function raw_mesh_cell_nodes
 
    !> What tells a name from others.
-   pure function key_of(draft, name) result(key)
-      type(mesh_draft_t), intent(in) :: draft !! the draft
+   pure function key_of(raw, name) result(key)
+      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
       character(*), intent(in) :: name !! the name
       character(:), allocatable :: key
 
       key = name
-      if (draft%ignores_case) key = lower_case(name)
+      if (raw%ignores_case) key = lower_case(name)
    end function key_of
 
    !> Place in the sorted list of the first named set whose key is not before a given one.
-   pure integer function place_of(draft, key) result(place)
-      type(mesh_draft_t), intent(in) :: draft !! the draft
+   pure integer function place_of(raw, key) result(place)
+      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
       character(*), intent(in) :: key !! the key
       integer :: low, middle
 
       low = 0
-      place = draft%n_groups + 1
+      place = raw%n_groups + 1
       do while (place - low > 1)
          middle = (low + place)/2
-         if (draft%groups(draft%sorted(middle))%key < key) then
+         if (raw%groups(raw%sorted(middle))%key < key) then
             low = middle
          else
             place = middle
@@ -205,8 +195,8 @@ contains
    end function place_of
 
    !> The named set of a name, 0 where there is none.
-   pure integer function mesh_draft_find_group(self, name) result(group)
-      class(mesh_draft_t), intent(in) :: self !! the draft
+   pure integer function raw_mesh_find_group(self, name) result(group)
+      class(raw_mesh_t), intent(in) :: self !! the raw mesh
       character(*), intent(in) :: name !! the name
       character(:), allocatable :: key
       integer :: place
@@ -216,11 +206,11 @@ contains
       place = place_of(self, key)
       if (place > self%n_groups) return
       if (self%groups(self%sorted(place))%key == key) group = self%sorted(place)
-   end function mesh_draft_find_group
+   end function raw_mesh_find_group
 
    !> The named set of a name; a new one where there is none.
-   pure subroutine mesh_draft_get_group(self, input, name, group)
-      class(mesh_draft_t), intent(inout) :: self !! the draft
+   pure subroutine raw_mesh_get_group(self, input, name, group)
+      class(raw_mesh_t), intent(inout) :: self !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
       character(*), intent(in) :: name !! the name
       integer, intent(out) :: group !! the set
@@ -244,12 +234,12 @@ contains
       self%groups(group)%name = name
       self%groups(group)%key = key_of(self, name)
       self%groups(group)%place = input%position - 1
-   end subroutine mesh_draft_get_group
+   end subroutine raw_mesh_get_group
 
    !> Must be asked before sets get things that are not all written out: a range or another set. Refuses more than a
    !> file of this length may name.
-   pure subroutine mesh_draft_expect_members(self, input, n_more)
-      class(mesh_draft_t), intent(inout) :: self !! the draft
+   pure subroutine raw_mesh_expect_members(self, input, n_more)
+      class(raw_mesh_t), intent(inout) :: self !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: n_more !! number of things to come
 
@@ -258,6 +248,6 @@ contains
       else
          self%n_members = self%n_members + n_more
       end if
-   end subroutine mesh_draft_expect_members
+   end subroutine raw_mesh_expect_members
 
-end module amontons_mesh_draft
+end module amontons_raw_mesh

@@ -3,7 +3,7 @@
 !>
 !> At a hanging node the elements on both sides have the ends of the long side in common, and nothing holds the nodes
 !> between them to it. Both sides lie on the boundary of the mesh then, so only that is searched; so do those of a slit.
-module amontons_seams
+module amontons_mesh_defects
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
    use amontons_side_table, only: side_element, side_place, side_table_t
@@ -133,4 +133,4 @@ contains
       node = 0
    end subroutine follow
 
-end module amontons_seams
+end module amontons_mesh_defects

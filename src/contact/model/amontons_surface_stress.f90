@@ -1,0 +1,298 @@
+!> Stresses of the body's surface at the contact points, from contact displacements and forces alone.
+!>
+!> The tangential strain of the line is the derivative of the displacements along it, the traction on it is the contact
+!> force; the law of the material gives the stress along the surface and the one out of the plane. All is linear in the
+!> factors of the parts and in the contact displacements, so that a step needs no displacements of other nodes.
+module amontons_surface_stress
+   use amontons_body, only: body_t
+   use amontons_contact_zone, only: contact_t, contact_zone_t
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_load_case, only: condensed_force, load_case_t
+   use amontons_material, only: material_t
+   use amontons_side, only: n_side_points, side_abscissa, side_shapes, side_weight
+   implicit none (type, external)
+   private
+
+   public :: new_surface_stress, surface_stress_t
+
+   !> Two sums of nodal displacements for each point, those of the stresses along the surface and out of the plane.
+   type :: surface_stress_t
+      integer, allocatable, private :: start(:) !! first term of each sum, and one beyond the last (2m + 1)
+      integer, allocatable, private :: column(:) !! contact displacement of each term (terms)
+      real(dp), allocatable, private :: row(:) !! its factor (terms) [F/L^3]
+      real(dp), allocatable, private :: part(:, :) !! what each part adds to the sums (2m, parts) [F/L^2]
+      real(dp), allocatable, private :: share(:) !! how much of the normal stress each sum has besides (2m) [-]
+      real(dp), allocatable, private :: outward(:, :) !! outward normal of the surface in the frame (n; t) (2, m) [-]
+      real(dp), allocatable, private :: area(:) !! area of each point (m) [L^2]
+      real(dp), allocatable :: young(:) !! Young's modulus at each point (m) [F/L^2]
+      real(dp), allocatable :: poisson(:) !! Poisson's ratio there (m) [-]
+   contains
+      procedure :: stress => surface_stress_stress
+   end type surface_stress_t
+
+   !> A place on a side.
+   type :: place_t
+      integer :: side = 0 !! number of the side
+      real(dp) :: xi = 0.0_dp !! where on it, from -1 to 1 [-]
+      real(dp) :: weight = 0.0_dp !! weight in the mean over the point's part of the line
+   end type place_t
+
+   !> The two sums of a point as it is put together.
+   type :: sums_t
+      real(dp), allocatable :: field(:, :, :) !! factors of the nodal displacements (2, n_nodes, 2) [F/L^3]
+      real(dp), allocatable :: thermal(:, :) !! what the thermal strain of each part adds (2, parts) [F/L^2]
+      real(dp) :: share(2) = 0.0_dp !! shares of the normal stress [-]
+      real(dp) :: outward(2) = 0.0_dp !! mean outward normal, x and y [-]
+   end type sums_t
+
+contains
+
+   !> Makes the sums of all points. The mean over a point's part of the line is that of its force: by the shape function
+   !> of the node, over a cell by its quadrature points.
+   subroutine new_surface_stress(surface, body, contacts, parts, fields, error)
+      type(surface_stress_t), intent(out) :: surface !! the stresses
+      type(body_t), intent(in) :: body !! the body, condensed
+      type(contact_t), intent(in) :: contacts(:) !! its contact sets
+      type(load_case_t), intent(in) :: parts(:) !! the parts, for their thermal strain
+      real(dp), intent(in) :: fields(:, :, :) !! displacements that each part causes (2, n_nodes, parts) [L]
+      type(error_t), allocatable, intent(out) :: error !! a set is missing
+      type(place_t), allocatable :: places(:)
+      integer, allocatable :: sides(:, :)
+      integer :: p, set
+
+      associate (zone => body%zone, m => body%zone%n_points)
+         allocate (surface%part(2*m, size(parts)), surface%share(2*m), surface%outward(2, m), surface%young(m), &
+            surface%poisson(m), surface%column(0), surface%row(0))
+         allocate (surface%start(1), source=1)
+         surface%area = zone%area
+         set = 0
+         do p = 1, m
+            if (zone%set(p) /= set) then
+               set = zone%set(p)
+               call body%mesh%set_sides(contacts(set)%set, sides, error)
+               ! not raised: the zone has points of this set
+               if (allocated(error)) return
+            end if
+            if (zone%is_cell(p)) then
+               call find_cell_places(places, zone, p, sides, body%mesh%coordinates)
+            else
+               call find_node_places(places, zone%position(:, p), sides, body)
+            end if
+            call add_point(surface, p, places, sides, body, parts, fields)
+         end do
+      end associate
+   end subroutine new_surface_stress
+
+   !> The quadrature points of the sides at a node, weighted by its shape function and the depth.
+   pure subroutine find_node_places(places, position, sides, body)
+      type(place_t), allocatable, intent(out) :: places(:) !! the places
+      real(dp), intent(in) :: position(2) !! coordinates of the node [L]
+      integer, intent(in) :: sides(:, :) !! the sides of the set (4, sides)
+      type(body_t), intent(in) :: body !! the body
+      type(material_t) :: material
+      real(dp) :: values(3), slopes(3), along(2), x(2)
+      integer :: i, k, point
+
+      allocate (places(0))
+      do i = 1, size(sides, 2)
+         do k = 1, count(sides(:3, i) > 0)
+            if (any(abs(body%mesh%coordinates(:, sides(k, i)) - position) > 0.0_dp)) cycle
+            material = side_material(body, sides(4, i))
+            do point = 1, n_side_points
+               call side_shapes(sides(3, i) > 0, side_abscissa(point), values, slopes)
+               x = on_side(values, sides(:3, i), body%mesh%coordinates)
+               along = on_side(slopes, sides(:3, i), body%mesh%coordinates)
+               places = [places, place_t(i, side_abscissa(point), side_weight(point)*values(k)*norm2(along) &
+                  *material%depth(x(1)))]
+            end do
+         end do
+      end do
+   end subroutine find_node_places
+
+   !> The quadrature points of a cell, each on the side that is nearest to it.
+   pure subroutine find_cell_places(places, zone, p, sides, coordinates)
+      type(place_t), allocatable, intent(out) :: places(:) !! the places
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer, intent(in) :: p !! the cell
+      integer, intent(in) :: sides(:, :) !! the sides of the set (4, sides)
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      real(dp) :: values(3), slopes(3), xi, distance, least
+      integer :: q, i
+
+      allocate (places(zone%quadrature%start(p + 1) - zone%quadrature%start(p)))
+      do q = 1, size(places)
+         least = huge(least)
+         associate (at => zone%quadrature%start(p) + q - 1)
+            do i = 1, size(sides, 2)
+               associate (first => coordinates(:, sides(1, i)), chord => coordinates(:, sides(2, i)) &
+                  - coordinates(:, sides(1, i)))
+                  xi = 2.0_dp*dot_product(zone%quadrature%position(:, at) - first, chord)/sum(chord**2) - 1.0_dp
+               end associate
+               xi = min(1.0_dp, max(-1.0_dp, xi))
+               call side_shapes(sides(3, i) > 0, xi, values, slopes)
+               distance = norm2(on_side(values, sides(:3, i), coordinates) - zone%quadrature%position(:, at))
+               if (.not. distance < least) cycle
+               least = distance
+               places(q) = place_t(i, xi, zone%quadrature%share(at))
+            end do
+         end associate
+      end do
+   end subroutine find_cell_places
+
+   !> Makes the sums of a point.
+   subroutine add_point(surface, p, places, sides, body, parts, fields)
+      type(surface_stress_t), intent(inout) :: surface !! gains the point
+      integer, intent(in) :: p !! the point
+      type(place_t), intent(in) :: places(:) !! places on its part of the line
+      integer, intent(in) :: sides(:, :) !! the sides of its set (4, sides)
+      type(body_t), intent(in) :: body !! the body, condensed
+      type(load_case_t), intent(in) :: parts(:) !! the parts, for their thermal strain
+      real(dp), intent(in) :: fields(:, :, :) !! displacements that each part causes (2, n_nodes, parts) [L]
+      type(sums_t) :: sums
+      type(material_t) :: material
+      real(dp) :: row(2*body%zone%n_points)
+      integer :: k, j
+
+      allocate (sums%field(2, body%mesh%n_nodes, 2), sums%thermal(2, size(parts)), source=0.0_dp)
+      do k = 1, size(places)
+         call add_place(sums, places(k)%xi, places(k)%weight/sum(places%weight), sides(:, places(k)%side), body, parts)
+      end do
+      material = side_material(body, sides(4, places(1)%side))
+      associate (normal => body%zone%normal(:, p))
+         surface%outward(:, p) = [dot_product(normal, sums%outward), &
+            normal(1)*sums%outward(2) - normal(2)*sums%outward(1)]/norm2(sums%outward)
+         surface%young(p) = material%young
+         surface%poisson(p) = material%poisson
+      end associate
+      do k = 1, 2
+         associate (sum_number => 2*(p - 1) + k)
+            row = condensed_force(body, sums%field(:, :, k))
+            surface%column = [surface%column, pack([(j, j=1, size(row))], abs(row) > 0.0_dp)]
+            surface%row = [surface%row, pack(row, abs(row) > 0.0_dp)]
+            surface%start = [surface%start, size(surface%row) + 1]
+            surface%share(sum_number) = sums%share(k)
+            surface%part(sum_number, :) = [(sum(sums%field(:, :, k)*fields(:, :, j)), j=1, size(parts))] &
+               - sums%thermal(k, :)
+         end associate
+      end do
+   end subroutine add_point
+
+   !> Adds a place: with the normal stress given, the law leaves b1 and b2 of the strains along the surface and out of
+   !> the plane in the stress of the same direction and of the other.
+   pure subroutine add_place(sums, xi, weight, side, body, parts)
+      type(sums_t), intent(inout) :: sums !! the sums
+      real(dp), intent(in) :: xi !! where on the side, from -1 to 1 [-]
+      real(dp), intent(in) :: weight !! weight of the place; they sum to 1 [-]
+      integer, intent(in) :: side(4) !! first corner, second corner, middle or 0, element
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: parts(:) !! the parts, for their thermal strain
+      type(material_t) :: material
+      real(dp) :: values(3), slopes(3), along(2), position(2), law(2, 2), expansion
+      integer :: i, k
+
+      material = side_material(body, side(4))
+      call side_shapes(side(3) > 0, xi, values, slopes)
+      position = on_side(values, side(:3), body%mesh%coordinates)
+      along = on_side(slopes, side(:3), body%mesh%coordinates)
+      law = surface_law(material)
+      sums%share = sums%share + weight*[1.0_dp, merge(0.0_dp, 1.0_dp, material%is_plane_stress)] &
+         *material%lambda/(material%lambda + 2.0_dp*material%mu)
+      sums%outward = sums%outward + weight*[along(2), -along(1)]/norm2(along)
+      do k = 1, count(side(:3) > 0)
+         associate (factors => sums%field(:, side(k), :))
+            do i = 1, 2
+               factors(:, i) = factors(:, i) + weight*law(i, 1)*slopes(k)*along/sum(along**2)
+               if (material%is_axisymmetric) factors(1, i) = factors(1, i) + weight*law(i, 2)*values(k)/position(1)
+            end do
+         end associate
+      end do
+      if (.not. allocated(parts(1)%thermal_strain)) return
+      do i = 1, size(parts)
+         expansion = thermal_strain(body, parts(i)%thermal_strain, values, side)
+         sums%thermal(:, i) = sums%thermal(:, i) + weight*expansion*(law(:, 1) &
+            + merge(0.0_dp, law(:, 2), material%is_plane_stress))
+      end do
+   end subroutine add_place
+
+   !> Stresses along the surface and out of the plane for the strains in these directions, the normal stress 0 (2, 2)
+   !> [F/L^2].
+   pure function surface_law(material) result(law)
+      type(material_t), intent(in) :: material !! the material
+      real(dp) :: law(2, 2)
+      real(dp) :: own, other
+
+      associate (lambda => material%lambda, mu => material%mu)
+         other = lambda - lambda**2/(lambda + 2.0_dp*mu)
+         own = other + 2.0_dp*mu
+      end associate
+      law = reshape([own, other, other, own], [2, 2])
+      if (material%is_plane_stress) law(2, :) = 0.0_dp
+   end function surface_law
+
+   !> Thermal strain at a place on a side of an element [-].
+   pure real(dp) function thermal_strain(body, at_nodes, values, side) result(strain)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: at_nodes(:) !! that at the nodes of each element, in the order of `mesh%node` [-]
+      real(dp), intent(in) :: values(3) !! shape functions of the side's nodes [-]
+      integer, intent(in) :: side(4) !! first corner, second corner, middle or 0, element
+      integer :: k
+
+      strain = 0.0_dp
+      associate (first => body%mesh%node_start(side(4)), last => body%mesh%node_start(side(4) + 1) - 1)
+         do k = 1, count(side(:3) > 0)
+            strain = strain + values(k)*at_nodes(first - 1 + findloc(body%mesh%node(first:last), side(k), dim=1))
+         end do
+      end associate
+   end function thermal_strain
+
+   !> The material behind a side.
+   pure function side_material(body, element) result(material)
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: element !! the element of the side
+      type(material_t) :: material
+
+      material = body%materials%list(body%materials%of_element(element))
+   end function side_material
+
+   !> A sum over the nodes of a side (2).
+   pure function on_side(factors, side, coordinates) result(vector)
+      real(dp), intent(in) :: factors(3) !! factors of first corner, second corner, middle [-]
+      integer, intent(in) :: side(3) !! first corner, second corner, middle or 0
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      real(dp) :: vector(2)
+      integer :: k
+
+      vector = 0.0_dp
+      do k = 1, count(side > 0)
+         vector = vector + factors(k)*coordinates(:, side(k))
+      end do
+   end function on_side
+
+   !> Stresses of each point in the frame of the surface: normal, shear (positive where the traction is along the
+   !> tangent), along the surface, out of the plane (4, m) [F/L^2].
+   pure function surface_stress_stress(self, factor, v, force) result(stress)
+      class(surface_stress_t), intent(in) :: self !! the sums
+      real(dp), intent(in) :: factor(:) !! factors of the parts [-]
+      real(dp), intent(in) :: v(:) !! contact displacements (2m) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (2m) [F]
+      real(dp) :: stress(4, size(self%area))
+      real(dp) :: traction(2), sums(2*size(self%area))
+      integer :: p, k, i, m
+
+      m = size(self%area)
+      sums = matmul(self%part, factor)
+      do i = 1, 2*m
+         do k = self%start(i), self%start(i + 1) - 1
+            sums(i) = sums(i) + self%row(k)*v(self%column(k))
+         end do
+      end do
+      do p = 1, m
+         traction = -force([p, p + m])/self%area(p)
+         stress(1, p) = dot_product(traction, self%outward(:, p))
+         stress(2, p) = traction(2)*self%outward(1, p) - traction(1)*self%outward(2, p)
+         stress(3:4, p) = sums(2*p - 1:2*p) + self%share(2*p - 1:2*p)*stress(1, p)
+      end do
+   end function surface_stress_stress
+
+end module amontons_surface_stress

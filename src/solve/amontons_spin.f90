@@ -1,0 +1,156 @@
+!> Bodies that turn without end on a round contact line, or slide along a flat one, although friction holds them back.
+!>
+!> `check_balance` lets normal forces be as large as they like, and friction with them: that of forces on opposite sides
+!> of a hole bears any moment. How large they are follows from the solution alone. A free rigid motion that the normals
+!> of the round line do no work on is opposed by friction alone; where the loads' work on it is more than all that
+!> friction can take at the normal forces found, unequal facets of the mesh bear the rest, or the method finds no
+!> equilibrium. Then a weak spring against the motion shows what the normal forces are while the body turns.
+module amontons_spin
+   use amontons_auto, only: auto_t
+   use amontons_body, only: body_t
+   use amontons_components, only: solve_components
+   use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_rows, only: turned
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_contact_zone, only: contact_zone_t
+   use amontons_dense, only: symmetric_eigenvectors
+   use amontons_equilibrium, only: has_round_normals, round_normals
+   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_kinds, only: dp
+   use amontons_rigid_modes, only: largest_motion
+   implicit none (type, external)
+   private
+
+   public :: check_spin, find_spin
+
+contains
+
+   !> Refuses the solution of a contact problem that friction cannot hold.
+   subroutine check_spin(body, is_in_reach, problem, solution, error)
+      type(body_t), intent(in) :: body !! the body
+      logical, intent(in) :: is_in_reach(:) !! which points can close (m)
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      type(contact_solution_t), intent(in) :: solution !! what a method found, converged or not
+      type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
+      real(dp), allocatable :: amounts(:)
+      character(:), allocatable :: motion
+
+      call find_spin(amounts, body, is_in_reach, problem, solution)
+      if (.not. allocated(amounts)) return
+      motion = largest_motion(body%motions, amounts)
+      if (solution%is_converged) then
+         call new_error(error, numerical_failure, 'no equilibrium but for the irregularities of the mesh: on the '// &
+            'round line that its nodes lie on friction is exhausted and cannot balance the loads; '//motion// &
+            '; add a support or friction')
+      else
+         call new_error(error, numerical_failure, 'no equilibrium: all contact points slip, and friction cannot '// &
+            'balance the loads; '//motion//'; add a support or friction')
+      end if
+   end subroutine check_spin
+
+   !> Finds a motion that friction cannot hold.
+   subroutine find_spin(amounts, body, is_in_reach, problem, solution)
+      real(dp), allocatable, intent(out) :: amounts(:)
+         !! amounts of the free motions of each piece; not allocated if friction holds them (motions)
+      type(body_t), intent(in) :: body !! the body
+      logical, intent(in) :: is_in_reach(:) !! which points can close (m)
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      type(contact_solution_t), intent(in) :: solution !! what a method found, converged or not
+      ! As much as the balance before the solution leaves to the mesh.
+      real(dp), parameter :: unbalanced = 1.0e-2_dp
+      real(dp), allocatable :: on_round(:, :), spins(:, :), force(:), motion(:)
+      real(dp) :: drive, capacity
+      integer :: m
+
+      m = problem%n_points
+      if (size(body%rigid_modes, 2) == 0 .or. .not. has_round_normals(body%zone)) return
+      on_round = on_round_line(body%zone, body%rigid_modes)
+      call new_spins(spins, on_round, body%rigid_modes, is_in_reach)
+      if (size(spins, 2) == 0) return
+      force = solution%force
+      if (.not. solution%is_converged) call find_forces_of_spin(force, problem, matmul(body%rigid_modes, spins))
+      if (.not. allocated(force)) return
+      associate (works => problem%load, modes => body%rigid_modes)
+         amounts = matmul(matmul(matmul(works, modes) - matmul(force, on_round), spins), transpose(spins))
+         motion = matmul(on_round, amounts)
+         drive = dot_product(works, matmul(modes, amounts)) - dot_product(force(:m), motion(:m))
+         capacity = sum(problem%bound(force(:m))*abs(motion(m + 1:)))
+         if (.not. drive > capacity + unbalanced*sum(abs(works*matmul(modes, amounts)))) deallocate (amounts)
+      end associate
+   end subroutine find_spin
+
+   !> Displacements of the contact points along the normals and tangents of the round line that they lie on (2m, k) [-].
+   pure function on_round_line(zone, modes) result(on_round)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      real(dp), intent(in) :: modes(:, :) !! displacements along their own normals and tangents (2m, k) [-]
+      real(dp), allocatable :: on_round(:, :)
+      real(dp) :: normals(2, zone%n_points), along, across
+      integer :: p, m
+
+      m = zone%n_points
+      normals = round_normals(zone)
+      allocate (on_round, mold=modes)
+      do p = 1, m
+         along = dot_product(normals(:, p), zone%normal(:, p))
+         across = dot_product(normals(:, p), turned(zone%normal(:, p)))
+         on_round(p, :) = along*modes(p, :) + across*modes(m + p, :)
+         on_round(m + p, :) = along*modes(m + p, :) - across*modes(p, :)
+      end do
+   end function on_round_line
+
+   !> Finds the free motions that all points in reach follow along the tangents of the round line.
+   subroutine new_spins(spins, on_round, modes, is_in_reach)
+      real(dp), allocatable, intent(out) :: spins(:, :) !! amounts of the free motions, orthonormal (motions, spins)
+      real(dp), intent(in) :: on_round(:, :) !! displacements of the points in frames of the round line (2m, motions)
+      real(dp), intent(in) :: modes(:, :) !! the same in their own frames (2m, motions)
+      logical, intent(in) :: is_in_reach(:) !! which points count (m)
+      ! Squares; what meshes of curves leave of a thousandth of the motion.
+      real(dp), parameter :: negligible = 1.0e-6_dp
+      real(dp) :: along_normals(size(is_in_reach), size(modes, 2)), gram(size(modes, 2), size(modes, 2)), &
+         values(size(modes, 2))
+      integer :: i, info, m
+
+      m = size(is_in_reach)
+      along_normals = merge(on_round(:m, :), 0.0_dp, spread(is_in_reach, 2, size(modes, 2)))
+      gram = matmul(transpose(along_normals), along_normals)
+      call symmetric_eigenvectors(gram, values, info)
+      if (info /= 0) values = huge(1.0_dp)
+      associate (is_spin => [(values(i) <= negligible*sum(matmul(modes, gram(:, i))**2), i=1, size(values))])
+         spins = gram(:, pack([(i, i=1, size(values))], is_spin))
+      end associate
+   end subroutine new_spins
+
+   !> Finds the contact forces while a body spins: those of the problem with weak springs against the motions.
+   subroutine find_forces_of_spin(force, problem, spins)
+      real(dp), allocatable, intent(inout) :: force(:) !! the contact forces; not allocated if none are found (2m) [F]
+      type(contact_problem_t), intent(in) :: problem !! the contact problem
+      real(dp), intent(in) :: spins(:, :) !! displacements of the points under each motion (2m, spins) [-]
+      ! Points slip before such springs bear much; matrices of more points are left alone: they take minutes.
+      real(dp), parameter :: weak = 1.0e-3_dp
+      integer, parameter :: most_points = 2000
+      type(contact_problem_t) :: held
+      type(contact_solution_t) :: found
+      type(auto_t) :: method
+      type(error_t), allocatable :: error
+      real(dp) :: stiffness
+      integer :: i, j
+
+      deallocate (force)
+      if (problem%n_points > most_points) return
+      held = problem
+      call held%prepare_stiffness()
+      if (allocated(held%band)) deallocate (held%band)
+      if (allocated(held%compliance)) deallocate (held%compliance)
+      do i = 1, size(spins, 2)
+         stiffness = weak*maxval(problem%augmentation())/sum(spins(:, i)**2)
+         do j = 1, size(spins, 1)
+            held%stiffness(:, j) = held%stiffness(:, j) + stiffness*spins(j, i)*spins(:, i)
+         end do
+      end do
+      call new_contact_solution(found, problem%n_points)
+      call solve_components(method, held, found, error)
+      if (allocated(error) .or. .not. found%is_converged) return
+      force = found%force
+   end subroutine find_forces_of_spin
+
+end module amontons_spin
