@@ -4,17 +4,28 @@ from __future__ import annotations
 import csv
 import json
 import os
+import re
 from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Optional, Union
+from typing import Any, Union
 
 from amontons.deck import read_deck
 from amontons.grid import Grid, part, read_grid
 
 SUMMARY = ".summary.json"
 ENDINGS = (SUMMARY, ".contact.csv", ".contact.vtu", ".sweep.csv", ".sweep.pvd", ".deck.nml", ".vtu", ".lst")
-DIMENSIONS = ("length", "force", "stress")
+# What numbers are measured in, in length L and force F, by what their names begin with or contain; the first that fits.
+DIMENSIONS = tuple((re.compile(pattern), dimension) for pattern, dimension in (
+    ("^factor_|^friction", ""), ("strain_energy_density|pressure|shear|stress|mises|swt$", "F/L²"),
+    ("error_norm", "√(F L)"), ("moment|work_|energy|dissipation|closing_loss", "F L"), ("force", "F"),
+    ("ruiz_2", "F²/L³"), ("ruiz_1|wear_integral", "F/L"),
+    ("_length|_width|centroid|displacement|slip|gap|^shift_|^u[xy]_|jump", "L"), ("", "")))
+
+
+def dimension_of(name: str) -> str:
+    """The dimension of a number or field by its name, as `Case.unit` takes it; empty if it has none."""
+    return next(dimension for pattern, dimension in DIMENSIONS if pattern.search(name))
 
 
 class CaseFault(ValueError):
@@ -97,10 +108,16 @@ class Case:
         with open(f"{self.path}.{name}.csv", newline="", encoding="utf-8") as text:
             return list(csv.DictReader(text))
 
-    def label(self, text: str, dimension: Optional[str] = None) -> str:
-        """A text for an axis, with the unit that the deck names for a length, force or stress."""
+    def unit(self, dimension: str) -> str:
+        """The unit of a dimension in length L and force F; empty where the deck names no units."""
         units = [unit.strip() for unit in (self.summary.get("units") or "").split(",") if unit.strip()]
-        if len(units) == 2:
-            units.append(f"{units[1]}/{units[0]}²")
-        unit = dict(zip(DIMENSIONS, units)).get(dimension or "")
+        if not units:
+            return ""
+        if dimension == "F/L²" and len(units) > 2:
+            return units[2]
+        return dimension.translate({ord("L"): units[0], ord("F"): units[1]})
+
+    def label(self, text: str, dimension: str = "") -> str:
+        """A text for an axis, with the unit that the deck names for the dimension."""
+        unit = self.unit(dimension)
         return f"{text} [{unit}]" if unit else text

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.tri import Triangulation
 
-from amontons.cases import CaseFault
+from amontons.cases import CaseFault, dimension_of
 from amontons.obstacles import distance, hatching, surface
 
 # Okabe and Ito's colors, told apart by color-blind readers too; a marker says the same once more.
@@ -12,9 +12,6 @@ STATUSES = (("open", "#D55E00", "o"), ("stick", "#009E73", "s"), ("slip along t"
             ("slip against t", "#56B4E9", "<"))
 UNDEFORMED, OBSTACLE = "#888888", "#707070"
 COMPONENTS = {3: ("x", "y", "z"), 6: ("xx", "yy", "zz", "xy", "yz", "xz")}
-LENGTHS = ("displacement", "gap", "slip")
-STRESSES = ("stress", "von_mises", "nodal_stress", "nodal_von_mises", "contact_pressure", "contact_shear",
-            "strain_energy_density")
 # Corners and middle nodes of a cell in their order around it, and the triangles of these that fill it.
 OUTLINE = {"triangle": [0, 1, 2], "quad": [0, 1, 2, 3], "triangle6": [0, 3, 1, 4, 2, 5],
            "quad8": [0, 4, 1, 5, 2, 6, 3, 7], "quad9": [0, 4, 1, 5, 2, 6, 3, 7]}
@@ -47,11 +44,8 @@ def field_of(case, name):
     found = fields(case.mesh)
     if name not in found:
         raise CaseFault(f"{case.path}.vtu: no field '{name}'; the fields are: {', '.join(sorted(found))}")
-    stem, _, component = name.rpartition("_")
-    stem = stem if stem and component in (*COMPONENTS[3], *COMPONENTS[6]) else name
-    dimension = "length" if stem in LENGTHS else "stress" if stem in STRESSES else None
     text = name.replace("von_mises", "von Mises stress").replace("_", " ")
-    return found[name], case.label(text, dimension)
+    return found[name], case.label(text, dimension_of(name))
 
 
 def boundary(mesh):
@@ -217,7 +211,7 @@ def draw_body(axes, case, name, factor=None, has_lines=True):
                                        linewidths=0.5))
     draw_obstacles(axes, case, factor, window)
     at = draw_points(axes, case, factor)
-    axes.set(aspect="equal", xlabel=case.label("x", "length"), ylabel=case.label("y", "length"), xlim=window[:, 0],
+    axes.set(aspect="equal", xlabel=case.label("x", "L"), ylabel=case.label("y", "L"), xlim=window[:, 0],
              ylim=window[:, 1], title=true_or_times(case, factor))
     if len(at):
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, ncols=2, frameon=False)

@@ -88,7 +88,7 @@ def draw_stress(axes, case, sets):
     shown = points_of(sets)
     values = np.concatenate([pressure[shown], shear[shown], bound[shown], -bound[shown]])
     set_range(axes, values, np.abs(values).max(initial=0.0))
-    axes.set(ylabel=case.label("contact stress", "stress"))
+    axes.set(ylabel=case.label("contact stress", "F/L²"))
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, frameon=False, ncols=3)
 
 
@@ -98,7 +98,7 @@ def draw_slip(axes, case, sets):
     draw_lines(axes, sets, slip, SLIP)
     set_range(axes, slip[points_of(sets)], np.abs(case.mesh.point_data["displacement"]).max())
     axes.axhline(0, color="grey", linewidth=0.4)
-    axes.set(ylabel=case.label("slip", "length"))
+    axes.set(ylabel=case.label("slip", "L"))
 
 
 def draw_gap(axes, case, sets):
@@ -115,14 +115,14 @@ def draw_gap(axes, case, sets):
     is_endless = 0.0 < LARGE_GAP * usual < np.nanmax(shown)
     set_range(axes, np.minimum(shown, 3 * usual) if is_endless else shown,
               np.abs(case.mesh.point_data["displacement"]).max())
-    axes.set(ylabel=case.label("gap", "length"))
+    axes.set(ylabel=case.label("gap", "L"))
 
 
 def abscissa_label(case, abscissa, sets, whole):
     """The label of the abscissa of the contact line."""
     if abscissa != "s":
-        return case.label(abscissa, "length")
-    text = case.label("length along the contact line", "length")
+        return case.label(abscissa, "L")
+    text = case.label("length along the contact line", "L")
     if sets is whole or not sets:
         return text
     return text + f", {sets[0].length[0]:.4g} to {sets[-1].length[-1]:.4g} of {whole[-1].length[-1]:.4g}"

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
-from amontons.cases import CaseFault
+from amontons.cases import CaseFault, dimension_of
 from amontons.draw_line import stretches
 from amontons.draw_sweep import quantity
 
@@ -43,9 +43,8 @@ def default_loop(case, rows):
 def axis_label(case, name):
     """The words for a column on an axis."""
     if re.fullmatch(r"u[xy]_\d+", name):
-        return case.label(f"{name[:2]} of probe {name[3:]}", "length")
-    dimension = "force" if name.endswith("force") else "length" if re.match("shift|max_slip|.*_length", name) else None
-    return case.label(quantity(name), dimension)
+        return case.label(f"{name[:2]} of probe {name[3:]}", "L")
+    return case.label(quantity(name), dimension_of(name))
 
 
 def draw_loop(axes, case, rows, loop=None):
@@ -68,7 +67,7 @@ def draw_zones(axes, case, rows):
                     vmin=-0.5, vmax=len(ZONES) - 0.5, rasterized=True)
     shown = [Patch(color=color, label=name) for i, (name, color) in enumerate(ZONES.items()) if (states == i).any()]
     axes.legend(handles=shown, frameon=False, ncols=len(shown), loc="lower center", bbox_to_anchor=(0.5, 1.0))
-    axes.set(xlabel=list(rows[0])[1], ylabel=case.label("s", "length"))
+    axes.set(xlabel=list(rows[0])[1], ylabel=case.label("s", "L"))
 
 
 def edges(places, at_end=False):
@@ -87,8 +86,8 @@ def draw_dissipation(axes, case, rows):
     for one in stretches(case.line):
         taken = [float(table[point]["dissipation"])/float(table[point]["weight"]) for point in one.points]
         axes.plot(one.length, taken, color="black")
-    axes.set(xlabel=case.label("s", "length"), ylabel="dissipation / length", ylim=(0, None))
-    axes.set_title(f"total {float(rows[-1]['dissipation']):.4g}", fontsize="small", loc="right")
+    axes.set(xlabel=case.label("s", "L"), ylabel=case.label("dissipation / length", "F"), ylim=(0, None))
+    axes.set_title(f"total {float(rows[-1]['dissipation']):.4g} {case.unit('F L')}".rstrip(), fontsize="small", loc="right")
 
 
 def draw_steps(case, size, loop=None):

@@ -3,7 +3,7 @@ the forces of reduced problems."""
 import matplotlib.pyplot as plt
 import numpy as np
 
-from amontons.cases import CaseFault
+from amontons.cases import CaseFault, dimension_of
 from amontons.draw_line import PRESSURE, SHEAR, draw_history
 
 ZONES = {"open_length": "#D55E00", "slip_length": "#0072B2", "stick_length": "#009E73"}
@@ -28,9 +28,10 @@ def draw_curves(axes, values, rows, columns):
     axes.margins(y=0.08)
 
 
-def draw_maps(figure, axes, quantities, rows, columns=tuple(ZONES), marks=()):
+def draw_maps(figure, axes, quantities, rows, columns=tuple(ZONES), marks=(), unit_of=lambda column: ""):
     """A map of each column over two quantities; what was not solved stays white. Marks are triples: place along the
-    second quantity, along the first, and a label. Lengths of zones share their colors."""
+    second quantity, along the first, and a label. Lengths of zones share their colors; the bar has the unit of the
+    last column."""
     places = [np.unique([float(row[name]) for row in rows]) for name in quantities]
     limits = {}
     if columns[0] in ZONES:
@@ -48,7 +49,7 @@ def draw_maps(figure, axes, quantities, rows, columns=tuple(ZONES), marks=()):
             axis.plot(x, y, marker="o", markersize=12, markerfacecolor="white", markeredgecolor="black")
             axis.annotate(label, (x, y), ha="center", va="center", fontsize="small")
     axes[0].set(ylabel=quantity(quantities[0]))
-    figure.colorbar(drawn, ax=axes)
+    figure.colorbar(drawn, ax=axes).set_label(unit_of(columns[-1]))
 
 
 def draw_sweep(case, size, field=None):
@@ -67,13 +68,13 @@ def draw_sweep(case, size, field=None):
         title += f"; {n_left} of {len(rows)} cases NOT SOLVED"
     if len(names) > 1 and not any(quantity["paired"] for quantity in summary["quantities"]):
         figure, axes = plt.subplots(1, len(columns), figsize=size, layout="constrained", sharey=True, squeeze=False)
-        draw_maps(figure, axes[0], names[:2], rows, columns)
+        draw_maps(figure, axes[0], names[:2], rows, columns, unit_of=lambda column: case.unit(dimension_of(column)))
     else:
         figure, axes = plt.subplots(figsize=size, layout="constrained")
         name = names[0] if len(names) == 1 else "case"
         draw_curves(axes, [float(row[name]) for row in rows], rows, columns)
-        axes.set(xlabel=quantity(name), ylabel=case.label("length", "length") if field is None else
-                 field.replace("_", " "))
+        axes.set(xlabel=quantity(name), ylabel=case.label("length", "L") if field is None else
+                 case.label(field.replace("_", " "), dimension_of(field)))
         if len(columns) > 1:
             axes.legend(frameon=False)
     return figure, title
@@ -87,7 +88,7 @@ def draw_reduced(case, size):
     for name, color, marker in (("normal_force", PRESSURE, "o"), ("tangential_force", SHEAR, "x")):
         above.plot(numbers, [float(row[name]) for row in rows], color=color, marker=marker, markersize=4,
                    linestyle="none", label=name.replace("_", " "))
-    above.set(xlabel="contact", ylabel=case.label("force", "force"))
+    above.set(xlabel="contact", ylabel=case.label("force", "F"))
     above.xaxis.get_major_locator().set_params(integer=True)
     above.legend(frameon=False)
     draw_history(below, case)

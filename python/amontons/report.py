@@ -12,7 +12,7 @@ from pathlib import Path
 
 import matplotlib
 
-from amontons.cases import Case, find_cases
+from amontons.cases import Case, dimension_of, find_cases
 from amontons.commands import Parser
 from amontons.report_pictures import pictures_of
 from amontons.verdicts import COLORS, verdict_of, violations
@@ -24,8 +24,6 @@ FILES = (".lst", ".contact.csv", ".sweep.csv", ".history.csv", ".points.csv", ".
 FAILED = ("refused", "numerical_failure", "system_failure", "interrupted")  # outcomes that leave no results
 SHOWN = ("max_contact_pressure", "max_von_mises", "max_displacement", "max_slip", "contact_width", "slip_length",
          "stick_length", "normal_force", "residual")
-DIMENSIONS = (("pressure", "stress"), ("shear", "stress"), ("mises", "stress"), ("force", "force"), ("moment", None),
-              ("", "length"))  # of the key results, by a part of their names
 
 
 def numbers_of(case):
@@ -44,6 +42,19 @@ def words_of(key):
     return key.replace("_", " ").replace("von mises", "von Mises stress")
 
 
+def heading_of(key, cases):
+    """The heading of a number in the table of all cases; with its unit where all of them name the same ones."""
+    counts = cases[0].summary.get("counts", {})
+    has_unit = key not in counts and units_of(cases)
+    return cases[0].label(words_of(key), dimension_of(key) if has_unit else "")
+
+
+def units_of(cases):
+    """The units that all cases name; empty if they name none, or others."""
+    named = {case.summary.get("units") or "" for case in cases}
+    return named.pop() if len(named) == 1 else ""
+
+
 def cell_text(value):
     """A number in a table."""
     if value is None:
@@ -55,7 +66,7 @@ def table_of(cases, smalls):
     """The table of all cases, the choice of what it is sorted by, and the numbers that it is sorted by."""
     numbers = [numbers_of(case) for case in cases]
     keys = list(dict.fromkeys(key for found in numbers for key in found))
-    labels = {"case": "case", "verdict": "verdict", **{key: words_of(key) for key in keys}}
+    labels = {"case": "case", "verdict": "verdict", **{key: heading_of(key, cases) for key in keys}}
     shown = [key for key in SHOWN if key in keys]
     choice = "".join(f'<option value="{html.escape(key)}">{html.escape(label)}</option>'
                      for key, label in labels.items())
@@ -84,7 +95,8 @@ def key_results_of(case):
     """The key results of a case, with the places of those that have one; of a sweep their range, with its cases."""
     results = case.summary.get("key_results", {})
     places = {f"{key}_{axis}" for key in results for axis in "xy" if f"{key}_x" in results}
-    texts = {key: cell_text(value) + (f" at ({cell_text(results[f'{key}_x'])}, {cell_text(results[f'{key}_y'])})"
+    length = case.unit("L")
+    texts = {key: cell_text(value) + (f" at ({cell_text(results[f'{key}_x'])}, {cell_text(results[f'{key}_y'])}) {length}"
                                       if f"{key}_x" in places else "")
              for key, value in results.items() if key not in places}
     for key, ends in case.summary.get("extremes", {}).items():
@@ -92,8 +104,7 @@ def key_results_of(case):
             f"(case {ends['greatest_case']})"
     entries = ""
     for key, text in texts.items():
-        dimension = next(dimension for part, dimension in DIMENSIONS if part in key)
-        entries += f"<div><dt>{html.escape(case.label(words_of(key), dimension))}</dt><dd>{text}</dd></div>"
+        entries += f"<div><dt>{html.escape(case.label(words_of(key), dimension_of(key)))}</dt><dd>{text}</dd></div>"
     return f"<dl>{entries}</dl>\n" if entries else ""
 
 
@@ -184,6 +195,8 @@ def page_of(folder, paths):
     versions = ", ".join(sorted({case.summary["version"] for case in found}))
     name = html.escape(folder.resolve().name)
     pvd = ' ParaView steps through <a href="cases.pvd">cases.pvd</a>.' if (folder / "cases.pvd").exists() else ""
+    units = f"Units: {html.escape(units_of(found))}." if units_of(found) else \
+        "Lengths, forces and stresses are in the units of the decks."
     unsolved = "".join(f'<p class="verdict {color}"><b>{words}{html.escape(deck)}</b><span>{html.escape(message)}'
                        "</span></p>\n" for color, words, some in (("red", "failed: ", failures), ("amber", "", without))
                        for deck, message in some)
@@ -198,7 +211,7 @@ def page_of(folder, paths):
 <h1>Contact results: {name}</h1>
 <p>{len(found)} {"case" if len(found) == 1 else "cases"}: {", ".join(counted)}.
 Amontons {versions}; page made on {datetime.date.today().isoformat()}.
-Lengths, forces and stresses are in the units of the decks.{pvd}</p>
+{units}{pvd}</p>
 {unsolved}{table_of(cases, [small for _, small in pictures])}{sections}<script>
 {script}</script></body>
 </html>

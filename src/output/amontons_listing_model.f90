@@ -186,27 +186,56 @@ contains
       associate (zone => body%zone)
          if (any(body%motions%n_free > 0)) text = text//labeled('Note', modes_text(sum(body%motions%n_free)))
          do i = 1, size(zone%held_node)
-            text = text//labeled('Note', 'the node at '//pair_text(body%mesh%coordinates(:, zone%held_node(i)))// &
+            text = text//labeled('Note', 'the node at '//place(zone%held_node(i))// &
                ' is not a contact point: supports hold it')
          end do
          do i = 1, size(zone%zero_area_node)
-            text = text//labeled('Note', 'the node at '//pair_text(body%mesh%coordinates(:, zone%zero_area_node(i)))// &
+            text = text//labeled('Note', 'the node at '//place(zone%zero_area_node(i))// &
                ' is not a contact point: on the axis it has no area that a pressure could act on')
          end do
          do i = 1, size(zone%shared_node)
-            text = text//labeled('Note', 'the node at '//pair_text(body%mesh%coordinates(:, zone%shared_node(i)))// &
+            text = text//labeled('Note', 'the node at '//place(zone%shared_node(i))// &
                ' is a corner of two contact sets; it belongs to the one named first')
          end do
          do i = 1, zone%n_points
             if (zone%is_tangent_fixed(i)) text = text//labeled('Note', 'the '//trim(merge('cell', 'node', &
-               zone%is_cell(i)))//' at '//pair_text(zone%position(:, i))//guide_text(body, i))
+               zone%is_cell(i)))//' at '//with_unit(pair_text(zone%position(:, i)), units, 'L')//guide_text(body, i))
          end do
          if (zone%n_held_cells > 0) text = text//labeled('Note', 'not contact points, since supports hold '// &
             'their nodes: '//counted(zone%n_held_cells, 'cell')//' of constant multipliers')
-         if (any(load_case%gap < 0.0_dp)) text = text//labeled('Note', 'the body overlaps the obstacle by up to '// &
-            with_unit(short_text(-minval(load_case%gap)), units, 'L')//' at the start')
+         text = text//overlap_text(body, load_case, units)
       end associate
+
+   contains
+
+      !> The place of a node with its unit.
+      pure function place(node) result(labeled_place)
+         integer, intent(in) :: node !! number of the node
+         character(:), allocatable :: labeled_place
+
+         labeled_place = with_unit(pair_text(body%mesh%coordinates(:, node)), units, 'L')
+      end function place
+
    end function notes_text
+
+   !> A note on the initial overlap, where there is more than rounding leaves of coordinates.
+   pure function overlap_text(body, load_case, units) result(text)
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      ! What sums and differences of coordinates leave of a gap of 0, over the largest coordinate.
+      real(dp), parameter :: rounding = 1.0e-12_dp
+      integer :: p
+
+      text = ''
+      p = minloc(load_case%gap, dim=1)
+      if (p == 0) return
+      if (.not. -load_case%gap(p) > rounding*maxval(abs(body%mesh%coordinates))) return
+      text = 'the body overlaps the obstacle'
+      if (body%zone%pairs(body%zone%set(p))%is_set()) text = 'the bodies overlap'
+      text = labeled('Note', text//' by up to '//with_unit(short_text(-load_case%gap(p)), units, 'L')//' at the start')
+   end function overlap_text
 
    !> What a body without sufficient supports depends on.
    pure function modes_text(n_modes) result(text)

@@ -60,7 +60,7 @@ contains
          if (zone%next(last) > 0) is_end([last, zone%next(last)]) = .true.
          if (max(before(first), zone%next(last)) == 0 .or. n < 2 .or. (n - 1)/n_per_side >= enough_sides) cycle
          call warnings%add('the '//name//' zone from '//pair_text(zone%position(:, first))//' to '// &
-            pair_text(zone%position(:, last))//' has fewer than '//to_text(enough_sides)// &
+            warnings%place(zone%position(:, last))//' has fewer than '//to_text(enough_sides)// &
             ' sides: its ends are known '//'to a side only; refine the mesh there, or see the error bars of --refine 2')
          return
       end do
@@ -109,9 +109,9 @@ contains
       end do
       share = share_near(result%error_estimate, body%mesh, is_near)
       p = findloc(is_end, .true., dim=1)
-      if (share > most_of_it) call result%warnings%add(percent(share)//' of the estimated error is in the elements '// &
-         'at the ends of the contact and stick zones, the first at '//pair_text(body%zone%position(:, p))// &
-         ': refine the mesh there')
+      if (share > most_of_it) call result%warnings%add(percent(share)//' of the estimated error is in the '// &
+         'elements at the ends of the contact and stick zones, the first at '// &
+         result%warnings%place(body%zone%position(:, p))//': refine the mesh there')
    end subroutine add_uncertain_ends
 
    !> The share of the elements at some nodes in the square of the estimated error [-].

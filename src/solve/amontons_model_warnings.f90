@@ -115,8 +115,8 @@ contains
             short_text(body%inf_sup(set))//' is below '//short_text(poor_inf_sup)// &
             '; forces and statuses may oscillate from '//'cell to cell; make the cells larger')
          associate (overlap => maxval(-load_case%gap, mask=is_of_set))
-            if (overlap > large_overlap*size) call warnings%add(name//'initial overlap of '//short_text(overlap)// &
-               ', '//percent(overlap/size)//" of the body's size")
+            if (overlap > large_overlap*size) call warnings%add(name//'initial overlap of '// &
+               warnings%number(overlap, 'L')//', '//percent(overlap/size)//" of the body's size")
          end associate
          associate (friction => maxval(load_case%friction, mask=is_of_set))
             if (friction > large_friction) call warnings%add(name//'friction of '//short_text(friction)// &

@@ -24,20 +24,23 @@ contains
 
       name = pair%label//': '
       if (size(pair%open_node) > 0) call warnings%add(name//'left open: '// &
-         counted(size(pair%open_node), 'node')//' of the slave, without a master within '//short_text(pair%search))
+         counted(size(pair%open_node), 'node')//' of the slave, without a master within '// &
+         warnings%number(pair%search, 'L'))
       if (pair%sliver_side > 0) then
          associate (at => pair%slave%corner(:, 3, pair%sliver_side))
-            call warnings%add(name//'the side at '//short_text(at(1))//', '//short_text(at(2))//' is covered to '// &
+            call warnings%add(name//'the side at '//warnings%place(at)//' is covered to '// &
                short_text(pair%sliver_share)//' of its length; it is left out')
          end associate
       end if
       lengths = [mean_length(pair%slave), mean_length(pair%master)]
       if (lengths(1) > coarse*lengths(2)) call warnings%add(name//'the slave is coarser than the master (sides '// &
-         short_text(lengths(1))//' against '//short_text(lengths(2))//'): exchange both sets for a sharper contact')
+         short_text(lengths(1))//' against '//warnings%number(lengths(2), 'L')//'): exchange both sets for a '// &
+         'sharper contact')
       depths = [pair%slave%material(1)%thickness, pair%master%material(1)%thickness]
       if (.not. pair%slave%material(1)%is_plane_stress) return
       if (abs(depths(1) - depths(2)) > epsilon(1.0_dp)*depths(1)) call warnings%add(name//'the thicknesses differ ('// &
-         short_text(depths(1))//', '//short_text(depths(2))//'): forces are matched, stresses are those of the slave')
+         short_text(depths(1))//', '//warnings%number(depths(2), 'L')//'): forces are matched, stresses '// &
+         'are those of the slave')
    end subroutine add_pair_warnings
 
    !> Adds the warnings on the gaps that the meshes of a pair in contact have.
@@ -58,12 +61,12 @@ contains
       bulge = largest_bulge(pair%slave) + largest_bulge(pair%master)
       overlap = maxval(extra_gap - gap)
       if (bulge > rounding*pair%slave%longest .and. maxval(abs(gap)) < resolved*bulge) then
-         call warnings%add(name//'gaps and interference of up to '//short_text(maxval(abs(gap)))// &
-            ' are not much larger '// &
-            'than the distance between the two polygons ('//short_text(bulge)//'): refine, use quadratic elements, '// &
-            "or gap = 'touching'")
+         call warnings%add(name//'gaps and interference of up to '// &
+            warnings%number(maxval(abs(gap)), 'L')//' are not much larger than the distance between the two '// &
+            'polygons ('//warnings%number(bulge, 'L')//"): refine, use quadratic elements, or gap = 'touching'")
       else if (overlap > rounding*pair%slave%longest) then
-         call warnings%add(name//'the meshes overlap by up to '//short_text(overlap)//' before any load: give '// &
+         call warnings%add(name//'the meshes overlap by up to '// &
+            warnings%number(overlap, 'L')//' before any load: give '// &
             "extra_gap for an interference, or gap = 'touching'")
       end if
    end subroutine add_gap_warnings

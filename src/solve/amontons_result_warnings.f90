@@ -8,7 +8,6 @@ module amontons_result_warnings
    use amontons_element, only: n_corners
    use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: pair_text, short_text
    use amontons_load_case, only: load_case_t
    use amontons_mesh, only: mesh_t
    use amontons_mesh_warnings, only: add_mesh_warnings
@@ -110,8 +109,8 @@ contains
       call find_strain(body%mesh, result%displacement, strain, at)
       distance = maxval(norm2(result%displacement, dim=1))
       travel = ''
-      if (distance > far*strain*body_size(body)) travel = '; the body moves by '//short_text(distance)// &
-         ', far more than it is strained: place it closer to its obstacle'
+      if (distance > far*strain*body_size(body)) travel = '; the body moves by '// &
+         result%warnings%number(distance, 'L')//', far more than it is strained: place it closer to its obstacle'
       call result%warnings%add('the stiffness is ill-conditioned, condition number about '// &
          rounded(result%condition)//': rounding may cost '//to_text(min(16, nint(log10(result%condition))))// &
          ' of 16 digits'//conditioning_text(body%mesh, body%materials, body%springs)//travel)
@@ -126,8 +125,8 @@ contains
       integer :: node, at
 
       largest = maxval(norm2(displacement, dim=1))
-      if (largest > large_displacement*body_size(body)) call warnings%add('displacement of '//short_text(largest)// &
-         ', '// &
+      if (largest > large_displacement*body_size(body)) call warnings%add('displacement of '// &
+         warnings%number(largest, 'L')//', '// &
          percent(largest/body_size(body))//" of the body's size; the theory is for small displacements (up to "// &
          percent(large_displacement)//'); check units, loads and moduli')
       call find_strain(body%mesh, displacement, strain, at)
@@ -141,8 +140,8 @@ contains
          end do
       end if
       if (strain > large_strain) call warnings%add('strain of '//percent(strain)//' at '// &
-         pair_text(body%mesh%coordinates(:, at))//'; the theory is for small strains (up to '//percent(large_strain)// &
-         ')')
+         warnings%place(body%mesh%coordinates(:, at))//'; the theory is for small strains (up to '// &
+         percent(large_strain)//')')
    end subroutine add_size_warnings
 
    !> The largest elongation or shortening of the distance between two corners of an element.
@@ -183,7 +182,7 @@ contains
 
       peak = jump_at(zone, pressure)
       call warnings%add('the largest pressure '// &
-         short_text(pressure(peak))//' at '//pair_text(zone%position(:, peak))// &
+         warnings%number(pressure(peak), 'F/L^2')//' at '//warnings%place(zone%position(:, peak))// &
          ' is more than twice that of the points '// &
          'beside it: the mesh is too coarse for it, or it grows without bound at an edge; refine it there, or see '// &
          'with --refine 2 whether it converges')
@@ -215,7 +214,7 @@ contains
       associate (is_aslant => is_closed .and. cosine < smallest_cosine)
          first = findloc(is_aslant, .true., dim=1)
          if (first > 0) call warnings%add(counted(count(is_aslant), 'closed contact point')//', the first at '// &
-            pair_text(zone%position(:, first))//", more than 30 degrees off the obstacle's normal; end the "// &
+            warnings%place(zone%position(:, first))//", more than 30 degrees off the obstacle's normal; end the "// &
             'contact set at the corner, or give gap_direction')
       end associate
    end subroutine add_aslant_points

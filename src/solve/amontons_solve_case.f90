@@ -47,6 +47,7 @@ contains
       type(contact_t), allocatable :: contacts(:)
 
       call new_timings(result%timings)
+      result%warnings%units = config%units
       result%wants_error_estimate = config%accuracy%wants_estimate() .and. &
          .not. (config%sweep%is_given() .or. config%history%is_given)
       if (has_body(cache, config)) then

@@ -129,7 +129,7 @@ class Units(ProgramTest):
 
     def listing(self, *groups):
         """The listing of a deck with units."""
-        self.run_program(self.write("case.nml", block(*groups, self.UNITS)))
+        self.screen = self.run_program(self.write("case.nml", block(*groups, self.UNITS))).stdout
         return (self.directory / "case.lst").read_text(encoding="utf-8")
 
     def test_columns_are_as_wide_as_their_units(self):
@@ -146,6 +146,22 @@ class Units(ProgramTest):
                      "extra gap 0.01 µm"):
             self.assertIn(part, text)
 
+    def test_screen_and_warnings(self):
+        run = self.run_program(self.write("case.nml", block(SUPPORT, "load set = 'top'  pressure = 10.0", CONTACT,
+                                                            self.UNITS)))
+        self.assertRegex(run.stdout, r"; open \S+ µm, slip \S+ µm, stick \S+ µm; 9 of 9 points closed, peak pressure "
+                         r"\S+ kN/µm²\n")
+        self.assertRegex(run.stdout, r"\ncase: warning: strain of \S+ % at \(\S+, \S+\) µm; ")
+        self.run_program("--verify", ".")
+        run = self.run_program(self.write("case.nml", block("support set = 'bottom'  ux = 0.0  uy = 0.0", PRESSURE,
+                                                            self.UNITS)))
+        self.assertRegex(run.stdout, r"; no contact set, largest von Mises stress \S+ kN/µm², displacement \S+ µm\n")
+
+    def test_overlap_by_rounding_is_no_note(self):
+        for depth, count in ((1e-15, 0), (1e-6, 1)):
+            text = self.listing(SUPPORT, PRESSURE, CONTACT + f"  extra_gap = {-depth}")
+            self.assertEqual(text.count("the body overlaps the obstacle by up to"), count)
+
     def test_extremes_of_a_sweep(self):
         text = self.listing(SUPPORT, "load name = 'p'  set = 'top'  pressure = 1.0", CONTACT,
                             "sweep load = 'p'  factor = 1.0, 2.0")
@@ -155,6 +171,7 @@ class Units(ProgramTest):
     def test_history(self):
         text = self.listing(SUPPORT, "load name = 'p'  set = 'top'  pressure = 1.0", CONTACT,
                             "history times = 0.0, 1.0", "steps load = 'p'  factor = 0.0, 1.0")
+        self.assertRegex(self.screen, r"; dissipation \S+ kilonewton µm, energy error \S+ kilonewton µm\n")
         self.assertRegex(text, "Work of loads +\\S+ kilonewton µm\n")
         table = text[text.index("\nStates at the times"):].splitlines()
         self.assertEqual(table[4].split(), ["µm"]*3 + ["kilonewton"]*2 + ["kilonewton", "µm"]*3)

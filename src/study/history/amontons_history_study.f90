@@ -16,6 +16,7 @@ module amontons_history_study
    use amontons_study, only: study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_text, only: to_text
+   use amontons_units, only: with_unit
    implicit none (type, external)
    private
 
@@ -69,7 +70,7 @@ contains
       if (.not. allocated(error)) call result%checkpoint%remove()
       call result%checkpoint%close()
       if (allocated(error)) return
-      outcome%text = solved_text(self%config%name, result)
+      outcome%text = solved_text(self%config%name, result, self%config%units)
       outcome%numbers = [quantity_t('iterations', '', real(result%walk%n_iterations, dp)), &
          quantity_t('residual', '', result%residual%value), result%last%key_results, &
          resultants(result%last%solution%force)]
@@ -85,15 +86,17 @@ contains
    end subroutine history_study_solve
 
    !> The line on the result of a history.
-   pure function solved_text(name, result) result(text)
+   pure function solved_text(name, result, units) result(text)
       character(*), intent(in) :: name !! name of the case
       type(history_result_t), intent(in) :: result !! the result
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
       associate (walk => result%walk)
          text = name//': '//to_text(walk%n_steps)//' steps, '//trim(merge('all solved', 'INCOMPLETE', &
             len(walk%fault) == 0))//', residual at most '//scientific(result%residual%value)//'; dissipation '// &
-            short_text(sum(walk%state%dissipation))//', energy error '//short_text(walk%state%energy_error())
+            with_unit(short_text(sum(walk%state%dissipation)), units, 'F L')//', energy error '// &
+            with_unit(short_text(walk%state%energy_error()), units, 'F L')
       end associate
    end function solved_text
 

@@ -21,6 +21,7 @@ module amontons_single_study
    use amontons_study_monitor, only: study_monitor_t
    use amontons_text, only: counted
    use amontons_timings, only: phase_solve, phase_write
+   use amontons_units, only: with_unit
    implicit none (type, external)
    private
 
@@ -78,7 +79,7 @@ contains
       if (.not. allocated(error)) call add_extras(config, cache, options, result, error)
       if (.not. allocated(error)) call write_report(options%directory, config, cache%body, result, error)
       if (allocated(error)) return
-      outcome%text = solved_text(config%name, result)
+      outcome%text = solved_text(config%name, result, config%units)
       outcome%warnings = result%warnings
       outcome%numbers = [method_numbers(result%solution), result%key_results, resultants(result%solution%force)]
       outcome%has_grids = result%solution%is_converged
@@ -129,23 +130,41 @@ contains
    end subroutine add_extras
 
    !> The line on the result of a case.
-   pure function solved_text(name, result) result(text)
+   pure function solved_text(name, result, units) result(text)
       character(*), intent(in) :: name !! name of the case
       type(result_t), intent(in) :: result !! the result
+      character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
       text = name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
          counted(result%solution%n_iterations, 'iteration')//', residual '//scientific(result%solution%residual)
       if (size(result%solution%status) == 0) then
          text = text//'; no contact set, largest von Mises stress '// &
-            short_text(value_of(result%key_results, 'max_von_mises'))//', displacement '// &
-            short_text(value_of(result%key_results, 'max_displacement'))
+            number('max_von_mises', 'F/L^2')//', displacement '//number('max_displacement', 'L')
       else
-         text = text//'; open '//short_text(result%lengths%open)//', slip '//short_text(result%lengths%slip)// &
-            ', stick '//short_text(result%lengths%stick)//'; '//closed_text(result%solution%status)// &
-            ', peak pressure '// &
-            short_text(value_of(result%key_results, 'max_contact_pressure'))
+         text = text//'; open '//length(result%lengths%open)//', slip '//length(result%lengths%slip)// &
+            ', stick '//length(result%lengths%stick)//'; '//closed_text(result%solution%status)// &
+            ', peak pressure '//number('max_contact_pressure', 'F/L^2')
       end if
+
+   contains
+
+      !> A key result with its unit.
+      pure function number(key, dimension) result(labeled)
+         character(*), intent(in) :: key !! its name
+         character(*), intent(in) :: dimension !! its dimension
+         character(:), allocatable :: labeled
+
+         labeled = with_unit(short_text(value_of(result%key_results, key)), units, dimension)
+      end function number
+
+      !> A length with its unit.
+      pure function length(value) result(labeled)
+         real(dp), intent(in) :: value !! the length [L]
+         character(:), allocatable :: labeled
+
+         labeled = with_unit(short_text(value), units, 'L')
+      end function length
    end function solved_text
 
 end module amontons_single_study
