@@ -87,7 +87,8 @@ def draw_dissipation(axes, case, rows):
         taken = [float(table[point]["dissipation"])/float(table[point]["weight"]) for point in one.points]
         axes.plot(one.length, taken, color="black")
     axes.set(xlabel=case.label("s", "L"), ylabel=case.label("dissipation / length", "F"), ylim=(0, None))
-    axes.set_title(f"total {float(rows[-1]['dissipation']):.4g} {case.unit('F L')}".rstrip(), fontsize="small", loc="right")
+    total = f"total {float(rows[-1]['dissipation']):.4g} {case.unit('F L')}".rstrip()
+    axes.set_title(total, fontsize="small", loc="right")
 
 
 def draw_steps(case, size, loop=None):

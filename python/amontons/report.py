@@ -95,10 +95,13 @@ def key_results_of(case):
     """The key results of a case, with the places of those that have one; of a sweep their range, with its cases."""
     results = case.summary.get("key_results", {})
     places = {f"{key}_{axis}" for key in results for axis in "xy" if f"{key}_x" in results}
-    length = case.unit("L")
-    texts = {key: cell_text(value) + (f" at ({cell_text(results[f'{key}_x'])}, {cell_text(results[f'{key}_y'])}) {length}"
-                                      if f"{key}_x" in places else "")
-             for key, value in results.items() if key not in places}
+
+    def place(key):
+        """Where a key result is; empty if it has no place."""
+        at = [cell_text(results[name]) for name in (f"{key}_x", f"{key}_y") if name in places]
+        return f" at ({', '.join(at)}) {case.unit('L')}".rstrip() if at else ""
+
+    texts = {key: cell_text(value) + place(key) for key, value in results.items() if key not in places}
     for key, ends in case.summary.get("extremes", {}).items():
         texts[key] = f"{cell_text(ends['least'])} (case {ends['least_case']}) to {cell_text(ends['greatest'])} " \
             f"(case {ends['greatest_case']})"
