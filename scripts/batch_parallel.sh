@@ -40,26 +40,58 @@ run_deck() {
 }
 export program output logs
 export -f run_deck
-printf '%s\0' "${decks[@]}" | parallel --null --jobs 100% run_deck {} "${@@Q}"
+# Ctrl-C ends the programs; the tally is printed all the same.
+trap : INT
+printf '%s\0' "${decks[@]}" | parallel --null --jobs 100% run_deck {} "${@@Q}" || true
 
-counts=(0 0 0 0 0 0) worst=0 skipped=0
-labels=('solved' 'refused' 'without equilibrium or failed numerically' 'failed' 'not converged or not certified'
-   'interrupted')
-for deck in "${decks[@]}"; do
-   log=$logs/$(basename "$deck")
+# Prints the outcomes of decks, a line each, from a table whose first fields are deck, case and outcome.
+# shellcheck disable=SC2016 # the program is awk's
+outcomes=$(awk 'function take_field(   value) {
+      if (line !~ /^"/) {
+         match(line ",", /,/)
+         value = substr(line, 1, RSTART - 1)
+         line = substr(line, RSTART + 1)
+         return value
+      }
+      for (line = substr(line, 2); match(line, /"/); ) {
+         value = value substr(line, 1, RSTART - 1)
+         line = substr(line, RSTART + 1)
+         if (line !~ /^"/) break
+         value = value "\""
+         line = substr(line, 2)
+      }
+      line = substr(line, 2)
+      return value
+   }
+   BEGIN {
+      while ((getline line < ARGV[1]) > 0) {
+         deck = take_field()
+         take_field()
+         outcome[deck] = take_field()
+      }
+      for (i = 2; i < ARGC; i++) print outcome[ARGV[i]]
+   }' "$output/batch.csv" "${decks[@]//$'\n'/; }")
+mapfile -t outcomes <<<"$outcomes"
+
+order=(solved unchanged no_equilibrium not_converged not_certified refused numerical_failure system_failure replaced
+   interrupted)
+declare -A counts=() labels=([no_equilibrium]='without equilibrium' [not_converged]='not converged'
+   [not_certified]='not certified' [numerical_failure]='failed numerically' [system_failure]='failed'
+   [replaced]='replaced by another deck of the same case name')
+worst=0
+for i in "${!decks[@]}"; do
+   log=$logs/$(basename "${decks[i]}")
    status=$(cat "$log.status" 2>/dev/null || echo 5)
-   ((status <= 5)) || status=3
+   outcome=${outcomes[i]:-system_failure}
+   ((status != 5)) || outcome=interrupted
+   ((status <= 5)) || status=3 outcome=system_failure
    ((status <= worst)) || worst=$status
-   if grep -qs ': unchanged, not solved again$' "$log.log"; then
-      skipped=$((skipped + 1))
-   else
-      counts[status]=$((counts[status] + 1))
-   fi
+   ! grep -qs ': unchanged, not solved again$' "$log.log" || outcome=unchanged
+   counts[$outcome]=$((${counts[$outcome]:-0} + 1))
 done
 tally=
-for status in "${!counts[@]}"; do
-   ((counts[status] == 0)) || tally+=", ${counts[status]} ${labels[status]}"
-   ((status != 0 || skipped == 0)) || tally+=", $skipped unchanged"
+for outcome in "${order[@]}"; do
+   [[ -z ${counts[$outcome]:-} ]] || tally+=", ${counts[$outcome]} ${labels[$outcome]:-$outcome}"
 done
 echo "${#decks[@]} decks: ${tally#, }"
 exit "$worst"

@@ -159,14 +159,14 @@ def section_of(case, pictures):
 """
 
 
-def failures_of(folder):
-    """The decks of a batch that left no results: pairs of deck and message."""
+def decks_of(folder, outcomes):
+    """The decks of a batch with some outcomes: pairs of deck and message."""
     try:
         with open(folder / "batch.csv", newline="", encoding="utf-8") as text:
             rows = list(csv.DictReader(text))
     except FileNotFoundError:
         return []
-    return [(row["deck"], row["message"]) for row in rows if row["outcome"] in FAILED]
+    return [(row["deck"], row["message"]) for row in rows if row["outcome"] in outcomes]
 
 
 def drawn(numbered):
@@ -190,7 +190,7 @@ def page_of(folder, paths):
     cases, without = [case for case in found if case.has_equilibrium], \
         [(case.summary["case"], case.summary["message"]) for case in found if not case.has_equilibrium]
     pictures = pictures_of_all([case.path for case in cases])
-    failures = failures_of(folder)
+    failures, replaced = decks_of(folder, FAILED), decks_of(folder, ("replaced",))
     colors = [verdict_of(case.summary)[0] for case in cases]
     counted = [f"{colors.count(color)} {color}" for color in COLORS]
     counted += [f"{len(some)} {words}" for some, words in ((without, "without equilibrium"), (failures, "failed"))
@@ -201,7 +201,7 @@ def page_of(folder, paths):
     units = f"Units: {html.escape(units_of(found))}." if units_of(found) else \
         "Lengths, forces and stresses are in the units of the decks."
     unsolved = "".join(f'<p class="verdict {color}"><b>{words}{html.escape(deck)}</b><span>{html.escape(message)}'
-                       "</span></p>\n" for color, words, some in (("red", "failed: ", failures), ("amber", "", without))
+                       "</span></p>\n" for color, words, some in (("red", "failed: ", failures), ("amber", "", without + replaced))
                        for deck, message in some)
     sections = "".join(section_of(case, large) for case, (large, _) in zip(cases, pictures))
     style, script = (Path(__file__).with_name(f"report.{ending}").read_text(encoding="utf-8")

@@ -11,17 +11,22 @@ module amontons_run_decks
    use amontons_outcome, only: outcome_t, status_interrupted
    use amontons_output_file, only: commit_files, output_file_t
    use amontons_progress, only: progress_t
+   use amontons_quantity, only: quantity_t
    use amontons_reservations, only: reservation_t, reserve_files
    use amontons_solve_case, only: cache_t
    use amontons_status_line, only: close_status_line, open_status_line
    use amontons_study, only: check_study, solve_study, study_options_t, study_t
    use amontons_system, only: wall_seconds
    use amontons_text, only: newline, to_text
-   use amontons_unchanged, only: is_unchanged
+   use amontons_unchanged, only: find_unchanged
+   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 
    public :: run_decks
+
+   !> How long rows of batch.csv may wait until they are written [s].
+   real(dp), parameter :: seconds_between_rows = 1.0_dp
 
 contains
 
@@ -33,11 +38,13 @@ contains
       type(reservation_t) :: reservations(size(command_line%decks))
       type(outcome_t) :: outcomes(size(command_line%decks))
       type(error_t), allocatable :: error
-      real(dp) :: start
-      integer :: i, n_done
+      real(dp) :: start, noted_at
+      integer :: i, n_done, n_noted
       logical :: is_heard
 
       status = 0
+      n_noted = 0
+      noted_at = wall_seconds()
       is_heard = .true.
       do i = 1, size(outcomes)
          start = wall_seconds()
@@ -49,28 +56,37 @@ contains
          is_heard = is_heard .and. .not. allocated(error)
          call note_error(error, status)
          if (outcomes(i)%status == status_interrupted) exit
+         ! A run that is killed leaves its rows.
+         if (wall_seconds() - noted_at < seconds_between_rows) cycle
+         call note_rows(command_line, outcomes(n_noted + 1:i), status)
+         n_noted = i
+         noted_at = wall_seconds()
       end do
-      call finish_batch(command_line, outcomes(:n_done), status)
-      if (size(outcomes) == 1 .or. .not. is_heard) return
+      call note_rows(command_line, outcomes(n_noted + 1:n_done), status)
+      if (size(outcomes) == 1) return
+      call collect_grids(command_line%output, outcomes(:n_done), error)
+      call note_error(error, status)
+      if (.not. is_heard) return
       call print_info(command_line, tally_text(outcomes(:n_done), size(outcomes)), error)
       call note_error(error, status)
    end subroutine run_decks
 
-   !> What several decks leave besides: a row for each in batch.csv, and cases.pvd.
-   subroutine finish_batch(command_line, outcomes, status)
+   !> Puts the rows of decks into batch.csv, where there is one.
+   subroutine note_rows(command_line, outcomes, status)
       type(command_line_t), intent(in) :: command_line !! decks and options
-      type(outcome_t), intent(in) :: outcomes(:) !! what became of the decks that were tried
+      type(outcome_t), intent(in) :: outcomes(:) !! what became of the decks
       integer, intent(inout) :: status !! exit status of the program
+      type(warning_list_t) :: notes
       type(error_t), allocatable :: error
+      integer :: i
 
-      if (.not. command_line%is_check .and. (size(command_line%decks) > 1 .or. command_line%skips_unchanged)) then
-         call update_batch_table(command_line%output, outcomes, error)
-         call note_error(error, status)
-      end if
-      if (size(command_line%decks) == 1) return
-      call collect_grids(command_line%output, outcomes, error)
+      if (command_line%is_check .or. .not. (size(command_line%decks) > 1 .or. command_line%skips_unchanged)) return
+      call update_batch_table(command_line%output, outcomes, notes, error)
+      do i = 1, notes%n()
+         call print_error(notes%item(i))
+      end do
       call note_error(error, status)
-   end subroutine finish_batch
+   end subroutine note_rows
 
    !> Prints an error, if there is one, and raises the exit status to its kind.
    subroutine note_error(error, status)
@@ -111,7 +127,9 @@ contains
       class(study_t), allocatable :: study
       type(study_options_t) :: options
       type(progress_t) :: progress
+      type(quantity_t), allocatable :: numbers(:)
       type(error_t), allocatable :: error
+      logical :: is_unchanged
 
       call read_study(study, command_line, deck, error)
       if (.not. allocated(error)) call reserve_files(reservations, study, error)
@@ -124,8 +142,10 @@ contains
       options%writes_reduced = command_line%writes_reduced
       options%wants_all_solutions = command_line%wants_all_solutions
       if (command_line%skips_unchanged .and. .not. command_line%is_check) then
-         if (is_unchanged(study%config, command_line%output)) then
+         call find_unchanged(is_unchanged, numbers, study%config, command_line%output)
+         if (is_unchanged) then
             call outcome%begin(deck, study%config%name)
+            call move_alloc(numbers, outcome%numbers)
             outcome%word = 'unchanged'
             outcome%text = study%config%name//': unchanged, not solved again'
             outcome%has_grids = study%has_grids()

@@ -1,7 +1,8 @@
 !> OUTPUT/batch.csv: one row for each deck of a batch, whatever became of it; and the tally of a run.
 !>
 !> Several runs may work on one folder at the same time: each replaces the rows of its own decks, and all others stay.
-!> The file is read and written again while the folder is locked, and it is replaced as a whole.
+!> The file is read and written again while the folder is locked, and it is replaced as a whole. A deck is known by its
+!> file, whatever name it is given by.
 module amontons_batch_table
    use amontons_error, only: error_t
    use amontons_file_lock, only: file_lock_t, lock_directory
@@ -10,13 +11,23 @@ module amontons_batch_table
    use amontons_output_file, only: output_file_t, write_text_file
    use amontons_quantity, only: value_of
    use amontons_row_text, only: field
-   use amontons_system, only: make_directory
-   use amontons_text, only: newline, to_text
+   use amontons_system, only: absolute_path, make_directory
+   use amontons_text, only: newline, replaced, to_text
    use amontons_text_file, only: read_text_file
+   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 
-   public :: tally_text, update_batch_table
+   public :: number_keys, tally_text, update_batch_table
+
+   !> A row of the table.
+   type :: row_t
+      character(:), allocatable :: deck !! name of the deck
+      character(:), allocatable :: name !! name of its case
+      character(:), allocatable :: word !! its outcome
+      character(:), allocatable :: status !! its exit status
+      character(:), allocatable :: text !! the row, its line end included; empty for one that is removed
+   end type row_t
 
    !> Numbers of a result that the table has, where there is a result.
    character(20), parameter :: number_keys(*) = [character(20) :: 'iterations', 'residual', 'max_contact_pressure', &
@@ -25,6 +36,11 @@ module amontons_batch_table
    character(17), parameter :: outcome_words(*) = [character(17) :: 'solved', 'checked', 'unchanged', &
       'no_equilibrium', 'not_converged', 'not_certified', 'refused', 'numerical_failure', 'system_failure', &
       'interrupted']
+   !> Those with files of the case, which replace the files of any other deck with its name; and those without.
+   character(14), parameter :: words_with_results(*) = [character(14) :: 'solved', 'no_equilibrium', 'not_converged', &
+      'not_certified']
+   character(17), parameter :: words_without_results(*) = [character(17) :: 'refused', 'numerical_failure', &
+      'system_failure', 'interrupted']
    !> Outcomes, as the tally has them.
    character(19), parameter :: outcome_labels(*) = [character(19) :: 'solved', 'OK', 'unchanged', &
       'without equilibrium', 'not converged', 'not certified', 'refused', 'failed numerically', 'not written', &
@@ -52,23 +68,25 @@ contains
    end function tally_text
 
    !> Puts the rows of decks into the table.
-   subroutine update_batch_table(directory, outcomes, error)
+   subroutine update_batch_table(directory, outcomes, notes, error)
       character(*), intent(in) :: directory !! output directory, made if it is not there
       type(outcome_t), intent(in) :: outcomes(:) !! what became of the decks
+      type(warning_list_t), intent(inout) :: notes !! gains the decks whose results were replaced by those of another
       type(error_t), allocatable, intent(out) :: error !! the table cannot be written
       type(output_file_t) :: file
       type(file_lock_t) :: lock
-      character(:), allocatable :: text
-      integer :: i
+      type(row_t), allocatable :: rows(:)
+      integer :: i, n
 
       call make_directory(directory, error)
       if (allocated(error)) return
       call lock_directory(lock, directory//'/')
-      call read_rows(directory//'/batch.csv', text)
+      call read_rows(directory//'/batch.csv', rows, n)
+      call drop_gone_failures(rows(:n))
       do i = 1, size(outcomes)
-         call put_row(text, outcomes(i))
+         call put_row(rows, n, outcomes(i), notes)
       end do
-      call write_text_file(file, directory//'/batch.csv', header()//text, error)
+      call write_text_file(file, directory//'/batch.csv', header()//joined(rows(:n)), error)
       if (.not. allocated(error)) call file%commit(error)
       call lock%release()
    end subroutine update_batch_table
@@ -86,38 +104,180 @@ contains
    end function header
 
    !> Reads the rows that are there; none where there is no table, or one of another version.
-   subroutine read_rows(path, rows)
+   subroutine read_rows(path, rows, n)
       character(*), intent(in) :: path !! name of the table
-      character(:), allocatable, intent(out) :: rows !! the rows, lines of text
+      type(row_t), allocatable, intent(out) :: rows(:) !! the rows, and room for more
+      integer, intent(out) :: n !! number of rows
       type(error_t), allocatable :: error
-
-      call read_text_file(path, rows, error)
-      if (.not. allocated(error)) then
-         if (index(rows, header()) == 1 .and. rows(len(rows):) == newline) then
-            rows = rows(len(header()) + 1:)
-            return
-         end if
-      end if
-      rows = ''
-   end subroutine read_rows
-
-   !> Replaces the row of a deck, or appends it. A deck whose results are unchanged keeps its row.
-   pure subroutine put_row(rows, outcome)
-      character(:), allocatable, intent(inout) :: rows !! the rows
-      type(outcome_t), intent(in) :: outcome !! what became of the deck
-      character(:), allocatable :: start
+      character(:), allocatable :: text
       integer :: first, last
 
-      start = field(outcome%deck)//','
-      first = index(newline//rows, newline//start)
-      if (first == 0) then
-         rows = rows//row_text(outcome)
-         return
+      n = 0
+      allocate (rows(64))
+      call read_text_file(path, text, error)
+      if (allocated(error)) return
+      if (index(text, header()) /= 1 .or. text(len(text):) /= newline) return
+      first = len(header()) + 1
+      do while (first <= len(text))
+         last = first + index(text(first:), newline) - 1
+         call append_row(rows, n, text(first:last))
+         first = last + 1
+      end do
+   end subroutine read_rows
+
+   !> Adds a row at the end.
+   pure subroutine append_row(rows, n, line)
+      type(row_t), allocatable, intent(inout) :: rows(:) !! the rows, and room for more
+      integer, intent(inout) :: n !! number of rows
+      character(*), intent(in) :: line !! the row, its line end included
+      type(row_t), allocatable :: more(:)
+      integer :: i, next
+
+      if (n == size(rows)) then
+         allocate (more(2*n))
+         do i = 1, n
+            call move_row(rows(i), more(i))
+         end do
+         call move_alloc(more, rows)
       end if
-      if (outcome%word == 'unchanged' .and. index(rows(first:), start//field(outcome%name)//',solved,') == 1) return
-      last = first + index(rows(first:), newline) - 1
-      rows = rows(:first - 1)//row_text(outcome)//rows(last + 1:)
+      n = n + 1
+      next = 1
+      call take_field(line, next, rows(n)%deck)
+      call take_field(line, next, rows(n)%name)
+      call take_field(line, next, rows(n)%word)
+      call take_field(line, next, rows(n)%status)
+      rows(n)%text = line
+   end subroutine append_row
+
+   !> Moves a row to another place.
+   pure subroutine move_row(from, to)
+      type(row_t), intent(inout) :: from !! the row, without its texts then
+      type(row_t), intent(inout) :: to !! the place
+
+      call move_alloc(from%deck, to%deck)
+      call move_alloc(from%name, to%name)
+      call move_alloc(from%word, to%word)
+      call move_alloc(from%status, to%status)
+      call move_alloc(from%text, to%text)
+   end subroutine move_row
+
+   !> Takes a field off a row.
+   pure subroutine take_field(line, next, value)
+      character(*), intent(in) :: line !! the row
+      integer, intent(inout) :: next !! where the field begins; then where the next one does
+      character(:), allocatable, intent(out) :: value !! the field, without its quotes
+      integer :: first
+      logical :: is_quoted
+
+      first = next
+      is_quoted = .false.
+      do while (next < len(line))
+         if (line(next:next) == '"') is_quoted = .not. is_quoted
+         if (line(next:next) == ',' .and. .not. is_quoted) exit
+         next = next + 1
+      end do
+      value = line(first:next - 1)
+      if (index(value, '"') == 1) value = replaced(value(2:len(value) - 1), '""', '"')
+      next = next + 1
+   end subroutine take_field
+
+   !> Removes failed decks that are not in their folder any more: nothing is left of them.
+   subroutine drop_gone_failures(rows)
+      type(row_t), intent(inout) :: rows(:) !! the rows; those that are removed lose their text
+      logical :: has_folder, has_deck
+      integer :: i
+
+      do i = 1, size(rows)
+         if (all(rows(i)%word /= words_without_results)) cycle
+         inquire (file=rows(i)%deck, exist=has_deck)
+         if (has_deck) cycle
+         inquire (file=rows(i)%deck(:scan(rows(i)%deck, '/', back=.true.))//'.', exist=has_folder)
+         if (has_folder .and. rows(i)%deck /= '-') rows(i)%text = ''
+      end do
+   end subroutine drop_gone_failures
+
+   !> Puts the row of a deck in the place of its earlier one, or at the end. A deck whose results are unchanged keeps its
+   !> row.
+   subroutine put_row(rows, n, outcome, notes)
+      type(row_t), allocatable, intent(inout) :: rows(:) !! the rows, and room for more
+      integer, intent(inout) :: n !! number of rows
+      type(outcome_t), intent(in) :: outcome !! what became of the deck
+      type(warning_list_t), intent(inout) :: notes !! gains the decks whose results were replaced
+      character(:), allocatable :: deck
+      integer :: i, at
+
+      deck = one_line(outcome%deck)
+      at = 0
+      do i = 1, n
+         if (len(rows(i)%text) == 0) cycle
+         if (rows(i)%deck == deck) then
+            at = i
+         else if (is_same_file(rows(i)%deck, deck)) then
+            rows(i)%text = ''
+         else if (rows(i)%name == outcome%name .and. any(outcome%word == words_with_results)) then
+            call replace_results(rows(i), deck, outcome%name, notes)
+         end if
+      end do
+      if (at == 0) then
+         call append_row(rows, n, row_text(outcome))
+      else if (.not. (outcome%word == 'unchanged' .and. rows(at)%word == 'solved')) then
+         rows(at)%text = row_text(outcome)
+      end if
    end subroutine put_row
+
+   !> Whether two names of decks are names of one file. Only names that end alike are looked at.
+   logical function is_same_file(first, second)
+      character(*), intent(in) :: first !! a name
+      character(*), intent(in) :: second !! another one
+      logical :: is_there
+
+      is_same_file = first(scan(first, '/', back=.true.) + 1:) == second(scan(second, '/', back=.true.) + 1:)
+      if (.not. is_same_file) return
+      inquire (file=first, exist=is_there)
+      is_same_file = is_there
+      if (is_there) is_same_file = absolute_path(first) == absolute_path(second)
+   end function is_same_file
+
+   !> Notes that the results of a deck were replaced by those of another one with the same case name. If the deck itself is
+   !> gone, renamed for example, its row goes, too.
+   subroutine replace_results(row, deck, name, notes)
+      type(row_t), intent(inout) :: row !! the row of the deck
+      character(*), intent(in) :: deck !! the deck whose results are there now
+      character(*), intent(in) :: name !! name of the case
+      type(warning_list_t), intent(inout) :: notes !! gains a sentence
+      character(:), allocatable :: sentence
+      logical :: is_there
+
+      inquire (file=row%deck, exist=is_there)
+      if (.not. is_there) then
+         row%text = ''
+      else if (row%word /= 'replaced') then
+         sentence = "its results were replaced by those of '"//deck//"', which has the same case name '"//name// &
+            "'; give each its own &case name"
+         row%word = 'replaced'
+         row%text = field(row%deck)//','//field(name)//','//row%word//','//row%status// &
+            repeat(',', size(number_keys) + 2)//field(sentence)//newline
+         call notes%add(row%deck//': warning: '//sentence)
+      end if
+   end subroutine replace_results
+
+   !> All rows as one text.
+   pure function joined(rows) result(text)
+      type(row_t), intent(in) :: rows(:) !! the rows
+      character(:), allocatable :: text
+      integer :: i, length
+
+      length = 0
+      do i = 1, size(rows)
+         length = length + len(rows(i)%text)
+      end do
+      allocate (character(length) :: text)
+      length = 0
+      do i = 1, size(rows)
+         text(length + 1:length + len(rows(i)%text)) = rows(i)%text
+         length = length + len(rows(i)%text)
+      end do
+   end function joined
 
    !> The row of a deck. Its message is one line.
    pure function row_text(outcome) result(text)
@@ -125,7 +285,7 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = field(outcome%deck)//','//field(outcome%name)//','
+      text = field(one_line(outcome%deck))//','//field(outcome%name)//','
       if (outcome%word == 'unchanged') then
          text = text//'solved'
       else

@@ -1,90 +1,150 @@
 !> Whether the results of a deck are there already: those of the same deck, of the same files that it names, of this
 !> version of the program; solved, certified, and every file as it was written.
 module amontons_unchanged
+   use amontons_batch_table, only: number_keys
    use amontons_checksum, only: checksum_t, file_checksum
    use amontons_config, only: config_t
    use amontons_error, only: error_t
+   use amontons_kinds, only: dp
    use amontons_manifest, only: manifest_list_t, manifest_t, read_summary
-   use amontons_text, only: newline
+   use amontons_quantity, only: quantity_t
+   use amontons_summary_file, only: summary_file_t
+   use amontons_text, only: newline, read_real
    use amontons_text_file, only: read_text_file
    use amontons_version, only: version
    implicit none (type, external)
    private
 
-   public :: is_unchanged
+   public :: find_unchanged
 
 contains
 
-   !> Whether solving a deck again would write what is there already.
-   logical function is_unchanged(config, directory)
+   !> Finds out whether solving a deck again would write what is there already.
+   subroutine find_unchanged(is_unchanged, numbers, config, directory)
+      logical, intent(out) :: is_unchanged !! whether it would
+      type(quantity_t), allocatable, intent(out) :: numbers(:) !! numbers of its result, if it would
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: directory !! output directory
       type(manifest_t) :: manifest
       type(error_t), allocatable :: error
-      character(:), allocatable :: summary, fault, deck
+      character(:), allocatable :: summary, fault, deck, stem
       integer :: i
 
       is_unchanged = .false.
-      call read_summary(manifest, summary, directory//'/'//config%name//'.summary.json', fault)
+      stem = directory//'/'//config%name
+      call read_summary(manifest, summary, stem//'.summary.json', fault)
       if (len(fault) > 0) return
       if (index(summary, newline//'  "version": "'//version//'",'//newline) == 0) return
       if (index(summary, newline//'  "converged": true,'//newline) == 0) return
       if (index(summary, '"passed": true') == 0) return
-      call read_text_file(directory//'/'//config%name//'.deck.nml', deck, error)
+      call read_text_file(stem//'.deck.nml', deck, error)
       if (allocated(error)) return
       if (deck /= config%deck_text()) return
       do i = 1, manifest%outputs%n
          if (.not. is_as_listed(manifest%outputs, i, directory//'/')) return
       end do
-      is_unchanged = has_unchanged_inputs(config, manifest%inputs)
-   end function is_unchanged
+      do i = 1, manifest%inputs%n
+         if (.not. is_as_listed(manifest%inputs, i, '')) return
+      end do
+      is_unchanged = lists_inputs(config, manifest%inputs)
+      if (is_unchanged) numbers = numbers_of(summary)
+   end subroutine find_unchanged
 
-   !> Whether every file that a deck names is listed and has not changed. A pipe is never listed.
-   logical function has_unchanged_inputs(config, inputs)
+   !> Numbers of a result from its summary; of a sweep the greatest of its cases.
+   pure function numbers_of(summary) result(numbers)
+      character(*), intent(in) :: summary !! the summary
+      type(quantity_t), allocatable :: numbers(:)
+      character(*), parameter :: sections(*) = [character(12) :: 'load_history', '', 'key_results', 'resultants']
+      type(summary_file_t) :: file
+      character(:), allocatable :: value
+      real(dp) :: number
+      logical :: ok
+      integer :: i, k
+
+      allocate (numbers(0))
+      file%text = summary
+      do i = 1, size(number_keys)
+         do k = 1, size(sections)
+            value = file%value(trim(sections(k)), trim(number_keys(i)))
+            call read_real(value, number, ok)
+            if (ok) exit
+         end do
+         ! Sums of forces of a sweep are no results of one case.
+         if (.not. ok .and. index(number_keys(i), 'max_') == 1) call read_real(greatest(file, trim(number_keys(i))), number, ok)
+         if (ok) numbers = [numbers, quantity_t(number_keys(i), '', number)]
+      end do
+   end function numbers_of
+
+   !> The greatest value of a number of a sweep, as its summary has it; empty if it has none.
+   pure function greatest(file, key) result(value)
+      type(summary_file_t), intent(in) :: file !! the summary
+      character(*), intent(in) :: key !! name of the number
+      character(:), allocatable :: value
+      integer :: first
+
+      value = ''
+      first = index(file%text, newline//'  "extremes": {')
+      if (first == 0) return
+      associate (behind => index(file%text(first:), '"'//key//'": {'))
+         if (behind == 0) return
+         first = first + behind - 1
+      end associate
+      first = first + index(file%text(first:), '"greatest": ') + len('"greatest": ') - 1
+      value = file%text(first:first + index(file%text(first:), ',') - 2)
+   end function greatest
+
+   !> Whether every file that a deck names is listed. A pipe is never listed.
+   logical function lists_inputs(config, inputs)
       type(config_t), intent(in) :: config !! the deck
       type(manifest_list_t), intent(in) :: inputs !! the files that were read
       integer :: i
 
-      has_unchanged_inputs = .true.
+      lists_inputs = .true.
       if (config%reduced%is_given) then
-         call check(has_unchanged_inputs, inputs, config%reduced%path)
+         call check(lists_inputs, inputs, config%reduced%path)
          return
       end if
       do i = 1, size(config%meshes)
-         call check(has_unchanged_inputs, inputs, config%meshes(i)%file)
+         call check(lists_inputs, inputs, config%meshes(i)%file)
       end do
       do i = 1, size(config%contacts)
          associate (contact => config%contacts(i))
-            call check(has_unchanged_inputs, inputs, contact%friction%file)
-            call check(has_unchanged_inputs, inputs, contact%slip_bound%file)
-            call check(has_unchanged_inputs, inputs, contact%obstacle%file)
+            call check(lists_inputs, inputs, contact%friction%file)
+            call check(lists_inputs, inputs, contact%slip_bound%file)
+            call check(lists_inputs, inputs, contact%obstacle%file)
          end associate
       end do
       do i = 1, size(config%loads)
-         call check(has_unchanged_inputs, inputs, config%loads(i)%temperature_file)
+         call check(lists_inputs, inputs, config%loads(i)%temperature_file)
       end do
+      call check(lists_inputs, inputs, config%history%start)
       if (.not. allocated(config%history%steps)) return
       do i = 1, size(config%history%steps)
-         call check(has_unchanged_inputs, inputs, config%history%steps(i)%file)
+         call check(lists_inputs, inputs, config%history%steps(i)%file)
       end do
-   end function has_unchanged_inputs
+   end function lists_inputs
 
    !> Looks for a file, if there is one, among those that are listed.
-   subroutine check(is_unchanged, inputs, path)
-      logical, intent(inout) :: is_unchanged !! becomes false if the file is not listed or has changed
+   pure subroutine check(lists_inputs, inputs, path)
+      logical, intent(inout) :: lists_inputs !! becomes false if the file is not listed
       type(manifest_list_t), intent(in) :: inputs !! the files that were read
       character(:), allocatable, intent(in) :: path !! its name; empty or not allocated for none
+
+      if (.not. allocated(path)) return
+      if (len(path) > 0) lists_inputs = lists_inputs .and. is_listed(inputs, path)
+   end subroutine check
+
+   !> Whether a file is listed.
+   pure logical function is_listed(list, name)
+      type(manifest_list_t), intent(in) :: list !! the list
+      character(*), intent(in) :: name !! name of the file
       integer :: i
 
-      if (.not. (allocated(path) .and. is_unchanged)) return
-      if (len(path) == 0) return
-      do i = 1, inputs%n
-         if (inputs%files(i)%name /= path) cycle
-         is_unchanged = is_as_listed(inputs, i, '')
-         return
+      is_listed = .false.
+      do i = 1, list%n
+         is_listed = is_listed .or. list%files(i)%name == name
       end do
-      is_unchanged = .false.
-   end subroutine check
+   end function is_listed
 
    !> Whether a file is the one that is listed.
    logical function is_as_listed(list, i, folder)

@@ -67,6 +67,43 @@ class Batch(ProgramTest):
         self.assertEqual({name: row["outcome"] for name, row in rows.items()},
                          {f"my decks/{name}.nml": "solved" for name in ("it's two", "one", "wrong")})
 
+    def rows(self):
+        """The rows of batch.csv by the names of their decks."""
+        with open(self.directory / "out" / "batch.csv", newline="", encoding="utf-8") as table:
+            return {row["deck"]: row for row in csv.DictReader(table)}
+
+    def test_rows_of_renamed_and_replaced_decks(self):
+        for folder in ("a", "b"):
+            (self.directory / folder).mkdir()
+            self.write(f"{folder}/it's, one.nml", SOUND.replace("pressure = 1.0", f"pressure = 1.{ord(folder)}"))
+        self.write("a/wrong.nml", "&mesh /\n")
+        self.run_program("--skip-unchanged", "--output", "out", "a/it's, one.nml", "a/wrong.nml", status=1)
+        run = self.run_program("--skip-unchanged", "--output", "out", "b/it's, one.nml")
+        self.assertEqual(run.stderr, "a/it's, one.nml: warning: its results were replaced by those of 'b/it's, one.nml', "
+                         "which has the same case name 'it's, one'; give each its own &case name\n")
+        rows = self.rows()
+        self.assertEqual([row["outcome"] for row in rows.values()], ["replaced", "refused", "solved"])
+        self.assertIn("'b/it's, one.nml'", rows["a/it's, one.nml"]["message"])
+        # Under another name it is the same deck; what failed and is gone has no row, nor has what was replaced and is gone.
+        (self.directory / "a" / "wrong.nml").rename(self.directory / "a" / "right.nml")
+        (self.directory / "a" / "it's, one.nml").unlink()
+        run = self.run_program("--skip-unchanged", "--output", "out", "b/../b/it's, one.nml")
+        self.assertEqual((run.stdout, run.stderr), ("it's, one: unchanged, not solved again\n", ""))
+        self.assertEqual(list(self.rows()), ["a/it's, one.nml", "b/../b/it's, one.nml"])
+        self.write("b/it's, one.nml", SOUND.replace("pressure = 1.0", "pressure = 3.0"))
+        self.run_program("--skip-unchanged", "--output", "out", "b/it's, one.nml")
+        self.assertEqual({deck: row["outcome"] for deck, row in self.rows().items()}, {"b/it's, one.nml": "solved"})
+
+    def test_an_unchanged_deck_without_a_row_gets_its_numbers(self):
+        self.write("one.nml", SOUND)
+        self.write("swept.nml", SOUND.replace("&load ", "&load name = 'p'  ") + "&sweep load = 'p'  factor = 1.0, 2.0 /\n")
+        self.run_program("--output", "out", "one.nml", "swept.nml")
+        first = self.rows()
+        (self.directory / "out" / "batch.csv").unlink()
+        self.run_program("--skip-unchanged", "--output", "out", "one.nml", "swept.nml")
+        for deck, row in self.rows().items():
+            self.assertEqual({**row, "seconds": ""}, {**first[deck], "seconds": ""})
+
     def hostile_folder(self):
         """A folder whose name, and whose deck's name, a careless script would run or take for options."""
         folder = "-n; touch pwned; $(touch pwned) `touch pwned` \n\"' & {} * \\"
