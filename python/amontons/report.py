@@ -200,9 +200,9 @@ def page_of(folder, paths):
     pvd = ' ParaView steps through <a href="cases.pvd">cases.pvd</a>.' if (folder / "cases.pvd").exists() else ""
     units = f"Units: {html.escape(units_of(found))}." if units_of(found) else \
         "Lengths, forces and stresses are in the units of the decks."
+    others = (("red", "failed: ", failures), ("amber", "", without + replaced))
     unsolved = "".join(f'<p class="verdict {color}"><b>{words}{html.escape(deck)}</b><span>{html.escape(message)}'
-                       "</span></p>\n" for color, words, some in (("red", "failed: ", failures), ("amber", "", without + replaced))
-                       for deck, message in some)
+                       "</span></p>\n" for color, words, some in others for deck, message in some)
     sections = "".join(section_of(case, large) for case, (large, _) in zip(cases, pictures))
     style, script = (Path(__file__).with_name(f"report.{ending}").read_text(encoding="utf-8")
                      for ending in ("css", "js"))

@@ -196,8 +196,8 @@ contains
       end do
    end subroutine drop_gone_failures
 
-   !> Puts the row of a deck in the place of its earlier one, or at the end. A deck whose results are unchanged keeps its
-   !> row.
+   !> Puts the row of a deck in the place of its earlier one, or at the end. A deck whose results are unchanged keeps
+   !> its row.
    subroutine put_row(rows, n, outcome, notes)
       type(row_t), allocatable, intent(inout) :: rows(:) !! the rows, and room for more
       integer, intent(inout) :: n !! number of rows
@@ -238,8 +238,8 @@ contains
       if (is_there) is_same_file = absolute_path(first) == absolute_path(second)
    end function is_same_file
 
-   !> Notes that the results of a deck were replaced by those of another one with the same case name. If the deck itself is
-   !> gone, renamed for example, its row goes, too.
+   !> Notes that the results of a deck were replaced by those of another one with the same case name. If the deck itself
+   !> is gone, renamed for example, its row goes, too.
    subroutine replace_results(row, deck, name, notes)
       type(row_t), intent(inout) :: row !! the row of the deck
       character(*), intent(in) :: deck !! the deck whose results are there now

@@ -70,7 +70,10 @@ contains
             if (ok) exit
          end do
          ! Sums of forces of a sweep are no results of one case.
-         if (.not. ok .and. index(number_keys(i), 'max_') == 1) call read_real(greatest(file, trim(number_keys(i))), number, ok)
+         if (.not. ok .and. index(number_keys(i), 'max_') == 1) then
+            value = greatest(file, trim(number_keys(i)))
+            call read_real(value, number, ok)
+         end if
          if (ok) numbers = [numbers, quantity_t(number_keys(i), '', number)]
       end do
    end function numbers_of

@@ -79,12 +79,12 @@ class Batch(ProgramTest):
         self.write("a/wrong.nml", "&mesh /\n")
         self.run_program("--skip-unchanged", "--output", "out", "a/it's, one.nml", "a/wrong.nml", status=1)
         run = self.run_program("--skip-unchanged", "--output", "out", "b/it's, one.nml")
-        self.assertEqual(run.stderr, "a/it's, one.nml: warning: its results were replaced by those of 'b/it's, one.nml', "
-                         "which has the same case name 'it's, one'; give each its own &case name\n")
+        self.assertEqual(run.stderr, "a/it's, one.nml: warning: its results were replaced by those of "
+                         "'b/it's, one.nml', which has the same case name 'it's, one'; give each its own &case name\n")
         rows = self.rows()
         self.assertEqual([row["outcome"] for row in rows.values()], ["replaced", "refused", "solved"])
         self.assertIn("'b/it's, one.nml'", rows["a/it's, one.nml"]["message"])
-        # Under another name it is the same deck; what failed and is gone has no row, nor has what was replaced and is gone.
+        # Under another name it is the same deck. What failed, or was replaced, and is gone has no row.
         (self.directory / "a" / "wrong.nml").rename(self.directory / "a" / "right.nml")
         (self.directory / "a" / "it's, one.nml").unlink()
         run = self.run_program("--skip-unchanged", "--output", "out", "b/../b/it's, one.nml")
@@ -96,7 +96,8 @@ class Batch(ProgramTest):
 
     def test_an_unchanged_deck_without_a_row_gets_its_numbers(self):
         self.write("one.nml", SOUND)
-        self.write("swept.nml", SOUND.replace("&load ", "&load name = 'p'  ") + "&sweep load = 'p'  factor = 1.0, 2.0 /\n")
+        self.write("swept.nml", SOUND.replace("&load ", "&load name = 'p'  ") +
+                   "&sweep load = 'p'  factor = 1.0, 2.0 /\n")
         self.run_program("--output", "out", "one.nml", "swept.nml")
         first = self.rows()
         (self.directory / "out" / "batch.csv").unlink()
