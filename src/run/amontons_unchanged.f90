@@ -28,7 +28,6 @@ contains
       type(manifest_t) :: manifest
       type(error_t), allocatable :: error
       character(:), allocatable :: summary, fault, deck, stem
-      integer :: i
 
       is_unchanged = .false.
       stem = directory//'/'//config%name
@@ -40,12 +39,8 @@ contains
       call read_text_file(stem//'.deck.nml', deck, error)
       if (allocated(error)) return
       if (deck /= config%deck_text()) return
-      do i = 1, manifest%outputs%n
-         if (.not. is_as_listed(manifest%outputs, i, directory//'/')) return
-      end do
-      do i = 1, manifest%inputs%n
-         if (.not. is_as_listed(manifest%inputs, i, '')) return
-      end do
+      if (.not. are_as_listed(manifest%outputs, directory//'/')) return
+      if (.not. are_as_listed(manifest%inputs, '')) return
       is_unchanged = lists_inputs(config, manifest%inputs)
       if (is_unchanged) numbers = numbers_of(summary)
    end subroutine find_unchanged
@@ -149,19 +144,23 @@ contains
       end do
    end function is_listed
 
-   !> Whether a file is the one that is listed.
-   logical function is_as_listed(list, i, folder)
+   !> Whether all files of a list are those that are listed.
+   logical function are_as_listed(list, folder)
       type(manifest_list_t), intent(in) :: list !! the list
-      integer, intent(in) :: i !! which file
-      character(*), intent(in) :: folder !! what its name is to be read from, with a slash; empty for the present folder
+      character(*), intent(in) :: folder !! what the names are to be read from, with a slash; empty for the present folder
       type(checksum_t) :: checksum
       type(error_t), allocatable :: error
+      integer :: i
 
-      associate (file => list%files(i))
-         call file_checksum(checksum, folder//file%name, error)
-         is_as_listed = .not. allocated(error)
-         if (is_as_listed) is_as_listed = checksum%n_bytes == file%n_bytes .and. checksum%value() == file%checksum
-      end associate
-   end function is_as_listed
+      are_as_listed = .true.
+      do i = 1, list%n
+         associate (file => list%files(i))
+            call file_checksum(checksum, folder//file%name, error)
+            are_as_listed = .not. allocated(error)
+            if (are_as_listed) are_as_listed = checksum%n_bytes == file%n_bytes .and. checksum%value() == file%checksum
+         end associate
+         if (.not. are_as_listed) return
+      end do
+   end function are_as_listed
 
 end module amontons_unchanged
