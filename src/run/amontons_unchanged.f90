@@ -147,7 +147,7 @@ contains
    !> Whether all files of a list are those that are listed.
    logical function are_as_listed(list, folder)
       type(manifest_list_t), intent(in) :: list !! the list
-      character(*), intent(in) :: folder !! what the names are to be read from, with a slash; empty for the present folder
+      character(*), intent(in) :: folder !! what the names are seen from, with a slash; empty for the present folder
       type(checksum_t) :: checksum
       type(error_t), allocatable :: error
       integer :: i
