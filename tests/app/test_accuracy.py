@@ -99,7 +99,7 @@ class Accuracy(ProgramTest):
         for key, row in table.items():
             values = [float(row[f"mesh_{i}"]) for i in (1, 2, 3)]
             for level, value in zip(levels, values):
-                single = {**level["lengths"], **level["key_results"]}[key]
+                single = {**level["lengths"], **level["key_results"], **level["certificate"]}[key]
                 self.assertAlmostEqual(value, single, delta=1e-8*max(1.0, abs(single)), msg=key)
             judged = summary["convergence"][key]
             self.assertEqual(judged["values"], values)
@@ -116,9 +116,32 @@ class Accuracy(ProgramTest):
                 bar = max(bar, 0.05) if key.endswith("_width") else bar
                 self.assertAlmostEqual(judged["error_bar"], bar, delta=1e-9*max(map(abs, values)))
         self.assertIn("max_displacement", table)
+        self.assertIn("strain_energy", table)
         self.assertIn("Refined meshes (3, each of half the element size)",
                       (self.directory / "results" / "study.lst").read_text())
         self.run_program("--verify", "results")
+
+    def test_far_sides_do_not_widen_bars(self):
+        # Cells of 1/4 where the contact ends, and one eighty times as long far away.
+        x = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.5, 4.5, 24.5)
+        n = len(x)
+        sides = [(i + 1, i) for i in range(1, n)]
+        elements = [f"{i} 1 2 1 1 {b} {a}" for i, (a, b) in enumerate(sides, 1)]
+        elements += [f"{n + i} 1 2 2 2 {n + a} {n + b}" for i, (a, b) in enumerate(sides, 1)]
+        elements += [f"{2*n + i} 3 2 3 3 {b} {a} {n + a} {n + b}" for i, (a, b) in enumerate(sides, 1)]
+        elements.append(f"{3*n} 1 2 4 4 {n + 1} 1")
+        self.write("graded.msh", "\n".join([
+            "$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "4", '1 1 "bottom"', '1 2 "top"',
+            '2 3 "body"', '1 4 "left"', "$EndPhysicalNames", "$Nodes", str(2*n), *(
+                f"{n*j + i} {place!r} {float(j)!r} 0" for j in (0, 1) for i, place in enumerate(x, 1)), "$EndNodes",
+            "$Elements", str(len(elements)), *elements, "$EndElements", ""]))
+        found = self.solve("graded", "support set = 'left'  ux = 0.0", "load set = 'top'  pressure = 0.1",
+                           "contact set = 'bottom'  obstacle = 'circle'  radius = 0.5", "accuracy refinements = 2",
+                           mesh="kind = 'file'  file = 'graded.msh'")
+        self.assertLess(found["key_results"]["contact_width"], 1.0)
+        self.assertGreaterEqual(found["convergence"]["open_length"]["error_bar"], 0.25/4)
+        # The longest side is 5 on the last mesh.
+        self.assertLess(found["convergence"]["open_length"]["error_bar"], 1.0)
 
     def test_each_mesh_starts_from_the_one_before(self):
         groups = ("load set = 'top'  pressure = 0.2", "support set = 'left'  ux = 0.0",
@@ -133,7 +156,7 @@ class Accuracy(ProgramTest):
         # Against a mesh four times finer than the finest of the study.
         self.solve("study", *GROUPS, "accuracy refinements = 3", mesh=COARSE)
         fine = self.solve("fine", *GROUPS, mesh=f"{COARSE}  refine = 5")
-        fine = {**fine["lengths"], **fine["key_results"]}
+        fine = {**fine["lengths"], **fine["key_results"], **fine["certificate"]}
         for key, row in self.table("study").items():
             if row["verdict"] == "slow":
                 continue

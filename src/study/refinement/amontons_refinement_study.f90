@@ -53,7 +53,9 @@ contains
          ! A mesh without a solution is the last one: the files say so.
          if (.not. result%solution%is_converged) exit
          cache%is_refining = .true.
-         levels(level)%quantities = [result%lengths%quantities(), result%key_results]
+         associate (energies => result%certificate%energies())
+            levels(level)%quantities = [result%lengths%quantities(), result%key_results, energies(:1)]
+         end associate
       end do
       cache%is_refining = .false.
       if (level > self%config%accuracy%n_refinements) call compare_levels(result, cache%body%zone, levels)
@@ -74,8 +76,7 @@ contains
       real(dp) :: values(size(levels)), side
       integer :: i, level
 
-      side = 0.0_dp
-      if (zone%n_points > 0) side = maxval(zone%weight)
+      side = side_at_ends(zone, result%solution%status)
       associate (last => levels(size(levels))%quantities)
          allocate (result%convergence(size(last)))
          do i = 1, size(last)
@@ -86,5 +87,20 @@ contains
          end do
       end associate
    end subroutine compare_levels
+
+   !> The longest side beside an end of a zone, where one status follows another; of the whole line, if none does [L].
+   !> Points within a quadratic side count for their share of it.
+   pure real(dp) function side_at_ends(zone, status) result(side)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer, intent(in) :: status(:) !! their statuses (m)
+      integer :: p
+
+      side = 0.0_dp
+      do p = 1, zone%n_points
+         if (zone%next(p) == 0) cycle
+         if (status(p) /= status(zone%next(p))) side = max(side, zone%weight(p), zone%weight(zone%next(p)))
+      end do
+      if (side <= 0.0_dp .and. zone%n_points > 0) side = maxval(zone%weight)
+   end function side_at_ends
 
 end module amontons_refinement_study
