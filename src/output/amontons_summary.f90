@@ -8,7 +8,7 @@ module amontons_summary
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp, int64
    use amontons_quantity, only: quantity_t, scales
-   use amontons_result, only: certificate_limit, result_t
+   use amontons_result, only: certificate_limit, outcome_word, result_t
    use amontons_summary_members, only: add_head, certificate_member, effort_members, last_members, member, &
       quantities_member, size_counts, status_counts, uniqueness_member
    use amontons_text, only: to_text
@@ -28,8 +28,7 @@ contains
       type(result_t), intent(in) :: result !! the result
 
       associate (solution => result%solution, certificate => result%certificate)
-         call add_head(summary, label, result%method%method, trim(merge('converged    ', 'not_converged', &
-            solution%is_converged .and. result%is_complete)), result%warnings)
+         call add_head(summary, label, result%method%method, outcome_word(result), result%warnings)
          if (allocated(result%study_members)) call summary%record(result%study_members)
          call summary%record(effort_members(solution))
          if (result%method_error >= 0.0_dp) call summary%record(member('method_error', &

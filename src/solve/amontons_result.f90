@@ -19,7 +19,7 @@ module amontons_result
    implicit none (type, external)
    private
 
-   public :: certificate_limit, factor_t, result_t, status_not_converged
+   public :: certificate_limit, factor_t, outcome_word, result_t, status_not_converged
 
    !> Exit status of a case that did not converge, or whose certificate failed; the others are the kinds of
    !> `amontons_error`.
@@ -41,7 +41,8 @@ module amontons_result
       type(stress_field_t) :: stress !! stresses of the body, of the displacements
       type(certificate_t) :: certificate !! violations on the full model
       type(warning_list_t) :: warnings !! what is doubtful about the model and the result
-      logical :: has_no_equilibrium = .false. !! whether contact and friction cannot balance the loads: no solution
+      logical :: has_no_equilibrium = .false.
+         !! whether contact and friction cannot balance the loads: no solution, or none for the next step of a history
       real(dp) :: condition = 0.0_dp
          !! condition number of the stiffness in the 1-norm, estimated where rounding shows; else 0 [-]
       type(uniqueness_t) :: uniqueness !! the friction below which the solution is the only one
@@ -80,5 +81,19 @@ contains
 
       certificate_limit = max(1.0e-8_dp, 100.0_dp*tolerance)
    end function certificate_limit
+
+   !> What became of a case in a word: 'converged', 'not_converged' or 'no_equilibrium'.
+   pure function outcome_word(result) result(word)
+      type(result_t), intent(in) :: result !! its result
+      character(:), allocatable :: word
+
+      if (result%has_no_equilibrium) then
+         word = 'no_equilibrium'
+      else if (result%solution%is_converged .and. result%is_complete) then
+         word = 'converged'
+      else
+         word = 'not_converged'
+      end if
+   end function outcome_word
 
 end module amontons_result

@@ -14,14 +14,14 @@ module amontons_spin
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: symmetric_eigenvectors
-   use amontons_equilibrium, only: has_round_normals, round_normals
+   use amontons_equilibrium, only: has_nodal_points, round_normals
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_rigid_modes, only: largest_motion
    implicit none (type, external)
    private
 
-   public :: check_spin, find_spin
+   public :: can_spin, check_spin, find_spin
 
 contains
 
@@ -48,6 +48,18 @@ contains
       end if
    end subroutine check_spin
 
+   !> Whether a body has a motion that friction alone opposes where all points are in reach that are now.
+   logical function can_spin(body, is_in_reach)
+      type(body_t), intent(in) :: body !! the body
+      logical, intent(in) :: is_in_reach(:) !! which points can close (m)
+      real(dp), allocatable :: spins(:, :)
+
+      can_spin = size(body%rigid_modes, 2) > 0 .and. has_nodal_points(body%zone)
+      if (.not. can_spin) return
+      call new_spins(spins, on_round_line(body%zone, body%rigid_modes), body, is_in_reach)
+      can_spin = size(spins, 2) > 0
+   end function can_spin
+
    !> Finds a motion that friction cannot hold.
    subroutine find_spin(amounts, body, is_in_reach, problem, solution)
       real(dp), allocatable, intent(out) :: amounts(:)
@@ -56,26 +68,27 @@ contains
       logical, intent(in) :: is_in_reach(:) !! which points can close (m)
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       type(contact_solution_t), intent(in) :: solution !! what a method found, converged or not
-      ! As much as the balance before the solution leaves to the mesh.
-      real(dp), parameter :: unbalanced = 1.0e-2_dp
+      ! As much as the balance before the solution leaves to the mesh; where the mesh has no say, what methods leave.
+      real(dp), parameter :: unbalanced_when_round = 1.0e-2_dp, unbalanced = 1.0e-8_dp, same = 1.0e-9_dp
       real(dp), allocatable :: on_round(:, :), spins(:, :), force(:), motion(:)
-      real(dp) :: drive, capacity
+      real(dp) :: drive, capacity, allowed
       integer :: m
 
       m = problem%n_points
-      if (size(body%rigid_modes, 2) == 0 .or. .not. has_round_normals(body%zone)) return
+      if (size(body%rigid_modes, 2) == 0 .or. .not. has_nodal_points(body%zone)) return
       on_round = on_round_line(body%zone, body%rigid_modes)
-      call new_spins(spins, on_round, body%rigid_modes, is_in_reach)
+      call new_spins(spins, on_round, body, is_in_reach)
       if (size(spins, 2) == 0) return
       force = solution%force
       if (.not. solution%is_converged) call find_forces_of_spin(force, problem, matmul(body%rigid_modes, spins))
       if (.not. allocated(force)) return
+      allowed = merge(unbalanced_when_round, unbalanced, any(abs(on_round - body%rigid_modes) > same))
       associate (works => problem%load, modes => body%rigid_modes)
          amounts = matmul(matmul(matmul(works, modes) - matmul(force, on_round), spins), transpose(spins))
          motion = matmul(on_round, amounts)
          drive = dot_product(works, matmul(modes, amounts)) - dot_product(force(:m), motion(:m))
          capacity = sum(problem%bound(force(:m))*abs(motion(m + 1:)))
-         if (.not. drive > capacity + unbalanced*sum(abs(works*matmul(modes, amounts)))) deallocate (amounts)
+         if (.not. drive > capacity + allowed*sum(abs(works*matmul(modes, amounts)))) deallocate (amounts)
       end associate
    end subroutine find_spin
 
@@ -99,24 +112,29 @@ contains
    end function on_round_line
 
    !> Finds the free motions that all points in reach follow along the tangents of the round line.
-   subroutine new_spins(spins, on_round, modes, is_in_reach)
+   subroutine new_spins(spins, on_round, body, is_in_reach)
       real(dp), allocatable, intent(out) :: spins(:, :) !! amounts of the free motions, orthonormal (motions, spins)
       real(dp), intent(in) :: on_round(:, :) !! displacements of the points in frames of the round line (2m, motions)
-      real(dp), intent(in) :: modes(:, :) !! the same in their own frames (2m, motions)
+      type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_in_reach(:) !! which points count (m)
-      ! Squares; what meshes of curves leave of a thousandth of the motion.
-      real(dp), parameter :: negligible = 1.0e-6_dp
-      real(dp) :: along_normals(size(is_in_reach), size(modes, 2)), gram(size(modes, 2), size(modes, 2)), &
-         values(size(modes, 2))
+      ! Squares; what meshes of curves leave of a thousandth of the motion, and of a hundredth of that of a pair, whose
+      ! masters are polygons.
+      real(dp), parameter :: negligible = 1.0e-6_dp, negligible_of_pairs = 1.0e-4_dp
+      real(dp), allocatable :: along_normals(:, :), gram(:, :), values(:)
+      real(dp) :: most
       integer :: i, info, m
 
       m = size(is_in_reach)
-      along_normals = merge(on_round(:m, :), 0.0_dp, spread(is_in_reach, 2, size(modes, 2)))
-      gram = matmul(transpose(along_normals), along_normals)
-      call symmetric_eigenvectors(gram, values, info)
-      if (info /= 0) values = huge(1.0_dp)
-      associate (is_spin => [(values(i) <= negligible*sum(matmul(modes, gram(:, i))**2), i=1, size(values))])
-         spins = gram(:, pack([(i, i=1, size(values))], is_spin))
+      most = merge(negligible_of_pairs, negligible, any(body%zone%pairs%is_set()))
+      associate (modes => body%rigid_modes)
+         allocate (along_normals, source=merge(on_round(:m, :), 0.0_dp, spread(is_in_reach, 2, size(modes, 2))))
+         allocate (gram, source=matmul(transpose(along_normals), along_normals))
+         allocate (values(size(gram, 1)))
+         call symmetric_eigenvectors(gram, values, info)
+         if (info /= 0) values = huge(1.0_dp)
+         associate (is_spin => [(values(i) <= most*sum(matmul(modes, gram(:, i))**2), i=1, size(values))])
+            spins = gram(:, pack([(i, i=1, size(values))], is_spin))
+         end associate
       end associate
    end subroutine new_spins
 

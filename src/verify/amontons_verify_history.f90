@@ -12,7 +12,7 @@ module amontons_verify_history
    use amontons_error, only: error_t
    use amontons_history, only: is_shown
    use amontons_history_milestone, only: read_start
-   use amontons_history_model, only: history_model_t, instant_t
+   use amontons_history_model, only: history_model_t
    use amontons_history_table, only: cycle_kinds, cycle_row, cycles_header, history_header, history_kinds, &
       history_row, n_kinds, number_alone, point_kinds, points_header, points_rows, states_header
    use amontons_history_walk, only: has_balance, history_walk_t, new_history_walk
@@ -20,10 +20,11 @@ module amontons_verify_history
    use amontons_result, only: result_t
    use amontons_solve_case, only: cache_t
    use amontons_solve_history, only: history_result_t, new_step_result, prepare_history
-   use amontons_stepper, only: step_state_t, take_step
+   use amontons_stepper, only: step_state_t
    use amontons_summary_file, only: summary_file_t
    use amontons_text, only: newline, read_reals, to_text
    use amontons_verify_case, only: check_grids, verify_result
+   use amontons_verify_history_end, only: check_end, solve_again, verify_answer
    implicit none (type, external)
    private
 
@@ -56,7 +57,8 @@ contains
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
       type(config_t), intent(in) :: config !! the deck
       character(*), intent(in) :: stem !! directory and name of the case
-      logical, intent(out) :: is_certified !! whether it is complete, and its last step certified
+      logical, intent(out) :: is_certified
+         !! whether its last step is certified and it is complete, or the next one has no equilibrium
       class(contact_method_t), allocatable :: method
       type(history_model_t) :: model
       type(history_result_t) :: result
@@ -76,11 +78,16 @@ contains
          return
       end if
       n_faults = summary%faults%n
+      if (len(summary%value('', 'message')) > 0) then
+         call verify_answer(summary, cache, model, method, config, stem, result, is_certified)
+         return
+      end if
       call read_tables(summary, stated, model, cache, size(result%walk%watch%noted()), stem)
       if (summary%faults%n == n_faults) call retrace(summary, stated, cache, model, method, config, result)
       if (summary%faults%n > n_faults) return
       call result%add_jumps()
       result%last%is_complete = summary%value('load_history', 'complete') == 'true'
+      result%last%has_no_equilibrium = summary%value('', 'outcome') == '"no_equilibrium"'
       associate (state => result%walk%state)
          call model%load_case(cache%body, state%instant, state%anchor, result%last%load_case, error)
          ! not raised: the step itself had this load case
@@ -88,7 +95,9 @@ contains
          result%last%slip_record = result%walk%point_record(cache%body)
       end associate
       call verify_result(summary, cache%body, config, stem, result%last, is_certified)
-      is_certified = is_certified .and. result%last%is_complete
+      if (result%last%is_complete) return
+      call check_end(summary, cache, model, method, result%walk%state, result%last%has_no_equilibrium)
+      is_certified = is_certified .and. result%last%has_no_equilibrium
    end subroutine verify_history
 
    !> Goes to where the history begins.
@@ -241,27 +250,6 @@ contains
       end if
       if (len(fault) > 0) call summary%faults%add(stated%steps%path//':'//to_text(row + 1), fault)
    end subroutine take_stated_step
-
-   !> Solves a step again.
-   subroutine solve_again(next, fault, cache, model, method, before, time)
-      type(step_state_t), intent(out) :: next !! the state at its end
-      character(:), allocatable, intent(inout) :: fault !! gains why it has none
-      type(cache_t), intent(inout) :: cache !! the body
-      type(history_model_t), intent(in) :: model !! the history
-      class(contact_method_t), intent(in) :: method !! the deck's method
-      type(step_state_t), intent(in) :: before !! the state at its beginning
-      real(dp), intent(in) :: time !! the time that it leads to [-]
-      type(instant_t) :: instant
-      type(error_t), allocatable :: error
-
-      call model%at(cache%body, time, instant, error)
-      if (.not. allocated(error)) call take_step(next, model, cache%body, cache%problem, method, before, instant, error)
-      if (allocated(error)) then
-         fault = error%message
-      else if (.not. next%solution%is_converged) then
-         fault = 'the step does not converge again'
-      end if
-   end subroutine solve_again
 
    !> Compares the next rows of a table with what they should be.
    subroutine compare_rows(summary, table, rows, row)

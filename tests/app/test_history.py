@@ -1,8 +1,5 @@
 #!/usr/bin/env python3
 """Load histories: their files, what they say of steps that cannot be taken, and what they are refused with."""
-import csv
-import io
-import json
 import random
 import re
 import shutil
@@ -12,56 +9,14 @@ import time
 import unittest
 
 from harness import PROGRAM
-from verification import Verification
+from histories import BAR, HistoryTest
 
-BAR = """&case name = 'bar' /
-&mesh size = 40.0, 40.0  cells = 32, 10 /
-&material young = 13000.0  poisson = 0.2  hypothesis = 'plane strain' /
-&support set = 'right'  ux = 0.0 /
-&load name = 'F'  set = 'left'  traction = 1.0, 0.0 /
-&load name = 'f'  set = 'top'  traction = 0.0, -5.0 /
-&contact set = 'bottom'  friction = 1.0 /
-&history times = 0.0, 1.0, 2.0, 3.0, 4.0, 5.0  substeps = 4 /
-&steps load = 'F'  factor = 0.0, 10.0, 15.0, 5.0, -15.0, 10.0 /
-&steps load = 'f'  factor = 0.0, 1.0, 1.0, 1.0, 1.0, 1.0 /
-"""
-BLOCK = """&case name = 'block' /
-&mesh size = 4.0, 2.0  cells = 8, 4 /
-&material young = 100.0  poisson = 0.25 /
-&load name = 'push'  set = 'left'  traction = 1.0, 0.0 /
-&load set = 'top'  pressure = 1.0 /
-&contact set = 'bottom'  friction = 0.3 /
-"""
 # The files that grow with the steps of the bar, where it asks for all.
 GROWING = ("history.csv", "points.csv", "states.csv", "history.pvd")
 
 
-class History(Verification):
+class History(HistoryTest):
     """Decks with &history."""
-
-    def setUp(self):
-        super().setUp()
-        self.results = self.directory / "out"
-
-    def walk(self, text, status=0):
-        """Runs a deck."""
-        return self.run_program("--quiet", "--output", "out", self.write("deck.nml", text), status=status)
-
-    def text(self, name):
-        """What a file of the results says."""
-        return (self.directory / "out" / name).read_text(encoding="utf-8")
-
-    def grids(self):
-        """The names of the grids of single steps."""
-        return sorted(path.name for path in (self.directory / "out").glob("*.history/*"))
-
-    def table(self, name):
-        """The rows of a table."""
-        return list(csv.DictReader(io.StringIO(self.text(name))))
-
-    def summary(self, name):
-        """The summary of a case."""
-        return json.loads(self.text(f"{name}.summary.json"))
 
     def test_files_show_every_step_and_the_last_state(self):
         self.walk(BAR + "&output fields_every = 10  points_every = 5  probe = 0.0, 0.0 /\n")
@@ -122,30 +77,10 @@ class History(Verification):
         self.walk(BAR)
         self.assertEqual(self.grids(), [])
 
-    def test_history_ends_where_a_step_cannot_be_taken(self):
-        run = self.walk(BLOCK + "&history times = 0.0, 1.0 /\n&steps load = 'push'  factor = 0.0, 1.0 /\n", status=4)
-        self.assertIn("the history ends at step ", run.stderr)
-        self.assertIn("no equilibrium", run.stderr)
-        rows = self.table("block.history.csv")
-        # Friction bears 1.2, the push on the side of 2 is twice the factor; the shortest step is 1/1024.
-        self.assertAlmostEqual(float(rows[-1]["factor_push"]), 0.6, delta=2.0 / 1024.0)
-        self.assertFalse(self.summary("block")["load_history"]["complete"])
-        self.assertEqual(self.summary("block")["outcome"], "not_converged")
-        self.assertIn("INCOMPLETE", self.text("block.lst"))
-
-    def test_history_without_a_first_step_is_an_error(self):
-        run = self.walk(BLOCK + "&history times = 0.0, 1.0 /\n&steps load = 'push'  factor = 1.0, 0.0 /\n", status=2)
-        self.assertIn("the history ends at step 0", run.stderr)
-        self.assertEqual(list((self.directory / "out").iterdir()), [])
-
     def test_jump_is_warned_about(self):
         self.walk(BAR.replace("substeps = 4", "step_tolerance = 1e-3  min_step = 0.2"))
         warnings = self.summary("bar")["warnings"]
         self.assertTrue(any("steps cannot be made shorter although" in warning for warning in warnings), warnings)
-
-    def test_step_that_does_not_converge_ends_the_history(self):
-        run = self.walk(BAR + "&solver method = 'psor'  max_iterations = 3 /\n", status=4)
-        self.assertIn("not converged with the smallest step", run.stderr)
 
     def test_history_without_changes_is_warned_about(self):
         self.walk(BAR.split("&steps")[0])
@@ -155,12 +90,6 @@ class History(Verification):
     def test_check_reports_the_number_of_steps(self):
         run = self.run_program("--check", self.write("deck.nml", BAR))
         self.assertIn(", 21 steps;", run.stdout)
-
-    def test_obstacle_that_goes_too_far_ends_the_history(self):
-        run = self.walk(BLOCK.replace("traction = 1.0, 0.0", "traction = 0.0, 0.0")
-                         + "&support set = 'top'  uy = 0.0  ux = 0.0 /\n&history times = 0.0, 1.0 /\n"
-                         "&steps obstacle = 'bottom'  shift_y = 0.0, 4.0 /\n", status=4)
-        self.assertIn("the body overlaps the obstacle", run.stderr)
 
     def start(self, text):
         """Starts the program on a deck and does not wait for it."""
@@ -306,10 +235,6 @@ class History(Verification):
         self.assertGreater(float(last["open_length_1"]), 0.0)
         self.assertIn("ux_1", last)
 
-    def contents_of_results(self):
-        """The files in the folder of the results, if there is one."""
-        return list((self.directory / "out").glob("*"))
-
     def test_options_for_single_cases_are_refused(self):
         deck = self.write("deck.nml", BAR)
         for option in ("--write-reduced", "--all-solutions"):
@@ -353,12 +278,6 @@ class History(Verification):
             path.write_text("".join(changed), encoding="utf-8")
             self.renew_manifest("bar")
             self.assertRegex(self.run_program("--verify", "out", status=4).stderr, expected)
-
-    def test_incomplete_history_is_verified_and_not_certified(self):
-        self.walk(BLOCK + "&history times = 0.0, 1.0 /\n&steps load = 'push'  factor = 0.0, 1.0 /\n", status=4)
-        run = self.run_program("--verify", "out", status=4)
-        self.assertRegex(run.stdout + run.stderr, "^block: as it was written, but not converged or not certified")
-
 
 if __name__ == "__main__":
     unittest.main()

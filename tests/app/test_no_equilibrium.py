@@ -5,6 +5,7 @@ import math
 import unittest
 
 from harness import CONTACT, PRESSURE, SOUND, SUPPORT, ProgramTest, block
+from rings import hung_ring, ring, ring_on_elastic_pin
 
 NO_EQUILIBRIUM = "no equilibrium: contact and friction cannot balance the loads; the body is free to "
 ADVICE = "; add a support, or a load that presses the body on its obstacle\n"
@@ -16,31 +17,6 @@ EXHAUSTED = ("no equilibrium but for the irregularities of the mesh: on the roun
 SPINNING = ("no equilibrium: all contact points slip, and friction cannot balance the loads; the body is free to {}; "
             "add a support or friction\n")
 LIFTED = block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0")
-
-
-def ring(wave):
-    """A Gmsh file of a ring, radii 1 and 2, whose 48 cells around are of unequal length if `wave` is not 0."""
-    angles = [2*math.pi*k/48 + wave*math.sin(5*k) for k in range(48)]
-    nodes = [(radius*math.cos(angle), radius*math.sin(angle)) for radius in (1.0, 1.5, 2.0) for angle in angles]
-    cells = []
-    for k in range(48):
-        near = (k + 1) % 48
-        cells.append(f"1 2 1 1 {k + 1} {near + 1}")
-        cells += [f"3 2 2 2 {first + k} {first + 48 + k} {first + 48 + near} {first + near}" for first in (1, 49)]
-    return "\n".join(["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "2", '1 1 "hole"', '2 2 "ring"',
-                      "$EndPhysicalNames", "$Nodes", "144",
-                      *(f"{i} {x!r} {y!r} 0" for i, (x, y) in enumerate(nodes, 1)), "$EndNodes", "$Elements", "144",
-                      *(f"{i} {cell}" for i, cell in enumerate(cells, 1)), "$EndElements", ""])
-
-
-def hung_ring(wave, angle, friction, force, clearance=0.001):
-    """A deck of the ring on a round pin, with a point load on its rim where the mesh has a node."""
-    turned = 2*math.pi*angle/48 + wave*math.sin(5*angle)
-    return (f"&mesh kind = 'file'  file = 'ring.msh' /\n&material young = 1e3  poisson = 0.3 /\n"
-            f"&load name = 'weight'  point = {2*math.cos(turned)!r}, {2*math.sin(turned)!r}"
-            f"  force = {force[0]!r}, {force[1]!r} /\n"
-            f"&contact set = 'hole'  friction = {friction}  obstacle = 'circle'  point = 0.0, {1.0 - clearance!r}"
-            f"  radius = {1.0 - clearance!r} /\n")
 
 
 class NoEquilibrium(ProgramTest):
@@ -108,6 +84,23 @@ class NoEquilibrium(ProgramTest):
                     self.assert_no_equilibrium(deck, message, is_seen_before=False)
                 else:
                     self.run_program("--output", "results", self.write("free.nml", deck))
+
+    def test_ring_on_an_elastic_pin_turns_under_its_load(self):
+        # As on a rigid one; the normals are those of the slave, whichever that is.
+        for wave, slave, angle, friction in ((0.0, "ring", 0, 0.2), (0.0, "pin", 0, 0.2), (0.01, "ring", 0, 0.0),
+                                             (0.01, "pin", 0, 0.0), (0.0, "ring", 35, 0.4), (0.0, "pin", 35, 0.4)):
+            clearance = 0.001
+            self.write("ring.msh", ring(wave))
+            self.write("pin.msh", ring(0.0, [(1.0 - clearance)*share for share in (0.5, 0.75, 1.0)]))
+            self.write("free.nml", ring_on_elastic_pin(slave, angle, friction, clearance))
+            with self.subTest(wave=wave, slave=slave, friction=friction):
+                run = self.run_program("--output", "results", "free.nml", status=0 if angle else 2)
+                self.assertEqual("no equilibrium" in run.stderr, not angle, run.stderr)
+                self.assertEqual(self.run_program("--verify", "results").stdout, "free: verified\n")
+
+    def test_body_lifted_from_a_bond_that_bears_shear_alone(self):
+        self.assert_no_equilibrium(LIFTED.replace("friction", "slip_bound"),
+                                   NO_EQUILIBRIUM + "translate along (0.0, 1.0)" + ADVICE)
 
     def test_sweep_names_a_ring_that_turns(self):
         for wave in (0.0, 0.01):

@@ -6,7 +6,10 @@
 !> drive and no contact force opposes: there is no equilibrium, and along it the body is free.
 !>
 !> The normals of a round line's facets miss its center a little, so that huge forces of both signs of arm would balance
-!> any moment. What normals of the circles through neighboring nodes leave much of has no equilibrium either.
+!> any moment. What normals of the circles through neighboring nodes leave much of has no equilibrium either. For a pair
+!> the round line is the slave.
+!>
+!> A given slip bound is taken for one that bears any shear: what is refused has no equilibrium whatever the bound is.
 module amontons_equilibrium
    use amontons_body, only: body_t
    use amontons_contact_rows, only: turned
@@ -19,7 +22,7 @@ module amontons_equilibrium
    implicit none (type, external)
    private
 
-   public :: check_balance, has_round_normals, nonnegative_remainder, round_normals
+   public :: check_balance, has_nodal_points, nonnegative_remainder, round_normals
 
    !> What rounding leaves of a zero, over the numbers it came from.
    real(dp), parameter :: negligible = 1.0e-13_dp
@@ -33,8 +36,6 @@ contains
       type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
       integer :: leader(size(body%motions)), i
 
-      ! A given slip bound can bear any small shear of any sign: what it holds is left to the method to find.
-      if (any(load_case%slip_bound > 0.0_dp)) return
       leader = leading_pieces(body)
       do i = 1, size(leader)
          if (leader(i) == i .and. body%motions(i)%n_free > 0) call check_pieces(pack([(i, i=1, size(leader))], &
@@ -89,8 +90,8 @@ contains
                'no equilibrium: contact and friction cannot balance the loads; '//motion// &
                '; add a support, or a load that presses the body on its obstacle')
          end if
-      else if (has_round_normals(body%zone)) then
-         call balance(pieces, body, load_case, round_normals(body%zone), remainder, scale)
+      else if (has_nodal_points(body%zone)) then
+         call balance(pieces, body, load_case, round_parts(body%zone), remainder, scale)
          if (norm2(remainder) > unbalanced_when_round*scale) call new_error(error, numerical_failure, &
             'no equilibrium but for the irregularities of the mesh: contact and friction on the round line that '// &
             'its nodes lie on cannot balance the loads; '//largest_motion(body%motions(pieces), remainder)// &
@@ -121,18 +122,35 @@ contains
       allocate (remainder, source=nonnegative_remainder(cone, work))
    end subroutine balance
 
-   !> Whether each contact point is one node, so that it lies on a line with its neighbors.
-   pure logical function has_round_normals(zone)
+   !> Whether each contact point belongs to one node of its line, so that it lies on a line with its neighbors.
+   pure logical function has_nodal_points(zone)
       type(contact_zone_t), intent(in) :: zone !! the contact points
-      integer :: k
 
-      has_round_normals = all(zone%rows%start == [(k, k=1, zone%n_points + 1)]) .and. .not. any(zone%is_cell)
-   end function has_round_normals
+      has_nodal_points = .not. any(zone%is_cell)
+   end function has_nodal_points
+
+   !> The parts of the points, turned from their normals to those of the round line (2, parts) [-].
+   pure function round_parts(zone) result(part)
+      type(contact_zone_t), intent(in) :: zone !! the contact points, each of a node
+      real(dp), allocatable :: part(:, :)
+      real(dp) :: normals(2, zone%n_points), along, across
+      integer :: i, p
+
+      part = zone%rows%part
+      normals = round_normals(zone)
+      do p = 1, zone%n_points
+         along = dot_product(normals(:, p), zone%normal(:, p))
+         across = dot_product(normals(:, p), turned(zone%normal(:, p)))
+         do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+            part(:, i) = along*part(:, i) + across*turned(part(:, i))
+         end do
+      end do
+   end function round_parts
 
    !> The normals of the points on the circles through each point and its neighbors; where the line is straight, ends or
    !> turns by more than 30 degrees, those of the facets (2, m) [-].
    pure function round_normals(zone) result(normals)
-      type(contact_zone_t), intent(in) :: zone !! the contact points, each a node
+      type(contact_zone_t), intent(in) :: zone !! the contact points, each of a node
       real(dp), allocatable :: normals(:, :)
       real(dp), parameter :: least_cosine = 0.8660254037844386_dp, straight = 1.0e-9_dp
       real(dp) :: before(2), after(2), tangent(2), lengths
@@ -164,7 +182,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
       real(dp), intent(in) :: part(:, :) !! the parts of the points: normal times share (2, parts) [-]
-      real(dp) :: motion(2, motions%n_free), shear(2)
+      real(dp) :: motion(2, motions%n_free)
       logical :: is_inside(body%mesh%n_nodes)
       integer :: i, p
 
@@ -180,20 +198,34 @@ contains
       is_inside(motions%node) = .true.
       associate (zone => body%zone)
          do p = 1, zone%n_points
-            if (.not. load_case%is_in_reach(p)) cycle
             do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
                if (.not. is_inside(zone%rows%node(i))) cycle
                motion = motions%displacement(body%mesh%coordinates(:, zone%rows%node(i)))
-               associate (normal => part(:, i))
-                  shear = merge(0.0_dp, load_case%friction(p), zone%is_tangent_fixed(p))*turned(normal)
-                  cone(:, 3*p - 2) = cone(:, 3*p - 2) + matmul(normal + shear, motion)
-                  cone(:, 3*p - 1) = cone(:, 3*p - 1) + matmul(normal - shear, motion)
-                  cone(:, 3*p) = cone(:, 3*p) + matmul(normal, motion)
-               end associate
+               call add_point(cone(:, 3*p - 2:3*p), motion, part(:, i), merge(0.0_dp, load_case%friction(p), &
+                  zone%is_tangent_fixed(p)), load_case%is_in_reach(p), &
+                  load_case%slip_bound(p) > 0.0_dp .and. .not. zone%is_tangent_fixed(p))
             end do
          end do
       end associate
    end subroutine add_works
+
+   !> Adds the works of the extreme forces of a part of a point.
+   pure subroutine add_point(works, motion, part, friction, is_in_reach, is_bonded)
+      real(dp), intent(inout) :: works(:, :) !! works of the three forces (n_free, 3)
+      real(dp), intent(in) :: motion(:, :) !! displacement of the node of the part under each motion (2, n_free) [-]
+      real(dp), intent(in) :: part(2) !! normal times share [-]
+      real(dp), intent(in) :: friction !! Coulomb's coefficient, 0 where a support bears the shear [-]
+      logical, intent(in) :: is_in_reach !! whether the point can close
+      logical, intent(in) :: is_bonded !! whether it bears shear when it is open, too
+      real(dp) :: normal(2), shear(2)
+
+      normal = merge(part, 0.0_dp, is_in_reach)
+      shear = friction*turned(normal)
+      if (is_bonded) shear = turned(part)
+      works(:, 1) = works(:, 1) + matmul(merge(0.0_dp, normal, is_bonded) + shear, motion)
+      works(:, 2) = works(:, 2) + matmul(merge(0.0_dp, normal, is_bonded) - shear, motion)
+      works(:, 3) = works(:, 3) + matmul(normal, motion)
+   end subroutine add_point
 
    !> What is left of a vector after its best approximation by columns with factors at least 0: Lawson and Hanson's
    !> algorithm (Solving Least Squares Problems, 1974, chapter 23).

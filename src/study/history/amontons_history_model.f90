@@ -15,7 +15,10 @@ module amontons_history_model
    use amontons_kinds, only: dp
    use amontons_load_case, only: condense_load_case, condensed_force, load_case_t, pose_problem, set_obstacles
    use amontons_loads, only: load_t, load_vector
+   use amontons_model_warnings, only: body_size
    use amontons_obstacle_motion, only: find_feet, obstacle_motion_t, tangential_motion
+   use amontons_rigid_modes, only: check_common_motion
+   use amontons_spin, only: can_spin
    use amontons_surface_stress, only: new_surface_stress, surface_stress_t
    use amontons_text, only: to_text
    use amontons_thermal_strain, only: sum_thermal_strain
@@ -33,6 +36,9 @@ module amontons_history_model
       real(dp), allocatable, private :: load(:, :) !! condensed load of each part (2m, parts) [F]
       real(dp), allocatable, private :: largest(:) !! largest displacement that each part prescribes (parts) [L]
       real(dp), allocatable, private :: feet(:, :) !! feet of the contact points on the obstacles (2, quadrature points)
+      real(dp) :: size_of_body = 0.0_dp !! the larger side of the box around the mesh [L]
+      logical :: may_spin = .false. !! whether the body may have a motion that friction alone opposes
+      logical :: may_move = .false. !! whether it has a free motion that no contact point notices
       type(energy_form_t) :: energies !! energies in terms of factors and contact displacements
       type(surface_stress_t), allocatable :: surface !! stresses of the surface, where they are asked for
       real(dp), allocatable :: cycle_times(:) !! times at which cycles begin and end, ascending; none without cycles [-]
@@ -55,6 +61,7 @@ module amontons_history_model
       real(dp), allocatable :: numbers(:) !! the numbers of all changes, in the deck's order
       real(dp), allocatable :: factor(:) !! factor of each part [-]
       real(dp), allocatable :: gap(:) !! distance d to the obstacle where it is now (m) [L]
+      logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle (m)
       real(dp), allocatable :: motion(:) !! how far the obstacle has moved along the tangent (m) [L]
       type(obstacle_motion_t), allocatable :: motions(:) !! the motion of the obstacle of each contact set
       real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
@@ -71,10 +78,17 @@ contains
       type(config_t), intent(in) :: config !! the deck
       type(error_t), allocatable, intent(out) :: error !! loads, supports or probes do not fit the body
       type(contact_problem_t) :: posed
+      type(error_t), allocatable :: no_hold
       integer :: i
 
       model%history = config%history
       model%fixed = prepared
+      model%size_of_body = body_size(body)
+      ! Which points are in reach of an obstacle that moves is known step by step.
+      model%may_spin = can_spin(body, model%fixed%is_in_reach .and. .not. any(model%history%steps%target &
+         == stepped_obstacle))
+      call check_common_motion(body%motions, body%rigid_modes, no_hold)
+      model%may_move = allocated(no_hold)
       call number_parts(model)
       do i = 1, size(model%parts)
          call fill_part(model, i, body, config, error)
@@ -276,11 +290,13 @@ contains
       end do
       instant%friction = self%fixed%friction*friction_factor(body%zone%set)
       instant%gap = self%fixed%gap
+      instant%is_in_reach = self%fixed%is_in_reach
       instant%motion = 0.0_dp*self%fixed%gap
       if (all(instant%motions%is_at_rest())) return
       call set_obstacles(moved, body%zone, body%mesh, moved_contacts(self%fixed%contacts, instant%motions), error)
       if (allocated(error)) return
       instant%gap = moved%gap
+      instant%is_in_reach = moved%is_in_reach
       instant%motion = tangential_motion(body%zone, self%feet, instant%motions)
    end subroutine history_model_acting
 

@@ -4,6 +4,7 @@ module amontons_history_report
    use amontons_config, only: config_t
    use amontons_cycle_watch, only: cycle_outcomes, n_cycle_numbers, n_plain_numbers
    use amontons_history, only: history_t, moved_things, steps_t
+   use amontons_history_walk, only: history_walk_t
    use amontons_json, only: json_logical, json_number, json_string
    use amontons_kinds, only: dp
    use amontons_lengths, only: lengths_t, new_lengths
@@ -252,8 +253,8 @@ contains
 
       associate (walk => result%walk, state => result%walk%state)
          text = '{"complete": '//json_logical(len(walk%fault) == 0)//', "end": '//json_string(walk%fault)// &
-            ', "steps": '// &
-            to_text(walk%n_steps)//', "steps_done_earlier": '//to_text(result%n_resumed)//', "steps_given_up": '// &
+            end_time_member(walk)//', "steps": '//to_text(walk%n_steps)//', "steps_done_earlier": '// &
+            to_text(result%n_resumed)//', "steps_given_up": '// &
             to_text(walk%n_given_up)//', "iterations": '//to_text(walk%n_iterations)//', "changes": ['
          do i = 1, size(config%history%steps)
             do k = 1, config%history%steps(i)%n_numbers()
@@ -273,6 +274,15 @@ contains
          worst_members('violation', result%violation)// &
          cycles_member(config%history, result%cycles)//'}')
    end function history_members
+
+   !> The member with the time of the step that could not be taken, behind others; empty if all could.
+   pure function end_time_member(walk) result(text)
+      type(history_walk_t), intent(in) :: walk !! the way
+      character(:), allocatable :: text
+
+      text = ''
+      if (len(walk%fault) > 0) text = ', "end_time": '//json_number(walk%fault_time)
+   end function end_time_member
 
    !> The largest of a number over all steps, behind others.
    pure function worst_members(name, worst) result(text)

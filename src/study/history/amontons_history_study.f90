@@ -1,7 +1,8 @@
 !> The study of a load history: all steps of a deck with `&history`.
 module amontons_history_study
+   use amontons_answer_report, only: write_answer
    use amontons_check_body, only: check_body
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, numerical_failure
    use amontons_history_model, only: find_probes
    use amontons_history_report, only: history_listing, history_members
    use amontons_key_results, only: resultants
@@ -63,7 +64,17 @@ contains
             ' from there'
          return
       end if
-      result%last%is_complete = len(result%walk%fault) == 0
+      if (len(result%walk%fault) > 0) then
+         outcome%status = merge(numerical_failure, status_not_converged, result%walk%has_no_equilibrium)
+         outcome%word = trim(merge('no_equilibrium', 'not_converged ', result%walk%has_no_equilibrium))
+         outcome%message = result%walk%fault
+      end if
+      outcome%warnings = result%last%warnings
+      if (result%walk%n_steps == 0) then
+         call write_answer(options%directory, self%config, cache%body, result%last, outcome%message, error, &
+            result%files%manifest)
+         return
+      end if
       result%last%study_listing = history_listing(self%config, result)
       result%last%study_members = history_members(self%config, result)
       call write_report(options%directory, self%config, cache%body, result%last, error, result%files)
@@ -74,15 +85,9 @@ contains
       outcome%numbers = [quantity_t('iterations', '', real(result%walk%n_iterations, dp)), &
          quantity_t('residual', '', result%residual%value), result%last%key_results, &
          resultants(result%last%solution%force)]
-      outcome%warnings = result%last%warnings
-      outcome%has_grids = len(result%walk%fault) == 0
-      if (len(result%walk%fault) > 0) then
-         outcome%status = status_not_converged
-         outcome%message = result%walk%fault
-         outcome%word = 'not_converged'
-      else
-         call outcome%judge(.true., result%residual%value, result%violation%value, self%config%method%tolerance)
-      end if
+      outcome%has_grids = result%last%is_complete
+      if (result%last%is_complete) call outcome%judge(.true., result%residual%value, result%violation%value, &
+         self%config%method%tolerance)
    end subroutine history_study_solve
 
    !> The line on the result of a history.

@@ -38,6 +38,9 @@ module amontons_history_walk
       integer :: n_iterations = 0 !! iterations of all steps, those given up included
       logical :: is_ended = .false. !! whether there is no way on: all times are reached, or a step cannot be taken
       character(:), allocatable :: fault !! why a step cannot be taken; empty as long as all could
+      logical :: has_no_equilibrium = .false. !! whether it is that contact and friction cannot balance its loads
+      integer :: fault_kind = 0 !! the kind of the error that it is; 0 for a step that does not converge
+      real(dp) :: fault_time = 0.0_dp !! the time that the step would have led to [-]
       logical :: is_jump = .false. !! whether the energies of the last step do not balance
       integer, private :: tick = 0 !! how far it is on the way to the next planned time, in smallest steps
       integer, private :: length = n_ticks !! length of the next step in smallest steps
@@ -131,22 +134,40 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
       class(contact_method_t), intent(in) :: method !! the deck's method
       type(step_state_t) :: next
-      type(error_t), allocatable :: error
+      type(error_t), allocatable :: error, answer
       logical :: is_balanced
-      real(dp) :: time
+      real(dp) :: time, answer_time
 
       self%is_jump = .false.
-      do while (.not. self%is_ended)
+      answer_time = 0.0_dp
+      if (self%is_ended) return
+      do
          time = self%plan(model%history)
-         call try_step(self, model, body, problem, method, time, next, error)
-         is_balanced = .false.
-         if (.not. allocated(error)) is_balanced = has_balance(next, model%history)
+         call try_step(self, model, body, problem, method, time, next, is_balanced, error)
+         if (next%has_no_equilibrium) call keep(answer, answer_time, error, time)
          if (is_balanced .or. .not. self%can_halve(model%history)) exit
          self%n_given_up = self%n_given_up + 1
          self%length = self%length/2
       end do
-      if (.not. self%is_ended) call end_step(self, model, time, next, is_balanced, error)
+      if (allocated(error) .or. next%solution%is_converged .or. .not. allocated(answer)) then
+         call end_step(self, model, time, next, is_balanced, error)
+      else
+         ! That a longer step has no equilibrium says more than that a shorter one does not converge.
+         next%has_no_equilibrium = .true.
+         call end_step(self, model, answer_time, next, is_balanced, answer)
+      end if
    end subroutine history_walk_advance
+
+   !> Keeps the answer that a step has no equilibrium.
+   pure subroutine keep(answer, answer_time, error, time)
+      type(error_t), allocatable, intent(inout) :: answer !! the answer
+      real(dp), intent(inout) :: answer_time !! the time that its step leads to [-]
+      type(error_t), allocatable, intent(in) :: error !! that of this step
+      real(dp), intent(in) :: time !! its time [-]
+
+      answer = error
+      answer_time = time
+   end subroutine keep
 
    !> Keeps a step that is not made shorter, or ends the way where it could not be taken.
    pure subroutine end_step(walk, model, time, next, is_balanced, error)
@@ -157,7 +178,10 @@ contains
       logical, intent(in) :: is_balanced !! whether it converged and its energies balance
       type(error_t), allocatable, intent(in) :: error !! why it could not be taken, if so
 
+      walk%fault_time = time
       if (allocated(error)) then
+         walk%has_no_equilibrium = next%has_no_equilibrium
+         walk%fault_kind = error%kind
          call give_up(walk, time, error%message)
       else if (.not. next%solution%is_converged) then
          call give_up(walk, time, 'not converged with the smallest step')
@@ -169,7 +193,7 @@ contains
    end subroutine end_step
 
    !> Takes a step to a time, and counts its iterations. Whether it is kept is decided later.
-   subroutine try_step(walk, model, body, problem, method, time, next, error)
+   subroutine try_step(walk, model, body, problem, method, time, next, is_balanced, error)
       type(history_walk_t), intent(inout) :: walk !! the way; gains the iterations
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
@@ -177,12 +201,16 @@ contains
       class(contact_method_t), intent(in) :: method !! the deck's method
       real(dp), intent(in) :: time !! the time that the step leads to [-]
       type(step_state_t), intent(inout) :: next !! the state at its end; as it was if the step cannot be begun
+      logical, intent(out) :: is_balanced !! whether it converged and its energies balance
       type(error_t), allocatable, intent(out) :: error !! the step cannot be taken
       type(instant_t) :: instant
 
+      next%has_no_equilibrium = .false.
       call model%at(body, time, instant, error)
       if (.not. allocated(error)) call take_step(next, model, body, problem, method, walk%state, instant, error)
       walk%n_iterations = walk%n_iterations + next%solution%n_iterations
+      is_balanced = .false.
+      if (.not. allocated(error)) is_balanced = has_balance(next, model%history)
    end subroutine try_step
 
    !> Whether a step that was taken converged and its energies balance.

@@ -5,7 +5,7 @@ module amontons_solve_history
    use amontons_config, only: config_t, effective_deck
    use amontons_contact_method, only: contact_method_t
    use amontons_cycle_watch, only: n_cycle_numbers
-   use amontons_error, only: error_t, new_error, numerical_failure
+   use amontons_error, only: error_t, new_error
    use amontons_history, only: history_t, is_shown
    use amontons_history_files, only: history_files_t, new_history_files
    use amontons_history_milestone, only: history_milestone_t, read_start
@@ -87,6 +87,8 @@ contains
       call begin_history(cache, config, directory, model, files, result, error)
       if (allocated(error)) return
       call take_steps(cache, model, method, files, monitor, result, error)
+      result%last%is_complete = len(result%walk%fault) == 0
+      result%last%has_no_equilibrium = result%walk%has_no_equilibrium
       if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, config, files, &
          result, error)
       result%checkpoint = files%checkpoint
@@ -325,17 +327,23 @@ contains
       call certify(step, cache%body, error)
    end subroutine new_step_result
 
-   !> Certifies the last step, gives it what its files show, and ends the tables.
+   !> Certifies the last step, gives it what its files show, and ends the tables; without a step there are none.
    subroutine finish_history(cache, model, config, files, result, error)
       type(cache_t), intent(inout) :: cache !! the body; its contact problem becomes that of the last step
       type(history_model_t), intent(in) :: model !! the history
       type(config_t), intent(in) :: config !! the deck
       type(history_files_t), intent(inout) :: files !! the files
       type(history_result_t), intent(inout) :: result !! gains the last step
-      type(error_t), allocatable, intent(out) :: error !! there is no step, or its numbers are not finite
+      type(error_t), allocatable, intent(out) :: error
+         !! there is no first step, and that is no answer; or the numbers of the last one are not finite
 
-      if (result%walk%n_steps == 0) call new_error(error, numerical_failure, result%walk%fault)
-      if (allocated(error)) return
+      if (result%walk%n_steps == 0) then
+         ! That there is no first state is an answer; an obstacle that is out of place is none.
+         if (result%walk%fault_kind > 0 .and. .not. result%walk%has_no_equilibrium) call new_error(error, &
+            result%walk%fault_kind, result%walk%fault)
+         if (.not. allocated(error)) call add_tables(result%files%manifest, config)
+         return
+      end if
       call result%last%timings%begin(phase_recover)
       associate (state => result%walk%state)
          call new_step_result(result%last, cache, model, result%walk, error)

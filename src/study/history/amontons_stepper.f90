@@ -15,6 +15,7 @@ module amontons_stepper
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_newton, only: newton_t
+   use amontons_spin, only: check_spin
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -46,6 +47,7 @@ module amontons_stepper
       real(dp) :: closing_loss = 0.0_dp !! sum of lambda_N times the gap at the beginning of the step [F L]
       real(dp) :: indicator = 0.0_dp !! energy error of the step over its energies [-]
       real(dp) :: imbalance = 0.0_dp !! violation of the two energy identities of the step over their terms [-]
+      logical :: has_no_equilibrium = .false. !! whether contact and friction cannot balance the loads: no solution
    contains
       procedure :: energy_error => step_state_energy_error
       procedure :: numbers => step_state_numbers
@@ -170,8 +172,11 @@ contains
       call complete(state, model, problem)
    end subroutine restore_step_state
 
-   !> Solves the contact problem of a step: where the deck leaves the method to the program, by Newton from the state
-   !> before, whose statuses are nearly right; otherwise, and where that fails, by the deck's method from there.
+   !> Solves the contact problem of a step, if contact and friction can balance the loads.
+   !>
+   !> Whether they can is asked where the answer is in doubt: where Newton's method fails, and where it takes the points
+   !> further than the body is large, as the rounding of a singular matrix does; and in each step of bodies with a
+   !> motion that no contact point notices, or that friction alone opposes.
    subroutine solve(after, model, body, problem, method, error)
       type(step_state_t), intent(inout) :: after !! the state, its solution set to that before; gains its own
       type(history_model_t), intent(in) :: model !! the model
@@ -179,29 +184,66 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! the contact problem
       class(contact_method_t), intent(in) :: method !! the deck's method
       type(error_t), allocatable, intent(out) :: error !! no equilibrium, or the numbers are at fault
-      integer, parameter :: n_newton_steps = 20
       type(contact_solution_t) :: start
-      type(load_case_t) :: load_case
-      real(dp), allocatable :: residuals(:)
 
-      allocate (residuals(0))
       start = after%solution
+      call try_newton(after%solution, problem, method, error)
+      if (allocated(error)) return
+      if (model%may_move .or. .not. after%solution%is_converged &
+         .or. maxval(abs(after%solution%displacement)) > model%size_of_body) call check_loads(after, model, body, error)
+      if (.not. (allocated(error) .or. after%solution%is_converged)) call use_method(after%solution, start, problem, &
+         method, error)
+      if (allocated(error) .or. .not. model%may_spin) return
+      call check_spin(body, after%instant%is_in_reach, problem, after%solution, error)
+      after%has_no_equilibrium = allocated(error)
+   end subroutine solve
+
+   !> Checks whether contact and friction can balance the loads of a step.
+   subroutine check_loads(after, model, body, error)
+      type(step_state_t), intent(inout) :: after !! the state; gains whether they cannot
+      type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
+      type(error_t), allocatable, intent(out) :: error !! they cannot; names the motion
+      type(load_case_t) :: load_case
+
+      call model%load_case(body, after%instant, after%anchor, load_case, error)
+      ! not raised: the instant was made with the same obstacles
+      if (allocated(error)) return
+      call check_balance(body, load_case, error)
+      after%has_no_equilibrium = allocated(error)
+   end subroutine check_loads
+
+   !> Where the deck leaves the method to the program, tries Newton's from the state before with its statuses.
+   subroutine try_newton(solution, problem, method, error)
+      type(contact_solution_t), intent(inout) :: solution !! the state before; converged only if this one was found
+      type(contact_problem_t), intent(inout) :: problem !! the contact problem
+      class(contact_method_t), intent(in) :: method !! the deck's method
+      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      integer, parameter :: n_newton_steps = 20
+
+      call solution%reset()
       select type (method)
       type is (auto_t)
          associate (newton => newton_t(method%tolerance, min(n_newton_steps, method%max_iterations)))
-            call newton%solve(problem, after%solution, error)
+            call newton%solve(problem, solution, error)
          end associate
-         if (allocated(error) .or. after%solution%is_converged) return
-         residuals = after%solution%history(:after%solution%n_iterations)
       end select
-      call model%load_case(body, after%instant, after%anchor, load_case, error)
-      if (.not. allocated(error)) call check_balance(body, load_case, error)
-      if (allocated(error)) return
-      after%solution = start
-      call method%solve(problem, after%solution, error)
-      after%solution%history = [residuals, after%solution%history(:after%solution%n_iterations)]
-      after%solution%n_iterations = size(after%solution%history)
-   end subroutine solve
+   end subroutine try_newton
+
+   !> Solves by the deck's method; the iterations of Newton's method before it count, too.
+   subroutine use_method(solution, start, problem, method, error)
+      type(contact_solution_t), intent(inout) :: solution !! what Newton's method left; becomes the solution
+      type(contact_solution_t), intent(in) :: start !! the state before
+      type(contact_problem_t), intent(inout) :: problem !! the contact problem
+      class(contact_method_t), intent(in) :: method !! the deck's method
+      type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
+      type(contact_solution_t) :: first
+
+      first = solution
+      solution = start
+      call method%solve(problem, solution, error)
+      call solution%follow(first)
+   end subroutine use_method
 
    !> Adds works and dissipation of a step, and measures how well its energies balance.
    !>

@@ -1,7 +1,8 @@
-!> The files of a case whose answer is that there is no equilibrium.
+!> The files of a case without a state to show: its answer is that there is no equilibrium, or that the first step of
+!> its history did not converge.
 module amontons_answer_report
    use amontons_body, only: body_t
-   use amontons_config, only: config_t
+   use amontons_case_label, only: case_label_t
    use amontons_directory, only: file_name_t
    use amontons_document, only: document_t
    use amontons_earlier_files, only: find_earlier_files
@@ -12,7 +13,7 @@ module amontons_answer_report
    use amontons_listing_text, only: heading
    use amontons_manifest, only: manifest_t, with_manifest
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
-   use amontons_result, only: result_t
+   use amontons_result, only: outcome_word, result_t
    use amontons_summary_members, only: add_head, last_members, member, size_counts
    use amontons_system, only: make_directory
    use amontons_text, only: newline
@@ -24,13 +25,14 @@ module amontons_answer_report
 contains
 
    !> Writes NAME.lst, NAME.deck.nml and NAME.summary.json; what an earlier run of the case left besides is removed.
-   subroutine write_answer(directory, config, body, result, sentence, error)
+   subroutine write_answer(directory, label, body, result, sentence, error, others)
       character(*), intent(in) :: directory !! output directory, made if it is not there
-      type(config_t), intent(in) :: config !! the case
+      class(case_label_t), intent(in) :: label !! what the case is called
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the load case and its warnings
       character(*), intent(in) :: sentence !! the answer
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      type(manifest_t), intent(in), optional :: others !! what was read besides mesh, obstacles and loads
       type(document_t) :: listing, summary
       type(output_file_t) :: files(3)
       type(file_name_t), allocatable :: earlier(:)
@@ -39,34 +41,35 @@ contains
 
       call make_directory(directory, error)
       if (allocated(error)) return
-      stem = directory//'/'//config%name
-      call answer_documents(listing, summary, config, body, result, sentence)
+      if (present(others)) manifest = others
+      stem = directory//'/'//label%name
+      call answer_documents(listing, summary, label, body, result, sentence)
       call write_text_file(files(1), stem//listing%ending, listing%text(), error)
-      if (.not. allocated(error)) call write_text_file(files(2), stem//'.deck.nml', config%deck_text(), error)
+      if (.not. allocated(error)) call write_text_file(files(2), stem//'.deck.nml', label%deck_text(), error)
       if (.not. allocated(error)) call manifest%add_outputs(files, '', error)
       if (.not. allocated(error)) then
          call manifest%add_inputs(body%mesh, result%load_case%contacts, result%load_case%loads)
          call write_text_file(files(3), stem//summary%ending, with_manifest(summary%text(), manifest), error)
       end if
-      if (.not. allocated(error)) call find_earlier_files(earlier, directory, config%name, manifest)
+      if (.not. allocated(error)) call find_earlier_files(earlier, directory, label%name, manifest)
       call commit_files(files, error, earlier)
    end subroutine write_answer
 
    !> Makes the listing and the summary.
-   subroutine answer_documents(listing, summary, config, body, result, sentence)
+   subroutine answer_documents(listing, summary, label, body, result, sentence)
       type(document_t), intent(out) :: listing !! the listing: model, loads and the answer
       type(document_t), intent(out) :: summary !! the summary
-      type(config_t), intent(in) :: config !! the case
+      class(case_label_t), intent(in) :: label !! what the case is called
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the load case and its warnings
       character(*), intent(in) :: sentence !! the answer
 
       listing%ending = '.lst'
-      call listing%record(head_text(config))
+      call listing%record(head_text(label))
       call listing%add(warnings_text(result%warnings))
-      call listing%add(model_text(body, result%load_case, config%units))
+      call listing%add(model_text(body, result%load_case, label%units))
       call listing%add(heading('Solution')//'  '//sentence//newline)
-      call add_head(summary, config, config%method%method, 'no_equilibrium', result%warnings)
+      call add_head(summary, label, result%method%method, outcome_word(result), result%warnings)
       call summary%add(member('message', json_string(sentence)))
       call summary%add(member('counts', '{'//size_counts(body)//'}'))
       call summary%record(last_members(result%timings))
