@@ -143,7 +143,8 @@ contains
       if (self%is_ended) return
       do
          time = self%plan(model%history)
-         call try_step(self, model, body, problem, method, time, next, is_balanced, error)
+         call try_step(self, model, body, problem, method, time, next, error)
+         is_balanced = has_balance(next, model%history)
          if (next%has_no_equilibrium) call keep(answer, answer_time, error, time)
          if (is_balanced .or. .not. self%can_halve(model%history)) exit
          self%n_given_up = self%n_given_up + 1
@@ -193,15 +194,14 @@ contains
    end subroutine end_step
 
    !> Takes a step to a time, and counts its iterations. Whether it is kept is decided later.
-   subroutine try_step(walk, model, body, problem, method, time, next, is_balanced, error)
+   subroutine try_step(walk, model, body, problem, method, time, next, error)
       type(history_walk_t), intent(inout) :: walk !! the way; gains the iterations
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
       class(contact_method_t), intent(in) :: method !! the deck's method
       real(dp), intent(in) :: time !! the time that the step leads to [-]
-      type(step_state_t), intent(inout) :: next !! the state at its end; as it was if the step cannot be begun
-      logical, intent(out) :: is_balanced !! whether it converged and its energies balance
+      type(step_state_t), intent(inout) :: next !! the state at its end; not converged if there is an error
       type(error_t), allocatable, intent(out) :: error !! the step cannot be taken
       type(instant_t) :: instant
 
@@ -209,8 +209,7 @@ contains
       call model%at(body, time, instant, error)
       if (.not. allocated(error)) call take_step(next, model, body, problem, method, walk%state, instant, error)
       walk%n_iterations = walk%n_iterations + next%solution%n_iterations
-      is_balanced = .false.
-      if (.not. allocated(error)) is_balanced = has_balance(next, model%history)
+      if (allocated(error)) next%solution%is_converged = .false.
    end subroutine try_step
 
    !> Whether a step that was taken converged and its energies balance.
