@@ -195,6 +195,71 @@ def print_reduced(program, work, sizes, rates):
           ["m", "auto s", "residual", "Siconos Newton", "Siconos Lemke", "Siconos Gauss-Seidel"], rows)
 
 
+def history_decks(folder, cells, counts):
+    """The long bar's history from rest through F = 10, 15, 5, -15, 10 in so many steps, by their number."""
+    folder.mkdir(parents=True, exist_ok=True)
+    bar = re.sub(r"&load.*/\n", "", long_bar_decks(folder, cells)[0].read_text())
+    loads = """&load name = 'F'  set = 'left'  traction = 1.0, 0.0 /
+&load name = 'f'  set = 'top'  traction = 0.0, -5.0 /
+"""
+    decks = {}
+    for count in counts:
+        deck = folder / f"history_{count}.nml"
+        legs = "" if count == 1 else f", 1.0, 2.0, 3.0, 4.0, 5.0  substeps = {count // 5}"
+        forces, pressures = ("10.0", "1.0") if count == 1 else ("0.0, 10.0, 15.0, 5.0, -15.0, 10.0",
+                                                                "0.0, 1.0, 1.0, 1.0, 1.0, 1.0")
+        deck.write_text(re.sub(r"long_bar_\d", f"history_{count}", bar) + loads + f"""&history times = 0.0{legs} /
+&steps load = 'F'  factor = {forces} /
+&steps load = 'f'  factor = {pressures} /
+""")
+        decks[count] = deck
+    return decks
+
+
+def print_histories(program, work, counts):
+    """What a step costs, files included: the whole command less that of a history of one step."""
+    rows = []
+    for cells in ((32, 10), (128, 128)):
+        folder = work / f"history_{cells[0]}"
+        decks = history_decks(folder, cells, (1, *counts))
+        used = {count: min(run([program, "--quiet", "--threads", "1", "--output", folder, deck])[1]["cpu"]
+                           for _ in range(5 if count <= 1000 else 2)) for count, deck in decks.items()}
+        points = json.loads((folder / "history_1.summary.json").read_text())["counts"]["contact_points"]
+        for count in counts:
+            made = json.loads((folder / f"history_{count}.summary.json").read_text())["load_history"]
+            steps = used[count] - used[1]
+            rows.append([f"{cells[0]} x {cells[1]}", str(points), str(made["steps"]),
+                         f"{made['iterations'] / made['steps']:.1f}", seconds(used[count]),
+                         f"{made['steps'] / steps:.0f}", f"{1e6 * steps / made['steps']:.0f}"])
+    table("Load histories of the long bar: processor time on one thread, files included",
+          ["cells", "contact points", "steps", "iterations per step", "whole command s", "steps per second",
+           "microseconds per step"], rows)
+
+
+def print_steps_beside_cases(program, work, count):
+    """As many steps, cases of a sweep and static decks of one run, each with loads of its own."""
+    rows = []
+    for cells in ((32, 10), (128, 128)):
+        folder = work / f"history_{cells[0]}"
+        step = history_decks(folder, cells, (count,))[count]
+        bar = long_bar_decks(folder, cells)[0].read_text()
+        forces = [15.0 * math.sin(0.1 * k) for k in range(count)]
+        sweep = folder / "sweep.nml"
+        named = re.sub(r"long_bar_\d", "sweep", bar).replace("&load set = 'left'", "&load name = 'F'  set = 'left'")
+        sweep.write_text(named + f"&sweep load = 'F'  factor = {', '.join(f'{force / 10.0!r}' for force in forces)} /\n")
+        decks = []
+        for k, force in enumerate(forces):
+            decks.append(folder / f"static_{k}.nml")
+            decks[-1].write_text(re.sub(r"long_bar_\d", f"static_{k}", bar).replace("10.0, 0.0", f"{force!r}, 0.0"))
+        for what, list_of_decks in (("steps", [step]), ("sweep", [sweep]), ("decks", decks)):
+            used = run([program, "--quiet", "--threads", "1", "--output", folder, *list_of_decks])[1]
+            rows.append([f"{cells[0]} x {cells[1]}", {"steps": f"a history of {count + 1} steps", "sweep":
+                         f"a sweep of {count} cases", "decks": f"{count} decks in one run"}[what],
+                         seconds(used["cpu"]), seconds(1e3 * used["cpu"] / count)])
+    table("Steps beside static cases, whole commands on one thread, all files included",
+          ["cells", "what", "processor time s", "ms each"], rows)
+
+
 def main(build, work, is_full):
     program = build / "bin/amontons"
     rates = print_machine(build)
@@ -202,6 +267,8 @@ def main(build, work, is_full):
     print_strips(program, work, (1000, 2000, 4000, 10000) if is_full else (1000, 2000))
     print_peers(program, work, (64, 128, 256) if is_full else (32, 64))
     print_reduced(program, work, (128, 256, 512, 1024) if is_full else (128, 256), rates)
+    print_histories(program, work, (100, 1000, 10000))
+    print_steps_beside_cases(program, work, 200 if is_full else 20)
 
 
 main(pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), "--full" in sys.argv[3:])
