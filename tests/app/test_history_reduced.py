@@ -121,5 +121,108 @@ class HistoryAsReducedProblems(ProgramTest):
         return {name: mean(ends[k][name], ends[k + 1][name]) for name in ends[k]}
 
 
+# Bodies whose load, and with it the friction, goes up and down; what is not proportional to the load presses them on.
+PLANE = """&mesh size = 4.0, 2.0  cells = 12, 6  element = '{element}' /
+&material young = 100.0  poisson = 0.3  hypothesis = '{hypothesis}' /
+&support set = 'top'  uy = -0.05 /
+&support set = '{side}'  ux = 0.0 /
+&load name = 'push'  set = 'right'  traction = {push}, 0.0 /
+&contact set = 'bottom'  {law} = {bound} /
+"""
+PAIR = """&mesh name = 'a'  size = 4.0, 2.0  cells = 10, 4 /
+&mesh name = 'b'  size = 6.0, 2.0  cells = 9, 3  origin = -1.0, -2.0 /
+&material young = 100.0  poisson = 0.25 /
+&support set = 'b.bottom'  ux = 0.0  uy = 0.0 /
+&support set = 'a.left'  ux = 0.0 /
+&support set = 'a.top'  uy = -0.05 /
+&load name = 'push'  set = 'a.right'  traction = {push}, 0.0 /
+&contact set = 'a.bottom'  against = 'b.top'  friction = {bound}  multipliers = '{multipliers}' /
+"""
+PLANE_STRAIN = {"element": "quad4", "hypothesis": "plane strain", "side": "left", "law": "friction"}
+BODIES = {
+    "axisymmetric": (PLANE, PLANE_STRAIN | {"hypothesis": "axisymmetric"}),
+    "quadratic": (PLANE, PLANE_STRAIN | {"element": "quad8"}),
+    "mortar pair": (PAIR, {"multipliers": "mortar"}),
+    "pair of cells": (PAIR, {"multipliers": "constant"}),
+}
+FACTORS = (0.0, 6.0, -4.0, 5.0)
+
+
+class OtherBodies(HistoryAsReducedProblems):
+    """Histories of one load, on other bodies and with a given slip bound."""
+
+    def history(self, text, keys):
+        """The rows of the contact points, step by step."""
+        self.write("way.nml", "&case name = 'way' /\n" + text.format(push=1.0, **keys) +
+                   f"&history times = {', '.join(str(float(k)) for k in range(len(FACTORS)))}  substeps = 4 /\n"
+                   f"&steps load = 'push'  factor = {', '.join(map(str, FACTORS))} /\n"
+                   "&output points_every = 1 /\n&solver tolerance = 1e-12 /\n")
+        self.run_program("--quiet", "way.nml")
+        self.assertIn("way: verified\n", self.run_program("--verify", ".").stdout)
+        with open(self.directory / "way.points.csv", encoding="utf-8") as table:
+            rows = list(csv.DictReader(table))
+        return [[row for row in rows if int(row["step"]) == step] for step in range(1, int(rows[-1]["step"]) + 1)]
+
+    @staticmethod
+    def push(time):
+        """The factor of the load at a time."""
+        k = min(int(time), len(FACTORS) - 2)
+        return FACTORS[k] + (time - k)*(FACTORS[k + 1] - FACTORS[k])
+
+    def test_every_step_has_the_forces_of_its_reduced_problem(self):
+        for name, (text, keys) in BODIES.items():
+            with self.subTest(name):
+                keys = keys | {"bound": 0.3}
+                steps = self.history(text, keys)
+                largest = max(abs(float(row["normal_force"])) for rows in steps for row in rows)
+                self.deck = lambda numbers, text=text, keys=keys: text.format(push=numbers, **keys)
+                before = [0.0]*len(steps[0])
+                for rows in steps:
+                    push = self.push(float(rows[0]["time"]))
+                    before, normal, tangential = self.solve_shifted(push, before)
+                    for column, expected in (("normal_force", normal), ("tangential_force", tangential)):
+                        self.assert_close([float(row[column]) for row in rows], expected, 1e-9*largest,
+                                          f"{name}, push {push}")
+                self.assertLessEqual({"stick", "slip+", "slip-"}, {row["status"] for rows in steps for row in rows})
+
+    def test_given_bounds_hold_in_every_step(self):
+        # Files of reduced problems know no given bound: W and q are those of the body with friction, and the law is
+        # asked of u = W r + q. It has one solution whatever the anchors are (theory.md, 6).
+        bound = 1.0
+        for hypothesis in ("plane strain", "axisymmetric"):
+            keys = PLANE_STRAIN | {"hypothesis": hypothesis, "bound": bound}
+            steps = self.history(PLANE, keys | {"law": "slip_bound"})
+            self.deck = lambda numbers, keys=keys: PLANE.format(push=numbers, **keys)
+            with open(self.directory / "way.contact.csv", encoding="utf-8") as table:
+                # What a support guides bears no shear.
+                bounds = [float(row["shear_bound"])*float(row["tangential_force"])/(float(row["contact_shear"]) or 1.0)
+                          for row in csv.DictReader(table)]
+            before = [0.0]*len(steps[0])
+            statuses = set()
+            for rows in steps:
+                with self.subTest(hypothesis=hypothesis, step=rows[0]["step"]):
+                    before = self.check_law(rows, before, bounds)
+                    statuses |= {row["status"] for row in rows}
+            self.assertLessEqual({"stick", "slip+", "slip-"}, statuses)
+
+    def check_law(self, rows, anchors, bounds):
+        """Checks a step against W and q of its load; returns its tangential displacements."""
+        matrix, q, _ = self.reduced(self.push(float(rows[0]["time"])))
+        n = len(q)
+        entries = list(map(float, matrix[7:]))
+        # The file has the force on the body against its slip.
+        r = [sign*float(row[column]) for row in rows
+             for column, sign in (("normal_force", 1), ("tangential_force", -1))]
+        u = [q[i] + sum(entries[i + n*k]*r[k] for k in range(n)) for i in range(n)]
+        far, strong = 1e-9*max(map(abs, q)), 1e-9*max(map(abs, r))
+        for p, (anchor, bound) in enumerate(zip(anchors, bounds)):
+            gap, slip, normal, shear = u[2*p], u[2*p + 1] - anchor, r[2*p], r[2*p + 1]
+            self.assertGreaterEqual(min(gap/far, normal/strong), -1.0)
+            self.assertLess(min(abs(gap)/far, abs(normal)/strong), 1.0)
+            self.assertLess(abs(shear), bound + strong)
+            self.assertTrue(abs(slip) < far or abs(shear + math.copysign(bound, slip)) < strong, (slip, shear, bound))
+        return u[1::2]
+
+
 if __name__ == "__main__":
     unittest.main()
