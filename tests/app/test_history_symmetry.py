@@ -110,7 +110,7 @@ class Symmetry(HistoryTest):
                         self.assertAlmostEqual(float(row["ux_1"]), moved, delta=digits(moved))
 
     def test_files_do_not_depend_on_the_number_of_threads(self):
-        # Enough points that the threads share the work on matrices; halved steps, whose lengths computed numbers decide.
+        # Enough points that the threads share the work on matrices; halved steps too.
         text = (BAR.replace("cells = 32, 10", "cells = 160, 60").replace("substeps = 4", "step_tolerance = 0.05")
                 + "&output points_every = 1  states_every = 1  fields_every = 10  probe = 0.0, 0.0 /\n")
         self.write("deck.nml", text)
