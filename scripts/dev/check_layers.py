@@ -37,7 +37,7 @@ MAY_USE = {
     "study/single": ["study", "study/reduced", "output", "solve", "input", "contact/uniqueness", "contact/model",
                      "elasticity", "system"],
     "study/refinement": ["study", "study/single", "solve", "input", "contact/model"],
-    "study/sweep": ["study", "output", "solve", "input", *CONTACT, "elasticity", "linalg", "system"],
+    "study/sweep": ["study", "output", "solve", "input", *CONTACT, "distributed", "elasticity", "linalg", "system"],
     "study/history": ["study", "output", "solve", "input", *CONTACT, "elasticity", "system"],
     "run": ["study", "study/reduced", "study/single", "study/refinement", "study/sweep", "study/history",
             "output", "input", "system"],

@@ -127,9 +127,12 @@ def deck(number):
     lines, contact = revolved_body(choice) if kind == "revolved" else stack(choice)
     study = fuzz_bodies.one_of(choice, case=6, sweep=2, history=2, refined=1)
     if study == "sweep":
-        lines.append("&sweep load = 'q'  factor = -1.0, 1.0  count = 4 /")
+        # Cases of two chunks, so that ranks share them, or few with results that take the whole body.
+        is_shared = choice.random() < 0.6
+        lines.append(f"&sweep load = 'q'  factor = -1.0, 1.0  count = {40 if is_shared else 4} /")
         lines.append(f"&sweep contact = '{contact}'  friction_factor = 0.5, 1.0 /")
-        lines.append("&output key_results = 'all'  fields_every = 3 /")
+        lines.append(f"&output key_results = '{'contact' if is_shared else 'all'}'"
+                     f"  fields_every = {30 if is_shared else 3} /")
     elif study == "history":
         lines.append("&history times = 0.0, 1.0, 2.0, 3.0  substeps = 2 /")
         lines.append("&steps load = 'p'  factor = 0.0, 1.0, 1.0, 1.0 /")

@@ -10,6 +10,7 @@ program main
    use amontons_reference, only: print_reference
    use amontons_run_decks, only: run_decks
    use amontons_run_verify, only: verify_directories
+   use amontons_sweep_ranks, only: sweep_service_t
    use amontons_system, only: return_large_arrays
    use amontons_terminal, only: prepare_process, print_line, standard_output
    use amontons_threads, only: n_threads, set_threads
@@ -26,6 +27,7 @@ program main
 
    type(command_line_t) :: command_line
    type(error_t), allocatable :: error
+   type(sweep_service_t) :: sweep_service
    integer :: status
 
    call prepare_process()
@@ -41,7 +43,7 @@ program main
       end if
       call dismiss_ranks()
    else
-      call serve()
+      call serve(sweep_service)
       status = 0
    end if
    call end_ranks()

@@ -5,14 +5,14 @@ module amontons_distributed
    use amontons_dof_map, only: dof_map_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_foundation, only: spring_side_t
-   use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
+   use amontons_rank_service, only: rank_service_t
    implicit none (type, external)
    private
 
-   public :: add_forces_of_ranks, begin_ranks, dismiss_ranks, end_ranks, mpi_text, n_ranks, &
-      new_distributed_condenser, rank, serve
+   public :: begin_ranks, dismiss_ranks, end_ranks, mpi_text, n_ranks, new_distributed_condenser, rank, &
+      rank_service_t, serve
 
    !> The number of this process, and of how many.
    integer, parameter :: rank = 0, n_ranks = 1
@@ -39,7 +39,11 @@ contains
    end subroutine dismiss_ranks
 
    !> Serves no one.
-   subroutine serve()
+   subroutine serve(service)
+      class(rank_service_t), intent(inout) :: service !! not used
+
+      associate (unused => service)
+      end associate
    end subroutine serve
 
    !> Refuses to spread a body.
@@ -60,19 +64,5 @@ contains
          constraints => constraints, dof_map => dof_map)
       end associate
    end subroutine new_distributed_condenser
-
-   !> Adds no forces.
-   subroutine add_forces_of_ranks(is_done, condenser, forces, displacement, thermal_strain)
-      logical, intent(out) :: is_done !! false
-      class(condenser_t), allocatable, intent(in) :: condenser !! not used, as all that follow
-      real(dp), intent(inout) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in), optional :: thermal_strain(:) !! strain of free thermal expansion [-]
-
-      is_done = .false.
-      associate (unused => condenser, forces => forces, displacement => displacement)
-      end associate
-      if (present(thermal_strain)) return
-   end subroutine add_forces_of_ranks
 
 end module amontons_distributed

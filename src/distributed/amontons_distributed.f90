@@ -7,16 +7,17 @@ module amontons_distributed
    use amontons_dof_map, only: dof_map_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_foundation, only: spring_side_t
-   use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mumps, only: mumps_text
-   use amontons_ranks, only: begin_ranks, end_ranks, has_begun, n_ranks, rank
+   use amontons_rank_service, only: first_service_order, rank_service_t
+   use amontons_ranks, only: agree, all_ranks, begin_ranks, end_ranks, give_order, has_begun, line_t, n_ranks, rank, &
+      sum_on_machine
    implicit none (type, external)
    private
 
-   public :: add_forces_of_ranks, begin_ranks, dismiss_ranks, end_ranks, mpi_text, n_ranks, &
-      new_distributed_condenser, rank, serve
+   public :: agree, all_ranks, begin_ranks, dismiss_ranks, end_ranks, first_service_order, give_order, line_t, &
+      mpi_text, n_ranks, new_distributed_condenser, rank, rank_service_t, serve, sum_on_machine
 
 contains
 
@@ -49,28 +50,5 @@ contains
          call spread_and_analyze(condenser, is_held, mesh, materials, springs, constraints, dof_map, error)
       end select
    end subroutine new_distributed_condenser
-
-   !> Adds the nodal forces that stresses and springs of a displacement amount to, if a condenser has the body on the
-   !> ranks.
-   subroutine add_forces_of_ranks(is_done, condenser, forces, displacement, thermal_strain)
-      logical, intent(out) :: is_done !! whether it has
-      class(condenser_t), allocatable, intent(in) :: condenser !! the condenser of the body, if it is condensed
-      real(dp), intent(inout) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in), optional :: thermal_strain(:)
-         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
-
-      real(dp), allocatable :: heat(:, :)
-
-      is_done = .false.
-      if (.not. allocated(condenser)) return
-      select type (condenser)
-      type is (distributed_condenser_t)
-         allocate (heat(1, 0))
-         if (present(thermal_strain)) heat = reshape(thermal_strain, [1, size(thermal_strain)])
-         call condenser%add_forces(forces, displacement, heat)
-         is_done = .true.
-      end select
-   end subroutine add_forces_of_ranks
 
 end module amontons_distributed

@@ -15,6 +15,7 @@ module amontons_distributed_condenser
    use amontons_lapack, only: dpotrf, dpotrs
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
+   use amontons_rank_service, only: rank_service_t
    use amontons_rank_work, only: rank_work_t
    use amontons_ranks, only: give_order, line_t, n_ranks, next_order
    use amontons_subdomain, only: deal_elements, new_subdomain, subdomain_t
@@ -27,7 +28,7 @@ module amontons_distributed_condenser
    !> Orders of rank 0.
    enum, bind(c)
       enumerator :: order_end, order_take, order_analyze, order_check_memory, order_factorize, order_condense, &
-         order_expand, order_add_forces, order_free
+         order_expand, order_free
    end enum
 
    !> A condenser over the ranks.
@@ -43,7 +44,6 @@ module amontons_distributed_condenser
       procedure, public :: condense => distributed_condense
       procedure, public :: expand => distributed_expand
       procedure, public :: solve => distributed_solve
-      procedure, public :: add_forces => distributed_add_forces
       final :: distributed_free
    end type distributed_condenser_t
 
@@ -68,6 +68,7 @@ contains
       call find_positions(position, mesh, dof_map, error)
       if (allocated(error)) return
       allocate (condenser%work)
+      allocate (condenser%work%subdomain)
       call spread_body(condenser%work%subdomain, position, mesh, materials, springs, constraints, dof_map)
       allocate (sums(2, condenser%n), source=0.0_dp)
       call condenser%work%assemble(sums, error)
@@ -115,7 +116,8 @@ contains
    end subroutine spread_body
 
    !> Follows the orders of rank 0 until the last one; for the other ranks.
-   subroutine serve()
+   subroutine serve(service)
+      class(rank_service_t), intent(inout) :: service !! follows the orders that are not for a condenser
       type(rank_work_t), allocatable :: work
       type(error_t), allocatable :: error
       real(dp), allocatable :: none(:, :)
@@ -129,6 +131,7 @@ contains
          case (order_take)
             deallocate (work)
             allocate (work)
+            allocate (work%subdomain)
             call work%subdomain%pass(line_t(0, .false.))
             call work%assemble(none, error)
          case (order_analyze)
@@ -141,14 +144,14 @@ contains
             call work%mumps%solve(.false., nothing, nothing)
          case (order_expand)
             call work%mumps%solve(.true., nothing, nothing)
-         case (order_add_forces)
-            call work%forces(none, none, none)
          case (order_free)
             call work%mumps%free()
             deallocate (work)
             allocate (work)
-         case default
+         case (order_end)
             exit
+         case default
+            call service%follow(order)
          end select
       end do
    end subroutine serve
@@ -235,9 +238,12 @@ contains
 
       work = partial
       allocate (of_schur(self%n_schur))
+      ! The cases of a sweep may ask for their displacements from several threads.
+      !$omp critical (amontons_ranks_at_work)
       call half_solve(self, .false., work, of_schur)
       of_schur = v
       call half_solve(self, .true., work, of_schur)
+      !$omp end critical (amontons_ranks_at_work)
       x = work
       x(self%n - self%n_schur + 1:) = v
       ! What comes now, stresses and their errors, is where rank 0 holds most.
@@ -275,18 +281,6 @@ contains
       all_unknowns = ieee_value(1.0_dp, ieee_quiet_nan)
       of_schur = all_unknowns(1)
    end subroutine half_solve
-
-   !> Adds the nodal forces that the stresses and springs of a displacement amount to.
-   subroutine distributed_add_forces(self, forces, displacement, thermal_strain)
-      class(distributed_condenser_t), intent(in) :: self !! the condenser, for the body that it was made of
-      real(dp), intent(inout) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: thermal_strain(:, :)
-         !! strain of free thermal expansion in the order of the body's `mesh%node`, or none (1, any) [-]
-
-      call give_order(order_add_forces)
-      call self%work%forces(forces, displacement, thermal_strain)
-   end subroutine distributed_add_forces
 
    !> Frees what all ranks hold.
    subroutine distributed_free(self)

@@ -55,6 +55,13 @@ void amontons_mpi_send(const void *bytes, int64_t n, int to)
         MPI_Send(at, (int)(n < longest ? n : longest), MPI_BYTE, to, message_tag, MPI_COMM_WORLD);
 }
 
+/* Sends bytes of rank 0 to all others. */
+void amontons_mpi_broadcast(void *bytes, int64_t n)
+{
+    for (char *at = bytes; n > 0; at += longest, n -= longest)
+        MPI_Bcast(at, (int)(n < longest ? n : longest), MPI_BYTE, 0, MPI_COMM_WORLD);
+}
+
 /* Receives bytes from a rank. */
 void amontons_mpi_receive(void *bytes, int64_t n, int from)
 {

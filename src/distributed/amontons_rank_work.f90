@@ -1,13 +1,13 @@
-!> What each rank does for the body at hand: assembly of its subdomain, its part of the factorization, nodal forces.
+!> What each rank does for the body at hand: assembly of its subdomain, its part of the factorization.
 !>
 !> Every procedure here is called on all ranks at the same time: rank 0 has given the order for it. Rank 0's arguments
 !> are those of the body; on the others they are of no use.
 module amontons_rank_work
-   use amontons_assembly, only: assemble_stiffness, internal_forces
+   use amontons_assembly, only: assemble_stiffness
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_kinds, only: dp, int64
    use amontons_mumps, only: mumps_t
-   use amontons_ranks, only: agree, gather_columns, line_t, n_ranks, rank, scatter_columns, sum_on_machine
+   use amontons_ranks, only: agree, gather_columns, rank, sum_on_machine
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_subdomain, only: subdomain_t
    use amontons_system, only: available_memory_mb, return_memory
@@ -20,8 +20,9 @@ module amontons_rank_work
 
    !> What a rank has of the body at hand.
    type :: rank_work_t
-      type(subdomain_t) :: subdomain !! its elements
+      type(subdomain_t), allocatable :: subdomain !! its elements, until they are assembled
       type(sparse_matrix_t) :: stiffness !! their stiffness, until it is analyzed [F/L]
+      integer, allocatable :: unknown(:) !! the unknown of the body that each of its rows is
       integer, allocatable :: row(:) !! row in the body's matrix of each entry, until it is factorized
       integer, allocatable :: column(:) !! column of each entry
       real(dp), allocatable :: value(:) !! value of each entry [F/L]
@@ -31,7 +32,6 @@ module amontons_rank_work
       procedure :: analyze => rank_work_analyze
       procedure :: check_memory => rank_work_check_memory
       procedure :: factorize => rank_work_factorize
-      procedure :: forces => rank_work_forces
    end type rank_work_t
 
 contains
@@ -64,7 +64,9 @@ contains
             end do
          end do
       end associate
-      call gather_columns(own, self%subdomain%unknown, sums)
+      call move_alloc(self%subdomain%unknown, self%unknown)
+      deallocate (self%subdomain)
+      call gather_columns(own, self%unknown, sums)
    end subroutine rank_work_assemble
 
    !> Has MUMPS analyze the matrix, rank 0's share of which has the Schur variables on its diagonal shifted.
@@ -78,7 +80,7 @@ contains
       integer :: j, n
 
       n = size(position)
-      associate (matrix => self%stiffness, unknown => self%subdomain%unknown)
+      associate (matrix => self%stiffness, unknown => self%unknown)
          allocate (self%column(size(matrix%row, kind=int64)))
          do j = 1, matrix%n
             at = matrix%column_start(j)
@@ -92,7 +94,7 @@ contains
          call move_alloc(matrix%value, self%value)
       end associate
       self%stiffness = sparse_matrix_t()
-      call self%subdomain%forget_unknowns()
+      deallocate (self%unknown)
       call self%mumps%analyze(n, self%row, self%column, n_schur, position, error)
    end subroutine rank_work_analyze
 
@@ -130,48 +132,5 @@ contains
       deallocate (self%row, self%column, self%value)
       call return_memory()
    end subroutine rank_work_factorize
-
-   !> Adds up the nodal forces that the stresses of all subdomains amount to.
-   subroutine rank_work_forces(self, forces, displacement, thermal_strain)
-      class(rank_work_t), intent(inout) :: self !! the work
-      real(dp), intent(inout) :: forces(:, :) !! nodal forces, zero on entry (2, n_nodes) [F]
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: thermal_strain(:, :)
-         !! strain of free thermal expansion in the order of the body's `mesh%node`, or none (1, any) [-]
-      real(dp), allocatable :: u(:, :), heat(:, :), own(:, :)
-      integer, allocatable :: item(:)
-      integer :: n_heated
-
-      n_heated = size(thermal_strain)
-      call tell_all(n_heated)
-      associate (domain => self%subdomain)
-         call scatter_columns(u, domain%node, displacement)
-         if (n_heated > 0) then
-            item = domain%items()
-            call scatter_columns(heat, item, thermal_strain)
-            call internal_forces(own, domain%mesh, domain%materials, domain%springs, domain%coloring, u, heat(1, :))
-         else
-            call internal_forces(own, domain%mesh, domain%materials, domain%springs, domain%coloring, u)
-         end if
-         call gather_columns(own, domain%node, forces)
-      end associate
-   end subroutine rank_work_forces
-
-   !> Tells all ranks a number of rank 0.
-   subroutine tell_all(number)
-      integer, intent(inout) :: number !! the number
-      type(line_t) :: line
-      integer :: i
-
-      if (rank > 0) then
-         line = line_t(0, .false.)
-         call line%pass(number)
-      else
-         do i = 1, n_ranks - 1
-            line = line_t(i, .true.)
-            call line%pass(number)
-         end do
-      end if
-   end subroutine tell_all
 
 end module amontons_rank_work

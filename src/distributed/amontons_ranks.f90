@@ -9,25 +9,31 @@ module amontons_ranks
    implicit none (type, external)
    private
 
-   public :: agree, begin_ranks, end_ranks, gather_columns, give_order, has_begun, line_t, n_ranks, next_order, &
-      rank, scatter_columns, sum_on_machine
+   public :: agree, all_ranks, begin_ranks, end_ranks, gather_columns, give_order, has_begun, line_t, n_ranks, &
+      next_order, rank, sum_on_machine
 
    !> Whether MPI is in use.
    logical, protected :: has_begun = .false.
    !> The number of this process, and of how many.
    integer, protected :: rank = 0, n_ranks = 1
 
-   !> A line to another rank. What both ends walk through in the same order, one end sends and the other receives.
+   !> The peer of a line between rank 0 and all others.
+   integer, parameter :: all_ranks = -1
+
+   !> A line to another rank. What both ends walk through in the same order, one end sends and the other receives. Of a
+   !> line between all ranks, rank 0 sends.
    type :: line_t
-      integer :: peer = 0 !! the other rank
+      integer :: peer = 0 !! the other rank, or `all_ranks`
       logical :: is_sender = .true. !! whether this end sends
    contains
       procedure, private :: pass_number => line_pass_number
       procedure, private :: pass_text => line_pass_text
       procedure, private :: pass_numbers => line_pass_numbers
+      procedure, private :: pass_reals => line_pass_reals
+      procedure, private :: pass_flags => line_pass_flags
       procedure, private :: pass_columns => line_pass_columns
       procedure, private :: pass_real_columns => line_pass_real_columns
-      generic :: pass => pass_number, pass_text, pass_numbers, pass_columns, pass_real_columns
+      generic :: pass => pass_number, pass_text, pass_numbers, pass_reals, pass_flags, pass_columns, pass_real_columns
    end type line_t
 
    ! allow(assumed-size): C takes an address and knows no shape
@@ -57,6 +63,14 @@ module amontons_ranks
          integer(c_int64_t), value, intent(in) :: n
          integer(c_int), value, intent(in) :: to
       end subroutine mpi_send
+
+      subroutine mpi_broadcast(bytes, n) bind(c, name='amontons_mpi_broadcast')
+         import :: c_int64_t
+         implicit none (type, external)
+         ! allow(assumed-size-character-intent): C writes here
+         type(*), intent(inout) :: bytes(*)
+         integer(c_int64_t), value, intent(in) :: n
+      end subroutine mpi_broadcast
 
       subroutine mpi_receive(bytes, n, from) bind(c, name='amontons_mpi_receive')
          import :: c_int, c_int64_t
@@ -160,7 +174,9 @@ contains
       type(*), intent(inout) :: bytes(*) !! the bytes
       integer(int64), intent(in) :: n !! how many
 
-      if (line%is_sender) then
+      if (line%peer == all_ranks) then
+         call mpi_broadcast(bytes, int(n, c_int64_t))
+      else if (line%is_sender) then
          call mpi_send(bytes, int(n, c_int64_t), int(line%peer, c_int))
       else
          call mpi_receive(bytes, int(n, c_int64_t), int(line%peer, c_int))
@@ -208,6 +224,28 @@ contains
       end if
       call pass_bytes(self, list, integer_bytes*length)
    end subroutine line_pass_numbers
+
+   !> Passes real numbers.
+   subroutine line_pass_reals(self, list)
+      class(line_t), intent(in) :: self !! the line
+      real(dp), allocatable, intent(inout) :: list(:) !! the numbers
+      real(dp), allocatable :: columns(:, :)
+
+      if (self%is_sender) columns = reshape(list, [size(list), 1])
+      call self%pass(columns)
+      if (.not. self%is_sender) list = columns(:, 1)
+   end subroutine line_pass_reals
+
+   !> Passes logical values.
+   subroutine line_pass_flags(self, list)
+      class(line_t), intent(in) :: self !! the line
+      logical, allocatable, intent(inout) :: list(:) !! the values
+      integer, allocatable :: numbers(:)
+
+      if (self%is_sender) numbers = merge(1, 0, list)
+      call self%pass(numbers)
+      if (.not. self%is_sender) list = numbers > 0
+   end subroutine line_pass_flags
 
    !> Passes whole numbers in columns.
    subroutine line_pass_columns(self, columns)
@@ -265,32 +303,5 @@ contains
          end do
       end do
    end subroutine gather_columns
-
-   !> Gives every rank its columns of a whole that rank 0 has. Every rank calls it.
-   subroutine scatter_columns(columns, place, whole)
-      real(dp), allocatable, intent(out) :: columns(:, :) !! the columns of this rank
-      integer, allocatable, intent(inout) :: place(:) !! which columns of the whole they are
-      real(dp), intent(in) :: whole(:, :) !! those of the whole; of no use but on rank 0
-      type(line_t) :: line
-      real(dp), allocatable :: sent(:, :)
-      integer, allocatable :: from(:)
-      integer :: i
-
-      if (rank > 0) then
-         line = line_t(0, .true.)
-         call line%pass(place)
-         line%is_sender = .false.
-         call line%pass(columns)
-         return
-      end if
-      do i = 1, n_ranks - 1
-         line = line_t(i, .false.)
-         call line%pass(from)
-         sent = whole(:, from)
-         line%is_sender = .true.
-         call line%pass(sent)
-      end do
-      columns = whole(:, place)
-   end subroutine scatter_columns
 
 end module amontons_ranks

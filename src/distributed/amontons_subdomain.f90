@@ -24,11 +24,8 @@ module amontons_subdomain
       type(dof_map_t) :: dof_map !! numbers of the unknowns, and what displacements of slaves are made of
       integer, allocatable :: node(:)
          !! the node of the body that each node is: those of elements and springs, then others whose unknowns take part
-      integer, allocatable :: unknown(:) !! the unknown of the body that each unknown is; until it is analyzed
-      integer, allocatable :: first(:) !! which item of the body's `mesh%node` the first node of each element is
+      integer, allocatable :: unknown(:) !! the unknown of the body that each unknown is
    contains
-      procedure :: forget_unknowns => subdomain_forget_unknowns
-      procedure :: items => subdomain_items
       procedure :: pass => subdomain_pass
       procedure :: prepare => subdomain_prepare
       procedure :: take_properties => subdomain_take_properties
@@ -114,14 +111,14 @@ contains
 
       call take_elements(subdomain, elements, mesh)
       allocate (subdomain%node(0))
-      node = mesh%node(subdomain%items())
-      call number_nodes(subdomain%node, number, [node, (springs(i)%node(:springs(i)%n_nodes), i=1, size(springs))])
+      call number_nodes(subdomain%node, number, [subdomain%mesh%node, (springs(i)%node(:springs(i)%n_nodes), &
+         i=1, size(springs))])
       ! After those whose displacements are of interest come those whose unknowns these are made of.
       n_displaced = size(subdomain%node)
       call dof_map%substitution%own_nodes_of_elements([(i, i=1, n_displaced + 1)], subdomain%node, start, node)
       call number_nodes(subdomain%node, number, [node, last_nodes])
       subdomain%mesh%n_nodes = size(subdomain%node)
-      subdomain%mesh%node = number(mesh%node(subdomain%items()))
+      subdomain%mesh%node = number(subdomain%mesh%node)
       subdomain%mesh%coordinates = mesh%coordinates(:, subdomain%node)
       subdomain%dof_map%dof = dof_map%dof(:, subdomain%node)
       call subdomain%dof_map%substitution%take_part(dof_map%substitution, subdomain%node(:n_displaced), number)
@@ -167,7 +164,7 @@ contains
 
    !> Takes the elements of a rank.
    pure subroutine take_elements(subdomain, elements, mesh)
-      type(subdomain_t), intent(inout) :: subdomain !! gains its elements, but for their nodes
+      type(subdomain_t), intent(inout) :: subdomain !! gains its elements, their nodes still those of the body
       integer, intent(in) :: elements(:) !! the elements
       type(mesh_t), intent(in) :: mesh !! the mesh of the body
       integer :: i
@@ -180,25 +177,13 @@ contains
          do i = 1, size(elements)
             own%node_start(i + 1) = own%node_start(i) + mesh%node_start(elements(i) + 1) - mesh%node_start(elements(i))
          end do
+         allocate (own%node(own%node_start(size(elements) + 1) - 1))
+         do i = 1, size(elements)
+            own%node(own%node_start(i):own%node_start(i + 1) - 1) = &
+               mesh%node(mesh%node_start(elements(i)):mesh%node_start(elements(i) + 1) - 1)
+         end do
       end associate
-      subdomain%first = mesh%node_start(elements)
    end subroutine take_elements
-
-   !> Which item of the body's `mesh%node` each item of `mesh%node` is.
-   pure function subdomain_items(self) result(item)
-      class(subdomain_t), intent(in) :: self !! the subdomain
-      integer, allocatable :: item(:)
-      integer :: i, k
-
-      allocate (item(self%mesh%node_start(self%mesh%n_elements + 1) - 1))
-      do i = 1, self%mesh%n_elements
-         associate (start => self%mesh%node_start(i))
-            do k = start, self%mesh%node_start(i + 1) - 1
-               item(k) = self%first(i) + k - start
-            end do
-         end associate
-      end do
-   end function subdomain_items
 
    !> Passes a subdomain from rank 0 to the rank that owns it.
    subroutine subdomain_pass(self, line)
@@ -214,7 +199,6 @@ contains
          call line%pass(mesh%node)
       end associate
       call line%pass(self%node)
-      call line%pass(self%first)
       call line%pass(self%constraints%axis)
       call line%pass(self%dof_map%dof)
       call pass_substitution(self%dof_map%substitution, line)
@@ -244,14 +228,6 @@ contains
       call line%pass(blocks)
       substitution%block = reshape(blocks, [2, 2, n_blocks])
    end subroutine pass_substitution
-
-   !> Forgets what assembly alone needs.
-   pure subroutine subdomain_forget_unknowns(self)
-      class(subdomain_t), intent(inout) :: self !! the subdomain, assembled
-
-      deallocate (self%unknown, self%constraints%axis, self%dof_map%dof)
-      self%dof_map%substitution = substitution_t()
-   end subroutine subdomain_forget_unknowns
 
    !> Numbers the unknowns anew and colors the elements.
    subroutine subdomain_prepare(self)

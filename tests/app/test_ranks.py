@@ -32,6 +32,20 @@ def launched(ranks, *arguments):
     return ["mpiexec", "--quiet", "--oversubscribe", "-n", str(ranks), PROGRAM, *map(str, arguments)]
 
 
+def ranks_of(launcher):
+    """The processes of the program below mpiexec, by their rank."""
+    found = {}
+    for entry in Path("/proc").iterdir():
+        try:
+            if entry.name.isdigit() and f"PPid:\t{launcher.pid}\n" in (entry / "status").read_text("utf-8"):
+                rank = re.search(rb"OMPI_COMM_WORLD_RANK=(\d+)", (entry / "environ").read_bytes())
+                if rank:
+                    found[int(rank[1])] = int(entry.name)
+        except OSError:
+            pass
+    return found
+
+
 class RanksTest(ProgramTest):
     """The program under mpiexec."""
     timeout = 600
@@ -169,19 +183,6 @@ class Refusals(RanksTest):
 class Kills(RanksTest):
     """A rank that is killed ends all; files are whole or absent."""
 
-    def ranks_of(self, launcher):
-        """The processes of the program below mpiexec, by their rank."""
-        found = {}
-        for entry in Path("/proc").iterdir():
-            try:
-                if entry.name.isdigit() and f"PPid:\t{launcher.pid}\n" in (entry / "status").read_text("utf-8"):
-                    rank = re.search(rb"OMPI_COMM_WORLD_RANK=(\d+)", (entry / "environ").read_bytes())
-                    if rank:
-                        found[int(rank[1])] = int(entry.name)
-            except OSError:
-                pass
-        return found
-
     def test_killed_ranks_leave_whole_files_or_none(self):
         deck = self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, mesh="size = 4.0, 4.0  cells = 150, 150"))
         n_ended = 0
@@ -190,7 +191,7 @@ class Kills(RanksTest):
                 with subprocess.Popen(launched(2, "--output", "out", deck), cwd=self.directory,
                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
                     time.sleep(0.4 + 0.3*attempt)
-                    victim = self.ranks_of(run).get(attempt % 2)
+                    victim = ranks_of(run).get(attempt % 2)
                     if victim:
                         os.kill(victim, signal.SIGKILL)
                     run.communicate(timeout=60)

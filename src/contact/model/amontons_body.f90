@@ -10,7 +10,7 @@ module amontons_body
    use amontons_contact_problem, only: contact_problem_t, new_band_problem, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_zone, only: contact_t, contact_zone_t, new_contact_zone
-   use amontons_distributed, only: add_forces_of_ranks, n_ranks, new_distributed_condenser
+   use amontons_distributed, only: n_ranks, new_distributed_condenser
    use amontons_dof_map, only: dof_map_t, new_dof_map
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_foundation, only: new_foundation, spring_side_t
@@ -228,20 +228,16 @@ contains
          body%dof_map, error)
    end subroutine spread_body
 
-   !> Nodal forces that stresses and springs of a displacement amount to: K u - f_th without ever forming K, on all
-   !> ranks that the body is spread over.
+   !> Nodal forces that stresses and springs of a displacement amount to: K u - f_th without ever forming K.
    subroutine body_internal_forces(self, forces, displacement, thermal_strain)
       class(body_t), intent(in) :: self !! the body
       real(dp), allocatable, intent(out) :: forces(:, :) !! nodal forces, x and y (2, n_nodes) [F]
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
-      logical :: is_done
 
-      allocate (forces(2, self%mesh%n_nodes), source=0.0_dp)
-      call add_forces_of_ranks(is_done, self%condensation%condenser, forces, displacement, thermal_strain)
-      if (.not. is_done) call forces_of_stress(forces, self%mesh, self%materials, self%springs, self%coloring, &
-         displacement, thermal_strain)
+      call forces_of_stress(forces, self%mesh, self%materials, self%springs, self%coloring, displacement, &
+         thermal_strain)
    end subroutine body_internal_forces
 
    !> Refuses a body of which a piece is held by neither supports nor contact points, and pieces that contact holds to

@@ -1,9 +1,8 @@
-!> The way of a sweep from its deck to its table: all cases on one factorization, solved by all threads.
+!> The way of a sweep from its deck to its table: all cases on one factorization, solved by all threads of all ranks.
 !>
 !> As many chunks as take about a second are a batch, after which the rows are put on the disk: an interrupted sweep
 !> goes on there.
 module amontons_solve_sweep
-   use amontons_auto, only: auto_t
    use amontons_body, only: body_t
    use amontons_checkpoint, only: checkpoint_t, new_checkpoint
    use amontons_config, only: config_t, effective_deck
@@ -12,16 +11,16 @@ module amontons_solve_sweep
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_manifest, only: manifest_t
-   use amontons_methods, only: new_contact_method
    use amontons_output_file, only: output_file_t
    use amontons_result, only: result_t
    use amontons_result_warnings, only: add_conditioning
    use amontons_solve_case, only: cache_t, condense_case, prepare_case
    use amontons_solve_load_case, only: certify, set_factor
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
+   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, set_method, solve_chunk, sweep_task_t
    use amontons_sweep_fields, only: write_sweep_fields
    use amontons_sweep_model, only: new_sweep_model, sweep_model_t
+   use amontons_sweep_ranks, only: end_sharing, share_sweep, solve_on_ranks
    use amontons_sweep_statistics, only: case_keys, sweep_statistics_t
    use amontons_sweep_table, only: sweep_header
    use amontons_system, only: make_directory, wall_seconds
@@ -63,6 +62,7 @@ contains
       type(sweep_result_t), intent(out) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! the deck, the numbers or the disk are at fault
       type(sweep_task_t) :: task
+      integer :: n_sharing
 
       call prepare_case(cache, config, result%certified, error)
       if (allocated(error)) return
@@ -70,12 +70,8 @@ contains
       if (allocated(error)) return
       call set_factor(result%certified%factor, cache%body)
       task%n_quantities = size(case_keys(cache%body, config%sweep))
-      call new_contact_method(task%method, config%method, error)
+      call set_method(task, config%method, error)
       if (allocated(error)) return
-      select type (method => task%method)
-      type is (auto_t)
-         task%is_auto = .true.
-      end select
       task%sweep = config%sweep
       task%units = config%units
       call new_sweep_model(task%model, cache%body, cache%problem, result%certified%load_case, config, error)
@@ -92,7 +88,11 @@ contains
       call result%checkpoint%open(sweep_key(config, task%model), result%statistics, error)
       if (allocated(error)) return
       result%n_resumed = result%statistics%n_cases
-      call solve_batches(task, cache%body, monitor, result, error)
+      associate (n_left => int(task%sweep%n_cases()) - result%n_resumed)
+         call share_sweep(n_sharing, task, cache%body, n_left)
+      end associate
+      call solve_batches(task, cache%body, n_sharing, monitor, result, error)
+      call end_sharing(n_sharing)
       if (.not. allocated(error)) call finish_sweep(task, cache%body, directory, config, monitor, result, error)
       if (allocated(error) .or. result%is_interrupted) call result%checkpoint%close()
    end subroutine solve_sweep
@@ -132,9 +132,10 @@ contains
    end function sweep_key
 
    !> Solves batch after batch until all cases are done or the monitor stops the sweep.
-   subroutine solve_batches(task, body, monitor, result, error)
+   subroutine solve_batches(task, body, n_sharing, monitor, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: n_sharing !! number of ranks that share the cases
       class(study_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
       type(sweep_result_t), intent(inout) :: result !! gains the statistics
       type(error_t), allocatable, intent(out) :: error !! the rows cannot be written
@@ -145,7 +146,7 @@ contains
       integer :: n_cases, n_chunks, i
 
       n_cases = int(task%sweep%n_cases())
-      n_chunks = n_threads()
+      n_chunks = n_sharing*n_threads()
       call monitor%report(result%statistics%n_cases, n_cases, 'cases')
       do while (result%statistics%n_cases < n_cases .and. .not. monitor%is_stopped())
          start = wall_seconds()
@@ -153,7 +154,7 @@ contains
          do i = 1, size(chunks)
             call new_chunk(chunks(i), result%statistics%n_cases + (i - 1)*chunk_length, n_cases)
          end do
-         call solve_chunks(task, body, monitor, chunks)
+         call solve_on_ranks(n_sharing, task, body, monitor, chunks)
          call gather_chunks(chunks, rows, result%statistics)
          deallocate (chunks)
          call result%checkpoint%add_rows(1, rows)
@@ -161,39 +162,9 @@ contains
          if (allocated(error)) return
          call monitor%report(result%statistics%n_cases, n_cases, 'cases')
          growth = min(4.0_dp, batch_seconds/max(wall_seconds() - start, tiny(1.0_dp)))
-         n_chunks = max(n_threads(), int(n_chunks*growth))
+         n_chunks = max(n_sharing*n_threads(), int(n_chunks*growth))
       end do
    end subroutine solve_batches
-
-   !> Solves chunks on all threads, as many as are begun before the monitor stops the sweep.
-   subroutine solve_chunks(task, body, monitor, chunks)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
-      class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
-      type(chunk_t), intent(inout) :: chunks(:) !! the chunks
-
-      !$omp parallel default(none) shared(task, body, monitor, chunks)
-      call share_chunks(task, body, monitor, chunks)
-      !$omp end parallel
-   end subroutine solve_chunks
-
-   !> One thread's share of the chunks, with a contact problem of its own.
-   subroutine share_chunks(task, body, monitor, chunks)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
-      class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
-      type(chunk_t), intent(inout) :: chunks(:) !! the chunks
-      type(contact_problem_t) :: problem
-      type(contact_solution_t) :: solutions(chunk_length)
-      integer :: i
-
-      problem = task%model%problem
-      !$omp do schedule(dynamic, 1)
-      do i = 1, size(chunks)
-         if (.not. monitor%is_stopped()) call solve_chunk(task, body, problem, chunks(i), solutions)
-      end do
-      !$omp end do
-   end subroutine share_chunks
 
    !> Gathers the chunks that are done, as far as no chunk is missing before them.
    pure subroutine gather_chunks(chunks, rows, statistics)

@@ -3,6 +3,7 @@
 !> A chunk begins at rest; each further case of it starts from its neighbor, if that belongs to the chunk. So no result
 !> depends on the number of threads, nor on where a sweep was interrupted.
 module amontons_sweep_chunk
+   use amontons_auto, only: auto_t
    use amontons_body, only: body_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
@@ -12,12 +13,14 @@ module amontons_sweep_chunk
    use amontons_key_results, only: body_peaks, body_peaks_at_rest
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t, recover_displacement
+   use amontons_methods, only: method_options_t, new_contact_method
    use amontons_newton, only: newton_t
    use amontons_quantity, only: quantity_t
    use amontons_result_warnings, only: find_case_warnings
    use amontons_row_text, only: status_runs
    use amontons_spin, only: find_spin
    use amontons_stress_field, only: new_stress_field, stress_field_t
+   use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep, only: sweep_t
    use amontons_sweep_model, only: sweep_model_t
    use amontons_sweep_statistics, only: case_no_equilibrium, case_result_t, new_case_result
@@ -25,7 +28,7 @@ module amontons_sweep_chunk
    implicit none (type, external)
    private
 
-   public :: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
+   public :: chunk_length, chunk_t, new_chunk, set_method, solve_chunk, solve_chunks, sweep_task_t
 
    !> Number of cases of a chunk: few enough that an interrupt need not wait, many enough that the one which begins at
    !> rest does not count.
@@ -35,7 +38,8 @@ module amontons_sweep_chunk
    type :: sweep_task_t
       type(sweep_t) :: sweep !! the cases
       type(sweep_model_t) :: model !! their contact problems
-      class(contact_method_t), allocatable :: method !! the deck's method
+      type(method_options_t) :: options !! the deck's choice of a method
+      class(contact_method_t), allocatable :: method !! this method
       character(:), allocatable :: units !! names of the units of the case
       integer :: n_quantities = 0 !! numbers that are kept of a case
       logical :: is_auto = .false. !! whether the deck leaves the method to the program
@@ -52,6 +56,21 @@ module amontons_sweep_chunk
 
 contains
 
+   !> Sets the method of a sweep.
+   subroutine set_method(task, options, error)
+      type(sweep_task_t), intent(inout) :: task !! the sweep
+      type(method_options_t), intent(in) :: options !! the choice of a method
+      type(error_t), allocatable, intent(out) :: error !! there is no such method
+
+      task%options = options
+      call new_contact_method(task%method, options, error)
+      if (allocated(error)) return
+      select type (method => task%method)
+      type is (auto_t)
+         task%is_auto = .true.
+      end select
+   end subroutine set_method
+
    !> The chunk that begins behind a number of cases, as far as there are cases.
    pure subroutine new_chunk(chunk, n_before, n_cases)
       type(chunk_t), intent(out) :: chunk !! the chunk
@@ -61,6 +80,36 @@ contains
       chunk%first = n_before + 1
       chunk%last = n_before + min(chunk_length, n_cases - n_before)
    end subroutine new_chunk
+
+   !> Solves chunks on all threads, as many as are begun before the monitor stops the sweep.
+   subroutine solve_chunks(task, body, monitor, chunks)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
+      type(chunk_t), intent(inout) :: chunks(:) !! the chunks
+
+      !$omp parallel default(none) shared(task, body, monitor, chunks)
+      call share_chunks(task, body, monitor, chunks)
+      !$omp end parallel
+   end subroutine solve_chunks
+
+   !> One thread's share of the chunks, with a contact problem of its own.
+   subroutine share_chunks(task, body, monitor, chunks)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
+      type(chunk_t), intent(inout) :: chunks(:) !! the chunks
+      type(contact_problem_t) :: problem
+      type(contact_solution_t) :: solutions(chunk_length)
+      integer :: i
+
+      problem = task%model%problem
+      !$omp do schedule(dynamic, 1)
+      do i = 1, size(chunks)
+         if (.not. monitor%is_stopped()) call solve_chunk(task, body, problem, chunks(i), solutions)
+      end do
+      !$omp end do
+   end subroutine share_chunks
 
    !> Solves the cases of a chunk.
    subroutine solve_chunk(task, body, problem, chunk, solutions)
