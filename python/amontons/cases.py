@@ -64,9 +64,10 @@ class Case:
         return self.summary.get("title") or self.summary["case"]
 
     @property
-    def has_equilibrium(self) -> bool:
-        """Whether contact and friction can balance its loads; else its summary has a message and no numbers."""
-        return self.summary.get("outcome") != "no_equilibrium"
+    def has_state(self) -> bool:
+        """Whether there is a state to show; else, without equilibrium or where a history has no first step, its summary
+        has a message and no numbers."""
+        return "message" not in self.summary
 
     @property
     def is_history(self) -> bool:

@@ -207,8 +207,8 @@ def main(arguments):
     try:
         for path in find_cases(options.case):
             case = Case(path)
-            if not case.has_equilibrium:
-                print(f"plot: {path}: no equilibrium, nothing to draw", file=sys.stderr)
+            if not case.has_state:
+                print(f"plot: {path}: {case.summary['outcome'].replace('_', ' ')}, nothing to draw", file=sys.stderr)
                 continue
             drawn = figure(case, options.panels, options.field, scale=options.scale, abscissa=options.abscissa,
                            size=options.size)

@@ -187,14 +187,15 @@ def pictures_of_all(paths):
 def page_of(folder, paths):
     """The page."""
     found = [Case(path) for path in paths]
-    cases, without = [case for case in found if case.has_equilibrium], \
-        [(case.summary["case"], case.summary["message"]) for case in found if not case.has_equilibrium]
+    cases, answers = [case for case in found if case.has_state], [case for case in found if not case.has_state]
+    without = [(case.summary["case"], case.summary["message"]) for case in answers]
+    n_first = sum(case.summary["outcome"] == "not_converged" for case in answers)
     pictures = pictures_of_all([case.path for case in cases])
     failures, replaced = decks_of(folder, FAILED), decks_of(folder, ("replaced",))
     colors = [verdict_of(case.summary)[0] for case in cases]
     counted = [f"{colors.count(color)} {color}" for color in COLORS]
-    counted += [f"{len(some)} {words}" for some, words in ((without, "without equilibrium"), (failures, "failed"))
-                if some]
+    counted += [f"{n} {words}" for n, words in (
+        (len(without) - n_first, "without equilibrium"), (n_first, "without a first step"), (len(failures), "failed")) if n]
     versions = ", ".join(sorted({case.summary["version"] for case in found}))
     name = html.escape(folder.resolve().name)
     pvd = ' ParaView steps through <a href="cases.pvd">cases.pvd</a>.' if (folder / "cases.pvd").exists() else ""

@@ -52,7 +52,9 @@ class NumericalFailure(AmontonsError, ArithmeticError):
 
 
 class NoEquilibrium(NumericalFailure):
-    """Contact and friction cannot balance the loads: the answer to a case, not a failure."""
+    """Contact and friction cannot balance the loads: the answer to a case, not a failure. A history whose later step it is
+    leaves what it reached in `result`."""
+    result: Optional[DeckResult] = None
 
 
 class SystemFailure(AmontonsError, OSError):
@@ -327,7 +329,13 @@ def _solve_deck(deck: Deck, output: Path, mesh: Optional[Mesh], settings: Mappin
             text = _bytes_of(deck_file)
         lines = "\n".join(f"{_key(key)}={value_text(value)}" for key, value in settings.items())
         code = _library.amontons_solve_deck_text(text, os.fsencode(deck_file), os.fsencode(lines), *tail)
-    is_solved = _judge(code, message, n_callers=3)
+    try:
+        is_solved = _judge(code, message, n_callers=3)
+    except NoEquilibrium as answer:
+        reached = output / os.fsdecode(name.value)
+        if name.value and Path(f"{reached}.vtu").exists():
+            answer.result = DeckResult(reached, is_kept, False)
+        raise
     result = DeckResult(output / os.fsdecode(name.value), is_kept, is_solved)
     for sentence in result.summary.get("warnings", []):
         warnings.warn(sentence, DoubtfulResult, stacklevel=3)

@@ -40,6 +40,9 @@ def verdict_of(summary):
         color = "amber" if summary.get("warnings") else "green"
         return color, f"Solved and certified: largest relative error on {what} {largest:.1e} " \
             f"(limit {summary['certificate']['limit']:.0e}){which}."
+    if not summary.get("load_history", {}).get("complete", True):
+        return "amber", f"Incomplete: {summary['load_history']['end']}. What is shown is the last state, " + \
+            ("certified." if is_certified else "not certified. " + found)
     if not summary["converged"]:
         residual_text = "not a number" if residual is None else f"{residual:.1e}"
         found = f"The method stopped after {summary['iterations']} iterations with a residual of {residual_text}. " \

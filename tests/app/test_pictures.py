@@ -161,6 +161,21 @@ class Pictures(ProgramTest):
         self.assertIn('<p class="verdict amber"><b>lifted</b><span>no equilibrium: contact and friction cannot balance '
                       "the loads;", page)
 
+    def test_a_history_that_ends_early_shows_what_it_reached(self):
+        deck = block(PRESSURE, CONTACT, "load name = 'push'  set = 'left'  traction = 1.0, 0.0",
+                     "history times = 0.0, 1.0", "steps load = 'push'  factor = {}, 1.0")
+        self.write("slides.nml", deck.format(0.0))
+        self.write("slid.nml", deck.format(1.0))
+        self.run_program("--quiet", "--output", "out", "slides.nml", "slid.nml", status=2)
+        run = self.script("plot", "out", "--format", "png")
+        self.assertEqual((run.stdout, run.stderr), ("out/slides.png\nout/slides.steps.png\n",
+                                                    "plot: out/slid: no equilibrium, nothing to draw\n"))
+        self.script("report", "out")
+        page = (self.directory / "out" / "report.html").read_text(encoding="utf-8")
+        self.assertIn("2 cases: 0 green, 1 amber, 0 red, 1 without equilibrium.", page)
+        self.assertIn("Incomplete: step 7 (to ", page)
+        self.assertIn("What is shown is the last state, certified.", page)
+
     def test_failed_decks_are_red_with_their_message(self):
         self.write("some results/batch.csv",
                    "deck,case,outcome,message\nbad <1>.nml,,refused,\"line 3: unknown key 'E', really\"\n"

@@ -140,6 +140,22 @@ class Decks(ProgramTest):
         # the forces of the last step are those of the contact table
         self.assertAlmostEqual(result.history["normal_force"][-1], result.contact["normal_force"].sum(), delta=1e-9)
 
+    def test_a_history_that_ends_early_has_what_it_reached(self):
+        text = block(PRESSURE, CONTACT, "load name = 'push'  set = 'left'  traction = 1.0, 0.0",
+                     "history times = 0.0, 1.0", "steps load = 'push'  factor = 0.0, 1.0")
+        for deck, factors in ((text, [0.0, 0.6]), (text.replace("0.0, 1.0 /\n", "1.0, 1.0 /\n").replace(
+                "times = 1.0", "times = 0.0"), None)):
+            with self.assertRaisesRegex(amontons.NoEquilibrium, r"step \d+ \(to .*\): no equilibrium") as caught:
+                amontons.solve_deck(deck)
+            result = caught.exception.result
+            if factors is None:
+                self.assertIsNone(result)
+                continue
+            self.assertFalse(result.is_solved)
+            # The shortest step is 1/1024.
+            self.assertAlmostEqual(result.history["factor_push"][-1], factors[-1], delta=1.0/1024.0)
+            self.assertEqual(result.contact["status"].size, 9)
+
     def test_results_are_drawn(self):
         try:
             import matplotlib  # pylint: disable=import-outside-toplevel

@@ -73,6 +73,17 @@ class Examples(ProgramTest):
         self.assertEqual(printed[1:3], ["push  10.0, displacement of the corner  0.014488876",
                                         "push  15.0, displacement of the corner  0.028459438"])
 
+    def test_step_history_in_c(self):
+        printed = self.run_example("step_history_c", SOURCES / "bar_history.nml").stdout.splitlines()
+        self.assertEqual([line.rpartition(",")[0] for line in printed[1:3]],
+                         ["push  10.0, displacement of the corner  0.014488876",
+                          "push  15.0, displacement of the corner  0.028459438"])
+        # Loads that friction does not hold: the sentence of the program, and its status.
+        deck = (SOURCES / "bar_history.nml").read_text(encoding="utf-8").replace("&support", "! &support")
+        run = self.run_example("step_history_c", self.write("free.nml", deck), status=2)
+        self.assertIn("no equilibrium", run.stderr)
+        self.assertEqual(len(run.stdout.splitlines()), 1)
+
     @unittest.skipUnless(HAS_PYTHON, "NumPy and Matplotlib are needed")
     def test_step_history_in_python(self):
         printed = self.run_command(["env", "-u", "AMONTONS_LIBRARY", f"PYTHONPATH={LIBRARIES / 'amontons'}",
