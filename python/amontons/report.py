@@ -194,8 +194,9 @@ def page_of(folder, paths):
     failures, replaced = decks_of(folder, FAILED), decks_of(folder, ("replaced",))
     colors = [verdict_of(case.summary)[0] for case in cases]
     counted = [f"{colors.count(color)} {color}" for color in COLORS]
-    counted += [f"{n} {words}" for n, words in (
-        (len(without) - n_first, "without equilibrium"), (n_first, "without a first step"), (len(failures), "failed")) if n]
+    others = ((len(without) - n_first, "without equilibrium"), (n_first, "without a first step"),
+              (len(failures), "failed"))
+    counted += [f"{n} {words}" for n, words in others if n]
     versions = ", ".join(sorted({case.summary["version"] for case in found}))
     name = html.escape(folder.resolve().name)
     pvd = ' ParaView steps through <a href="cases.pvd">cases.pvd</a>.' if (folder / "cases.pvd").exists() else ""

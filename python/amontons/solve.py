@@ -52,8 +52,8 @@ class NumericalFailure(AmontonsError, ArithmeticError):
 
 
 class NoEquilibrium(NumericalFailure):
-    """Contact and friction cannot balance the loads: the answer to a case, not a failure. A history whose later step it is
-    leaves what it reached in `result`."""
+    """Contact and friction cannot balance the loads: the answer to a case, not a failure. `result` has what a history
+    reached before a later step had none."""
     result: Optional[DeckResult] = None
 
 
