@@ -4,8 +4,8 @@
 #   PART      the geometry for Gmsh (.geo), or a mesh beside which it is (.msh), or - for the rectangle of the deck
 #   DECK      the deck; its mesh is replaced
 #   --error   relative error of the stresses to reach (2%)
-#   --key     reach it instead in the change of this key result, as max_contact_pressure, from mesh to mesh,
-#             the last one or half of the one before
+#   --key     reach it instead in this key result, as max_contact_pressure: what its last two changes leave, if it
+#             falls with the estimated error
 #   --steps   most meshes (10)
 #   --output  directory of the meshes, their results and pictures, and of adapt.csv (adapt)
 set -euo pipefail

@@ -14,6 +14,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from amontons.grid import read_grid
 
 SIDES = {"bottom": 1, "right": 2, "top": 3, "left": 4}
 COLUMNS = ("mesh", "nodes", "elements", "error_norm", "relative_error")
+MOST_DRAWN = 20000  # elements of a mesh in the picture of all
 MESH_GROUP = re.compile(r"^&mesh\b(?:'[^']*'|![^\n]*|[^/'!])*/", re.MULTILINE | re.IGNORECASE)
 
 
@@ -34,7 +36,7 @@ def main():
     options.output.mkdir(parents=True, exist_ok=True)
     deck = options.deck.read_text(encoding="utf-8")
     geometry, order = find_geometry(options, deck)
-    rows = []
+    rows, pictures = [], []
     field = None
     for number in range(1, options.steps + 1):
         folder = options.output/f"mesh_{number}"
@@ -47,11 +49,16 @@ def main():
         print_row(options, row, number == 1)
         table = [",".join([*COLUMNS, *options.keys]), *(",".join(map(repr, row)) for row in rows)]
         (options.output/"adapt.csv").write_text("\n".join(table) + "\n", encoding="utf-8")
-        draw(grid, folder/"mesh.svg")
-        error = max(map(change, zip(*(row[len(COLUMNS):] for row in rows[-3:])))) if options.keys \
-            else summary["accuracy"]["relative_error"]
+        picture = draw(grid)
+        (folder/"mesh.svg").write_text(collect([picture], 1000), encoding="utf-8")
+        if row[2] <= MOST_DRAWN:
+            pictures.append(Picture(f"{number}: {row[2]} elements, {row[4]:.2%}", *picture[1:]))
+        (options.output/"meshes.svg").write_text(collect(pictures, 240), encoding="utf-8")
+        errors, *values = zip(*(row[len(COLUMNS) - 1:] for row in rows))
+        error = max(remaining(numbers, errors) for numbers in values) if options.keys else errors[-1]
         if error <= options.error:
             break
+        refuse_growth(options, rows)
         # A mesh misses the error that it is made for by some ten percent.
         target = 0.85*options.error if not options.keys else 0.5*summary["accuracy"]["relative_error"]
         field = size_field(grid, order, target*row[3]/row[4], row[3])
@@ -59,12 +66,27 @@ def main():
         raise Fault(f"the error is {error:.2%} after {options.steps} meshes; a singular point may need more: --steps")
 
 
-def change(values):
-    """The change of a number from mesh to mesh: the last one, or half of the one before; one alone may be chance."""
-    if len(values) < 3:
-        return math.inf
-    last, before = abs(values[2] - values[1]), abs(values[1] - values[0])
-    return max(last, 0.5*before)/max(abs(values[2]), sys.float_info.min)
+def remaining(values, errors):
+    """The error that is left of a number, over its size, by its last two changes from mesh to mesh.
+
+    It is taken to fall with the estimated error of the stresses: a change of v while that falls to the part r leaves
+    v r/(1 - r). Both changes must say so, since one alone may be small by chance.
+    """
+    left = 0.0
+    for k in (1, 2):
+        if len(values) < 3 or errors[-k] >= errors[-k - 1]:
+            return math.inf
+        left = max(left, abs(values[-k] - values[-k - 1])*errors[-1]/(errors[-k - 1] - errors[-k]))
+    return left/max(abs(values[-1]), sys.float_info.min)
+
+
+def refuse_growth(options, rows):
+    """Refuses a key result that changes more from each mesh to the next, four times in a row, by a tenth at last."""
+    for key, values in zip(options.keys, zip(*(row[len(COLUMNS):] for row in rows[-5:]))):
+        changes = [abs(b - a) for a, b in zip(values, values[1:])]
+        if len(changes) == 4 and changes == sorted(changes) and changes[-1] > 0.1*abs(values[-1]):
+            raise Fault(f"{key} has no limit: it changes more from each mesh to the next ({values[-1]:.6g} after "
+                        f"{values[-2]:.6g}), as at a re-entrant corner or at the end of a flat contact")
 
 
 def read_options():
@@ -75,7 +97,7 @@ def read_options():
     parser.add_argument("deck", type=Path, metavar="DECK", help="the deck; its mesh is replaced")
     parser.add_argument("--error", type=percentage, default=0.02, help="relative error of the stresses to reach (2%%)")
     parser.add_argument("--key", dest="keys", action="append", default=[], metavar="NAME",
-                        help="reach it instead in the change of this key result from mesh to mesh; may be repeated")
+                        help="reach it instead in this key result, by its changes from mesh to mesh; may be repeated")
     parser.add_argument("--steps", type=int, default=10, help="most meshes (10)")
     parser.add_argument("--output", type=Path, default=Path("adapt"),
                         help="directory of the meshes and results (adapt)")
@@ -95,13 +117,17 @@ def find_geometry(options, deck):
     group = MESH_GROUP.search(deck)
     if not group:
         raise Fault(f"{options.deck}: expected a &mesh group")
+    if len(MESH_GROUP.findall(deck)) > 1:
+        raise Fault(f"{options.deck}: expected one &mesh group; put all bodies into one geometry")
     element = re.search(r"element\s*=\s*'(\w+)'", group[0])
     if str(options.part) == "-":
         size = re.search(r"size\s*=\s*([^\s,]+)[\s,]+([^\s,/]+)", group[0])
         if not size:
             raise Fault(f"{options.deck}: expected a rectangle, with size, in &mesh; or name its geometry")
         path = options.output/"rectangle.geo"
-        path.write_text(rectangle(float(size[1]), float(size[2])), encoding="utf-8")
+        origin = re.search(r"origin\s*=\s*([^\s,]+)[\s,]+([^\s,/]+)", group[0])
+        path.write_text(rectangle(float(size[1]), float(size[2]), *map(float, origin.groups() if origin else (0, 0))),
+                        encoding="utf-8")
         return path, 2 if element and element[1] in ("tri6", "quad8", "quad9") else 1
     path = options.part.with_suffix(".geo")
     if not path.exists():
@@ -113,10 +139,12 @@ def find_geometry(options, deck):
     return path, int(found[1]) if found else 1
 
 
-def rectangle(width, height):
+def rectangle(width, height, left, bottom):
     """The geometry of a generated rectangle, its sides named as the program names them."""
-    lines = [f"Point(1) = {{0, 0, 0, {0.25*min(width, height)!r}}};", f"Point(2) = {{{width!r}, 0, 0}};",
-             f"Point(3) = {{{width!r}, {height!r}, 0}};", f"Point(4) = {{0, {height!r}, 0}};",
+    right, top = left + width, bottom + height
+    lines = [f"Point(1) = {{{left!r}, {bottom!r}, 0, {0.25*min(width, height)!r}}};",
+             f"Point(2) = {{{right!r}, {bottom!r}, 0}};", f"Point(3) = {{{right!r}, {top!r}, 0}};",
+             f"Point(4) = {{{left!r}, {top!r}, 0}};",
              *(f"Line({i}) = {{{i}, {i % 4 + 1}}};" for i in range(1, 5)),
              "Curve Loop(1) = {1:4};", "Plane Surface(1) = {1};",
              *(f'Physical Curve("{name}") = {{{line}}};' for name, line in SIDES.items()),
@@ -191,17 +219,44 @@ def print_row(options, row, is_first):
     print("  ".join(f"{value:>14.6g}" for value in row), flush=True)
 
 
-def draw(grid, path):
-    """Draws a mesh as an SVG picture."""
+class Picture(NamedTuple):
+    """A drawn mesh."""
+    label: str
+    path: str  # its elements, as an SVG path, the longer side of the mesh being 1000
+    size: tuple  # width and height
+
+
+def draw(grid):
+    """Draws a mesh."""
     low, high = grid.points.min(axis=0), grid.points.max(axis=0)
     scale = 1000.0/max(high[0] - low[0], high[1] - low[1])
     shapes = []
     for kind, nodes in grid.cells:
         for x in grid.points[nodes[:, :3 if "triangle" in kind else 4]]:
-            shapes.append("M" + "L".join(f"{scale*(a - low[0]):.1f} {scale*(high[1] - b):.1f}" for a, b, _ in x) + "Z")
-    width, height = (scale*(high - low))[:2]
-    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="-2 -2 {width + 4:.0f} {height + 4:.0f}"><path '
-                    f'd="{"".join(shapes)}" fill="none" stroke="#345" stroke-width="0.5"/></svg>\n', encoding="utf-8")
+            shapes.append("M" + "L".join(f"{scale*(a - low[0]):.0f} {scale*(high[1] - b):.0f}" for a, b, _ in x) + "Z")
+    return Picture("", "".join(shapes), tuple(scale*(high - low)[:2]))
+
+
+def collect(pictures, width):
+    """An SVG picture of drawn meshes side by side, four in a row, each of a width."""
+    if not pictures:
+        return '<svg xmlns="http://www.w3.org/2000/svg"/>\n'
+    scale = width/max(1.0, pictures[0].size[0])
+    # The font of a label, and the room around a panel.
+    font, room = 13, 20 if pictures[0].label else 2
+    across, down = width + room, scale*pictures[0].size[1] + (2 if pictures[0].label else 1)*room
+    parts = []
+    for number, picture in enumerate(pictures):
+        x, y = (number % 4)*across + room/2, (number//4)*down + room/2
+        if picture.label:
+            parts.append(f'<text x="{x:.0f}" y="{y + font - 4:.0f}" font-family="sans-serif" font-size="{font}">'
+                         f'{picture.label}</text>')
+            y += room
+        parts.append(f'<path transform="translate({x:.0f} {y:.0f}) scale({scale:.4f})" d="{picture.path}" fill="none" '
+                     f'stroke="#345" stroke-width="{0.5/scale:.2f}"/>')
+    columns, lines = min(4, len(pictures)), (len(pictures) + 3)//4
+    return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {columns*across:.0f} {lines*down:.0f}">' \
+        f'<rect width="100%" height="100%" fill="#fff"/>{"".join(parts)}</svg>\n'
 
 
 if __name__ == "__main__":

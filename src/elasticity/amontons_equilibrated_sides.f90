@@ -27,17 +27,19 @@ module amontons_equilibrated_sides
       real(dp) :: depth = 1.0_dp !! its depth [L]
       real(dp) :: stress(3) = 0.0_dp !! mean stress xx, yy, xy times the depth [F/L]
       real(dp) :: load(2) = 0.0_dp !! load in the element, shared by its corners alike [F]
+      real(dp) :: solved(3) = 0.0_dp !! mean stress xx, yy, xy of the displacements to be judged [F/L^2]
    end type element_forces_t
 
 contains
 
    !> Finds the forces inside the elements of a finite element solution.
-   subroutine find_element_forces(forces, mesh, materials, body_force, displacement, thermal_strain)
+   subroutine find_element_forces(forces, mesh, materials, body_force, displacement, judged, thermal_strain)
       type(element_forces_t), allocatable, intent(out) :: forces(:) !! the forces (n_elements)
       type(mesh_t), intent(in) :: mesh !! a checked mesh of three-node triangles
       type(materials_t), intent(in) :: materials !! its materials, of a plane body
       real(dp), intent(in) :: body_force(:, :) !! force per volume of each element, x and y (2, n_elements) [F/L^3]
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: judged(:, :) !! displacement of the nodes whose stresses are to be judged (2, n_nodes) [L]
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
       type(element_geometry_t) :: geometry
@@ -47,7 +49,7 @@ contains
       allocate (forces(mesh%n_elements))
       !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
       !$omp firstprivate(geometry) private(stress) &
-      !$omp shared(forces, mesh, materials, body_force, displacement, thermal_strain)
+      !$omp shared(forces, mesh, materials, body_force, displacement, judged, thermal_strain)
       do i = 1, mesh%n_elements
          associate (material => materials%list(materials%of_element(i)))
             call new_element_geometry(geometry, mesh, i, material, 1)
@@ -56,6 +58,8 @@ contains
             stress = element_stress(geometry, material, displacement, 1)
             forces(i)%depth = material%thickness
             forces(i)%stress = material%thickness*stress(:3)
+            stress = element_stress(geometry, material, judged, 1)
+            forces(i)%solved = stress(:3)
             forces(i)%load = geometry%volume(1)*body_force(:, i)
          end associate
       end do

@@ -46,6 +46,7 @@ contains
       ! Blocks whose patches take little memory beside all else, and few of whose elements share patches with others.
       integer, parameter :: block_size = 50000
       integer :: first, last, i, point
+      logical :: is_uniform
 
       weights = corner_weights()
       allocate (estimate%element(mesh%n_elements))
@@ -53,7 +54,7 @@ contains
          last = min(mesh%n_elements, first + block_size - 1)
          call recovered%fit(mesh, materials, first, last)
          !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
-         !$omp firstprivate(geometry) private(point, strain, stress, smooth) &
+         !$omp firstprivate(geometry) private(point, strain, stress, smooth, is_uniform) &
          !$omp shared(estimate, mesh, materials, displacement, recovered, thermal_strain, energy, weights, first, last)
          do i = first, last
             associate (material => materials%list(materials%of_element(i)), kind => mesh%element_kind(i))
@@ -64,9 +65,12 @@ contains
                   weights(:n_corners(kind), :geometry%n_points, kind), smooth(:, :geometry%n_points))
                energy(i) = 0.0_dp
                estimate%element(i) = 0.0_dp
+               is_uniform = kind == tri3 .and. .not. (material%is_axisymmetric .or. present(thermal_strain))
                do point = 1, geometry%n_points
-                  strain = elastic_strain(geometry, material, displacement, point)
-                  stress = material%stress(strain)
+                  if (point == 1 .or. .not. is_uniform) then
+                     strain = elastic_strain(geometry, material, displacement, point)
+                     stress = material%stress(strain)
+                  end if
                   energy(i) = energy(i) + geometry%volume(point)*dot_product(strain, stress)
                   estimate%element(i) = estimate%element(i) + geometry%volume(point) &
                      *material%squared_norm(smooth(:, point) - stress)

@@ -72,10 +72,12 @@ contains
       call recover_displacement(balanced, body, load_case, solution%displacement + change)
       call new_known_tractions(tractions, body%mesh, body%constraints, body%springs, load_case%loads)
       call add_tractions(tractions, sides, body, force)
-      call find_element_forces(inside, body%mesh, body%materials, body_force, balanced, load_case%thermal_strain)
+      call find_element_forces(inside, body%mesh, body%materials, body_force, balanced, displacement, &
+         load_case%thermal_strain)
       call find_side_moments(moment, imbalance, body%mesh, body%constraints, tractions, inside)
       if (.not. imbalance < negligible) return
-      distance = stress_distance(body%mesh, body%materials, moment, body_force, displacement, load_case%thermal_strain)
+      distance = stress_distance(body%mesh, body%materials, moment, body_force, inside, displacement, &
+         load_case%thermal_strain)
       allocate (bound)
       bound%norm = sqrt(distance**2 + 2.0_dp*law_error(sides, body, load_case, solution, force))
       bound%is_bound = all(load_case%friction <= 0.0_dp) .and. &
