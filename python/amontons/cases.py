@@ -101,8 +101,12 @@ class Case:
     @cached_property
     def contacts(self) -> list[dict[str, Any]]:
         """The groups `&contact` of its deck, those of the contact sets 1, 2, ..."""
+        return self.groups("contact")
+
+    def groups(self, name: str) -> list[dict[str, Any]]:
+        """The groups of a name in its deck."""
         text = Path(self.path + ".deck.nml").read_text(encoding="utf-8")
-        return [keys for group, keys in read_deck(text) if group == "contact"]
+        return [keys for group, keys in read_deck(text) if group == name]
 
     def table(self, name: str) -> list[dict[str, str]]:
         """The rows of a table, NAME.contact.csv or NAME.sweep.csv."""

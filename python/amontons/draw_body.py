@@ -21,6 +21,7 @@ TRIANGLES = {"triangle": [[0, 1, 2]], "quad": [[0, 1, 2], [0, 2, 3]],
              "quad9": [[0, 4, 8], [4, 1, 8], [1, 5, 8], [5, 2, 8], [2, 6, 8], [6, 3, 8], [3, 7, 8], [7, 0, 8]]}
 FINE = 2000     # cells: the lines of a finer mesh would hide its colors
 UNIFORM = 1e-6  # a field that varies less, over its largest value, is drawn as uniform
+ROUNDING = 1e-10  # of a strain, over the displacement that has lost its digits
 VISIBLE = 1e-3  # what is smaller over the size of a body is not seen
 
 
@@ -117,10 +118,25 @@ def draw_field(axes, case, factor, name, has_lines):
                                                    edgecolors="white" if has_lines else "face",
                                                    antialiased=has_lines, rasterized=not has_lines))
     middle = (values.max() + values.min()) / 2
+    if np.abs(values).max() <= rounding(case, name):
+        values, middle = 0.0 * values, 0.0
+        drawn.set_array(values)
     is_uniform = np.ptp(values) <= UNIFORM * np.abs(values).max()
     if is_uniform:
         drawn.set_clim(middle - (abs(middle) or 1.0), middle + (abs(middle) or 1.0))
     return drawn, label, middle if is_uniform else None
+
+
+def rounding(case, name):
+    """What rounding may leave of a field that is 0: of a stress, of which a body that is only moved has none."""
+    if dimension_of(name) != "F/L²":
+        return 0.0
+    try:
+        young = max((float(material["young"]) for material in case.groups("material")), default=0.0)
+    except OSError:
+        return 0.0
+    size = np.ptp(case.mesh.points[:, :2], axis=0).max()
+    return ROUNDING * young * np.abs(case.mesh.point_data["displacement"]).max() / size
 
 
 def draw_bar(axes, drawn, label, uniform):

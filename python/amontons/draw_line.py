@@ -109,10 +109,10 @@ def draw_gap(axes, case, sets):
     gap = np.where(np.abs(gap) > size, np.nan, gap)
     draw_lines(axes, sets, gap, GAP)
     shown = points_of(sets)
-    is_open = case.line.point_data["status"][shown] == 1
-    usual = np.median(gap[shown][is_open & np.isfinite(gap[shown])]) if is_open.any() else 0.0
+    open_gaps = gap[shown][(case.line.point_data["status"][shown] == 1) & np.isfinite(gap[shown])]
+    usual = np.median(open_gaps) if len(open_gaps) else 0.0
     shown = gap[shown]
-    is_endless = 0.0 < LARGE_GAP * usual < np.nanmax(shown)
+    is_endless = 0.0 < LARGE_GAP * usual < np.nanmax(shown, initial=0.0)
     set_range(axes, np.minimum(shown, 3 * usual) if is_endless else shown,
               np.abs(case.mesh.point_data["displacement"]).max())
     axes.set(ylabel=case.label("gap", "L"))

@@ -111,6 +111,11 @@ def key_results_of(case):
     return f"<dl>{entries}</dl>\n" if entries else ""
 
 
+def counted(count, noun):
+    """A number of things in words."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 def size_of(summary):
     """How large a case is, in words; a reduced problem has contacts alone."""
     counts = {**summary["counts"], "cases": summary.get("sweep", {}).get("cases")}
@@ -148,7 +153,7 @@ def section_of(case, pictures):
     is_one = ' one' if len(pictures) == 1 else ''
     return f"""<section><h2 id="{name}">{name}{": " + title if title else ""}</h2>
 <p class="verdict {color}"><b>{color}</b><span>{html.escape(sentence)}</span></p>
-{warnings}<p>{size_of(summary)}. Method {summary["method"]}, {summary["iterations"]} iterations.</p>
+{warnings}<p>{size_of(summary)}. Method {summary["method"]}, {counted(summary["iterations"], "iteration")}.</p>
 {key_results_of(case)}<div class="figures{is_one}">{"".join(f"<div>{picture}</div>" for picture in pictures)}</div>
 <p>Files: {files}</p>
 <details><summary>Certificate: relative errors on the full model</summary>
@@ -193,10 +198,10 @@ def page_of(folder, paths):
     pictures = pictures_of_all([case.path for case in cases])
     failures, replaced = decks_of(folder, FAILED), decks_of(folder, ("replaced",))
     colors = [verdict_of(case.summary)[0] for case in cases]
-    counted = [f"{colors.count(color)} {color}" for color in COLORS]
+    tally = [f"{colors.count(color)} {color}" for color in COLORS]
     others = ((len(without) - n_first, "without equilibrium"), (n_first, "without a first step"),
               (len(failures), "failed"))
-    counted += [f"{n} {words}" for n, words in others if n]
+    tally += [f"{n} {words}" for n, words in others if n]
     versions = ", ".join(sorted({case.summary["version"] for case in found}))
     name = html.escape(folder.resolve().name)
     pvd = ' ParaView steps through <a href="cases.pvd">cases.pvd</a>.' if (folder / "cases.pvd").exists() else ""
@@ -214,7 +219,7 @@ def page_of(folder, paths):
 <title>Amontons: {name}</title><style>{style}</style></head>
 <body>
 <h1>Contact results: {name}</h1>
-<p>{len(found)} {"case" if len(found) == 1 else "cases"}: {", ".join(counted)}.
+<p>{counted(len(found), "case")}: {", ".join(tally)}.
 Amontons {versions}; page made on {datetime.date.today().isoformat()}.
 {units}{pvd}</p>
 {unsolved}{table_of(cases, [small for _, small in pictures])}{sections}<script>

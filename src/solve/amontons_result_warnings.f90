@@ -47,7 +47,7 @@ contains
       associate (is_closed => result%solution%status /= open_point, zone => body%zone, &
          lacks => lacks_points(result%solution%status))
          if (lacks(1)) then
-            call result%warnings%add('nothing touches the obstacle')
+            call add_no_contact(result, zone)
          else if (lacks(2)) then
             call result%warnings%add('only '//counted(count(is_closed), 'contact point')// &
                ' closed: the mesh is too coarse for the pressure there')
@@ -64,6 +64,29 @@ contains
       end associate
       call add_passed_points(result%warnings, body, result%load_case, result%displacement)
    end subroutine add_result_warnings
+
+   !> Warns that nothing touches, and says how far the nearest point is from its obstacle.
+   subroutine add_no_contact(result, zone)
+      type(result_t), intent(inout) :: result !! the result; gains the warning
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      character(*), parameter :: sentence = 'nothing touches the obstacle'
+      real(dp), allocatable :: displacement(:), gap(:)
+      integer :: p
+
+      displacement = zone%rows%displacement(result%displacement)
+      gap = result%load_case%gap - displacement(:zone%n_points)
+      ! Of points that differ by rounding alone the first.
+      p = findloc(gap <= minval(gap) + 1.0e-6_dp*abs(minval(gap)), .true., dim=1)
+      associate (travel => max(maxval(abs(displacement)), abs(result%load_case%gap(p))))
+         ! A body that lies on its obstacle without any force touches it, too.
+         if (gap(p) > epsilon(1.0_dp)*travel) then
+            call result%warnings%add(sentence//'; the smallest gap is '//result%warnings%number(gap(p), 'L')//' at '// &
+               result%warnings%place(zone%position(:, p)))
+         else
+            call result%warnings%add(sentence//' with a force')
+         end if
+      end associate
+   end subroutine add_no_contact
 
    !> Finds what is doubtful about the solution of a contact problem, without the displacements of the body.
    pure subroutine find_case_warnings(is_raised, zone, size_of_body, young, solution)

@@ -349,7 +349,7 @@ class Listing(ProgramTest):
     def test_a_body_that_touches_nothing_is_noted(self):
         self.solve(block("support set = 'left'  ux = 0.0  uy = 1.0", CONTACT,
                          "load set = 'right'  traction = 0.0, 1.0"))
-        self.assertIn("nothing touches the obstacle\n", self.contents()["case.lst"].decode())
+        self.assertIn("nothing touches the obstacle; the smallest gap is 1.03", self.contents()["case.lst"].decode())
         self.solve(block(SUPPORT, PRESSURE, CONTACT))
         self.assertNotIn("nothing touches", self.contents()["case.lst"].decode())
 

@@ -65,7 +65,11 @@ CASES = {
               ["contact set 'bottom': the inf-sup constant ", "the largest pressure "]),
     "short": ((SUPPORT, "load set = 'top'  pressure = 0.15", "contact set = 'bottom'  obstacle = 'circle'  "
                "radius = 40.0"), {}, ["the contact zone from (0.0, 0.0) to (1.0, 0.0) has fewer than 4 sides"]),
-    "lifted": (("support set = 'top'  ux = 0.0  uy = 0.1", CONTACT), {}, ["nothing touches the obstacle"]),
+    "lifted": (("support set = 'top'  ux = 0.0  uy = 0.1", CONTACT), {},
+               ["nothing touches the obstacle; the smallest gap is 0.1 at (0.0, 0.0)"]),
+    "at_rest": ((SUPPORT, CONTACT), {}, ["nothing touches the obstacle with a force"]),
+    "auxetic": ((SUPPORT, PRESSURE, CONTACT), {"material": "young = 100.0  poisson = -0.2"},
+                ["Poisson's ratio of -0.2; negative ratios are rare"]),
     "corner": (("support set = 'top'  ux = 0.0  uy = -0.01", "contact set = 'bottom'  normal = 0.1, 1.0"), {},
                ["only 1 contact point closed: the mesh is too coarse for the pressure there"]),
     "aslant": (("support set = 'top'  ux = 0.0  uy = -0.02", "contact set = 'bottom'  normal = 1.0, 1.0"), {},

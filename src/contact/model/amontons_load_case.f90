@@ -122,7 +122,7 @@ contains
       do i = 1, size(contacts)
          if (any(load_case%is_in_reach .and. zone%set == i) .or. all(zone%set /= i)) cycle
          call new_error(error, input_refused, contacts(i)%origin//'the boundary does not face its obstacle; '// &
-            'the normal of the obstacle must point to the body')
+            'check the place of the obstacle, and that its normal points to the body')
          return
       end do
    end subroutine set_obstacles
