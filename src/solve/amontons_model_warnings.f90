@@ -55,7 +55,8 @@ contains
       end do
       call add_locking(warnings, body)
       associate (poisson => minval(body%materials%list%poisson))
-         if (poisson < 0.0_dp) call warnings%add("Poisson's ratio of "//short_text(poisson)//'; negative ratios are rare')
+         if (poisson < 0.0_dp) call warnings%add("Poisson's ratio of "//short_text(poisson)// &
+            '; negative ratios are rare')
       end associate
       if (any(body%materials%list%has_chosen_b_bar()) .and. all(body%mesh%element_kind /= quad4)) call warnings%add( &
          "formulation = 'b-bar' has no effect: the mesh has no quad4 elements")
