@@ -5,8 +5,9 @@
 !> bound; to (a - s)^(1/2) where it grows without bound, as at the corner of a punch. So T^(2/3), or T^2, is linear in
 !> s, and two sums give a. Sums are taken at the ends of the tributary lengths of nodes.
 !>
-!> Forces at the nodes of quadratic sides alternate. There the slip beyond the end of a stick zone tells more: it is
-!> proportional to (s - a)^(3/2), so that two of its values give a.
+!> The gap beyond the end of what is closed, and the slip beyond the end of what sticks, grow with (s - a)^(3/2) there.
+!> Where enough points beyond it are open they tell more than the forces, of which those at the nodes of quadratic sides
+!> alternate: the place is a polynomial of their power 2/3, whose value at 0 is the end.
 module amontons_zone_edges
    use amontons_contact_zone, only: contact_zone_t
    use amontons_kinds, only: dp
@@ -32,12 +33,13 @@ module amontons_zone_edges
 contains
 
    !> Finds the parts of the contact line that belong to a zone.
-   pure subroutine find_edges(intervals, zone, is_inside, force, n_summed, slip)
+   pure subroutine find_edges(intervals, zone, is_inside, force, n_summed, gap, slip)
       type(interval_t), allocatable, intent(out) :: intervals(:) !! the parts
       type(contact_zone_t), intent(in) :: zone !! the contact points
       logical, intent(in) :: is_inside(:) !! which points belong to the zone (m)
       real(dp), intent(in) :: force(:) !! the forces that vanish outside of it (m) [F]
       integer, intent(in) :: n_summed !! number of points of each of the two sums
+      real(dp), intent(in) :: gap(:) !! the gaps beyond a zone that is closed; 0 where they tell nothing (m) [L]
       real(dp), intent(in) :: slip(:) !! what points beyond a zone that sticks slip; 0 where it tells nothing (m) [L]
       type(chain_t) :: chain
       logical :: is_done(zone%n_points)
@@ -61,7 +63,7 @@ contains
             end do
             n_intervals = n_intervals + 1
             call set_interval(intervals(n_intervals), zone, chain, first, last, force(chain%point), &
-               n_summed, slip(chain%point))
+               n_summed, gap(chain%point), slip(chain%point))
          end do
       end do
       intervals = intervals(:n_intervals)
@@ -128,7 +130,7 @@ contains
    end subroutine set_lengths
 
    !> Finds the ends of consecutive points inside of a zone.
-   pure subroutine set_interval(interval, zone, chain, first, last, force, n_summed, slip)
+   pure subroutine set_interval(interval, zone, chain, first, last, force, n_summed, gap, slip)
       type(interval_t), intent(out) :: interval !! the part of the line
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(chain_t), intent(in) :: chain !! the points that follow each other
@@ -136,25 +138,43 @@ contains
       integer, intent(in) :: last !! the last point inside
       real(dp), intent(in) :: force(:) !! forces of all points of the chain (n) [F]
       integer, intent(in) :: n_summed !! number of points of each sum
+      real(dp), intent(in) :: gap(:) !! gaps of all points of the chain (n) [L]
       real(dp), intent(in) :: slip(:) !! slips of all points of the chain (n) [L]
       real(dp) :: begin, end
       integer :: n
 
       n = size(chain%point)
       begin = chain%bound(first - 1)
-      if (first > 1) begin = -edge_by_slip(-chain%arc(first:1:-1), slip(first - 1:1:-1), &
-         edge(-chain%bound(last:first - 1:-1), force(last:first:-1), -chain%arc(first - 1), n_summed))
+      if (first > 1) begin = -edge(-chain%arc(first:1:-1), -chain%bound(last:first - 1:-1), force(last:first:-1), &
+         n_summed, gap(first - 1:1:-1), slip(first - 1:1:-1))
       end = chain%bound(last)
-      if (last < n) end = edge_by_slip(chain%arc(last:), slip(last + 1:), &
-         edge(chain%bound(first - 1:last), force(first:last), chain%arc(last + 1), n_summed))
+      if (last < n) end = edge(chain%arc(last:), chain%bound(first - 1:last), force(first:last), n_summed, &
+         gap(last + 1:), slip(last + 1:))
       interval%set = zone%set(chain%point(first))
       interval%length = max(0.0_dp, end - begin)
       interval%ends(:, 1) = place_at(zone, chain, begin)
       interval%ends(:, 2) = place_at(zone, chain, end)
    end subroutine set_interval
 
-   !> Where a zone ends whose last points lie before a point outside of it.
-   pure real(dp) function edge(bound, force, outside, n_summed)
+   !> Where a zone ends that has points beyond it.
+   pure real(dp) function edge(arc, bound, force, n_summed, gap, slip)
+      real(dp), intent(in) :: arc(0:) !! where its last point and those beyond it lie (0:k) [L]
+      real(dp), intent(in) :: bound(0:) !! where the tributary lengths of its points end (0:n) [L]
+      real(dp), intent(in) :: force(:) !! their forces (n) [F]
+      integer, intent(in) :: n_summed !! number of points of each sum
+      real(dp), intent(in) :: gap(:) !! gaps of the points beyond it (k) [L]
+      real(dp), intent(in) :: slip(:) !! slips of the points beyond it (k) [L]
+      logical :: is_growing
+
+      call find_edge_by_force(edge, is_growing, bound, force, arc(1), n_summed)
+      if (.not. is_growing) edge = edge_by_gap(arc, gap, bound(size(force) - 1), edge)
+      edge = edge_by_slip(arc, slip, edge)
+   end function edge
+
+   !> Finds by the forces of its last points where a zone ends.
+   pure subroutine find_edge_by_force(edge, is_growing, bound, force, outside, n_summed)
+      real(dp), intent(out) :: edge !! where it ends [L]
+      logical, intent(out) :: is_growing !! whether the stress grows towards the end
       real(dp), intent(in) :: bound(0:) !! where the tributary lengths of its points end (0:n) [L]
       real(dp), intent(in) :: force(:) !! their forces (n) [F]
       real(dp), intent(in) :: outside !! where the first point outside lies [L]
@@ -165,47 +185,91 @@ contains
 
       n = size(force)
       edge = bound(n)
+      is_growing = .false.
       ! Both sums together take at most half of the points: the zone may end on the other side as well.
       k = min(n_summed, n/4)
       if (k == 0) return
       outer = sum(force(n - k + 1:))
       inner = sum(force(n - 2*k + 1:n - k))
       if (.not. min(outer, inner) > 0.0_dp) return
-      power = falling
-      if (outer*(bound(n - k) - bound(n - 2*k)) > inner*(bound(n) - bound(n - k))) power = growing
+      is_growing = outer*(bound(n - k) - bound(n - 2*k)) > inner*(bound(n) - bound(n - k))
+      power = merge(growing, falling, is_growing)
       ! Over the larger sum, neither power overflows.
       associate (ratio => (outer/(outer + inner))**power)
          edge = bound(n - k) + (bound(n - k) - bound(n - 2*k))*ratio/(1.0_dp - ratio)
       end associate
       edge = max(bound(n - 1), min(outside, edge))
-   end function edge
+   end subroutine find_edge_by_force
 
-   !> Where a stick zone ends, from two of the slips beyond it. The first ones are the least accurate: where ten or more
-   !> points in a row slip, the third and the fifth are taken.
+   !> Where a closed zone ends, from three of the gaps beyond it. The first one is the least accurate.
+   pure real(dp) function edge_by_gap(arc, gap, least, by_force) result(edge)
+      real(dp), intent(in) :: arc(0:) !! where the last point inside and those beyond it lie (0:n) [L]
+      real(dp), intent(in) :: gap(:) !! gaps of those beyond it (n) [L]
+      real(dp), intent(in) :: least !! where the zone ends at least [L]
+      real(dp), intent(in) :: by_force !! where the forces say that it ends, for where gaps tell nothing [L]
+      integer, parameter :: used(3) = [2, 4, 6]
+
+      edge = by_force
+      if (n_growing(gap) >= used(3)) edge = max(least, min(arc(1), place_of_zero(arc(used), gap(used))))
+   end function edge_by_gap
+
+   !> Where a stick zone ends, from the slips beyond it: from two of them or, where five to nine points in a row slip,
+   !> from three.
    pure real(dp) function edge_by_slip(arc, slip, by_force) result(edge)
       real(dp), intent(in) :: arc(0:) !! where the last point inside and those beyond it lie (0:n) [L]
       real(dp), intent(in) :: slip(:) !! slips of those beyond it (n) [L]
       real(dp), intent(in) :: by_force !! where the forces say that it ends, for where slips tell nothing [L]
-      integer, parameter :: near(2) = [1, 2], far(2) = [3, 5], many = 10
-      integer :: used(2), n
-      real(dp) :: root(2)
+      integer, parameter :: many(2) = [3, 5], some(3) = [1, 3, 5], few(2) = [1, 2]
+      ! From here on the first slips, which are the least accurate, are not needed.
+      integer, parameter :: n_many = 10
+      integer :: n
 
-      ! Those that slip one way, each more than the one before.
+      edge = by_force
+      n = n_growing(slip)
+      if (n < few(2)) return
+      if (n >= n_many) then
+         edge = place_of_zero(arc(many), slip(many))
+      else if (n >= some(3)) then
+         edge = place_of_zero(arc(some), slip(some))
+      else
+         edge = place_of_zero(arc(few), slip(few))
+      end if
+      edge = max(arc(0), min(arc(1), edge))
+   end function edge_by_slip
+
+   !> How many of the first numbers have one sign, each larger than the one before.
+   pure integer function n_growing(values) result(n)
+      real(dp), intent(in) :: values(:) !! the numbers
+      ! Powers of numbers that differ by less may be equal.
+      real(dp), parameter :: clearly = 1.0_dp + 1.0e-9_dp
+
       n = 0
-      do while (n < size(slip))
-         if (.not. slip(n + 1)*slip(1) > 0.0_dp) exit
+      do while (n < size(values))
+         if (.not. values(n + 1)*values(1) > 0.0_dp) exit
          if (n > 0) then
-            if (.not. abs(slip(n + 1)) > abs(slip(n))) exit
+            if (.not. abs(values(n + 1)) > clearly*abs(values(n))) exit
          end if
          n = n + 1
       end do
-      edge = by_force
-      if (n < 2) return
-      used = merge(far, near, n >= many)
-      root = (abs(slip(used))/abs(slip(used(2))))**(2.0_dp/3.0_dp)
-      edge = arc(used(1)) - (arc(used(2)) - arc(used(1)))*root(1)/(1.0_dp - root(1))
-      edge = max(arc(0), min(arc(1), edge))
-   end function edge_by_slip
+   end function n_growing
+
+   !> Where a number is 0 whose power 2/3 the place depends on like a line or, of three, a parabola (Lagrange).
+   pure real(dp) function place_of_zero(place, values) result(zero)
+      real(dp), intent(in) :: place(:) !! the places, two or three [L]
+      real(dp), intent(in) :: values(:) !! the numbers there, of one sign, each larger than the one before
+      real(dp) :: root(size(place)), weight
+      integer :: i, k
+
+      root = (abs(values)/abs(values(size(values))))**(2.0_dp/3.0_dp)
+      zero = 0.0_dp
+      do i = 1, size(place)
+         weight = 1.0_dp
+         do k = 1, size(place)
+            if (k /= i) weight = weight*root(k)/(root(k) - root(i))
+         end do
+         zero = zero + weight*place(i)
+      end do
+   end function place_of_zero
 
    !> The place at a length along a chain, which may lie beyond its ends.
    pure function place_at(zone, chain, arc) result(place)

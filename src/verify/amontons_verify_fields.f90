@@ -181,7 +181,8 @@ contains
       computed = case%result
       allocate (peaks(0))
       if (config%sweep%has_body_results) peaks = body_peaks(body%mesh, result%displacement, result%stress)
-      list = case_quantities(body, result%solution, result%load_case%friction, result%load_case%slip_bound, peaks)
+      list = case_quantities(body, result%solution, result%load_case%friction, result%load_case%slip_bound, &
+         result%load_case%free_gap, peaks)
       numbers = expanded(list)
       computed%quantity = numbers%value
       call status_runs(runs, case%status, body%zone%set)

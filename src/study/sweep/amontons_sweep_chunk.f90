@@ -173,7 +173,7 @@ contains
       end if
       associate (model => task%model)
          call new_case_result(kept, body, solution, model%fixed%friction + matmul(model%friction, &
-            task%sweep%values(number)), model%fixed%slip_bound, peaks_of(task, body, number, solution))
+            task%sweep%values(number)), model%fixed%slip_bound, problem%gap, peaks_of(task, body, number, solution))
       end associate
       kept%error_estimate = error_estimate(problem, solution, &
          maxval(abs(task%model%case_forces(task%sweep%values(number)))))

@@ -68,19 +68,21 @@ contains
 
    !> What is kept of a case: lengths, sums of forces, key results of the contact points and, if they are asked for, of
    !> the body.
-   pure function case_quantities(body, solution, friction, slip_bound, peaks) result(list)
+   pure function case_quantities(body, solution, friction, slip_bound, free_gap, peaks) result(list)
       type(body_t), intent(in) :: body !! the body
       type(contact_solution_t), intent(in) :: solution !! the solution
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients of the points (m) [-]
       real(dp), intent(in) :: slip_bound(:) !! given bounds of their tangential forces (m) [F]
+      real(dp), intent(in) :: free_gap(:) !! their gaps without displacements, d (m) [L]
       type(quantity_t), intent(in) :: peaks(:) !! `body_peaks`, or nothing
       type(quantity_t), allocatable :: list(:)
       type(interval_t), allocatable :: closed(:), stuck(:)
       type(lengths_t) :: lengths
 
       call new_lengths(lengths, body%zone, solution%status)
-      associate (slip => solution%displacement(size(solution%status) + 1:))
-         call find_zones(closed, stuck, body, solution%force, solution%status, friction, slip_bound, slip)
+      associate (gap => free_gap - solution%displacement(:size(solution%status)), &
+         slip => solution%displacement(size(solution%status) + 1:))
+         call find_zones(closed, stuck, body, solution%force, solution%status, friction, slip_bound, gap, slip)
          list = [lengths%quantities(), resultants(solution%force), contact_peaks(body, slip, solution%force, &
             solution%status, maxval(abs(solution%displacement))), &
             set_results(body, solution%force, closed, stuck), peaks]
@@ -111,20 +113,21 @@ contains
       zeros = 0.0_dp
       peaks = body_peaks_at_rest()
       if (.not. sweep%has_body_results) peaks = peaks(:0)
-      list = case_quantities(body, solution, zeros, zeros, peaks)
+      list = case_quantities(body, solution, zeros, zeros, zeros, peaks)
    end function ranked_quantities
 
    !> Takes what is kept of a solved case from its solution.
-   pure subroutine new_case_result(result, body, solution, friction, slip_bound, peaks)
+   pure subroutine new_case_result(result, body, solution, friction, slip_bound, free_gap, peaks)
       type(case_result_t), intent(out) :: result !! what is kept
       type(body_t), intent(in) :: body !! the body
       type(contact_solution_t), intent(in) :: solution !! the solution
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients of the points (m) [-]
       real(dp), intent(in) :: slip_bound(:) !! given bounds of their tangential forces (m) [F]
+      real(dp), intent(in) :: free_gap(:) !! their gaps without displacements, d (m) [L]
       type(quantity_t), intent(in) :: peaks(:) !! `body_peaks`, or nothing
       type(quantity_t), allocatable :: list(:)
 
-      list = expanded(case_quantities(body, solution, friction, slip_bound, peaks))
+      list = expanded(case_quantities(body, solution, friction, slip_bound, free_gap, peaks))
       result%quantity = list%value
       result%residual = solution%residual
       result%n_iterations = solution%n_iterations
