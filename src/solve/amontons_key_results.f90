@@ -8,7 +8,7 @@ module amontons_key_results
    use amontons_mesh, only: mesh_t
    use amontons_quantity, only: at_place, quantity_t
    use amontons_stress_field, only: stress_field_t, von_mises
-   use amontons_zone_edges, only: find_edges, interval_t
+   use amontons_zone_edges, only: find_edges, interval_t, trace_t
    implicit none (type, external)
    private
 
@@ -56,7 +56,7 @@ contains
    end function contact_peaks
 
    !> Finds the parts of the contact line that are closed, and those that stick.
-   pure subroutine find_zones(closed, stuck, body, force, status, friction, slip_bound, gap, slip)
+   pure subroutine find_zones(closed, stuck, body, force, status, friction, slip_bound, motion)
       type(interval_t), allocatable, intent(out) :: closed(:) !! the closed parts
       type(interval_t), allocatable, intent(out) :: stuck(:) !! the parts that stick
       type(body_t), intent(in) :: body !! the body
@@ -64,20 +64,22 @@ contains
       integer, intent(in) :: status(:) !! statuses of the points (m)
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients (m) [-]
       real(dp), intent(in) :: slip_bound(:) !! given bounds of the tangential force (m) [F]
-      real(dp), intent(in) :: gap(:) !! gaps of the points (m) [L]
-      real(dp), intent(in) :: slip(:) !! slips of the points (m) [L]
-      real(dp) :: telling(size(slip)), nothing(size(slip))
+      real(dp), intent(in) :: motion(:) !! gaps and slips of the points (2m) [L]
+      type(trace_t) :: trace
       integer :: m
 
       m = size(status)
-      nothing = 0.0_dp
-      telling = 0.0_dp
-      call find_edges(closed, body%zone, status /= open_point, force(:m), 2, merge(gap, 0.0_dp, status == open_point), &
-         nothing)
-      if (any(n_element_nodes(body%mesh%element_kind) > n_corners(body%mesh%element_kind))) telling = &
-         merge(slip, 0.0_dp, status == slip_plus .or. status == slip_minus)
-      call find_edges(stuck, body%zone, status == stick_point, slip_bound + friction*force(:m) - &
-         abs(force(m + 1:)), 1, nothing, telling)
+      trace%force = force(:m)
+      trace%n_summed = 2
+      trace%gap = merge(motion(:m), 0.0_dp, status == open_point)
+      trace%slip = 0.0_dp*motion(:m)
+      call find_edges(closed, body%zone, status /= open_point, trace)
+      trace%force = slip_bound + friction*force(:m) - abs(force(m + 1:))
+      trace%n_summed = 1
+      trace%gap = 0.0_dp*motion(:m)
+      if (any(n_element_nodes(body%mesh%element_kind) > n_corners(body%mesh%element_kind))) trace%slip = &
+         merge(motion(m + 1:), 0.0_dp, status == slip_plus .or. status == slip_minus)
+      call find_edges(stuck, body%zone, status == stick_point, trace)
    end subroutine find_zones
 
    !> What each contact set carries.

@@ -53,13 +53,7 @@ contains
       do i = 1, body%mesh%warnings%n()
          call warnings%add(body%mesh%warnings%item(i))
       end do
-      call add_locking(warnings, body)
-      associate (poisson => minval(body%materials%list%poisson))
-         if (poisson < 0.0_dp) call warnings%add("Poisson's ratio of "//short_text(poisson)// &
-            '; negative ratios are rare')
-      end associate
-      if (any(body%materials%list%has_chosen_b_bar()) .and. all(body%mesh%element_kind /= quad4)) call warnings%add( &
-         "formulation = 'b-bar' has no effect: the mesh has no quad4 elements")
+      call add_material_warnings(warnings, body)
       associate (stated => body%mesh%hypothesis, hypothesis => body%materials%list(1)%hypothesis)
          if (stated /= '' .and. stated /= hypothesis) call warnings%add('the elements of the mesh file are of type '// &
             trim(stated)//', the deck computes '//hypothesis)
@@ -75,6 +69,20 @@ contains
          call add_pair_warnings(warnings, body%ties(i))
       end do
    end subroutine add_model_warnings
+
+   !> Adds the warnings on the materials of a body.
+   pure subroutine add_material_warnings(warnings, body)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
+      type(body_t), intent(in) :: body !! the body
+
+      call add_locking(warnings, body)
+      associate (poisson => minval(body%materials%list%poisson))
+         if (poisson < 0.0_dp) call warnings%add("Poisson's ratio of "//short_text(poisson)// &
+            '; negative ratios are rare')
+      end associate
+      if (any(body%materials%list%has_chosen_b_bar()) .and. all(body%mesh%element_kind /= quad4)) call warnings%add( &
+         "formulation = 'b-bar' has no effect: the mesh has no quad4 elements")
+   end subroutine add_material_warnings
 
    !> Warns of linear elements that lock: of a standard formulation and nearly incompressible.
    pure subroutine add_locking(warnings, body)

@@ -14,7 +14,7 @@ module amontons_zone_edges
    implicit none (type, external)
    private
 
-   public :: find_edges, interval_t
+   public :: find_edges, interval_t, trace_t
 
    !> A part of the contact line that belongs to a zone.
    type :: interval_t
@@ -22,6 +22,14 @@ module amontons_zone_edges
       real(dp) :: length = 0.0_dp !! its length along the contact line [L]
       real(dp) :: ends(2, 2) = 0.0_dp !! its ends, in the order of the points (x and y, first and last) [L]
    end type interval_t
+
+   !> What tells where zones end: forces inside of them, gaps or slips beyond.
+   type :: trace_t
+      real(dp), allocatable :: force(:) !! the forces that vanish outside of the zones (m) [F]
+      integer :: n_summed = 1 !! number of points of each of the two sums of forces
+      real(dp), allocatable :: gap(:) !! the gaps beyond zones that are closed; 0 where they tell nothing (m) [L]
+      real(dp), allocatable :: slip(:) !! the slips beyond zones that stick; 0 where they tell nothing (m) [L]
+   end type trace_t
 
    !> Points of a contact set that follow each other.
    type :: chain_t
@@ -33,14 +41,11 @@ module amontons_zone_edges
 contains
 
    !> Finds the parts of the contact line that belong to a zone.
-   pure subroutine find_edges(intervals, zone, is_inside, force, n_summed, gap, slip)
+   pure subroutine find_edges(intervals, zone, is_inside, trace)
       type(interval_t), allocatable, intent(out) :: intervals(:) !! the parts
       type(contact_zone_t), intent(in) :: zone !! the contact points
       logical, intent(in) :: is_inside(:) !! which points belong to the zone (m)
-      real(dp), intent(in) :: force(:) !! the forces that vanish outside of it (m) [F]
-      integer, intent(in) :: n_summed !! number of points of each of the two sums
-      real(dp), intent(in) :: gap(:) !! the gaps beyond a zone that is closed; 0 where they tell nothing (m) [L]
-      real(dp), intent(in) :: slip(:) !! what points beyond a zone that sticks slip; 0 where it tells nothing (m) [L]
+      type(trace_t), intent(in) :: trace !! what tells where the zone ends
       type(chain_t) :: chain
       logical :: is_done(zone%n_points)
       integer :: first, last, n, p, n_intervals
@@ -62,8 +67,7 @@ contains
                last = last + 1
             end do
             n_intervals = n_intervals + 1
-            call set_interval(intervals(n_intervals), zone, chain, first, last, force(chain%point), &
-               n_summed, gap(chain%point), slip(chain%point))
+            call set_interval(intervals(n_intervals), zone, chain, first, last, trace)
          end do
       end do
       intervals = intervals(:n_intervals)
@@ -130,26 +134,24 @@ contains
    end subroutine set_lengths
 
    !> Finds the ends of consecutive points inside of a zone.
-   pure subroutine set_interval(interval, zone, chain, first, last, force, n_summed, gap, slip)
+   pure subroutine set_interval(interval, zone, chain, first, last, trace)
       type(interval_t), intent(out) :: interval !! the part of the line
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(chain_t), intent(in) :: chain !! the points that follow each other
       integer, intent(in) :: first !! the first point inside
       integer, intent(in) :: last !! the last point inside
-      real(dp), intent(in) :: force(:) !! forces of all points of the chain (n) [F]
-      integer, intent(in) :: n_summed !! number of points of each sum
-      real(dp), intent(in) :: gap(:) !! gaps of all points of the chain (n) [L]
-      real(dp), intent(in) :: slip(:) !! slips of all points of the chain (n) [L]
+      type(trace_t), intent(in) :: trace !! what tells where the zone ends
       real(dp) :: begin, end
       integer :: n
 
       n = size(chain%point)
       begin = chain%bound(first - 1)
-      if (first > 1) begin = -edge(-chain%arc(first:1:-1), -chain%bound(last:first - 1:-1), force(last:first:-1), &
-         n_summed, gap(first - 1:1:-1), slip(first - 1:1:-1))
+      if (first > 1) begin = -edge(-chain%arc(first:1:-1), -chain%bound(last:first - 1:-1), &
+         trace%force(chain%point(last:first:-1)), trace%n_summed, trace%gap(chain%point(first - 1:1:-1)), &
+         trace%slip(chain%point(first - 1:1:-1)))
       end = chain%bound(last)
-      if (last < n) end = edge(chain%arc(last:), chain%bound(first - 1:last), force(first:last), n_summed, &
-         gap(last + 1:), slip(last + 1:))
+      if (last < n) end = edge(chain%arc(last:), chain%bound(first - 1:last), trace%force(chain%point(first:last)), &
+         trace%n_summed, trace%gap(chain%point(last + 1:)), trace%slip(chain%point(last + 1:)))
       interval%set = zone%set(chain%point(first))
       interval%length = max(0.0_dp, end - begin)
       interval%ends(:, 1) = place_at(zone, chain, begin)

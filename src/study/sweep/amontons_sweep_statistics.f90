@@ -82,7 +82,7 @@ contains
       call new_lengths(lengths, body%zone, solution%status)
       associate (gap => free_gap - solution%displacement(:size(solution%status)), &
          slip => solution%displacement(size(solution%status) + 1:))
-         call find_zones(closed, stuck, body, solution%force, solution%status, friction, slip_bound, gap, slip)
+         call find_zones(closed, stuck, body, solution%force, solution%status, friction, slip_bound, [gap, slip])
          list = [lengths%quantities(), resultants(solution%force), contact_peaks(body, slip, solution%force, &
             solution%status, maxval(abs(solution%displacement))), &
             set_results(body, solution%force, closed, stuck), peaks]
