@@ -52,7 +52,8 @@ contains
       end if
       value = trim(adjustl(text(equals + 1:)))
       if (.not. is_literal(value)) value = quoted(value)
-      setting%assignment = setting%key//' = '//value
+      ! A key that is unknown is shown as it was given.
+      setting%assignment = text(point + 1:equals - 1)//' = '//value
    end subroutine new_setting
 
    !> Takes settings apart, one a line.

@@ -138,7 +138,7 @@ contains
       has_line = is_filled(obstacle%file)
       has_direction = any(abs(direction) > 0.0_dp)
       call visitor%reals(key_t('point', 'a point of the obstacle: its apex; of a polyline, where its 0, 0 is put', &
-         'L', also='origin'), obstacle%point, has_point)
+         'L', also='origin center centre apex'), obstacle%point, has_point)
       call visitor%reals(key_t('normal', "direction of the obstacle's outward normal there, of any length, to"// &
          ' the body', is_nonzero=.true.), obstacle%normal, has_normal)
       call visitor%real(key_t('radius', 'of a circle or parabola, where it is required: radius of curvature;'// &

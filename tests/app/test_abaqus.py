@@ -83,7 +83,7 @@ REFUSED = [
     ("*MATERIAL, NAME=m\n*ELASTIC\n1., soft\n", "materials", "expected a number, found 'soft'"),
     ("*MATERIAL, NAME=m\n*ELASTIC\n1., .2, 0.\n2., .2, 10.\n", "materials",
      "*elastic that depends on the temperature cannot be used"),
-    ("*MATERIAL, NAME=m\n*ELASTIC, TYPE=ORTHO\n1., .2\n", "materials", "*ELASTIC with type=ORTHO cannot be used"),
+    ("*MATERIAL, NAME=m\n*ELASTIC, TYPE=ORTHO\n1., .2\n", "materials", "*ELASTIC with TYPE=ORTHO cannot be used"),
     ("*MATERIAL, NAME=m\n*SOLID SECTION, ELSET=eall, MATERIAL=m\n", "materials", "the material 'm' has no *ELASTIC"),
     ("*MATERIAL, NAME=m\n*ELASTIC\n1., .6\n*SOLID SECTION, ELSET=eall, MATERIAL=m\n", "materials",
      "poisson must lie above -1 and below 0.5, found 0.6"),
@@ -91,13 +91,15 @@ REFUSED = [
      "materials cannot be used: some elements are of type plane stress, others of plane strain"),
     ("*BOUNDARY\nnone, 1\n", "supports", "*BOUNDARY: there is no set 'none' above"),
     ("*BOUNDARY\nleft, up\n", "supports", "*BOUNDARY: expected the number of a component, found 'up'"),
-    ("*BOUNDARY, OP=NEW\nleft, 1\n", "supports", "*BOUNDARY with op=NEW cannot be used"),
+    ("*BOUNDARY, OP=NEW\nleft, 1\n", "supports", "*BOUNDARY with OP=NEW cannot be used"),
     ("*BOUNDARY\n1, 1, 1, 0., 0., 0., 0., 0., 0., 7\n", "supports", "more than 9 fields on a line"),
     (f"*BOUNDARY\n{'x'*81}, 1\n", "supports", "a field of more than 80 characters"),
     ("*CLOAD\ntop, 3, 1.\n", "loads", "*CLOAD: expected the component 1 or 2, found '3'"),
     ("*CLOAD\nnone, 1, 1.\n", "loads", "*CLOAD: there is no set 'none' above"),
-    ("*CLOAD, AMPLITUDE=ramp\ntop, 1, 1.\n", "loads", "*CLOAD with amplitude=ramp cannot be used"),
+    ("*CLOAD, AMPLITUDE=ramp\ntop, 1, 1.\n", "loads", "*CLOAD with AMPLITUDE=ramp cannot be used"),
     ("*DLOAD\nnone, P1, 1.\n", "loads", "*DLOAD: there is no set 'none' above"),
+    ("*DLOAD,\neall, P3, 1.\n", "loads", "*DLOAD with eall cannot be used"),
+    ("*DLOAD\n1, BX, 1.\n", "loads", "*dload: BX on the single element 1 cannot be used; name an element set"),
     ("*DLOAD\nnone, BX, 1.\n", "loads", "*dload: there is no set 'none' above"),
     ("*DLOAD\neall, P1NU, 1.\n", "loads", "*dload: loads of the kind 'P1NU' cannot be used"),
     ("*DLOAD\neall, GRAV, 1., 0., 0., -1.\n", "loads", "GRAV: expected a direction in the plane"),
@@ -207,9 +209,14 @@ class Abaqus(ProgramTest):
         self.solve(ALL + CONTACT)
         self.assertIn("4 keywords ignored (not mesh data): *HEADING, *STATIC, *NODE FILE, *END STEP\n",
                       (self.directory/"case.lst").read_text(encoding="utf-8"))
-        self.write_mesh(SUPPORTS, "*CONTACT PAIR, INTERACTION=i\na, b\n")
-        self.assertIn("warning: not read from the mesh file: *CONTACT PAIR\n", self.run_program("--check", self.write(
-            "part.nml", USE.format("'supports'") + PLAIN_MATERIAL.format("plane stress", 2.0) + CONTACT)).stdout)
+        for lines, named in (("*CONTACT PAIR, INTERACTION=i\na, b\n", "*CONTACT PAIR"),
+                             ("*STEP, NLGEOM\n*DYNAMIC\n1.\n*END STEP\n", "*STEP, NLGEOM, *DYNAMIC"),
+                             ("*BASE MOTION, DOF=1\n*FIELD\n1, 2.\n", "*BASE MOTION, *FIELD"),
+                             ("*NODAL THICKNESS\n1, 2.\n", "*NODAL THICKNESS")):
+            self.write_mesh(SUPPORTS, lines)
+            run = self.run_program("--check", self.write(
+                "part.nml", USE.format("'supports'") + PLAIN_MATERIAL.format("plane stress", 2.0) + CONTACT))
+            self.assertIn(f"warning: not read from the mesh file: {named}\n", run.stdout)
 
     def test_what_cannot_be_used_is_refused(self):
         for lines, use, message in REFUSED:

@@ -222,6 +222,8 @@ class Settings(ProgramTest):
         for setting, message in (
                 ("contact.friction=-1", "5: friction must be at least 0, found -1.0"),
                 ("contact.mu=1", "5: unknown key 'mu' in &contact; did you mean friction?"),
+                ("Contact.Mu=1", "5: unknown key 'Mu' in &contact; did you mean friction?"),
+                ("contact.center=1,2", "5: unknown key 'center' in &contact; did you mean point?"),
                 ("mesh.cells=4", "1: cells: expected 2 whole numbers, found 1"),
                 ("material.young=stiff", "2: young: expected a number, found 'stiff' (column 19)"),
                 ("case.title=2.5", "7: title: expected quoted text, found 2.5 (column 15)"),

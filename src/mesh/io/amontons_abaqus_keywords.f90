@@ -17,12 +17,17 @@ module amontons_abaqus_keywords
    !> Keywords of loads.
    character(12), parameter :: load_keywords(*) = [character(12) :: 'cload', 'dload', 'dsload']
    !> Other keywords that change what a computation gives.
-   character(20), parameter :: other_keywords(*) = [character(20) :: 'step', 'amplitude', 'transform', 'plastic', &
+   character(33), parameter :: other_keywords(*) = [character(33) :: 'step', 'amplitude', 'transform', 'plastic', &
       'hyperelastic', 'hyperfoam', 'creep', 'viscoelastic', 'damping', 'contactpair', 'contact', 'contactinclusions', &
       'surfaceinteraction', 'surfacebehavior', 'friction', 'clearance', 'contactinterference', 'tie', 'equation', &
       'mpc', 'coupling', 'kinematic', 'distributing', 'rigidbody', 'spring', 'gap', 'mass', 'temperature', &
       'initialconditions', 'foundation', 'orientation', 'modelchange', 'pre-tensionsection', &
-      'cflux', 'dflux', 'film', 'radiate', 'inertiarelief']
+      'cflux', 'dflux', 'film', 'radiate', 'inertiarelief', 'basemotion', 'field', 'nodalthickness', 'usermaterial', &
+      'deformationplasticity', 'cyclichardening', 'druckerprager', 'mohrcoulomb', 'concretedamagedplasticity', &
+      'nocompression', 'notension', 'swelling', 'submodel', 'dashpot', 'embeddedelement', 'changefriction', &
+      'changesurfacebehavior', 'changematerial', 'changesolidsection', 'cyclicsymmetrymodel', 'dynamic', 'frequency', &
+      'complexfrequency', 'buckle', 'visco', 'modaldynamic', 'steadystatedynamics', 'heattransfer', &
+      'coupledtemperature-displacement', 'uncoupledtemperature-displacement']
    !> Names of keywords are cut in messages.
    integer, parameter :: longest_name = 30
    !> Most keywords that are named.
@@ -50,6 +55,7 @@ contains
       character(*), intent(in) :: keyword !! the keyword in small letters, without blanks
       character(*), intent(in) :: line !! the keyword line
       character(:), allocatable :: name
+      integer :: last
 
       if (.not. allocated(self%keys)) then
          self%keys = achar(10)
@@ -60,7 +66,10 @@ contains
       if (index(self%keys, achar(10)//keyword//achar(10)) > 0 .or. self%n_named == most_named) return
       self%n_named = self%n_named + 1
       self%keys = self%keys//keyword//achar(10)
-      name = ', *'//capitals(printable(trim(line(:min(longest_name, index(line//',', ',') - 1)))))
+      last = index(line//',', ',') - 1
+      ! What kind of step it is may matter.
+      if (keyword == 'step') last = len(line)
+      name = ', *'//capitals(printable(trim(line(:min(longest_name, last)))))
       self%names = self%names//name
       self%is_readable(use_materials) = self%is_readable(use_materials) .or. any(material_keywords == keyword)
       self%is_readable(use_supports) = self%is_readable(use_supports) .or. any(support_keywords == keyword)

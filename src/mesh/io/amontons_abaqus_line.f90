@@ -211,18 +211,26 @@ contains
    pure subroutine refuse_parameters(input, line)
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
-      character(10), parameter :: names(*) = [character(10) :: 'amplitude', 'op', 'type', 'fixed', 'user', 'submodel', &
-         'load case', 'time delay', 'omega0', 'definition']
-      character(12), parameter :: harmless(*) = [character(12) :: 'mod', 'displacement', 'iso', 'isotropic']
-      character(:), allocatable :: value
-      integer :: i
-      logical :: is_there
+      ! Those that say what is meant anyway, whatever their value or with this one alone.
+      character(8), parameter :: harmless_names(*) = [character(8) :: '', 'elset', 'material', 'zero', 'moduli']
+      character(17), parameter :: harmless(*) = [character(17) :: 'op=mod', 'type=displacement', 'type=iso', &
+         'type=isotropic', 'dependencies=0']
+      character(:), allocatable :: field
+      integer :: first, last, i
 
-      do i = 1, size(names)
-         call find_parameter(line, trim(names(i)), value, is_there)
-         if (.not. is_there .or. any(harmless == lower_case(value))) cycle
-         call input%refuse('*'//line(:index(line//',', ',') - 1)//' with '//trim(names(i))//'='//value// &
-            ' cannot be used', input%position - 1)
+      first = index(line//',', ',') + 1
+      do while (first <= len(line))
+         last = first - 2 + index(line(first:)//',', ',')
+         field = ''
+         do i = first, last
+            if (line(i:i) /= ' ') field = field//lower_case(line(i:i))
+         end do
+         if (all(harmless_names /= field(:index(field//'=', '=') - 1)) .and. all(harmless /= field)) then
+            call input%refuse('*'//line(:index(line//',', ',') - 1)//' with '//trim(adjustl(line(first:last)))// &
+               ' cannot be used', input%position - 1)
+            return
+         end if
+         first = last + 2
       end do
    end subroutine refuse_parameters
 

@@ -1,6 +1,6 @@
 !> Supports and loads in the input format of Abaqus and CalculiX.
 module amontons_abaqus_model
-   use amontons_abaqus_line, only: next_data_line, refuse_parameters, take_fields, take_number
+   use amontons_abaqus_line, only: find_parameter, next_data_line, refuse_parameters, take_fields, take_number
    use amontons_abaqus_material, only: read_material_keyword
    use amontons_abaqus_sets, only: named_group
    use amontons_file_model, only: file_body_force, file_force, file_gravity, file_load_t, file_rotation, &
@@ -26,6 +26,8 @@ contains
       character(*), intent(in) :: keyword !! the keyword in small letters
       character(*), intent(in) :: line !! the keyword line
       logical, intent(out) :: is_read !! whether it was one
+      character(:), allocatable :: value
+      logical :: is_nonlinear
 
       associate (is_used => raw%model%is_used)
          select case (keyword)
@@ -46,6 +48,9 @@ contains
             raw%model%n_steps = raw%model%n_steps + 1
             if (is_read .and. raw%model%n_steps > 1) call input%refuse( &
                'a second *STEP: the supports and loads of one step can be used', input%position - 1)
+            call find_parameter(line, 'nlgeom', value, is_nonlinear)
+            ! It is named among what is not read.
+            if (is_nonlinear) is_read = lower_case(value) == 'no'
          case ('transform')
             is_read = is_used(use_supports) .or. is_used(use_loads)
             if (is_read) call input%refuse('supports and loads in the directions of a *TRANSFORM cannot be used', &
@@ -235,7 +240,8 @@ contains
       type(file_load_t), intent(inout) :: load !! the load, its line known
       character(2), parameter :: side_labels(4) = ['p1', 'p2', 'p3', 'p4']
       character(longest_name) :: kind
-      integer :: group, side
+      integer :: group, side, element
+      logical :: is_number
 
       kind = lower_case(fields(2))
       load%value(1) = values(1)
@@ -247,8 +253,14 @@ contains
          call gather_sides(raw, input, trim(fields(1)), group, side, load)
          return
       end if
-      if (group == 0 .and. fields(1) /= '') call input%refuse('*'//keyword//": there is no set '"// &
-         trim(fields(1))//"' above", input%position - 1)
+      call read_integer(trim(fields(1)), element, is_number)
+      if (group == 0 .and. is_number) then
+         call input%refuse('*'//keyword//': '//trim(fields(2))//' on the single element '//trim(fields(1))// &
+            ' cannot be used; name an element set', input%position - 1)
+      else if (group == 0 .and. fields(1) /= '') then
+         call input%refuse('*'//keyword//": there is no set '"//trim(fields(1))//"' above", input%position - 1)
+      end if
+      if (allocated(input%error)) return
       call interpret_body_load(input, keyword, fields(2), raw%hypothesis, values, load)
    end subroutine interpret_dload
 
