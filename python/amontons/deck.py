@@ -43,13 +43,15 @@ def _number(word: str) -> Union[int, float, str]:
 
 def deck_text(groups: Mapping[str, Union[Mapping[str, Any], Sequence[Mapping[str, Any]]]]) -> str:
     """The text of a deck: a dict of groups, each a dict of keys, or a list of such dicts for a group that is repeated.
+    A key whose value is None is left out.
 
         deck_text({"mesh": {"size": (40, 40), "cells": (32, 10)}, "support": [{"set": "left", "ux": 0.0}]})
     """
     lines = []
     for name, entries in groups.items():
         for entry in [entries] if isinstance(entries, Mapping) else entries:
-            lines.append(f"&{name} " + "  ".join(f"{key} = {value_text(value)}" for key, value in entry.items()) + " /")
+            lines.append(f"&{name} " + "  ".join(f"{key} = {value_text(value)}" for key, value in entry.items()
+                                              if value is not None) + " /")
     return "\n".join(lines) + "\n"
 
 

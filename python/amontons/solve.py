@@ -364,6 +364,8 @@ def _bytes_of(file: Union[str, os.PathLike[str]]) -> bytes:
 
 def _key(key: str) -> str:
     """A keyword as the option --set has it: `load__2__traction` is `load(2).traction`."""
+    if "__" not in key and "." not in key:
+        raise InputRefused(f"unknown setting '{key}'; settings are called GROUP__KEY, such as contact__friction=0.3")
     return re.sub(r"^([a-z]+)__(\d+)__", r"\1(\2).", key, flags=re.IGNORECASE).replace("__", ".", 1)
 
 

@@ -77,12 +77,16 @@ class Decks(ProgramTest):
             self.assertEqual((result.name, result.summary["title"]), ("other", "10 % more, it's"))
         self.same(amontons.solve_deck(TEXT, **{"contact.friction": 0.5, "load(2).traction": [0.2, 0.1]}), expected)
 
+    def test_keys_without_a_value_are_left_out(self):
+        self.assertEqual(amontons.deck_text({"support": {"set": "left", "ux": 0.0, "uy": None}}),
+                         "&support set = 'left'  ux = 0.0 /\n")
+
     def test_faults_of_texts_and_settings_are_sentences(self):
         for deck, settings, sentence in (
                 (TEXT.replace("friction", "frction"), {}, "^deck:7: unknown key 'frction' in &contact"),
                 (TEXT, {"contact__frction": 1}, "unknown key 'frction' in &contact"),
+                (TEXT, {"friction": 1}, "unknown setting 'friction'; settings are called GROUP__KEY"),
                 (TEXT, {"load__traction": (1, 0)}, r"the deck has 2 &load; write load\(1\).traction for the first"),
-                (TEXT, {"friction": 1}, "expected GROUP.KEY=VALUE, such as contact.friction=0.3, found 'friction=1'"),
                 (TEXT + "\0", {}, "a character of code 0")):
             with self.subTest(sentence), self.assertRaisesRegex(amontons.InputRefused, sentence):
                 amontons.solve_deck(deck, **settings)

@@ -74,9 +74,16 @@ contains
       self%is_readable(use_materials) = self%is_readable(use_materials) .or. any(material_keywords == keyword)
       self%is_readable(use_supports) = self%is_readable(use_supports) .or. any(support_keywords == keyword)
       self%is_readable(use_loads) = self%is_readable(use_loads) .or. any(load_keywords == keyword)
-      if (any(material_keywords == keyword) .or. any(support_keywords == keyword) .or. any(load_keywords == keyword) &
-         .or. any(other_keywords == keyword)) self%warned = self%warned//name
+      if (carries_physics(keyword)) self%warned = self%warned//name
    end subroutine ignored_keywords_add
+
+   !> Whether a keyword changes what a computation gives.
+   pure logical function carries_physics(keyword)
+      character(*), intent(in) :: keyword !! the keyword in small letters, without blanks
+
+      carries_physics = any(material_keywords == keyword) .or. any(support_keywords == keyword) .or. &
+         any(load_keywords == keyword) .or. any(other_keywords == keyword)
+   end function carries_physics
 
    !> Adds a note on what is ignored to a raw mesh, and a warning on what matters.
    pure subroutine ignored_keywords_tell(self, raw)
