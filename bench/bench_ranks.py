@@ -19,7 +19,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 RANKS = (1, 2, 4, 8, 16)
 HEAD = ("| n | unknowns | ranks | Gflop | factor, 10^6 entries | memory of rank 0 MB | of the others MB "
-        "| processor s | of rank 0 alone s | MB sent |\n|" + "---:|"*10)
+        "| processor s | MB sent |\n|" + "---:|"*9)
 PROJECTED = (1e7, 3e7, 1e8)
 os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMP_NUM_THREADS="1")
 
@@ -74,7 +74,7 @@ def line(row):
     """A row of the table."""
     cells = [row["n"], row["unknowns"], row["ranks"], f"{row['flops']/1e9:.1f}", f"{row['entries']/1e6:.1f}",
              f"{row['first']:.0f}", "" if row["others"] is None else f"{row['others']:.0f}", f"{row['seconds']:.2f}",
-             "" if row["alone"] is None else f"{row['alone']:.2f}", f"{row['sent']:.0f}"]
+             f"{row['sent']:.0f}"]
     return "| " + " | ".join(map(str, cells)) + " |"
 
 

@@ -11,10 +11,6 @@ if(NOT PFUNIT_FOUND AND CMAKE_Fortran_COMPILER_ID STREQUAL "LLVMFlang"
   message(STATUS "No unit tests: flang ${CMAKE_Fortran_COMPILER_VERSION} cannot compile arguments of assumed rank")
   set(has_unit_tests OFF)
 endif()
-# They test the library without ranks, which other builds have.
-if(AMONTONS_MPI)
-  set(has_unit_tests OFF)
-endif()
 
 # Flags of test executables. pFUnit generates code that is not ours, so there warnings are shown and not enforced:
 # this must come after the project's flags.

@@ -16,9 +16,9 @@ module amontons_distributed_condenser
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_rank_service, only: rank_service_t
-   use amontons_rank_work, only: rank_work_t
+   use amontons_rank_work, only: check_room, rank_work_t
    use amontons_ranks, only: give_order, line_t, n_ranks, next_order
-   use amontons_subdomain, only: deal_elements, new_subdomain, subdomain_t
+   use amontons_subdomain, only: assembly_mb, deal_elements, new_subdomain, subdomain_t
    use amontons_system, only: return_memory
    implicit none (type, external)
    private
@@ -30,6 +30,9 @@ module amontons_distributed_condenser
       enumerator :: order_end, order_take, order_analyze, order_check_memory, order_factorize, order_condense, &
          order_expand, order_free
    end enum
+
+   !> What a machine may lack the memory for before it factorizes.
+   character(*), parameter :: assembly = 'the assembly of the stiffness'
 
    !> A condenser over the ranks.
    type, extends(condenser_t) :: distributed_condenser_t
@@ -69,7 +72,8 @@ contains
       if (allocated(error)) return
       allocate (condenser%work)
       allocate (condenser%work%subdomain)
-      call spread_body(condenser%work%subdomain, position, mesh, materials, springs, constraints, dof_map)
+      call spread_body(condenser%work%subdomain, position, mesh, materials, springs, constraints, dof_map, error)
+      if (allocated(error)) return
       allocate (sums(2, condenser%n), source=0.0_dp)
       call condenser%work%assemble(sums, error)
       if (allocated(error)) return
@@ -89,7 +93,7 @@ contains
    end subroutine new_distributed_condenser
 
    !> Gives every rank its subdomain. Rank 0 has the springs, and the nodes of all trailing unknowns.
-   subroutine spread_body(own, position, mesh, materials, springs, constraints, dof_map)
+   subroutine spread_body(own, position, mesh, materials, springs, constraints, dof_map, error)
       type(subdomain_t), intent(out) :: own !! that of rank 0
       integer, intent(in) :: position(:) !! position of each unknown in the order of elimination
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -97,11 +101,20 @@ contains
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
+      type(error_t), allocatable, intent(out) :: error !! memory does not suffice for assembly
       integer, allocatable :: start(:), element(:), last_nodes(:), number(:)
-      integer :: i
+      type(line_t) :: line
+      integer :: i, megabytes
 
       call give_order(order_take)
       call deal_elements(start, element, n_ranks, position, mesh, dof_map)
+      do i = 1, n_ranks - 1
+         megabytes = nint(assembly_mb(element(start(i):start(i + 1) - 1), mesh))
+         line = line_t(i, .true.)
+         call line%pass(megabytes)
+      end do
+      call check_room(assembly, assembly_mb(element(:start(1) - 1), mesh), error)
+      if (allocated(error)) return
       last_nodes = pack([(i, i=1, mesh%n_nodes)], any(dof_map%dof > dof_map%n_dofs - dof_map%n_schur, dim=1))
       allocate (number(mesh%n_nodes), source=0)
       do i = 1, n_ranks - 1
@@ -131,9 +144,8 @@ contains
          case (order_take)
             deallocate (work)
             allocate (work)
-            allocate (work%subdomain)
-            call work%subdomain%pass(line_t(0, .false.))
-            call work%assemble(none, error)
+            call take_subdomain(work, error)
+            if (.not. allocated(error)) call work%assemble(none, error)
          case (order_analyze)
             call work%analyze(0, 0.0_dp, no_position, error)
          case (order_check_memory)
@@ -155,6 +167,21 @@ contains
          end select
       end do
    end subroutine serve
+
+   !> Takes a rank's subdomain, if there is memory for it.
+   subroutine take_subdomain(work, error)
+      type(rank_work_t), intent(inout) :: work !! gains the subdomain
+      type(error_t), allocatable, intent(out) :: error !! memory does not suffice for assembly
+      type(line_t) :: line
+      integer :: megabytes
+
+      line = line_t(0, .false.)
+      call line%pass(megabytes)
+      call check_room(assembly, real(megabytes, dp), error)
+      if (allocated(error)) return
+      allocate (work%subdomain)
+      call work%subdomain%pass(line)
+   end subroutine take_subdomain
 
    !> Ends the service of the other ranks.
    subroutine dismiss_ranks()

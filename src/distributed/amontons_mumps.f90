@@ -10,7 +10,7 @@ module amontons_mumps
    implicit none (type, external)
    private
 
-   public :: mumps_report_t, mumps_t, mumps_text
+   public :: explain, mumps_report_t, mumps_t, mumps_text
 
    !> What MUMPS reports of a job.
    type, bind(c) :: mumps_report_t
@@ -169,24 +169,25 @@ contains
    pure subroutine explain(report, error)
       type(mumps_report_t), intent(in) :: report !! the report
       type(error_t), allocatable, intent(out) :: error !! what went wrong, if anything
-      character(:), allocatable :: wanted
+      integer(int64) :: wanted
 
       if (report%code >= 0) return
       ! Negative counts are in millions.
-      wanted = to_text(merge(int(report%detail, int64), -1000000*int(report%detail, int64), report%detail >= 0))
+      wanted = merge(int(report%detail, int64), -1000000*int(report%detail, int64), report%detail >= 0)
       select case (report%code)
       case (-10, -40)
          call new_error(error, numerical_failure, 'the stiffness is singular to rounding: the distributed '// &
             'factorization met a pivot that is not positive')
       case (-5, -7, -8, -9, -11, -13, -17, -19, -20)
-         ! not raised: no test may use up the machine's memory
-         call new_error(error, system_failure, 'memory ran out in the distributed factorization: MUMPS lacked '// &
-            wanted//' numbers on a rank, beside the '//to_text(nint(report%largest_mb))//' MB that it foresaw '// &
-            'there (its error '//to_text(int(report%code))//'); use more machines, or fewer ranks on each')
+         ! not raised: but by the unit tests of a build with MPI
+         call new_error(error, system_failure, 'memory ran out in the distributed factorization: on a rank MUMPS '// &
+            'asked for '//to_text(ceiling(8.0e-6_dp*wanted, int64))//' MB more, beside the '// &
+            to_text(nint(report%largest_mb, int64))//' MB that it foresaw at most (its error '// &
+            to_text(int(report%code))//'); use more machines, or fewer ranks on each')
       case default
-         ! not raised: what else MUMPS refuses is an error of its caller
+         ! not raised: but by the unit tests of a build with MPI
          call new_error(error, system_failure, 'the distributed factorization failed (error '// &
-            to_text(int(report%code))//', '//wanted//" of MUMPS); factorization = 'multifrontal' does without")
+            to_text(int(report%code))//', '//to_text(wanted)//" of MUMPS); factorization = 'multifrontal' does without")
       end select
    end subroutine explain
 

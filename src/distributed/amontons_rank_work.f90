@@ -16,7 +16,7 @@ module amontons_rank_work
    implicit none (type, external)
    private
 
-   public :: rank_work_t
+   public :: check_room, rank_work_t
 
    !> What a rank has of the body at hand.
    type :: rank_work_t
@@ -102,15 +102,24 @@ contains
    subroutine rank_work_check_memory(self, error)
       class(rank_work_t), intent(inout) :: self !! the work, the matrix analyzed
       type(error_t), allocatable, intent(out) :: error !! memory does not suffice
+
+      call check_room('the distributed factor', self%mumps%report%own_mb, error)
+   end subroutine rank_work_check_memory
+
+   !> Refuses what the memory of a machine cannot hold for all of its ranks.
+   subroutine check_room(what, own_mb, error)
+      character(*), intent(in) :: what !! what takes the memory
+      real(dp), intent(in) :: own_mb !! how much it takes on this rank [MB]
+      type(error_t), allocatable, intent(out) :: error !! memory does not suffice
       real(dp) :: wanted
 
       call return_memory()
-      wanted = sum_on_machine(self%mumps%report%own_mb)
-      if (wanted > available_memory_mb()) call new_error(error, system_failure, 'memory does not suffice: the '// &
-         'distributed factor needs '//to_text(nint(wanted, int64))//' MB on the machine of rank '//to_text(rank)// &
-         ', and '//to_text(nint(available_memory_mb(), int64))//' MB are available; use more machines')
+      wanted = sum_on_machine(own_mb)
+      if (wanted > available_memory_mb()) call new_error(error, system_failure, 'memory does not suffice: '//what// &
+         ' needs '//to_text(nint(wanted, int64))//' MB on the machine of rank '//to_text(rank)//', and '// &
+         to_text(nint(available_memory_mb(), int64))//' MB are available; use more machines')
       call agree(error)
-   end subroutine rank_work_check_memory
+   end subroutine check_room
 
    !> Factorizes the matrix; the Schur complement comes to rank 0.
    subroutine rank_work_factorize(self, n_schur, schur, error)

@@ -5,7 +5,9 @@ kind, not to the last bit.
 """
 import csv
 import os
+import random
 import re
+import shutil
 import signal
 import subprocess
 import time
@@ -158,14 +160,38 @@ class Refusals(RanksTest):
         self.assertEqual((run.stderr.count("\n"), run.returncode), (1, status))
         self.assertFalse((self.directory / "out").exists())
 
-    def test_memory_of_one_rank_does_not_suffice(self):
-        deck = self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, mesh="size = 4.0, 4.0  cells = 300, 300"))
-        limited = f'[[ $OMPI_COMM_WORLD_RANK == 0 ]] || ulimit -v {self.begun}; exec "$@"'
-        command = launched(2, "--output", "out", deck)
+    def run_limited(self, cells, limits):
+        """Solves a square on ranks whose addresses are limited [kB]; 0 for no limit."""
+        deck = self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, mesh=f"size = 4.0, 4.0  cells = {cells}, {cells}"))
+        limited = f'limits=({" ".join(map(str, limits))}); limit=${{limits[$OMPI_COMM_WORLD_RANK]}}; ' \
+                  '[[ $limit == 0 ]] || ulimit -v "$limit"; exec "$@"'
+        command = launched(len(limits), "--output", "out", deck)
         at = command.index(PROGRAM)
-        run = self.run_command([*command[:at], "bash", "-c", limited, "bash", *command[at:]], None)
-        self.assert_refused(run, 3, r"^case\.nml: memory does not suffice: the distributed factor needs \d+ MB on the "
-                            r"machine of rank 1, and \d+ MB are available; use more machines\n$")
+        return self.run_command([*command[:at], "bash", "-c", limited, "bash", *command[at:]], None)
+
+    def test_memory_of_one_rank_does_not_suffice(self):
+        for cells, ranks, what in ((300, 2, "the distributed factor"), (800, 2, "the assembly of the stiffness"),
+                                   (300, 3, "the distributed factor")):
+            for limited in range(1, ranks):
+                with self.subTest(cells=cells, ranks=ranks, limited=limited):
+                    run = self.run_limited(cells, [self.begun if rank == limited else 0 for rank in range(ranks)])
+                    self.assert_refused(run, 3, rf"^case\.nml: memory does not suffice: {what} needs \d+ MB on the "
+                                        rf"machine of rank {limited}, and \d+ MB are available; use more machines\n$")
+
+    def test_memory_that_just_suffices_or_just_does_not(self):
+        # Whichever step it is that lacks memory: a sentence, or all files.
+        ended = set()
+        for limit in range(self.begun, self.begun*3//2, self.begun//16):
+            with self.subTest(limit=limit):
+                run = self.run_limited(260, [0, limit])
+                ended.add(run.returncode)
+                if run.returncode == 0:
+                    self.assertEqual(sorted(path.name for path in (self.directory / "out").iterdir()),
+                                     sorted(results_of("case")))
+                    shutil.rmtree(self.directory / "out")
+                else:
+                    self.assert_refused(run, 3, r"^case\.nml: memory ")
+        self.assertEqual(ended, {0, 3})
 
     def test_singular_stiffness_is_refused_or_marked(self):
         # Which of them depends on the signs that rounding gives to the last pivots.
@@ -185,17 +211,25 @@ class Kills(RanksTest):
 
     def test_killed_ranks_leave_whole_files_or_none(self):
         deck = self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, mesh="size = 4.0, 4.0  cells = 150, 150"))
+        begin = time.monotonic()
+        self.run_command(launched(3, "--output", "whole", deck))
+        duration = time.monotonic() - begin
+        choice = random.Random(19)
         n_ended = 0
-        for attempt in range(6):
+        for attempt in range(12):
             with self.subTest(attempt=attempt):
-                with subprocess.Popen(launched(2, "--output", "out", deck), cwd=self.directory,
-                                      stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
-                    time.sleep(0.4 + 0.3*attempt)
-                    victim = ranks_of(run).get(attempt % 2)
+                command = [word for word in launched(3, "--output", "out", deck) if word != "--quiet"]
+                with subprocess.Popen(command, cwd=self.directory, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
+                    time.sleep(duration*choice.uniform(0.1, 1.0))
+                    number = choice.randrange(3)
+                    victim = ranks_of(run).get(number)
                     if victim:
                         os.kill(victim, signal.SIGKILL)
-                    run.communicate(timeout=60)
-                n_ended += run.returncode != 0
+                    told = b"".join(run.communicate(timeout=60))
+                    self.assertEqual(ranks_of(run), {})
+                if run.returncode != 0:
+                    n_ended += 1
+                    self.assertEqual(len(re.findall(rb"process rank %d .* exited on signal 9" % number, told)), 1, told)
                 left = [] if not (self.directory / "out").exists() else sorted(
                     path.name for path in (self.directory / "out").iterdir() if not path.name.startswith("."))
                 self.assertIn(left, ([], sorted(results_of("case"))))
