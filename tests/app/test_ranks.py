@@ -162,7 +162,8 @@ class Refusals(RanksTest):
 
     def run_limited(self, cells, limits):
         """Solves a square on ranks whose addresses are limited [kB]; 0 for no limit."""
-        deck = self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, mesh=f"size = 4.0, 4.0  cells = {cells}, {cells}"))
+        mesh = f"size = 4.0, 4.0  cells = {cells}, {cells}"
+        deck = self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, mesh=mesh))
         limited = f'limits=({" ".join(map(str, limits))}); limit=${{limits[$OMPI_COMM_WORLD_RANK]}}; ' \
                   '[[ $limit == 0 ]] || ulimit -v "$limit"; exec "$@"'
         command = launched(len(limits), "--output", "out", deck)
@@ -219,7 +220,8 @@ class Kills(RanksTest):
         for attempt in range(12):
             with self.subTest(attempt=attempt):
                 command = [word for word in launched(3, "--output", "out", deck) if word != "--quiet"]
-                with subprocess.Popen(command, cwd=self.directory, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
+                with subprocess.Popen(command, cwd=self.directory, stdout=subprocess.PIPE,
+                                      stderr=subprocess.PIPE) as run:
                     time.sleep(duration*choice.uniform(0.1, 1.0))
                     number = choice.randrange(3)
                     victim = ranks_of(run).get(number)
