@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The ready decks in input/: each is solved, and gives what its header says."""
+import csv
 import json
 import math
 import unittest
@@ -50,6 +51,16 @@ class Input(ProgramTest):
         # An independent mortar code finds 0.0115586 on these meshes.
         self.assertAlmostEqual(moved[0], 0.0115586, delta=5e-8)
         self.assertEqual(self.result("long_bar_block").lengths, [1.25, 7.5, 31.25])
+
+    def test_bar_remembers_its_history(self):
+        with open(self.directory / "long_bar_history.history.csv", encoding="utf-8") as table:
+            rows = {float(row["time"]): row for row in csv.DictReader(table)}
+        # As doc/history.md has it; F is 10 at both times.
+        for time, stick, moved in ((1.0, 16.25, 0.014488876), (5.0, 11.25, 0.013855954)):
+            self.assertEqual(float(rows[time]["stick_length"]), stick)
+            self.assertAlmostEqual(float(rows[time]["ux_1"]), moved, delta=0.5e-9)
+        with open(self.directory / "long_bar_history.cycles.csv", encoding="utf-8") as table:
+            self.assertEqual([row["end"] for row in csv.DictReader(table)], ["7.0", "9.0"])
 
     def test_punch_sticks_in_its_middle(self):
         contact = self.result("flat_punch")
