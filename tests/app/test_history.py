@@ -49,6 +49,17 @@ class History(HistoryTest):
         named = {file["name"] for file in summary["files"]}
         self.assertLessEqual({"bar.history.csv", "bar.points.csv", "bar.history.pvd", "bar.history/21.vtu"}, named)
 
+    def test_energies_of_a_body_that_moves_as_a_whole_are_rounding_errors(self):
+        self.walk("&case name = 'moved' /\n&mesh size = 4.0, 2.0  cells = 12, 6 /\n"
+                  "&material young = 100.0  poisson = 0.3 /\n"
+                  "&support name = 'side'  set = 'left'  ux = 0.0  uy = 0.01 /\n"
+                  "&contact set = 'bottom'  friction = 0.3  extra_gap = 0.004 /\n"
+                  "&history times = 0.0, 1.0, 2.0, 3.0  substeps = 5 /\n"
+                  "&steps support = 'side'  factor = 0.0, -1.0, 1.0, -2.0 /\n")
+        history = self.summary("moved")["load_history"]
+        self.assertLess(history["energy_identities"], 1e-9)
+        self.assertIn("12o", {row["statuses"] for row in self.table("moved.history.csv")})
+
     def test_listing_has_a_table_of_the_states_at_the_times(self):
         self.walk(BAR)
         listing = self.text("bar.lst")
