@@ -180,42 +180,23 @@ contains
       type(load_case_t), intent(in) :: load_case !! its obstacles
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
-      integer :: i
 
       text = ''
       associate (zone => body%zone)
          if (any(body%motions%n_free > 0)) text = text//labeled('Note', modes_text(sum(body%motions%n_free)))
-         do i = 1, size(zone%held_node)
-            text = text//labeled('Note', 'the node at '//place(zone%held_node(i))// &
-               ' is not a contact point: supports hold it')
-         end do
-         do i = 1, size(zone%zero_area_node)
-            text = text//labeled('Note', 'the node at '//place(zone%zero_area_node(i))// &
-               ' is not a contact point: on the axis it has no area that a pressure could act on')
-         end do
-         do i = 1, size(zone%shared_node)
-            text = text//labeled('Note', 'the node at '//place(zone%shared_node(i))// &
-               ' is a corner of two contact sets; it belongs to the one named first')
-         end do
-         do i = 1, zone%n_points
-            if (zone%is_tangent_fixed(i)) text = text//labeled('Note', 'the '//trim(merge('cell', 'node', &
-               zone%is_cell(i)))//' at '//with_unit(pair_text(zone%position(:, i)), units, 'L')//guide_text(body, i))
-         end do
+         text = text//points_text(body%mesh%coordinates(:, zone%held_node), 'node', &
+            ' is not a contact point: supports hold it', ' are not contact points: supports hold them', units)
+         text = text//points_text(body%mesh%coordinates(:, zone%zero_area_node), 'node', &
+            ' is not a contact point: on the axis it has no area that a pressure could act on', &
+            ' are not contact points: on the axis they have no area that a pressure could act on', units)
+         text = text//points_text(body%mesh%coordinates(:, zone%shared_node), 'node', &
+            ' is a corner of two contact sets; it belongs to the one named first', &
+            ' are corners of two contact sets; they belong to the one named first', units)
+         text = text//guided_text(body, units)
          if (zone%n_held_cells > 0) text = text//labeled('Note', 'not contact points, since supports hold '// &
             'their nodes: '//counted(zone%n_held_cells, 'cell')//' of constant multipliers')
          text = text//overlap_text(body, load_case, units)
       end associate
-
-   contains
-
-      !> The place of a node with its unit.
-      pure function place(node) result(labeled_place)
-         integer, intent(in) :: node !! number of the node
-         character(:), allocatable :: labeled_place
-
-         labeled_place = with_unit(pair_text(body%mesh%coordinates(:, node)), units, 'L')
-      end function place
-
    end function notes_text
 
    !> A note on the initial overlap, where there is more than rounding leaves of coordinates.
@@ -246,20 +227,60 @@ contains
       if (n_modes == 1) text = '1 rigid-body mode is not constrained by supports; only contact holds it'
    end function modes_text
 
-   !> What the support of a guided point does to its friction.
-   pure function guide_text(body, p) result(text)
+   !> Notes on points that something holds for: one for each or, where there are many, one for all.
+   pure function points_text(places, noun, singular, plural, units) result(text)
+      real(dp), intent(in) :: places(:, :) !! where they are (2, n) [L]
+      character(*), intent(in) :: noun !! what they are called
+      character(*), intent(in) :: singular !! what holds for one of them, with a blank before it
+      character(*), intent(in) :: plural !! what holds for all of them, with a blank before it
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      integer, parameter :: few = 3
+      integer :: i
+
+      text = ''
+      if (size(places, 2) > few) then
+         text = labeled('Note', counted(size(places, 2), noun)//', the first at '// &
+            with_unit(pair_text(places(:, 1)), units, 'L')//','//plural)
+         return
+      end if
+      do i = 1, size(places, 2)
+         text = text//labeled('Note', 'the '//noun//' at '//with_unit(pair_text(places(:, i)), units, 'L')//singular)
+      end do
+   end function points_text
+
+   !> What supports of contact points do to their friction.
+   pure function guided_text(body, units) result(text)
+      type(body_t), intent(in) :: body !! the body
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+      logical :: is_guided(body%zone%n_points), is_aslant(body%zone%n_points)
+      character(4) :: noun
+      integer :: p
+
+      associate (zone => body%zone)
+         is_guided = zone%is_tangent_fixed
+         is_aslant = [(is_guided(p) .and. slides(body, p), p=1, zone%n_points)]
+         is_guided = is_guided .and. .not. is_aslant
+         noun = merge('cell', 'node', any(zone%is_cell))
+         text = points_text(zone%position(:, pack([(p, p=1, zone%n_points)], is_aslant)), noun, &
+            ' slides without friction: a support that is aslant to the obstacle guides it', &
+            ' slide without friction: a support that is aslant to the obstacle guides them', units)// &
+            points_text(zone%position(:, pack([(p, p=1, zone%n_points)], is_guided)), noun, &
+            ' cannot slide: a support bears its tangential force', &
+            ' cannot slide: a support bears their tangential forces', units)
+      end associate
+   end function guided_text
+
+   !> Whether a support that is aslant to the obstacle lets a point slide.
+   pure logical function slides(body, p)
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: p !! number of the point
-      character(:), allocatable :: text
       integer :: k
 
-      if (any([(body%constraints%leaves_free(body%zone%rows%node(k), turned(body%zone%normal(:, p))), &
-         k=body%zone%rows%start(p), body%zone%rows%start(p + 1) - 1)])) then
-         text = ' slides without friction: a support that is aslant to the obstacle guides it'
-      else
-         text = ' cannot slide: a support bears its tangential force'
-      end if
-   end function guide_text
+      slides = any([(body%constraints%leaves_free(body%zone%rows%node(k), turned(body%zone%normal(:, p))), &
+         k=body%zone%rows%start(p), body%zone%rows%start(p + 1) - 1)])
+   end function slides
 
    !> What a load is.
    pure function load_text(load, units) result(text)

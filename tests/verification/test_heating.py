@@ -134,6 +134,38 @@ class Heating(Benchmark):
         self.assert_table(convergence)
         self.assert_table(rounding)
 
+    def test_bimetal_strip(self):
+        # Timoshenko's curvature of two layers that are bonded, m the ratio of their heights, n that of their moduli;
+        # from the displacements of the lower side, away from the free end.
+        m, n, height, heat = 1.0, 2.0, 2.0, 1e-5*50.0
+        curvature = 6*heat*(1 + m)**2/(height*(3*(1 + m)**2 + (1 + m*n)*(m*m + 1/(m*n))))
+        self.assert_sound(self.solve("""&mesh name = 'a'  size = 40.0, 1.0  cells = 80, 4  element = 'quad8' /
+&mesh name = 'b'  size = 40.0, 1.0  cells = 80, 4  element = 'quad8'  origin = 0.0, 1.0 /
+&material region = 'a'  young = 2e5  poisson = 0.3  hypothesis = 'plane stress'  expansion = 1e-5 /
+&material region = 'b'  young = 1e5  poisson = 0.3  hypothesis = 'plane stress'  expansion = 2e-5 /
+&tie set = 'a.top'  to = 'b.bottom' /
+&load temperature = 50.0 /
+&support set = 'a.left'  ux = 0.0 /
+&support set = 'b.left'  ux = 0.0 /
+&support point = 0.0, 0.0  uy = 0.0 /
+"""))
+        arrays, _, _ = read_vtu((self.directory/"case.vtu").read_bytes())
+        deflection = {point[0]: moved[1] for point, moved in zip(arrays["points"], arrays["displacement"])
+                      if abs(point[1]) < 1e-12}
+        self.assertAlmostEqual(deflection[30.0]/(-0.5*curvature*30.0**2), 1.0, delta=1e-6)
+
+    def test_ring_shrunk_on_a_rigid_shaft(self):
+        # Lame's pressure of a ring that is as much too small as it shrinks, its ends free.
+        shrinkage, ratio = 1e-4*100.0, (1.0 + 9.0)/(9.0 - 1.0)
+        result = self.solve("""&mesh size = 2.0, 4.0  cells = 16, 16  element = 'quad8'  origin = 1.0, 0.0 /
+&material young = 2000.0  poisson = 0.3  hypothesis = 'axisymmetric'  expansion = 1e-4 /
+&load temperature = -100.0 /
+&support set = 'bottom'  uy = 0.0 /
+&contact set = 'left'  point = 1.0, 0.0  normal = 1.0, 0.0 /
+""")
+        self.assert_sound(result)
+        self.assertAlmostEqual(sum(result["normal_force"])/(2*pi*4.0), 2000.0*shrinkage/(ratio + POISSON), delta=1e-3)
+
     def test_tube(self):
         self.study("Tube, plane strain", sector(INNER, OUTER, 0.5*pi), 2, lambda x, y: (
             tube_displacement(hypot(x, y))*x/hypot(x, y), tube_displacement(hypot(x, y))*y/hypot(x, y)))
