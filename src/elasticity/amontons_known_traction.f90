@@ -40,13 +40,15 @@ module amontons_known_traction
 contains
 
    !> Collects what is known on all sides of the boundary.
-   subroutine new_known_tractions(tractions, mesh, constraints, springs, loads)
+   subroutine new_known_tractions(tractions, mesh, constraints, springs, loads, factor)
       type(known_tractions_t), intent(out) :: tractions !! the sides of the boundary
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(constraints_t), intent(in) :: constraints !! the supports
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
       type(load_t), intent(in) :: loads(:) !! the loads
+      real(dp), intent(in), optional :: factor(:) !! what each load is multiplied by; 1 without it (loads) [-]
       type(side_table_t) :: table
+      real(dp) :: factors(size(loads))
       integer :: overlapping(2), i, left, right
       integer, allocatable :: number(:)
 
@@ -64,8 +66,10 @@ contains
          call table%find(springs(i)%node(1), springs(i)%node(2), left, right)
          tractions%side(tractions%of_number(left))%is_known = .false.
       end do
+      factors = 1.0_dp
+      if (present(factor)) factors = factor
       do i = 1, size(loads)
-         if (loads(i)%target == load_on_sides) call add_load(tractions, mesh, loads(i))
+         if (loads(i)%target == load_on_sides) call add_load(tractions, mesh, loads(i), factors(i))
       end do
    end subroutine new_known_tractions
 
@@ -111,10 +115,11 @@ contains
    end function held
 
    !> Adds the traction and the pressure of a load.
-   pure subroutine add_load(tractions, mesh, load)
+   pure subroutine add_load(tractions, mesh, load, factor)
       type(known_tractions_t), intent(inout) :: tractions !! the sides of the boundary
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(load_t), intent(in) :: load !! a load on the sides of a set
+      real(dp), intent(in) :: factor !! what it is multiplied by [-]
       integer :: i, k
 
       associate (set => mesh%sets(mesh%find_set(load%set)))
@@ -122,8 +127,9 @@ contains
             associate (side => tractions%side(tractions%of_number(side_number(set%element(i), set%side(i)))))
                do k = 1, 3
                   associate (x => side%position(:, k))
-                     side%traction(:, k) = side%traction(:, k) + load%traction + matmul(load%traction_slope, x) &
-                        - (load%pressure + dot_product(load%pressure_slope, x))*side%normal(:, k)
+                     side%traction(:, k) = side%traction(:, k) + factor*(load%traction &
+                        + matmul(load%traction_slope, x) &
+                        - (load%pressure + dot_product(load%pressure_slope, x))*side%normal(:, k))
                   end associate
                end do
             end associate

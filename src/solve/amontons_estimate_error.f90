@@ -27,7 +27,8 @@ contains
       type(known_tractions_t) :: tractions
       type(recovered_stress_t) :: recovered
 
-      call new_known_tractions(tractions, body%mesh, body%constraints, body%springs, load_case%loads)
+      call new_known_tractions(tractions, body%mesh, body%constraints, body%springs, load_case%loads, &
+         load_case%factor)
       call set_contact_tractions(tractions, body, load_case, force)
       call new_recovered_stress(recovered, body%mesh, body%materials, tractions%side, displacement, &
          load_case%thermal_strain)

@@ -48,8 +48,8 @@ contains
 
       call new_timings(result%timings)
       result%warnings%units = config%units
-      result%wants_error_estimate = config%accuracy%wants_estimate() .and. &
-         .not. (config%sweep%is_given() .or. config%history%is_given)
+      ! Of the cases of a sweep those have an estimate whose fields are written.
+      result%wants_error_estimate = config%accuracy%wants_estimate() .and. .not. config%sweep%is_given()
       if (has_body(cache, config)) then
          call check_names(config, cache%body%mesh, error)
       else

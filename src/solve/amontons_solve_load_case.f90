@@ -185,7 +185,7 @@ contains
             set_results(body, solution%force, result%closed, result%stuck)]
       end associate
       if (result%wants_error_estimate) then
-         allocate (result%error_estimate)
+         if (.not. allocated(result%error_estimate)) allocate (result%error_estimate)
          call estimate_error(result%error_estimate, body, result%load_case, result%displacement, result%solution%force)
       end if
    end subroutine judge

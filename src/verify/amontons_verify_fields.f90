@@ -64,6 +64,7 @@ contains
       end if
       do i = 1, size(cases)
          result%method = config%method
+         result%wants_error_estimate = config%accuracy%wants_estimate()
          call model%load_case(config%sweep%values(cases(i)%number), result%load_case)
          call check_case(summary, result, body, config, stem, cases(i))
          if (cases(i)%number /= sweep%statistics%worst_case .or. .not. allocated(result%displacement)) cycle

@@ -348,6 +348,7 @@ contains
       character(:), allocatable :: name, number
 
       number = stated%steps%csv%field(row, 1)
+      step%wants_error_estimate = config%accuracy%wants_estimate()
       call new_step_result(step, cache, model, walk, error)
       ! not raised: the numbers of the step were finite
       if (allocated(error)) return

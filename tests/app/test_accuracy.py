@@ -37,6 +37,27 @@ class Accuracy(ProgramTest):
         self.assertNotIn("accuracy", self.solve("block", *GROUPS, "accuracy estimate = 'none'"))
         self.assertNotIn('"error_norm"', (self.directory / "results" / "block.vtu").read_text())
 
+    def test_fields_of_many_cases_have_estimates(self):
+        clamp = SUPPORT + "  uy = 0.0"
+        press = "load name = 'press'  set = 'top'  pressure = 1.0"
+        histories = ("history times = 0.0, 1.0", "steps load = 'press'  factor = 1.0, 2.0",
+                     "output fields_every = 1")
+        sweeps = ("sweep load = 'press'  factor = 1.0, 2.0", "output fields_every = 1")
+        # Without friction the states of a history are those of single cases, twice the load gives twice the error.
+        single = self.solve("single", clamp, press, "contact set = 'bottom'")["accuracy"]
+        for folder, groups in (("history", histories), ("sweep", sweeps)):
+            summary = self.solve("many", clamp, press, "contact set = 'bottom'", *groups)
+            for number in (1, 2):
+                path = self.directory/"results"/f"many.{folder}"/f"{number}.vtu"
+                errors = read_vtu(path.read_bytes())[0]["error_norm"]
+                self.assertAlmostEqual(math.sqrt(sum(error**2 for error in errors)), number*single["error_norm"],
+                                       delta=1e-8*single["error_norm"])
+            self.run_program("--verify", "results")
+            self.solve("none", clamp, press, "contact set = 'bottom'", *groups, "accuracy estimate = 'none'")
+            self.assertNotIn(b'"error_norm"', (self.directory/"results"/f"none.{folder}"/"1.vtu").read_bytes())
+            if folder == "history":
+                self.assertAlmostEqual(summary["accuracy"]["relative_error"], single["relative_error"], delta=1e-8)
+
     def test_refine_is_an_option(self):
         named = self.solve("block", *GROUPS, "accuracy refinements = 2", mesh=COARSE)["convergence"]
         self.write("block.nml", block(*GROUPS, mesh=COARSE))

@@ -23,6 +23,8 @@ module amontons_load_case
    type :: load_case_t
       type(support_t), allocatable :: supports(:) !! the supports, with what they prescribe
       type(load_t), allocatable :: loads(:) !! the loads
+      real(dp), allocatable :: factor(:)
+         !! what each load is multiplied by, in a sweep or a load history; not allocated where it is 1 (loads) [-]
       type(contact_t), allocatable :: contacts(:) !! the contact sets, with their obstacles
       real(dp), allocatable :: force(:, :) !! nodal forces of the loads (2, n_nodes) [F]
       real(dp), allocatable :: prescribed(:, :)

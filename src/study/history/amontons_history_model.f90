@@ -344,6 +344,8 @@ contains
       load_case = self%fixed
       call set_obstacles(load_case, body%zone, body%mesh, moved_contacts(self%fixed%contacts, instant%motions), error)
       if (allocated(error)) return
+      load_case%factor = [(instant%factor(part_acting(self, stepped_load, load_case%loads(i)%name)), &
+         i=1, size(load_case%loads))]
       load_case%force = 0.0_dp
       load_case%prescribed = 0.0_dp
       if (allocated(load_case%thermal_strain)) load_case%thermal_strain = 0.0_dp

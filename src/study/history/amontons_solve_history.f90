@@ -304,6 +304,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the grids cannot be written
       type(result_t) :: step
 
+      step%wants_error_estimate = result%last%wants_error_estimate
       call new_step_result(step, cache, model, result%walk, error)
       if (allocated(error)) return
       call result%violation%note(step%certificate%largest(), result%walk%n_steps)

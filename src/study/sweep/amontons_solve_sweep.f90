@@ -74,6 +74,7 @@ contains
       if (allocated(error)) return
       task%sweep = config%sweep
       task%units = config%units
+      task%wants_error_estimate = config%accuracy%wants_estimate()
       call new_sweep_model(task%model, cache%body, cache%problem, result%certified%load_case, config, error)
       if (allocated(error)) return
 

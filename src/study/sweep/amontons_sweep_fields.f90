@@ -8,6 +8,7 @@ module amontons_sweep_fields
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t
+   use amontons_estimate_error, only: estimate_error
    use amontons_grids, only: write_grids
    use amontons_load_case, only: recover_displacement
    use amontons_manifest, only: manifest_t
@@ -93,6 +94,11 @@ contains
          call recover_displacement(result%displacement, body, result%load_case, result%solution%displacement)
          call new_stress_field(result%stress, body%mesh, body%materials, body%coloring, result%displacement, &
             result%load_case%thermal_strain)
+         if (task%wants_error_estimate) then
+            if (.not. allocated(result%error_estimate)) allocate (result%error_estimate)
+            call estimate_error(result%error_estimate, body, result%load_case, result%displacement, &
+               result%solution%force)
+         end if
          call write_grids(collection, directory, folder, to_text(number), body, result, error)
          if (allocated(error)) return
          call collection%add(to_text(number), folder//to_text(number))

@@ -29,6 +29,7 @@ module amontons_sweep_model
       logical, allocatable :: is_tangent_fixed(:) !! whether a support bears the shear of a point (m)
       type(load_case_t) :: fixed !! the load case of what does not vary
       real(dp) :: size_of_body = 0.0_dp !! the larger side of the box around the mesh [L]
+      integer, allocatable :: axis(:) !! the quantity that multiplies each load of the deck, 0 for none (loads)
       type(load_case_t), allocatable :: parts(:)
          !! what each quantity adds to it at 1: forces and thermal strain, of loads only (quantities)
    contains
@@ -80,6 +81,7 @@ contains
       allocate (model%parts(n))
       model%fixed = prepared
       model%size_of_body = body_size(body)
+      model%axis = [(axis_of(config%loads(k), config%sweep%axes), k=1, size(config%loads))]
       call sum_loads(model%fixed, body, config, 0, error)
       if (allocated(error)) return
       model%is_tangent_fixed = body%zone%is_tangent_fixed
@@ -168,6 +170,7 @@ contains
 
       load_case = self%fixed
       load_case%force = self%case_forces(values)
+      load_case%factor = [(merge(1.0_dp, values(max(1, self%axis(k))), self%axis(k) == 0), k=1, size(self%axis))]
       load_case%friction = self%fixed%friction + matmul(self%friction, values)
       do k = 1, size(values)
          if (allocated(self%parts(k)%condensed%load)) call load_case%condensed%add(values(k), self%parts(k)%condensed)
