@@ -15,7 +15,9 @@ module amontons_solve_load_case
    use amontons_key_results, only: body_peaks, contact_peaks, find_zones, set_results
    use amontons_kinds, only: dp
    use amontons_lengths, only: new_lengths
+   use amontons_listing_text, only: short_text
    use amontons_load_case, only: condense_load_case, load_case_t, pose_problem, recover_displacement
+   use amontons_model_warnings, only: body_size
    use amontons_result, only: factor_t, result_t
    use amontons_result_warnings, only: add_result_warnings
    use amontons_rigid_fit, only: fit_rigid_motion, fit_travel
@@ -47,7 +49,7 @@ contains
       call result%timings%begin(phase_solve)
       call solve_from_obstacles(method, body, result%load_case, problem, result%solution, error)
       if (allocated(error)) return
-      call check_finite(result%solution, error)
+      call check_numbers(body, problem, result%solution, error)
       if (allocated(error)) return
       call check_spin(body, result%load_case%is_in_reach, problem, result%solution, error)
       result%has_no_equilibrium = allocated(error)
@@ -127,17 +129,32 @@ contains
       problem%anchor = anchor
    end subroutine solve_from
 
-   !> Refuses a solution whose numbers have left the finite range.
-   pure subroutine check_finite(solution, error)
+   !> Refuses a solution whose numbers have left the finite range, or whose points move so far that the rounding of
+   !> their displacements alone makes forces as large as those that act.
+   pure subroutine check_numbers(body, problem, solution, error)
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(in) :: problem !! the contact problem
       type(contact_solution_t), intent(in) :: solution !! the solution
-      type(error_t), allocatable, intent(out) :: error !! it is not finite
+      type(error_t), allocatable, intent(out) :: error !! it is not finite, or has no digit
+      ! Nearer by, no forces are the answer: a body that nothing loads, beside its obstacle or carried by its supports.
+      real(dp), parameter :: no_digit = 0.1_dp, far = 100.0_dp
+      real(dp) :: way, rounding, forces
 
       ! A residual still at its first value, the largest number, means that no iteration gave a finite one.
-      if (solution%residual < huge(solution%residual) .and. all(ieee_is_finite(solution%force)) &
-         .and. all(ieee_is_finite(solution%displacement))) return
-      call new_error(error, numerical_failure, 'floating-point overflow in the contact method: '// &
-         'check the units of stiffness, load and friction')
-   end subroutine check_finite
+      if (.not. (solution%residual < huge(solution%residual) .and. all(ieee_is_finite(solution%force)) &
+         .and. all(ieee_is_finite(solution%displacement)))) then
+         call new_error(error, numerical_failure, 'floating-point overflow in the contact method: '// &
+            'check the units of stiffness, load and friction')
+         return
+      end if
+      way = maxval(abs(solution%displacement))
+      if (.not. way > far*max(body_size(body), problem%prescribed)) return
+      rounding = epsilon(rounding)*maxval(problem%augmentation()*abs(solution%displacement))
+      forces = max(maxval(abs(problem%load)), maxval(abs(solution%force)))
+      if (rounding > no_digit*forces) call new_error(error, numerical_failure, 'the contact points move by '// &
+         short_text(way)//', so far that rounding leaves no digit of their forces '// &
+         '(up to '//short_text(forces)//'): place the body closer to its obstacle')
+   end subroutine check_numbers
 
    !> Computes the displacements of all nodes, the certificate and the lengths, and refuses numbers that are not finite.
    subroutine certify(result, body, error)
