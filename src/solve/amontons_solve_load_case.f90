@@ -28,7 +28,7 @@ module amontons_solve_load_case
    implicit none (type, external)
    private
 
-   public :: certify, judge, set_factor, solve_load_case
+   public :: certify, judge, set_factor, solve_from_obstacles, solve_load_case
 
 contains
 

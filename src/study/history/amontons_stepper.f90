@@ -15,6 +15,7 @@ module amontons_stepper
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_newton, only: newton_t
+   use amontons_solve_load_case, only: solve_from_obstacles
    use amontons_spin, only: check_spin
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -185,26 +186,28 @@ contains
       class(contact_method_t), intent(in) :: method !! the deck's method
       type(error_t), allocatable, intent(out) :: error !! no equilibrium, or the numbers are at fault
       type(contact_solution_t) :: start
+      type(load_case_t) :: load_case
 
       start = after%solution
       call try_newton(after%solution, problem, method, error)
       if (allocated(error)) return
       if (model%may_move .or. .not. after%solution%is_converged &
-         .or. maxval(abs(after%solution%displacement)) > model%size_of_body) call check_loads(after, model, body, error)
-      if (.not. (allocated(error) .or. after%solution%is_converged)) call use_method(after%solution, start, problem, &
-         method, error)
+         .or. maxval(abs(after%solution%displacement)) > model%size_of_body) call check_loads(after, load_case, model, &
+         body, error)
+      if (.not. (allocated(error) .or. after%solution%is_converged)) call use_method(after%solution, start, load_case, &
+         body, problem, method, error)
       if (allocated(error) .or. .not. model%may_spin) return
       call check_spin(body, after%instant%is_in_reach, problem, after%solution, error)
       after%has_no_equilibrium = allocated(error)
    end subroutine solve
 
    !> Checks whether contact and friction can balance the loads of a step.
-   subroutine check_loads(after, model, body, error)
+   subroutine check_loads(after, load_case, model, body, error)
       type(step_state_t), intent(inout) :: after !! the state; gains whether they cannot
+      type(load_case_t), intent(out) :: load_case !! what acts
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
       type(error_t), allocatable, intent(out) :: error !! they cannot; names the motion
-      type(load_case_t) :: load_case
 
       call model%load_case(body, after%instant, after%anchor, load_case, error)
       ! not raised: the instant was made with the same obstacles
@@ -230,10 +233,13 @@ contains
       end select
    end subroutine try_newton
 
-   !> Solves by the deck's method; the iterations of Newton's method before it count, too.
-   subroutine use_method(solution, start, problem, method, error)
+   !> Solves by the deck's method as a single case, from where the body meets its obstacles; the iterations of Newton's
+   !> method before it count, too.
+   subroutine use_method(solution, start, load_case, body, problem, method, error)
       type(contact_solution_t), intent(inout) :: solution !! what Newton's method left; becomes the solution
       type(contact_solution_t), intent(in) :: start !! the state before
+      type(load_case_t), intent(in) :: load_case !! what acts
+      type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! the contact problem
       class(contact_method_t), intent(in) :: method !! the deck's method
       type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
@@ -241,7 +247,7 @@ contains
 
       first = solution
       solution = start
-      call method%solve(problem, solution, error)
+      call solve_from_obstacles(method, body, load_case, problem, solution, error)
       call solution%follow(first)
    end subroutine use_method
 
