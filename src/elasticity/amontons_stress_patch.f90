@@ -19,12 +19,12 @@ module amontons_stress_patch
    !> Weight of a sample of the elements that a patch grew by: far samples determine what near ones leave open, no more.
    real(dp), parameter :: far_weight = 0.1_dp
 
-   !> The polynomial of a patch, in coordinates in which the nodes of the patch spread alike in all directions: slender
-   !> elements need no other treatment than others.
+   !> The polynomial of a patch, in coordinates in which its nodes spread alike in all directions, and along which the
+   !> sides of its elements lie where the terms depend on that: neither slender nor turned elements need another
+   !> treatment than others.
    type :: patch_t
       real(dp) :: center(2) = 0.0_dp !! mean of the nodes [L]
-      real(dp) :: frame(3) = 0.0_dp
-         !! inverse (xx, yx, yy) of the Cholesky factor of their covariance [1/L]
+      real(dp) :: frame(2, 2) = 0.0_dp !! what the distance from there is multiplied by [1/L]
       integer :: n_terms = 1 !! terms of the polynomial
       real(dp) :: coefficient(4, max_terms) = 0.0_dp !! of the stresses xx, yy, xy, zz (component, term) [F/L^2]
    contains
@@ -65,11 +65,39 @@ contains
       mean = mean/n
       covariance = covariance/n - [mean(1)*mean, mean(2)**2]
       patch%center = origin + mean
-      patch%frame(1) = 1.0_dp/sqrt(covariance(1))
-      distance(1) = covariance(2)*patch%frame(1)
-      patch%frame(3) = 1.0_dp/sqrt(covariance(3) - distance(1)**2)
-      patch%frame(2) = -distance(1)*patch%frame(1)*patch%frame(3)
+      ! The inverse of the Cholesky factor of the covariance.
+      patch%frame(1, 1) = 1.0_dp/sqrt(covariance(1))
+      distance(1) = covariance(2)*patch%frame(1, 1)
+      patch%frame(2, 2) = 1.0_dp/sqrt(covariance(3) - distance(1)**2)
+      patch%frame(2, 1) = -distance(1)*patch%frame(1, 1)*patch%frame(2, 2)
+      patch%frame(1, 2) = 0.0_dp
+      if (patch%n_terms == max_terms) call turn_frame(patch%frame, mesh, elements)
    end subroutine spread_patch
+
+   !> Turns the coordinates of a patch until the sides of its quadrilaterals lie along the axes: in the mean of their
+   !> fourth powers as complex numbers, which are alike for sides along either axis, in either sense.
+   pure subroutine turn_frame(frame, mesh, elements)
+      real(dp), intent(inout) :: frame(2, 2) !! the coordinates
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: elements(:) !! the elements of the patch
+      complex(dp) :: direction
+      real(dp) :: side(2), angle
+      integer :: i, k, n
+
+      direction = 0.0_dp
+      do i = 1, size(elements)
+         n = n_corners(mesh%element_kind(elements(i)))
+         if (n < 4) cycle
+         associate (corner => mesh%node(mesh%node_start(elements(i)):mesh%node_start(elements(i)) + n - 1))
+            do k = 1, n
+               side = matmul(frame, mesh%coordinates(:, corner(1 + mod(k, n))) - mesh%coordinates(:, corner(k)))
+               direction = direction + cmplx(side(1), side(2), dp)**4
+            end do
+         end associate
+      end do
+      angle = 0.25_dp*atan2(direction%im, direction%re)
+      frame = matmul(reshape([cos(angle), -sin(angle), sin(angle), cos(angle)], [2, 2]), frame)
+   end subroutine turn_frame
 
    !> The terms of a patch's polynomial at a point; nothing behind the last.
    pure subroutine find_terms(patch, position, p)
@@ -79,8 +107,8 @@ contains
       real(dp) :: x, y, distance(2)
 
       distance = position - patch%center
-      x = patch%frame(1)*distance(1)
-      y = patch%frame(2)*distance(1) + patch%frame(3)*distance(2)
+      x = patch%frame(1, 1)*distance(1) + patch%frame(1, 2)*distance(2)
+      y = patch%frame(2, 1)*distance(1) + patch%frame(2, 2)*distance(2)
       p(1) = 1.0_dp
       p(2) = x
       p(3) = y
@@ -174,22 +202,24 @@ contains
       end associate
    end subroutine solve_normal
 
-   !> Fits the stresses xx, yy and xy to the samples and, with a large weight, to known tractions.
+   !> Fits the stresses xx, yy and xy to the samples and, with a large weight, to known tractions. What the fit leaves
+   !> is measured by the norm of the tensor, in which xy counts twice, so that the axes do not matter.
    pure subroutine fit_tractions(patch, normal, right, tractions, node)
       type(patch_t), intent(inout) :: patch !! the patch; gains their coefficients
       real(dp), intent(in) :: normal(:, :) !! the lower triangle of the normal matrix of the samples
       real(dp), intent(in) :: right(:, :) !! its right-hand sides (term, component)
       type(known_traction_t), intent(in) :: tractions(:) !! the known tractions at sides that meet at the node
       integer, intent(in) :: node !! the node
+      real(dp), parameter :: of_tensor(3) = [1.0_dp, 1.0_dp, 2.0_dp]
       real(dp) :: matrix(3*patch%n_terms, 3*patch%n_terms), joint(3*patch%n_terms, 1)
       integer :: i, n, info
 
       n = patch%n_terms
       matrix = 0.0_dp
-      do i = 0, 2*n, n
-         matrix(i + 1:i + n, i + 1:i + n) = normal
+      do i = 1, 3
+         matrix((i - 1)*n + 1:i*n, (i - 1)*n + 1:i*n) = of_tensor(i)*normal
+         joint((i - 1)*n + 1:i*n, 1) = of_tensor(i)*right(:, i)
       end do
-      joint(:, 1) = reshape(right(:, :3), [3*n])
       call add_tractions(matrix, joint(:, 1), patch, normal(1, 1), tractions, node)
       call cholesky_factor(matrix, info)
       call cholesky_solve(matrix, joint)

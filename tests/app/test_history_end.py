@@ -38,7 +38,8 @@ class HistoryEnd(HistoryTest):
 
     def test_history_ends_where_a_given_bound_bears_no_more(self):
         # As much as the friction above.
-        self.assert_no_equilibrium(BLOCK.replace("friction", "slip_bound") + PUSHED, "block", "all contact points slip")
+        self.assert_no_equilibrium(BLOCK.replace("friction", "slip_bound") + PUSHED, "block",
+                                   "contact and friction cannot balance the loads")
         rows = self.table("block.history.csv")
         self.assertAlmostEqual(float(rows[-1]["factor_push"]), 0.6, delta=2.0 / 1024.0)
 
