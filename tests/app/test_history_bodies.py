@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""Load histories of all kinds of bodies, laws and obstacles: solved, certified, verified, and cut in two."""
+import shutil
+import unittest
+
+from histories import HistoryTest
+
+TIMES = "&history times = 0.0, 1.0, 2.0, 3.0  substeps = 4"
+BLOCK = """&mesh size = 4.0, 2.0  cells = 12, 6  element = '{element}' /
+&material young = 100.0  poisson = 0.3  expansion = 1e-3  hypothesis = '{hypothesis}' /
+"""
+PRESSED = """&support name = 'top'  set = 'top'  uy = -0.05 /
+&support set = 'left'  ux = 0.0 /
+&load name = 'push'  set = 'right'  traction = 5.0, 0.0 /
+&steps load = 'push'  factor = 0.0, 1.0, -0.7, 0.9 /
+&steps support = 'top'  factor = 1.0, 1.5, 0.5, 1.2 /
+&steps contact = 'bottom'  friction_factor = 1.0, 0.5, 1.5, 1.0 /
+"""
+# On an elastic block on springs, above a floor that rises, shifts and turns while its friction goes to nothing.
+STACK = """&mesh name = 'a'  size = 4.0, 2.0  cells = 10, 4 /
+&mesh name = 'b'  size = 6.0, 2.0  cells = 9, 3  origin = -1.0, -2.0 /
+&material young = 100.0  poisson = 0.25 /
+&support set = 'a.top'  spring_n = 50.0  spring_t = 50.0 /
+&load set = 'a.top'  pressure = 1.0 /
+&load name = 'push'  set = 'a.right'  traction = 3.0, 0.0 /
+&contact set = 'a.bottom'  against = 'b.top'  {law} /
+&contact name = 'floor'  set = 'b.bottom'  friction = 0.4  point = 0.0, -2.0 /
+&steps load = 'push'  factor = 0.0, 1.0, -0.7, 0.9 /
+&steps obstacle = 'floor'  shift_x = 0.0, 0.02, -0.03, 0.01  shift_y = 0.0, 0.02, 0.01, 0.04
+       turn = 0.0, 0.003, -0.002, 0.001  pivot = 2.0, -2.0 /
+&steps contact = 'floor'  friction_factor = 1.0, 0.5, 1.5, 0.0 /
+"""
+PLANE = BLOCK.format(element="quad4", hypothesis="plane strain")
+DECKS = {
+    "axisymmetric, given bound": BLOCK.format(element="quad8", hypothesis="axisymmetric") + PRESSED
+    + "&contact set = 'bottom'  slip_bound = 0.5 /\n",
+    "both bounds": BLOCK.format(element="tri6", hypothesis="plane stress") + PRESSED
+    + "&contact set = 'bottom'  friction = 0.2  slip_bound = 0.1 /\n",
+    "cells": PLANE + PRESSED + "&contact set = 'bottom'  friction = 0.3  multipliers = 'constant' /\n",
+    "pair": STACK.format(law="friction = 0.3"),
+    "pair with interference": STACK.format(law="friction = 0.3  gap = 'touching'  extra_gap = -0.01"),
+    "pair of cells": STACK.format(law="friction = 0.3  multipliers = 'constant'"),
+    "pair with a given bound": STACK.format(law="slip_bound = 0.3"),
+    "rolled ball": PLANE + """&support set = 'top'  ux = 0.0  uy = 0.0 /
+&contact set = 'bottom'  friction = 0.3  obstacle = 'circle'  point = 2.0, 0.0  radius = 5.0 /
+&steps obstacle = 'bottom'  shift_x = 0.0, 0.0, 0.2, -0.2  shift_y = 0.0, 0.1, 0.1, 0.05  turn = 0.0, 0.0, 0.1, -0.1
+       pivot = 2.0, -5.0 /
+""",
+    "heated": PLANE + """&support set = 'left'  ux = 0.0 /
+&load name = 'hot'  temperature = 20.0 /
+&load set = 'top'  pressure = 1.0 /
+&contact set = 'bottom'  friction = 0.3 /
+&steps load = 'hot'  factor = 0.0, 1.0, 0.0, -1.0 /
+""",
+    "dragged": PLANE + """&support set = 'right'  spring_n = 5.0 /
+&load set = 'top'  pressure = 1.0 /
+&contact set = 'bottom'  friction = 0.3 /
+&steps obstacle = 'bottom'  shift_x = 0.0, 1.0, -1.0, 2.0 /
+""",
+    "between two moving plates": PLANE + """&contact name = 'low'  set = 'bottom'  friction = 0.3 /
+&contact name = 'high'  set = 'top'  friction = 0.2  point = 0.0, 2.0  normal = 0.0, -1.0 /
+&steps obstacle = 'high'  shift_x = 0.0, 0.05, -0.05, 0.0  shift_y = -0.05, -0.05, -0.06, -0.02 /
+&steps obstacle = 'low'  shift_x = 0.0, -0.03, 0.03, 0.05 /
+""",
+}
+
+
+class Bodies(HistoryTest):
+    """Each history as a whole, and from a state in its middle."""
+
+    def test_histories_are_solved_verified_and_cut_in_two(self):
+        for adaptive in ("", "  step_tolerance = 0.05"):
+            for name, deck in DECKS.items():
+                with self.subTest(name, adaptive=adaptive):
+                    self.check("&case name = 'body' /\n" + deck, adaptive)
+
+    def check(self, deck, adaptive):
+        """Solves a history, verifies it, and goes on from its middle."""
+        wanted = "&output points_every = 1  states_every = 1  fields_every = 9 /\n"
+        self.walk(deck + f"{TIMES}{adaptive} /\n" + wanted)
+        self.assertEqual(self.run_program("--verify", "out").stdout, "body: verified\n")
+        history = self.summary("body")["load_history"]
+        # Residuals of 1e-10; friction takes energy and gives none.
+        self.assertLess(history["energy_identities"], 1e-8)
+        rows = self.text("body.history.csv").splitlines()
+        taken = [float(row["dissipation_step"]) for row in self.table("body.history.csv")]
+        self.assertGreaterEqual(min(taken), 0.0)
+        self.assertGreater(sum(taken), 0.0)
+        middle = len(taken)//2
+        shutil.copy(self.results / "body.states.csv", self.directory)
+        self.walk(deck + f"{TIMES}{adaptive}  start = 'body.states.csv'  start_step = {middle} /\n" + wanted)
+        self.assertEqual(self.text("body.history.csv").splitlines(), [rows[0], *rows[middle + 1:]])
+
+    def test_refined_meshes_are_not_for_histories(self):
+        deck = DECKS["dragged"] + TIMES + " /\n"
+        for run in (self.run_program(self.write("deck.nml", deck + "&accuracy refinements = 2 /\n"), status=1),
+                    self.run_program("--refine", "2", self.write("deck.nml", deck), status=1)):
+            self.assertIn("refinements is only for a deck without &sweep and &history", run.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
