@@ -6,8 +6,8 @@ Bodies are those of fuzz_bodies.py, bodies of revolution, heated, spinning and h
 contact with and bonded to each other, of all elements; some under a sweep, some with a history. Of PROGRAM, built with
 MPI, one run takes the program's own factorizations and the others spread every body over RANKS, 2, 3 and 5 unless
 given; what they wrote must be verified as that of one rank is. All numbers of all tables and the displacements of the
-grids must agree to 1e-9 of the largest of their column. Where strong friction allows several solutions they need not. Body number k is the same in every run. What goes wrong is
-kept in build/fuzz and printed.
+grids must agree to 1e-9 of the largest of their column. Where strong friction allows several solutions they need not.
+Body number k is the same in every run. What goes wrong is kept in build/fuzz and printed.
 """
 
 import csv
