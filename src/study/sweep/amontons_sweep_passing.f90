@@ -184,6 +184,7 @@ contains
       call line%pass(model%expansion)
       call line%pass(model%friction)
       call line%pass(model%is_tangent_fixed)
+      call line%pass(model%axis)
       numbers = [model%size_of_body]
       call line%pass(numbers)
       model%size_of_body = numbers(1)
