@@ -151,6 +151,62 @@ def print_strips(program, work, lengths):
            "square of as many unknowns s", "times"], rows)
 
 
+def pair_decks(folder, n):
+    """Decks of n x n cells in all: a block on a floor of one mesh, of two that are bonded, and two blocks in contact, each
+    with n + 1 contact points; the long bar of one body on the floor, and on a block of as many unknowns as itself."""
+    folder.mkdir(parents=True, exist_ok=True)
+    half = n // 2
+    material = "&material young = 13000.0  poisson = 0.2 /\n"
+    one = f"&mesh size = 40.0, 40.0  cells = {n}, {n} /\n"
+    two = (f"&mesh name = 'upper'  size = 40.0, 20.0  cells = {n}, {half}  origin = 0.0, 20.0 /\n"
+           f"&mesh name = 'lower'  size = 40.0, 20.0  cells = {n}, {half} /\n")
+    loads = "&load set = '{0}left'  traction = 1.0, 0.0 /\n&load set = '{0}top'  traction = 0.0, -5.0 /\n"
+    sides = "&support set = '{0}right'  ux = 0.0 /\n"
+    upper, lower = sides.format("upper."), sides.format("lower.")
+    floor = "&contact set = '{0}bottom'  friction = 0.5 /\n"
+    bar = "&load set = '{0}left'  traction = 10.0, 0.0 /\n&load set = '{0}top'  traction = 0.0, -5.0 /\n"
+    texts = {
+        "joined": one + material + sides.format("") + loads.format("") + floor.format(""),
+        "bonded": two + material + upper + lower + loads.format("upper.") + floor.format("lower.")
+        + "&tie set = 'upper.bottom'  to = 'lower.top' /\n",
+        "contact": two + material + upper + lower + loads.format("upper.")
+        + "&support set = 'lower.bottom'  ux = 0.0  uy = 0.0 /\n"
+        + "&contact set = 'upper.bottom'  against = 'lower.top'  friction = 0.5 /\n",
+        "bar": one + material + sides.format("") + bar.format("") + "&contact set = 'bottom'  friction = 1.0 /\n",
+        "bar_block": f"&mesh name = 'bar'  size = 40.0, 40.0  cells = {n}, {half} /\n"
+        f"&mesh name = 'block'  size = 60.0, 20.0  cells = {n - 3}, {half}  origin = -20.0, -20.0 /\n" + material
+        + sides.format("bar.") + sides.format("block.") + bar.format("bar.")
+        + "&support set = 'block.bottom'  ux = 0.0  uy = 0.0 /\n"
+        + "&contact set = 'bar.bottom'  against = 'block.top'  friction = 1.0 /\n"}
+    for name, text in texts.items():
+        (folder / f"{name}.nml").write_text(text)
+    return {name: folder / f"{name}.nml" for name in texts}
+
+
+def print_pairs(program, work, sizes, n_trials=5):
+    """What a pair of bodies costs, beside one body of as many unknowns: the quickest of runs by turns."""
+    rows = []
+    for n in sizes:
+        decks = pair_decks(work / f"pairs_{n}", n)
+        output = work / f"pairs_{n}"
+        phases = {name: [] for name in decks}
+        totals = {name: [] for name in decks}
+        for _ in range(n_trials):
+            for name, deck in decks.items():
+                used = run([program, "--quiet", "--threads", "1", "--output", output, deck], threads=1)[1]
+                seconds_of = json.loads((output / f"{name}.summary.json").read_text())["seconds"]
+                phases[name].append(sum(seconds_of[phase] for phase in ("assemble", "factorize", "condense")))
+                totals[name].append(used["cpu"])
+        made = {name: min(values) for name, values in phases.items()}
+        total = {name: min(values) for name, values in totals.items()}
+        rows.append([str(n), seconds(made["joined"]), f"{made['bonded'] / made['joined']:.2f}",
+                     f"{made['contact'] / made['joined']:.2f}", seconds(total["bar"]),
+                     f"{total['bar_block'] / total['bar']:.2f}"])
+    table("Two bodies of n x n cells in all, one thread: assembling, factorizing and condensing two blocks, and the whole "
+          "command for the long bar", ["n", "one mesh on a floor s", "two bonded, on a floor, times",
+          "two in contact, times", "long bar s", "on a block, times"], rows)
+
+
 def print_peers(program, work, sizes):
     """One case, whole commands, each with one thread."""
     peers = {"GetFEM": ("python3-getfem", "getfem_bar.py"), "CalculiX": ("calculix-ccx", "calculix_bar.py")}
@@ -265,6 +321,7 @@ def main(build, work, is_full):
     rates = print_machine(build)
     print_long_bar(program, work, (32, 64, 128, 256, 512, 1024) if is_full else (32, 64, 128, 256), rates)
     print_strips(program, work, (1000, 2000, 4000, 10000) if is_full else (1000, 2000))
+    print_pairs(program, work, (128, 256, 512) if is_full else (128,))
     print_peers(program, work, (64, 128, 256) if is_full else (32, 64))
     print_reduced(program, work, (128, 256, 512, 1024) if is_full else (128, 256), rates)
     print_histories(program, work, (100, 1000, 10000))

@@ -330,9 +330,8 @@ contains
          if (.not. allocated(config%contacts)) return
          call visitor%require(.not. (config%condensation == 'band' .and. config%factorization == 'distributed'), &
             'condensation', "condensation must be 'dense' or 'auto' with factorization 'distributed'")
-         call visitor%require(.not. (config%condensation == 'band' .and. any(config%contacts%partition%is_constant &
-            .or. config%contacts%pairing%is_pair())), 'condensation', &
-            "condensation must be 'dense' or 'auto' with constant multipliers and with contact against another body")
+         call visitor%require(.not. (config%condensation == 'band' .and. any(config%contacts%partition%is_constant)), &
+            'condensation', "condensation must be 'dense' or 'auto' with constant multipliers")
       end associate
    end subroutine describe_solver
 

@@ -62,9 +62,9 @@ contains
          call add('normal_force', 'normal force', 'F', force(:m), 0.0_dp)
          call add('tangential_force', 'tang. force', 'F', force(m + 1:), 0.0_dp)
          call add('contact_pressure', 'pressure', 'F/L^2', force(:m)/zone%area, 0.0_dp, .true.)
-         call add('contact_shear', 'shear', 'F/L^2', force(m + 1:)/zone%area, 0.0_dp, .true.)
-         call add('shear_bound', '', 'F/L^2', shear_bound(force(:m)/zone%area, load_case%friction, &
-            load_case%slip_bound, zone%area), 0.0_dp, .true.)
+         call add('contact_shear', 'shear', 'F/L^2', force(m + 1:)/zone%shear_area, 0.0_dp, .true.)
+         call add('shear_bound', '', 'F/L^2', shear_bound(force(:m), load_case%friction, &
+            load_case%slip_bound, zone%shear_area), 0.0_dp, .true.)
          if (has_pairs(zone)) call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
          if (has_pairs(zone)) call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
       end associate
@@ -132,14 +132,13 @@ contains
    end function at_nodes
 
    !> The shear stress that friction can bear [F/L^2].
-   elemental real(dp) function shear_bound(pressure, friction, slip_bound, area) result(bound)
-      real(dp), intent(in) :: pressure !! contact pressure [F/L^2]
+   elemental real(dp) function shear_bound(normal_force, friction, slip_bound, area) result(bound)
+      real(dp), intent(in) :: normal_force !! normal contact force [F]
       real(dp), intent(in) :: friction !! Coulomb coefficient [-]
       real(dp), intent(in) :: slip_bound !! given bound of the tangential force [F]
-      real(dp), intent(in) :: area !! tributary area [L^2]
+      real(dp), intent(in) :: area !! tributary area of the shear, above 0 [L^2]
 
-      bound = friction*max(0.0_dp, pressure)
-      if (area > 0.0_dp) bound = bound + slip_bound/area
+      bound = (slip_bound + friction*max(0.0_dp, normal_force))/area
    end function shear_bound
 
    !> A table of points: number of the point, columns of numbers, pair, status.

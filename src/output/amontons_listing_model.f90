@@ -11,6 +11,8 @@ module amontons_listing_model
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_sides, load_t
    use amontons_material, only: material_t
+   use amontons_mortar_pair, only: mortar_pair_t
+   use amontons_pair_warnings, only: mean_length
    use amontons_pairing, only: gap_names
    use amontons_text, only: counted, line_end, to_text
    use amontons_units, only: with_unit
@@ -44,9 +46,11 @@ contains
       do i = 1, size(load_case%contacts)
          text = text//labeled('Contact', contact_text(load_case%contacts(i), units))
          if (load_case%contacts(i)%partition%is_constant) text = text//cells_text(body, i, units)
+         if (body%zone%pairs(i)%is_set()) text = text//labeled('Sides', roles_text(body%zone%pairs(i), units))
       end do
       do i = 1, size(body%ties)
-         text = text//labeled('Tie', body%ties(i)%label//' (slave/master)')
+         text = text//labeled('Tie', body%ties(i)%label//' (slave/master)')// &
+            labeled('Sides', roles_text(body%ties(i), units))
       end do
       text = text//labeled('Contact points', to_text(body%zone%n_points))//mesh_notes_text(body)// &
          notes_text(body, load_case, units)
@@ -112,6 +116,17 @@ contains
       if (abs(contact%extra_gap) > 0.0_dp) text = text//', extra gap '// &
          with_unit(short_text(contact%extra_gap), units, 'L')
    end function contact_text
+
+   !> How long the sides of slave and master are, which is what their roles should follow.
+   pure function roles_text(pair, units) result(text)
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+
+      text = 'slave '//with_unit(short_text(mean_length(pair%slave)), units, 'L')//', master '// &
+         with_unit(short_text(mean_length(pair%master)), units, 'L')// &
+         ' on average; forces are resolved on the slave, which should be the finer one'
+   end function roles_text
 
    !> The rigid obstacle of a contact set.
    pure function obstacle_text(contact, units) result(text)
@@ -190,8 +205,15 @@ contains
             ' is not a contact point: on the axis it has no area that a pressure could act on', &
             ' are not contact points: on the axis they have no area that a pressure could act on', units)
          text = text//points_text(body%mesh%coordinates(:, zone%shared_node), 'node', &
-            ' is a corner of two contact sets; it belongs to the one named first', &
-            ' are corners of two contact sets; they belong to the one named first', units)
+            ' belongs to two sets: to a tie, or else to the contact set named first', &
+            ' belong to two sets: to a tie, or else to the contact set named first', units)
+         do i = 1, size(zone%pairs)
+            if (zone%pairs(i)%is_set()) text = text//joined_text(body%mesh%coordinates(:, zone%pairs(i)%joined_node), &
+               units)
+         end do
+         do i = 1, size(body%ties)
+            text = text//joined_text(body%mesh%coordinates(:, body%ties(i)%joined_node), units)
+         end do
          text = text//guided_text(body, units)
          if (zone%n_held_cells > 0) text = text//labeled('Note', 'not contact points, since supports hold '// &
             'their nodes: '//counted(zone%n_held_cells, 'cell')//' of constant multipliers')
@@ -217,6 +239,16 @@ contains
       if (body%zone%pairs(body%zone%set(p))%is_set()) text = 'the bodies overlap'
       text = labeled('Note', text//' by up to '//with_unit(short_text(-load_case%gap(p)), units, 'L')//' at the start')
    end function overlap_text
+
+   !> Where the bodies of a pair are one at an end of the slave.
+   pure function joined_text(positions, units) result(text)
+      real(dp), intent(in) :: positions(:, :) !! the nodes that slave and master share (2, nodes) [L]
+      character(*), intent(in) :: units !! names of the units of the case
+      character(:), allocatable :: text
+
+      text = points_text(positions, 'node', ' is not a contact point: it belongs to slave and master', &
+         ' are not contact points: they belong to slave and master', units)
+   end function joined_text
 
    !> What a body without sufficient supports depends on.
    pure function modes_text(n_modes) result(text)

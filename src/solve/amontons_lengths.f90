@@ -9,7 +9,8 @@ module amontons_lengths
 
    public :: lengths_t, new_lengths
 
-   !> Lengths of the three zones; together the length of the sides between contact points, and of the cells.
+   !> Lengths of the three zones; together the length of the sides between contact points, of a pair
+   !> where they face the master, and of the cells.
    type :: lengths_t
       real(dp) :: open = 0.0_dp !! where one end of a side at least is open [L]
       real(dp) :: slip = 0.0_dp !! where both ends are closed and one at least slips [L]
@@ -41,7 +42,7 @@ contains
          else
             if (zone%next(p) == 0) cycle
             ends(2) = zone%next(p)
-            length = norm2(zone%position(:, ends(2)) - zone%position(:, p))
+            length = norm2(zone%position(:, ends(2)) - zone%position(:, p))*covered_share(zone, p)
          end if
          if (any(status(ends) == open_point)) then
             lengths%open = lengths%open + length
@@ -52,6 +53,18 @@ contains
          end if
       end do
    end subroutine new_lengths
+
+   !> The share of the side that follows a contact point that may come into contact: of a pair what faces the master.
+   pure real(dp) function covered_share(zone, p)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer, intent(in) :: p !! number of the point
+
+      covered_share = 1.0_dp
+      if (.not. allocated(zone%pairs)) return
+      associate (pair => zone%pairs(zone%set(p)))
+         if (pair%is_set()) covered_share = pair%covered_share(p - findloc(zone%set, zone%set(p), dim=1) + 1)
+      end associate
+   end function covered_share
 
    !> The lengths under their names [L].
    pure function lengths_quantities(self) result(list)

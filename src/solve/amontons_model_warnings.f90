@@ -163,8 +163,7 @@ contains
             is_frictionless = .true.
             do k = 1, size(contacts)
                if (axis%acts_on(contacts(k)%set)) is_frictionless = is_frictionless .and. &
-                  .not. (abs(contacts(k)%friction%value) > 0.0_dp .or. any(abs(contacts(k)%friction%slope) > 0.0_dp) &
-                  .or. allocated(contacts(k)%friction%table))
+                  contacts(k)%friction%vanishes()
             end do
             if (is_frictionless) call warnings%add(name//'no effect: the friction is 0')
          end associate

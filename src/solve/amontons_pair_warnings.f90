@@ -9,7 +9,7 @@ module amontons_pair_warnings
    implicit none (type, external)
    private
 
-   public :: add_gap_warnings, add_pair_warnings
+   public :: add_gap_warnings, add_pair_warnings, mean_length
 
 contains
 

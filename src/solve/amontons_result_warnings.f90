@@ -63,16 +63,19 @@ contains
          call add_aslant_points(result%warnings, zone, result%load_case%cosine, is_closed)
       end associate
       call add_passed_points(result%warnings, body, result%load_case, result%displacement)
+      call add_far_slips(result%warnings, body%zone, result%displacement, result%solution%status)
    end subroutine add_result_warnings
 
-   !> Warns that nothing touches, and says how far the nearest point is from its obstacle.
+   !> Warns that nothing touches, and says how far the nearest point is from its obstacle or the other body.
    subroutine add_no_contact(result, zone)
       type(result_t), intent(inout) :: result !! the result; gains the warning
       type(contact_zone_t), intent(in) :: zone !! the contact points
-      character(*), parameter :: sentence = 'nothing touches the obstacle'
+      character(:), allocatable :: sentence
       real(dp), allocatable :: displacement(:), gap(:)
       integer :: p
 
+      sentence = 'nothing touches the obstacle'
+      if (all(zone%pairs%is_set())) sentence = 'the bodies do not touch each other'
       displacement = zone%rows%displacement(result%displacement)
       gap = result%load_case%gap - displacement(:zone%n_points)
       ! Of points that differ by rounding alone the first.
@@ -87,6 +90,31 @@ contains
          end if
       end associate
    end subroutine add_no_contact
+
+   !> Warns of pairs that slide so far that what faces each other at the start does no longer.
+   pure subroutine add_far_slips(warnings, zone, displacement, status)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      integer, intent(in) :: status(:) !! status of each point (m)
+      ! Half of a side is the distance that a pressure on it can be told from one beside it.
+      real(dp), parameter :: far = 0.5_dp
+      real(dp), allocatable :: at_points(:)
+      integer :: set, p
+
+      if (.not. any(zone%pairs%is_set())) return
+      at_points = zone%rows%displacement(displacement)
+      associate (slip => abs(at_points(zone%n_points + 1:)))
+         do set = 1, size(zone%pairs)
+            if (.not. any(zone%set == set .and. status /= open_point) .or. .not. zone%pairs(set)%is_set()) cycle
+            p = maxloc(slip, dim=1, mask=zone%set == set .and. status /= open_point)
+            if (.not. slip(p) > far*zone%pairs(set)%slave%longest) cycle
+            call warnings%add(zone%pairs(set)%label//': slip of '//short_text(slip(p))//' at '// &
+               pair_text(zone%position(:, p))//', more than half a side of the slave: the sides that face each '// &
+               'other are those of the undeformed bodies and do not follow')
+         end do
+      end associate
+   end subroutine add_far_slips
 
    !> Finds what is doubtful about the solution of a contact problem, without the displacements of the body.
    pure subroutine find_case_warnings(is_raised, zone, size_of_body, young, solution)

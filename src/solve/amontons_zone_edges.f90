@@ -11,6 +11,7 @@
 module amontons_zone_edges
    use amontons_contact_zone, only: contact_zone_t
    use amontons_kinds, only: dp
+   use amontons_mortar_pair, only: mortar_pair_t
    implicit none (type, external)
    private
 
@@ -127,11 +128,35 @@ contains
          if (n > 1) then
             if (zone%weight(order(1)) < 0.75_dp*chain%arc(2)) chain%bound(0) = 0.0_dp
          end if
+         if (allocated(zone%pairs)) call begin_where_covered(chain%bound(0), zone%pairs(zone%set(order(1))), &
+            order(1) - findloc(zone%set, zone%set(order(1)), dim=1) + 1)
          do i = 1, n
             chain%bound(i) = chain%bound(i - 1) + zone%weight(order(i))
          end do
       end associate
    end subroutine set_lengths
+
+   !> Begins a chain of corners of a slave where the master does, which may be in the middle of a side.
+   pure subroutine begin_where_covered(begin, pair, point)
+      real(dp), intent(inout) :: begin !! where the chain begins, counted from its first point [L]
+      type(mortar_pair_t), intent(in) :: pair !! the pair, or none
+      integer, intent(in) :: point !! number of that point in the pair
+      real(dp) :: length
+      integer :: i
+
+      if (.not. pair%is_set() .or. allocated(pair%cells)) return
+      ! Segments go along the line: the first one of the first side with this corner.
+      do i = 1, size(pair%segments)
+         associate (segment => pair%segments(i), points => pair%point_of(:, pair%segments(i)%slave))
+            if (all(points /= point)) cycle
+            ! A line without ends begins at any of its points.
+            if (all(points > 0) .and. points(2) == point) return
+            length = norm2(pair%slave%corner(:, 2, segment%slave) - pair%slave%corner(:, 1, segment%slave))
+            begin = 0.5_dp*length*(segment%range(1) + merge(1.0_dp, -1.0_dp, points(1) == point))
+            return
+         end associate
+      end do
+   end subroutine begin_where_covered
 
    !> Finds the ends of consecutive points inside of a zone.
    pure subroutine set_interval(interval, zone, chain, first, last, trace)

@@ -161,8 +161,8 @@ contains
       call read_array(path, 'contact_pressure', 1, pressure, fault)
       if (len(fault) > 0) return
       call read_array(path, 'contact_shear', 1, shear, fault)
-      associate (m => body%zone%n_points, area => body%zone%area)
-         result%solution%force = [pressure(:m)*area, shear(:m)*area]
+      associate (m => body%zone%n_points, zone => body%zone)
+         result%solution%force = [pressure(:m)*zone%area, shear(:m)*zone%shear_area]
       end associate
    end subroutine restore_force
 

@@ -40,6 +40,9 @@ class Pairs(ProgramTest):
         self.assertAlmostEqual(sum(result["normal_force"]), 4.0, delta=1e-9)
         listing = (self.directory / "case.lst").read_text(encoding="utf-8")
         self.assertIn("set 'a.bottom' (slave) against 'b.top' (master), friction 0.2", listing)
+        self.assertRegex(listing, r"Sides +slave 0\.5, master 0\.6666667 on average; forces are resolved on the slave, "
+                         "which should be the finer one")
+        self.assertNotIn("overlap", listing)
         self.run_program("--verify", ".")
 
     def test_grid_shows_the_forces_on_both(self):
@@ -141,6 +144,34 @@ class Pairs(ProgramTest):
                 "&sweep load = 'push'  factor = 0.5, 1.0, 2.0 /\n"
                 f"&output key_results = 'all'{fields} /\n"))
             self.run_program("--verify", name)
+
+    def test_bodies_apart_and_far_slips_are_warned_about(self):
+        lifted = BODIES.replace("'a.left'  ux = 0.0", "'a.left'  ux = 0.0  uy = 0.1")
+        lifted = lifted.replace("pressure = 1.0", "pressure = 0.0")
+        warnings = self.run_program(self.write("case.nml", lifted + CONTACT))
+        self.assertIn("warning: the bodies do not touch each other\n", warnings.stdout)
+        pushed = self.write("case.nml", BODIES.replace("'a.left'  ux = 0.0", "'a.left'  ux = 0.4") + CONTACT)
+        warnings = self.run_program(pushed).stdout
+        # The slave's sides are 0.5 long.
+        self.assertRegex(warnings, r"warning: a.bottom/b.top: slip of 0.39\d* at \(.*\), more than half a side of the "
+                         "slave: the sides that face each other are those of the undeformed bodies and do not follow\n")
+        self.run_program("--verify", ".")
+
+    def test_band_matrix_gives_the_same(self):
+        forces = [self.solve(BODIES.replace("uy = 0.0 /", "uy = 0.0 /", 1) + CONTACT
+                             + f"&solver condensation = '{form}' /\n").forces for form in ("dense", "band")]
+        # The lower block holds the upper one; both matrices have lost 4 of 16 digits.
+        self.assert_close(*forces, 1e-9)
+        self.run_program("--verify", ".")
+
+    def test_contact_width_ends_where_the_master_does(self):
+        # A narrow block on the coarse sides of a wide one: from x = 0.7 to 3.3, in the middle of sides.
+        deck = ("&mesh name = 'a'  size = 4.0, 2.0  cells = 4, 2  origin = 0.0, -2.0 /\n"
+                "&mesh name = 'b'  size = 2.6, 2.0  cells = 7, 5  origin = 0.7, 0.0 /\n"
+                "&material young = 100.0  poisson = 0.0 /\n&support set = 'a.bottom'  ux = 0.0  uy = 0.0 /\n"
+                "&support set = 'b.top'  ux = 0.0  uy = -0.05 /\n&contact set = 'a.top'  against = 'b.bottom' /\n")
+        summary = self.solve(deck).summary
+        self.assertAlmostEqual(summary["key_results"]["contact_width"], 2.6, delta=1e-12)
 
     def test_sticking_sweep_slips_by_nothing(self):
         # What the grid leaves of the displacements of points at rest is no slip.

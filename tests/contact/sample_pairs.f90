@@ -5,13 +5,15 @@ module sample_pairs
    use amontons_error, only: error_t
    use amontons_joined_mesh, only: append_mesh, name_mesh
    use amontons_kinds, only: dp
+   use amontons_loads, only: load_t
    use amontons_mesh, only: mesh_t
    use amontons_rectangle, only: new_rectangle_mesh, rectangle_t
-   use sample_bodies, only: support_on_set
+   use sample_bodies, only: support_at_point, support_on_set, traction_on_set
+   use sample_meshes, only: rotation, turn
    implicit none (type, external)
    private
 
-   public :: block_mesh, pair_contact, pair_of_blocks, symmetric_supports
+   public :: block_mesh, pair_contact, pair_of_blocks, sheared_blocks, symmetric_supports
 
 contains
 
@@ -58,6 +60,48 @@ contains
       contact%pairing%against = against
       contact%origin = 'deck.nml:12: '
    end function pair_contact
+
+   !> The blocks under constant pressure and shear, all turned: in plane stress the displacement is
+   !> (0.3 p x + 2.6 s y, -p y)/E. Both ends of the lower block's top are held along x, so that they are guided along
+   !> their normal, aslant to it or along the tangent.
+   subroutine sheared_blocks(mesh, expected, supports, loads, elements, turned_by)
+      type(mesh_t), intent(out) :: mesh !! the mesh of both
+      real(dp), allocatable, intent(out) :: expected(:, :) !! the displacement (2, n_nodes) [L]
+      type(support_t), allocatable, intent(out) :: supports(:) !! the supports
+      type(load_t), allocatable, intent(out) :: loads(:) !! the loads
+      character(*), intent(in) :: elements(2) !! kinds of elements of the lower and the upper block
+      real(dp), intent(in) :: turned_by !! angle [degrees]
+      real(dp), parameter :: pressure = 10.0_dp, shear = 1.0_dp
+      character(8), parameter :: sides(2) = [character(8) :: '.left', '.right']
+      character(8), parameter :: blocks(2) = [character(8) :: 'lower', 'upper']
+      real(dp) :: to(2, 2), at(2)
+      integer :: i, k
+
+      call pair_of_blocks(mesh, elements(1), elements(2), [4, 3])
+      to = rotation(turned_by)
+      allocate (supports(4), loads(6))
+      allocate (expected(2, mesh%n_nodes))
+      associate (x => mesh%coordinates(1, :), y => mesh%coordinates(2, :))
+         expected(1, :) = (0.3_dp*pressure*x + 2.6_dp*shear*y)/1000.0_dp
+         expected(2, :) = -pressure*y/1000.0_dp
+      end associate
+      expected = matmul(to, expected)
+      supports(1) = support_on_set('lower.bottom', [3], [0.0_dp])
+      supports(2) = support_at_point([0.0_dp, 0.0_dp], [1, 2], [0.0_dp, 0.0_dp])
+      do i = 1, 2
+         ! The first of two nodes there: that of the lower block.
+         at = [3.0_dp*(i - 1), 1.0_dp]
+         supports(2 + i) = support_at_point(matmul(to, at), [1], [dot_product(to(1, :), &
+            [0.3_dp*pressure*at(1) + 2.6_dp*shear, -pressure]/1000.0_dp)])
+         do k = 1, 2
+            loads(2*i + k - 2) = traction_on_set(trim(blocks(i))//trim(sides(k)), &
+               matmul(to, [0.0_dp, shear*(2*k - 3)]))
+         end do
+      end do
+      loads(5) = traction_on_set('upper.top', matmul(to, [shear, -pressure]))
+      loads(6) = traction_on_set('lower.bottom', matmul(to, [-shear, 0.0_dp]))
+      call turn(mesh, turned_by)
+   end subroutine sheared_blocks
 
    !> Both blocks guided at x = 0, the lower one at y = 0, too.
    function symmetric_supports() result(supports)

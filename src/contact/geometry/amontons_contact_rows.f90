@@ -2,8 +2,9 @@
 !> of a contact point.
 !>
 !> The normal displacement of a point is a sum of scalar products of nodal displacements with `part`, a normal times
-!> the share of the node; the tangential one the same sum with the parts turned by a right angle. A node that is a
-!> contact point itself has one part, its normal; a cell of constant multipliers has one for each node of its sides.
+!> the share of the node; the tangential one the same sum with the parts turned by a right angle, unless it has shares
+!> of its own. A node that is a contact point itself has one part, its normal; a cell of constant multipliers has one
+!> for each node of its sides.
 module amontons_contact_rows
    use amontons_kinds, only: dp
    use amontons_point_ranges, only: picked_places, picked_start
@@ -17,8 +18,12 @@ module amontons_contact_rows
       integer, allocatable :: start(:) !! first part of each point, and one beyond the last (m + 1)
       integer, allocatable :: node(:) !! node of each part (parts)
       real(dp), allocatable :: part(:, :) !! normal times share of the node (2, parts) [-]
+      real(dp), allocatable :: tangent(:, :)
+         !! tangent times share of the node in the tangential displacement; not allocated where shares are the same
+         !! (2, parts) [-]
    contains
       procedure :: add => contact_rows_add
+      procedure :: along => contact_rows_along
       procedure :: picked => contact_rows_picked
       procedure :: merge_nodes => contact_rows_merge_nodes
       procedure :: displacement => contact_rows_displacement
@@ -35,11 +40,36 @@ contains
       turned = [-vector(2), vector(1)]
    end function turned
 
+   !> The part in the tangential displacement [-].
+   pure function contact_rows_along(self, i) result(along)
+      class(contact_rows_t), intent(in) :: self !! the rows
+      integer, intent(in) :: i !! number of the part
+      real(dp) :: along(2)
+
+      if (allocated(self%tangent)) then
+         along = self%tangent(:, i)
+      else
+         along = turned(self%part(:, i))
+      end if
+   end function contact_rows_along
+
    !> Adds the points of other rows behind those that are there.
    pure subroutine contact_rows_add(self, others)
       class(contact_rows_t), intent(inout) :: self !! the rows
       type(contact_rows_t), intent(in) :: others !! the rows to add
+      real(dp) :: tangent(2, size(self%node) + size(others%node))
+      integer :: i, n
 
+      n = size(self%node)
+      if (allocated(self%tangent) .or. allocated(others%tangent)) then
+         do i = 1, n
+            tangent(:, i) = self%along(i)
+         end do
+         do i = 1, size(others%node)
+            tangent(:, n + i) = others%along(i)
+         end do
+         self%tangent = tangent
+      end if
       self%start = [self%start, size(self%node) + others%start(2:)]
       self%node = [self%node, others%node]
       self%part = reshape([self%part, others%part], [2, size(self%node)])
@@ -56,11 +86,12 @@ contains
       picked%start = picked_start(self%start, points)
       picked%node = self%node(places)
       picked%part = self%part(:, places)
+      if (allocated(self%tangent)) picked%tangent = self%tangent(:, places)
    end function contact_rows_picked
 
    !> Makes one part of all parts that a node has in the displacement of a point, and leaves out those of 0.
    pure subroutine contact_rows_merge_nodes(self)
-      class(contact_rows_t), intent(inout) :: self !! the rows
+      class(contact_rows_t), intent(inout) :: self !! the rows, without tangents of their own
       integer :: p, i, k, n, first
 
       n = 0
@@ -97,7 +128,7 @@ contains
          do i = self%start(p), self%start(p + 1) - 1
             associate (u => field(:, self%node(i)))
                displacement(p) = displacement(p) + dot_product(self%part(:, i), u)
-               displacement(p + m) = displacement(p + m) + dot_product(turned(self%part(:, i)), u)
+               displacement(p + m) = displacement(p + m) + dot_product(self%along(i), u)
             end associate
          end do
       end do
@@ -116,7 +147,7 @@ contains
       do p = 1, m
          do i = self%start(p), self%start(p + 1) - 1
             associate (on_node => forces(:, self%node(i)))
-               on_node = on_node - force(p)*self%part(:, i) - force(p + m)*turned(self%part(:, i))
+               on_node = on_node - force(p)*self%part(:, i) - force(p + m)*self%along(i)
             end associate
          end do
       end do

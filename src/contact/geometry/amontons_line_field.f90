@@ -14,9 +14,17 @@ module amontons_line_field
       character(:), allocatable :: file !! the file of the table; empty or not allocated without one
    contains
       procedure :: at => line_field_at
+      procedure :: vanishes => line_field_vanishes
    end type line_field_t
 
 contains
+
+   !> Whether the quantity is 0 everywhere.
+   pure logical function line_field_vanishes(self) result(vanishes)
+      class(line_field_t), intent(in) :: self !! the quantity
+
+      vanishes = .not. (abs(self%value) > 0.0_dp .or. any(abs(self%slope) > 0.0_dp) .or. allocated(self%table))
+   end function line_field_vanishes
 
    !> The quantity at a point of the line; a table is interpolated, and constant beyond its ends.
    pure real(dp) function line_field_at(self, position, arc_length) result(value)

@@ -5,17 +5,18 @@ module amontons_mortar_pair
    use amontons_constraints, only: constraints_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
+   use amontons_listing_text, only: short_text
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_mortar_points, only: cell_pieces, corner_pieces, integrate_pieces, mortar_piece_t, mortar_points_t
-   use amontons_mortar_segments, only: find_segments, meet_master, mortar_segment_t
-   use amontons_pairing, only: pairing_t, tie_t
-   use amontons_surface, only: new_surface, surface_t
-   use amontons_text, only: to_text
+   use amontons_mortar_points, only: cell_pieces, corner_pieces, integrate_pieces, mortar_piece_t, mortar_points_t, &
+      place_on
+   use amontons_mortar_segments, only: find_segments, meet_side, mortar_segment_t
+   use amontons_pairing, only: pairing_t
+   use amontons_surface, only: new_surface, surface_place_t, surface_t
    implicit none (type, external)
    private
 
-   public :: check_overlap, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair, new_tied_pairs
+   public :: integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
 
    !> Points of the quadrature on a segment: exact for straight sides, and rounding is all that is left of the normals'
    !> curvature.
@@ -31,16 +32,18 @@ module amontons_mortar_pair
       real(dp) :: search = 0.0_dp !! how far gaps may reach, either way [L]
       integer, allocatable :: node(:) !! the slave's corners that are points, in the order of the line (n)
       integer, allocatable :: next(:) !! the point that follows along the line, 0 for none (n)
+      real(dp), allocatable :: covered_share(:)
+         !! share of the side that follows a corner that faces the master; not allocated with cells (n) [-]
       logical, allocatable :: is_tangent_fixed(:) !! whether a support bears the shear of a point (n)
       integer, allocatable :: held_node(:) !! corners that are no points since supports hold them
       integer, allocatable :: shared_node(:) !! corners that are no points since they belong to an earlier set
+      integer, allocatable :: joined_node(:) !! corners that are no points since they are nodes of the master, too
       integer, allocatable :: open_node(:) !! corners that face nothing
       integer, allocatable :: point_of(:, :) !! the point that each corner of each side is, 0 for none (2, sides)
       type(mortar_segment_t), allocatable :: cells(:)
          !! parts of the slave's sides in cells of constant multipliers, and in the place of the master the point that
          !! the cell is, 0 for none; not allocated where the points are corners
       real(dp), allocatable :: normal(:, :) !! unit normal of each point (2, n) [-]
-      integer :: n_held_cells = 0 !! number of cells that are no points since supports hold all their nodes
       integer :: sliver_side = 0 !! a side that faces so little of the master that it is left out, 0 for none
       real(dp) :: sliver_share = 0.0_dp !! what it faces, as a share of the side [-]
    contains
@@ -67,7 +70,8 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       logical, intent(in) :: is_taken(:) !! whether a node carries multipliers of an earlier set (nodes)
       type(error_t), allocatable, intent(out) :: error
-         !! a missing set, bodies that are joined, corners in the slave, or sets that do not face each other
+         !! a missing set, bodies that are joined, corners in the slave, sets that do not face each other, or normals
+         !! that cross before they meet the master
       type(boundary_line_t) :: master_line
       character(:), allocatable :: against
 
@@ -100,31 +104,10 @@ contains
          call explain_distance(pair, set, against, error)
          return
       end if
-      call pair%number_points(constraints, is_taken, master_line, mesh%n_nodes)
+      call check_rays(pair, set, against, error)
+      if (allocated(error)) return
+      call pair%number_points(constraints, is_taken, master_line, mesh%n_nodes, pairing%is_tied)
    end subroutine new_mortar_pair
-
-   !> Finds where the bonded boundary sets face each other.
-   subroutine new_tied_pairs(pairs, is_taken, ties, mesh, materials, constraints, error)
-      type(mortar_pair_t), allocatable, intent(out) :: pairs(:) !! the pair of each tie
-      logical, intent(inout) :: is_taken(:) !! whether a node belongs to a slave; gains those of the ties (nodes)
-      type(tie_t), intent(in) :: ties(:) !! the ties
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
-      type(constraints_t), intent(in) :: constraints !! the supports
-      type(error_t), allocatable, intent(out) :: error !! as of `new_mortar_pair`
-      type(pairing_t) :: pairing
-      integer :: i
-
-      allocate (pairs(size(ties)))
-      do i = 1, size(ties)
-         pairing%against = ties(i)%to
-         pairing%search = ties(i)%search
-         call new_mortar_pair(pairs(i), ties(i)%set, pairing, mesh, materials, constraints, is_taken, error)
-         if (allocated(error)) error%message = ties(i)%origin//error%message
-         if (allocated(error)) return
-         is_taken(pairs(i)%line%node) = .true.
-      end do
-   end subroutine new_tied_pairs
 
    !> Refuses bodies that are joined where they should meet; at an end of the slave they may be, as at a crack's tip.
    pure subroutine check_joints(line, master_line, set, against, mesh, error)
@@ -163,6 +146,38 @@ contains
       if (pair%sliver_side > 0) pair%sliver_share = share(pair%sliver_side)
    end subroutine drop_slivers
 
+   !> Refuses a slave whose normals cross before they meet the master, as those of a hollow do beyond its center of
+   !> curvature: several places would then be opposite one and the same. Feet on the master go along with the slave
+   !> where no normals have crossed.
+   pure subroutine check_rays(pair, set, against, error)
+      type(mortar_pair_t), intent(in) :: pair !! the pair, with its segments
+      character(*), intent(in) :: set !! name of the slave's set
+      character(*), intent(in) :: against !! name of the master's set
+      type(error_t), allocatable, intent(out) :: error !! they do
+      ! What rounding leaves of a way of 0, over that on the slave.
+      real(dp), parameter :: rounding = 1.0e-6_dp
+      type(surface_place_t) :: place(2), foot
+      real(dp) :: feet(2, 2), way(2)
+      integer :: i, k
+
+      do i = 1, size(pair%segments)
+         associate (segment => pair%segments(i))
+            do k = 1, 2
+               place(k) = pair%slave%place(segment%slave, segment%range(k))
+               foot = pair%master%place(segment%master, place_on(meet_side(pair%master%corner(:, :, segment%master), &
+                  place(k)%position, place(k)%normal/norm2(place(k)%normal))))
+               feet(:, k) = foot%position
+            end do
+            way = place(2)%position - place(1)%position
+            if (dot_product(feet(:, 2) - feet(:, 1), way) > -rounding*sum(way**2)) cycle
+            call new_error(error, input_refused, "normals of '"//set//"' cross before they meet '"//against// &
+               "', as at "//place_text(place(1)%position)// &
+               ': the gap is larger than the radius of the hollow; exchange the sets, or give a smaller search')
+            return
+         end associate
+      end do
+   end subroutine check_rays
+
    !> Says why two sets do not face each other.
    pure subroutine explain_distance(pair, set, against, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair, without segments
@@ -190,18 +205,19 @@ contains
             "', or those of '"//against//"' away from '"//set//"': both sets face the same way")
       else
          call new_error(error, input_refused, "the sets '"//set//"' and '"//against//"' do not face each other: no "// &
-            "normal of '"//set//"' meets '"//against//"' within search = "//to_text(pair%search)// &
-            '; the smallest distance is '//to_text(least))
+            "normal of '"//set//"' meets '"//against//"' within search = "//short_text(pair%search)// &
+            '; the smallest distance is '//short_text(least))
       end if
    end subroutine explain_distance
 
    !> Chooses the corners that are points.
-   pure subroutine mortar_pair_number_points(self, constraints, is_taken, master_line, n_nodes)
+   pure subroutine mortar_pair_number_points(self, constraints, is_taken, master_line, n_nodes, is_tied)
       class(mortar_pair_t), intent(inout) :: self !! the pair, with its segments
       type(constraints_t), intent(in) :: constraints !! the supports
       logical, intent(in) :: is_taken(:) !! whether a node carries multipliers of an earlier set (nodes)
       type(boundary_line_t), intent(in) :: master_line !! the master's line
       integer, intent(in) :: n_nodes !! number of nodes of the mesh
+      logical, intent(in) :: is_tied !! whether the surfaces are bonded: a point may then move along its tangent alone
       real(dp) :: normal(2, n_nodes)
       logical :: is_corner(n_nodes), faces(n_nodes)
       integer, allocatable :: facing(:)
@@ -217,13 +233,15 @@ contains
          faces(self%slave%side(:2, self%segments(i)%slave)) = .true.
       end do
       self%open_node = pack(self%line%node, is_corner(self%line%node) .and. .not. faces(self%line%node))
-      allocate (self%held_node(0), self%shared_node(0), self%node(0), self%is_tangent_fixed(0))
+      allocate (self%held_node(0), self%shared_node(0), self%joined_node(0), self%node(0), self%is_tangent_fixed(0))
       facing = pack(self%line%node, faces(self%line%node))
       do i = 1, size(facing)
          associate (node => facing(i))
-            if (is_taken(node) .or. any(master_line%node == node)) then
+            if (is_taken(node)) then
                self%shared_node = [self%shared_node, node]
-            else if (.not. constraints%leaves_free(node, normal(:, node))) then
+            else if (any(master_line%node == node)) then
+               self%joined_node = [self%joined_node, node]
+            else if (.not. may_move(constraints, node, normal(:, node), is_tied)) then
                self%held_node = [self%held_node, node]
             else
                self%node = [self%node, node]
@@ -235,7 +253,19 @@ contains
       call link_points(self, n_nodes)
    end subroutine mortar_pair_number_points
 
-   !> Notes which corners of the sides are points, and which point follows each.
+   !> Whether supports leave a corner a motion that the multipliers of a pair act on.
+   pure logical function may_move(constraints, node, normal, is_tied)
+      type(constraints_t), intent(in) :: constraints !! the supports
+      integer, intent(in) :: node !! the corner
+      real(dp), intent(in) :: normal(2) !! its normal [-]
+      logical, intent(in) :: is_tied !! whether the surfaces are bonded
+
+      may_move = constraints%leaves_free(node, normal)
+      if (is_tied) may_move = any(constraints%is_free(:, node))
+   end function may_move
+
+   !> Notes which corners of the sides are points, which point follows each, and how much of the side between them faces
+   !> the master.
    pure subroutine link_points(pair, n_nodes)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
       integer, intent(in) :: n_nodes !! number of nodes of the mesh
@@ -249,25 +279,14 @@ contains
          pair%point_of(:, i) = point(pair%slave%side(:2, i))
          if (pair%point_of(1, i) > 0) pair%next(pair%point_of(1, i)) = pair%point_of(2, i)
       end do
+      allocate (pair%covered_share(size(pair%node)), source=0.0_dp)
+      do i = 1, size(pair%segments)
+         associate (segment => pair%segments(i), at => pair%point_of(1, pair%segments(i)%slave))
+            if (at > 0) pair%covered_share(at) = pair%covered_share(at) &
+               + 0.5_dp*(segment%range(2) - segment%range(1))
+         end associate
+      end do
    end subroutine link_points
-
-   !> Refuses meshes that overlap by more than half of a side.
-   pure subroutine check_overlap(pair, points, set, pairing, error)
-      type(mortar_pair_t), intent(in) :: pair !! the pair
-      type(mortar_points_t), intent(in) :: points !! its integrals
-      character(*), intent(in) :: set !! name of the slave's set
-      type(pairing_t), intent(in) :: pairing !! the master
-      type(error_t), allocatable, intent(out) :: error !! they do
-      integer :: q
-
-      if (size(points%quadrature%gap) == 0) return
-      q = minloc(points%quadrature%gap, dim=1)
-      if (points%quadrature%gap(q) >= -0.5_dp*pair%slave%longest) return
-      call new_error(error, input_refused, "'"//set//"' and '"//pairing%against//"' overlap by up to "// &
-         to_text(-points%quadrature%gap(q))//' before any load (side at '// &
-         place_text(points%quadrature%position(:, q))//'), more than half a side: give extra_gap for an '// &
-         "interference, or gap = 'touching'")
-   end subroutine check_overlap
 
    !> Integrates over the points of a pair.
    pure subroutine integrate_pair(points, pair, segments, n_points)
@@ -280,7 +299,7 @@ contains
       if (allocated(pair%cells)) then
          call cell_pieces(pieces, segments, pair%cells)
       else
-         call corner_pieces(pieces, segments, pair%point_of, pair%slave, n_points)
+         call corner_pieces(pieces, segments, pair%point_of, pair%is_tangent_fixed, pair%slave, n_points)
       end if
       call integrate_pieces(points, pieces, size(pair%normal, 2), pair%slave, pair%master, n_points)
       call points%set_normals(pair%normal)
@@ -291,7 +310,7 @@ contains
       real(dp), intent(in) :: position(2) !! the coordinates [L]
       character(:), allocatable :: text
 
-      text = to_text(position(1))//', '//to_text(position(2))
+      text = short_text(position(1))//', '//short_text(position(2))
    end function place_text
 
 end module amontons_mortar_pair

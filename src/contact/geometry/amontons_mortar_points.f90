@@ -8,17 +8,20 @@
 !>
 !> On each side the functions are dual to the hats of its corners over the part that faces the master: the integral of
 !> psi_p times the hat of q is 0 for q other than p (B. Wohlmuth, SIAM J. Numer. Anal. 38, 2000). Constant multipliers
-!> are 1 on their cell.
+!> are 1 on their cell. A corner that a support guides has no multiplier along its tangent. There the tangential
+!> function of its neighbor on the side is 1, so that constant shear stays among the multipliers; D_p of the tangent is
+!> then another one than that of the normal.
 module amontons_mortar_points
    use amontons_contact_quadrature, only: contact_quadrature_t
-   use amontons_contact_rows, only: contact_rows_t
+   use amontons_contact_rows, only: contact_rows_t, turned
    use amontons_kinds, only: dp
    use amontons_mortar_segments, only: meet_side, mortar_segment_t
    use amontons_surface, only: surface_place_t, surface_t
    implicit none (type, external)
    private
 
-   public :: cell_pieces, corner_pieces, gauss_rule, gauss_rule_t, integrate_pieces, mortar_piece_t, mortar_points_t
+   public :: cell_pieces, corner_pieces, gauss_rule, gauss_rule_t, integrate_pieces, mortar_piece_t, mortar_points_t, &
+      place_on
 
    !> A quadrature of -1 to 1.
    type :: gauss_rule_t
@@ -32,18 +35,21 @@ module amontons_mortar_points
       type(mortar_segment_t) :: segment !! the part
       integer :: point(2) = 0 !! the points, 0 for none
       real(dp) :: psi(2, 2) = 0.0_dp !! hats that make up the multiplier's function of each point (point, corner) [-]
+      real(dp) :: shear(2, 2) = 0.0_dp !! the same of its tangential function [-]
       real(dp) :: hat(2, 2) = 0.0_dp !! the same of the function that gaps and friction are averaged with [-]
    end type mortar_piece_t
 
    !> Integrals of the points of a pair.
    type :: mortar_points_t
       real(dp), allocatable :: area(:) !! D_p (n) [L^2]
+      real(dp), allocatable :: shear_area(:) !! the same of the tangential functions (n) [L^2]
       real(dp), allocatable :: length(:) !! tributary length: the integral of the averaging function (n) [L]
       real(dp), allocatable :: center(:, :) !! mean position on the slave (2, n) [L]
       real(dp), allocatable :: foot(:, :) !! mean position on the master (2, n) [L]
       real(dp), allocatable :: outward(:, :) !! mean normal of the slave, not of length 1 (2, n) [-]
       real(dp), allocatable :: normal(:, :) !! unit normal of each point, after `set_normals` (2, n) [-]
-      type(contact_rows_t) :: rows !! shares of the nodes in w, with the normal (1, 0) until `set_normals`
+      type(contact_rows_t) :: rows
+         !! shares of the nodes in w; until `set_normals` its parts are the shares in the normal and the tangential one
       type(contact_quadrature_t) :: quadrature !! the quadrature points, with their gaps
    contains
       procedure :: set_normals => mortar_points_set_normals
@@ -90,14 +96,15 @@ contains
 
    !> Gives the segments the dual functions of the corners that are points. Where one corner of a side is none, the
    !> other one's function is 1, so that constants stay among the multipliers.
-   pure subroutine corner_pieces(pieces, segments, point_of, slave, n_points)
+   pure subroutine corner_pieces(pieces, segments, point_of, is_guided, slave, n_points)
       type(mortar_piece_t), allocatable, intent(out) :: pieces(:) !! the pieces
       type(mortar_segment_t), intent(in) :: segments(:) !! the segments, side by side
       integer, intent(in) :: point_of(:, :) !! point of each corner of each side of the slave, 0 for none (2, sides)
+      logical, intent(in) :: is_guided(:) !! whether a support bears the shear of a point (n)
       type(surface_t), intent(in) :: slave !! the slave
       integer, intent(in) :: n_points !! number of points of the quadrature
       type(mortar_piece_t) :: piece
-      integer :: first, last, i
+      integer :: first, last, i, k
 
       allocate (pieces(size(segments)))
       first = 1
@@ -110,9 +117,14 @@ contains
          piece%point = point_of(:, segments(first)%slave)
          if (all(piece%point > 0)) then
             piece%psi = dual_functions(segments(first:last), slave, n_points)
+            piece%shear = piece%psi
             piece%hat = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
+            do k = 1, 2
+               if (is_guided(piece%point(3 - k)) .and. .not. is_guided(piece%point(k))) piece%shear(k, :) = 1.0_dp
+            end do
          else
             piece%psi = 1.0_dp
+            piece%shear = 1.0_dp
             piece%hat = 1.0_dp
          end if
          do i = first, last
@@ -135,6 +147,7 @@ contains
 
       allocate (pieces(0))
       piece%psi = 1.0_dp
+      piece%shear = 1.0_dp
       piece%hat = 1.0_dp
       do k = 1, size(cells)
          do i = 1, size(segments)
@@ -233,7 +246,8 @@ contains
             points%quadrature%share(first:last) = points%quadrature%share(first:last)/hat_area(p)
          end associate
          associate (first => points%rows%start(p), last => points%rows%start(p + 1) - 1)
-            points%rows%part(:, first:last) = points%rows%part(:, first:last)/points%area(p)
+            points%rows%part(1, first:last) = points%rows%part(1, first:last)/points%area(p)
+            points%rows%part(2, first:last) = points%rows%part(2, first:last)/points%shear_area(p)
          end associate
       end do
       call points%rows%merge_nodes()
@@ -247,8 +261,8 @@ contains
       integer :: i, n
 
       n = size(n_pieces)
-      allocate (points%area(n), points%length(n), points%center(2, n), points%foot(2, n), points%outward(2, n), &
-         source=0.0_dp)
+      allocate (points%area(n), points%shear_area(n), points%length(n), points%center(2, n), points%foot(2, n), &
+         points%outward(2, n), source=0.0_dp)
       associate (rows => points%rows, quadrature => points%quadrature)
          allocate (rows%start(n + 1), quadrature%start(n + 1), source=1)
          do i = 1, n
@@ -275,7 +289,7 @@ contains
       type(surface_t), intent(in) :: master !! the master
       type(gauss_rule_t), intent(in) :: rule !! the quadrature
       type(surface_place_t) :: place, foot
-      real(dp) :: at, area, psi, hat, normal(2)
+      real(dp) :: at, area, psi(2), hat, normal(2)
       integer :: first_node, i, j, p, q
 
       p = piece%point(k)
@@ -292,13 +306,14 @@ contains
             foot = master%place(segment%master, place_on(meet_side(master%corner(:, :, segment%master), &
                place%position, normal)))
             area = 0.5_dp*(segment%range(2) - segment%range(1))*rule%weight(i)*norm2(place%along)*place%depth
-            psi = dot_product(piece%psi(k, :), hats(at))
+            psi = [dot_product(piece%psi(k, :), hats(at)), dot_product(piece%shear(k, :), hats(at))]*area
             hat = dot_product(piece%hat(k, :), hats(at))*area
             do j = 1, 3
-               part(1, first_node + j) = part(1, first_node + j) + psi*area*place%values(j)
-               part(1, first_node + 3 + j) = part(1, first_node + 3 + j) - psi*area*foot%values(j)
+               part(:, first_node + j) = part(:, first_node + j) + psi*place%values(j)
+               part(:, first_node + 3 + j) = part(:, first_node + 3 + j) - psi*foot%values(j)
             end do
-            points%area(p) = points%area(p) + psi*area
+            points%area(p) = points%area(p) + psi(1)
+            points%shear_area(p) = points%shear_area(p) + psi(2)
             points%length(p) = points%length(p) + hat/place%depth
             points%center(:, p) = points%center(:, p) + hat*place%position
             points%foot(:, p) = points%foot(:, p) + hat*foot%position
@@ -338,8 +353,10 @@ contains
       integer :: p, i
 
       self%normal = normal
+      allocate (self%rows%tangent(2, size(self%rows%node)))
       do p = 1, size(self%area)
          do i = self%rows%start(p), self%rows%start(p + 1) - 1
+            self%rows%tangent(:, i) = self%rows%part(2, i)*turned(normal(:, p))
             self%rows%part(:, i) = self%rows%part(1, i)*normal(:, p)
          end do
       end do

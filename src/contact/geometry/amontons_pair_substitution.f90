@@ -6,6 +6,7 @@
 !> unknowns, those of a middle node being its deviation from the mean of the corners.
 module amontons_pair_substitution
    use amontons_constraints, only: constraints_t
+   use amontons_contact_rows, only: turned
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points
@@ -164,30 +165,52 @@ contains
       ! What rounding leaves of the products of dual functions with other corners' hats.
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(sum_t) :: row
-      real(dp) :: along(2, 2), free(2, 2), share, own
+      real(dp) :: along(2, 2), free(2, 2), share(2, 2), inverse(2, 2)
       integer :: i, k
 
       do i = points%rows%start(p), points%rows%start(p + 1) - 1
          associate (node => points%rows%node(i))
-            share = dot_product(points%rows%part(:, i), pair%normal(:, p))
-            call row%add(node, share*identity, ends(1, node) > 0)
+            share = axes_sum(pair%normal(:, p), dot_product(points%rows%part(:, i), pair%normal(:, p)), &
+               dot_product(points%rows%tangent(:, i), turned(pair%normal(:, p))))
+            call row%add(node, share, ends(1, node) > 0)
             do k = 1, 2
-               if (ends(k, node) > 0) call row%add(ends(k, node), 0.5_dp*share*identity, .false.)
+               if (ends(k, node) > 0) call row%add(ends(k, node), 0.5_dp*share, .false.)
             end do
          end associate
       end do
-      own = 0.0_dp
+      inverse = 0.0_dp
       do i = 1, size(row%node)
-         if (row%node(i) == pair%node(p)) own = row%block(1, 1, i)
+         if (row%node(i) == pair%node(p)) inverse = inverse_of(row%block(:, :, i), pair%normal(:, p))
       end do
       along = solution_axis(constraints, pair%node(p), pair%normal(:, p), is_tied)
       do i = 1, size(row%node)
-         if (row%node(i) == pair%node(p) .or. abs(row%block(1, 1, i)) <= negligible) cycle
-         call corner%add(row%node(i), -row%block(1, 1, i)/own*along, row%is_own(i))
+         if (row%node(i) == pair%node(p) .or. maxval(abs(row%block(:, :, i))) <= negligible) cycle
+         call corner%add(row%node(i), -matmul(along, matmul(inverse, row%block(:, :, i))), row%is_own(i))
       end do
       free = free_projector(constraints, pair%node(p))
-      call corner%add(pair%node(p), identity - free + merge(0.0_dp, 1.0_dp/own, is_tied)*free, .true.)
+      call corner%add(pair%node(p), identity - free + merge(0.0_dp, 1.0_dp, is_tied)*matmul(free, inverse), .true.)
    end subroutine solve_row
+
+   !> The matrix with a normal and its tangent for axes and given factors along them [-].
+   pure function axes_sum(normal, along_normal, along_tangent) result(matrix)
+      real(dp), intent(in) :: normal(2) !! the normal [-]
+      real(dp), intent(in) :: along_normal !! the factor along it [-]
+      real(dp), intent(in) :: along_tangent !! that along the tangent [-]
+      real(dp) :: matrix(2, 2)
+
+      matrix = along_normal*spread(normal, 2, 2)*spread(normal, 1, 2) &
+         + along_tangent*spread(turned(normal), 2, 2)*spread(turned(normal), 1, 2)
+   end function axes_sum
+
+   !> The inverse of such a matrix [-].
+   pure function inverse_of(matrix, normal) result(inverse)
+      real(dp), intent(in) :: matrix(2, 2) !! the matrix
+      real(dp), intent(in) :: normal(2) !! the normal [-]
+      real(dp) :: inverse(2, 2)
+
+      inverse = axes_sum(normal, 1.0_dp/dot_product(normal, matmul(matrix, normal)), &
+         1.0_dp/dot_product(turned(normal), matmul(matrix, turned(normal))))
+   end function inverse_of
 
    !> The projector on the directions in which supports leave a node free [-].
    pure function free_projector(constraints, node) result(projector)

@@ -18,6 +18,7 @@ module amontons_pairing
       real(dp) :: search = 0.0_dp
          !! how far the master may be along the slave's normal, either way; 0 for twice the longest side [L]
       character(8) :: gap = 'mesh' !! where gaps come from, one of `gap_names`
+      logical :: is_tied = .false. !! whether the surfaces are bonded
    contains
       procedure :: has_mesh_gap => pairing_has_mesh_gap
       procedure :: is_pair => pairing_is_pair

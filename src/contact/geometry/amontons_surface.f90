@@ -1,8 +1,9 @@
 !> A boundary set as a surface: its sides, straight or curved, and a continuous field of normals on them.
 !>
 !> The normal of a node is the mean of the unit normals of the sides that meet there; between the nodes of a side the
-!> shape functions interpolate. At an end of the set it is the one side's own, without its component along the direction
-!> that a support or the axis of revolution holds there: a plane of symmetry mirrors the surface.
+!> shape functions interpolate. At an end of the set it is the one side's own. On a plane of symmetry, where supports
+!> hold a line of nodes along one direction, and on the axis of revolution it loses its component along this direction:
+!> the plane mirrors the surface.
 module amontons_surface
    use amontons_boundary, only: boundary_line_t
    use amontons_constraints, only: constraints_t
@@ -152,6 +153,7 @@ contains
                is_free = constraints%is_free(:, node)
                if (is_free(1) .neqv. is_free(2)) then
                   held = merge(frame(:, 1), frame(:, 2), is_free(2))
+                  if (.not. is_on_mirror(mesh, constraints, node, held)) cycle
                else if (surface%material(i)%is_axisymmetric .and. .not. abs(mesh%coordinates(1, node)) > 0.0_dp) then
                   held = [1.0_dp, 0.0_dp]
                else
@@ -164,6 +166,32 @@ contains
          end do
       end do
    end subroutine mirror_ends
+
+   !> Whether a node that is held along a direction lies on a plane of symmetry: a node beside it lies there, too, and
+   !> is held likewise.
+   pure logical function is_on_mirror(mesh, constraints, node, held)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(constraints_t), intent(in) :: constraints !! the supports
+      integer, intent(in) :: node !! the node
+      real(dp), intent(in) :: held(2) !! the direction, a unit vector [-]
+      ! What the digits of mesh files leave of a right angle.
+      real(dp), parameter :: rounding = 1.0e-4_dp
+      real(dp) :: way(2)
+      integer :: element, i
+
+      is_on_mirror = .true.
+      do element = 1, mesh%n_elements
+         associate (nodes => mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1))
+            if (all(nodes /= node)) cycle
+            do i = 1, size(nodes)
+               if (nodes(i) == node .or. constraints%leaves_free(nodes(i), held)) cycle
+               way = mesh%coordinates(:, nodes(i)) - mesh%coordinates(:, node)
+               if (abs(dot_product(way, held)) <= rounding*norm2(way)) return
+            end do
+         end associate
+      end do
+      is_on_mirror = .false.
+   end function is_on_mirror
 
    !> Evaluates a side.
    pure type(surface_place_t) function surface_place(self, side, xi) result(place)

@@ -18,7 +18,7 @@ module amontons_body
    use amontons_kinds, only: dp, int64
    use amontons_material, only: material_t, materials_t, new_materials
    use amontons_mesh, only: mesh_t
-   use amontons_mortar_pair, only: mortar_pair_t, new_tied_pairs
+   use amontons_mortar_pair, only: mortar_pair_t
    use amontons_new_cholesky, only: new_condenser
    use amontons_ordering, only: half_bandwidth
    use amontons_pair_check, only: recompute_pairs
@@ -30,6 +30,7 @@ module amontons_body
    use amontons_substitution, only: substitution_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
    use amontons_text, only: to_text
+   use amontons_tied_pairs, only: new_tied_pairs
    use amontons_timings, only: phase_assemble, phase_condense, phase_factorize, timings_t
    implicit none (type, external)
    private

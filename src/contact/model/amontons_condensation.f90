@@ -14,7 +14,6 @@ module amontons_condensation
    use amontons_band_stiffness, only: band_stiffness_t, new_band_stiffness
    use amontons_condenser, only: condenser_t
    use amontons_constraints, only: constraints_t
-   use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dof_map, only: dof_map_t
    use amontons_error, only: error_t, new_error, numerical_failure
@@ -220,7 +219,7 @@ contains
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
             own = dof_map%substitution%element_nodes(zone%rows%node(i:i))
             transform = dof_map%substitution%transform(zone%rows%node(i:i), own)
-            parts = reshape([zone%rows%part(:, i), turned(zone%rows%part(:, i))], [2, 2])
+            parts = reshape([zone%rows%part(:, i), zone%rows%along(i)], [2, 2])
             do k = 1, size(own)
                call add_part(condensation, p, own(k), matmul(transpose(transform(:, 2*k - 1:2*k)), parts), &
                   constraints, dof_map)

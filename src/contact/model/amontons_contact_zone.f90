@@ -13,9 +13,10 @@ module amontons_contact_zone
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mortar_cells, only: choose_cells
-   use amontons_mortar_pair, only: check_overlap, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
+   use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
    use amontons_mortar_points, only: mortar_points_t
    use amontons_obstacle, only: obstacle_names, obstacle_t
+   use amontons_pair_checks, only: check_ends, check_overlap
    use amontons_pairing, only: pairing_t
    implicit none (type, external)
    private
@@ -55,6 +56,9 @@ module amontons_contact_zone
       real(dp), allocatable :: normal(:, :) !! unit normal n towards the obstacle; the tangent is t = (-n_y, n_x) (2, m)
       real(dp), allocatable :: weight(:) !! tributary length, or length of the cell (m) [L]
       real(dp), allocatable :: area(:) !! tributary area, or that of the cell: length times depth of the body (m) [L^2]
+      real(dp), allocatable :: shear_area(:)
+         !! the area that the shear of the point acts on: of a corner of a slave beside one that a support guides it is
+         !! larger, else the same (m) [L^2]
       logical, allocatable :: is_tangent_fixed(:) !! whether a support leaves it one direction and bears the shear (m)
       integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
       integer, allocatable :: shared_node(:) !! corners of two contact sets: they belong to the set named first
@@ -149,7 +153,7 @@ contains
       allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), &
          zone%zero_area_node(0), zone%is_cell(0), zone%is_tangent_fixed(0), zone%position(2, 0), zone%foot(2, 0), &
          zone%normal(2, 0), &
-         zone%weight(0), zone%area(0))
+         zone%weight(0), zone%area(0), zone%shear_area(0))
       allocate (no_rows%start(1), no_quadrature%start(1), source=1)
       allocate (no_rows%node(0), no_rows%part(2, 0), no_quadrature%position(2, 0), no_quadrature%normal(2, 0), &
          no_quadrature%outward(0), no_quadrature%arc_length(0), no_quadrature%gap(0), no_quadrature%share(0))
@@ -179,6 +183,11 @@ contains
       zone%normal = reshape([zone%normal, points%normal], [2, zone%n_points])
       zone%weight = [zone%weight, points%weight]
       zone%area = [zone%area, points%area]
+      if (allocated(points%shear_area)) then
+         zone%shear_area = [zone%shear_area, points%shear_area]
+      else
+         zone%shear_area = [zone%shear_area, points%area]
+      end if
       call zone%rows%add(points%rows)
       call zone%quadrature%add(points%quadrature)
    end subroutine add_points
@@ -308,11 +317,17 @@ contains
       associate (pair => zone%pairs(set))
          call new_mortar_pair(pair, contact%set, contact%pairing, mesh, materials, constraints, is_taken, error)
          if (allocated(error)) return
-         if (contact%partition%is_constant) call choose_cells(pair, contact%set, contact%partition, mesh, materials, &
-            constraints, error)
+         if (contact%partition%is_constant) then
+            call choose_cells(pair, contact%set, contact%pairing%against, contact%partition, mesh, materials, &
+               constraints, error)
+         else
+            call check_ends(pair, contact%set, contact%pairing%against, 'exchange set and against', &
+               .not. (contact%friction%vanishes() .and. contact%slip_bound%vanishes()), constraints, error)
+         end if
          if (allocated(error)) return
          call integrate_pair(integrals, pair, pair%segments, n_quadrature_points)
-         if (contact%pairing%has_mesh_gap()) call check_overlap(pair, integrals, contact%set, contact%pairing, error)
+         if (contact%pairing%has_mesh_gap()) call check_overlap(pair, integrals, contact%set, &
+            contact%pairing%against, error)
          if (allocated(error)) return
          n = size(integrals%area)
          points%next = pair%next
@@ -327,7 +342,6 @@ contains
          end if
          zone%held_node = [zone%held_node, pair%held_node]
          zone%shared_node = [zone%shared_node, pair%shared_node]
-         zone%n_held_cells = zone%n_held_cells + pair%n_held_cells
          is_taken(pair%line%node) = .true.
       end associate
       points%n_points = n
@@ -336,6 +350,7 @@ contains
       points%foot = integrals%foot
       points%weight = integrals%length
       points%area = integrals%area
+      points%shear_area = integrals%shear_area
       points%rows = integrals%rows
       points%quadrature = integrals%quadrature
       call add_points(zone, points)

@@ -201,7 +201,9 @@ contains
                if (.not. is_inside(zone%rows%node(i))) cycle
                motion = motions%displacement(body%mesh%coordinates(:, zone%rows%node(i)))
                associate (normal => part(:, i), given => 3*zone%n_points + p)
-                  shear = merge(0.0_dp, 1.0_dp, zone%is_tangent_fixed(p))*turned(normal)
+                  shear = turned(normal)
+                  if (zone%pairs(zone%set(p))%is_set()) shear = zone%rows%along(i)
+                  if (zone%is_tangent_fixed(p)) shear = 0.0_dp
                   ! A given slip bound holds open points, too.
                   cone(:, given) = cone(:, given) + matmul(shear, motion)
                   if (.not. load_case%is_in_reach(p)) cycle

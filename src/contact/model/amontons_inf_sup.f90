@@ -5,7 +5,6 @@
 !> body's displacements. It depends on mesh, cells and supports alone and lies between 0 and 1.
 module amontons_inf_sup
    use amontons_constraints, only: constraints_t
-   use amontons_contact_rows, only: turned
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: cholesky_factor, cholesky_solve
    use amontons_error, only: error_t
@@ -124,7 +123,7 @@ contains
          if (zone%set(p) /= number) cycle
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
             frame = constraints%frame(zone%rows%node(i))
-            parts = reshape([zone%rows%part(:, i), turned(zone%rows%part(:, i))], [2, 2])
+            parts = reshape([zone%rows%part(:, i), zone%rows%along(i)], [2, 2])
             do k = 1, 2
                row = p + (k - 1)*zone%n_points
                do a = 1, 2

@@ -40,7 +40,8 @@ module amontons_load_case
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle, so that the point can close (m)
       real(dp), allocatable :: cosine(:) !! of the angle between the normal and the way into the obstacle (m) [-]
       real(dp), allocatable :: depth(:) !! how deep a point out of reach lies in the obstacle, 0 for the others (m) [L]
-      real(dp), allocatable :: friction(:) !! Coulomb coefficient phi (m) [-]
+      real(dp), allocatable :: friction(:)
+         !! Coulomb coefficient phi of the forces, that of the stresses where both act on the same area (m) [-]
       real(dp), allocatable :: slip_bound(:) !! given bound g of the tangential force (m) [F]
       type(condensed_load_t) :: condensed !! the condensed load, after `condense_load_case`
    end type load_case_t
@@ -156,9 +157,9 @@ contains
                load_case%cosine(p) = min(load_case%cosine(p), cosine)
                load_case%gap(p) = load_case%gap(p) + share*gap
                load_case%friction(p) = load_case%friction(p) &
-                  + share*contact%friction%at(position, quadrature%arc_length(i))
+                  + share*contact%friction%at(position, quadrature%arc_length(i))*(zone%shear_area(p)/zone%area(p))
                load_case%slip_bound(p) = load_case%slip_bound(p) &
-                  + share*contact%slip_bound%at(position, quadrature%arc_length(i))*zone%area(p)
+                  + share*contact%slip_bound%at(position, quadrature%arc_length(i))*zone%shear_area(p)
             end associate
          end do
       end associate

@@ -1,0 +1,67 @@
+!> The pairs of surfaces that are bonded.
+module amontons_tied_pairs
+   use amontons_constraints, only: constraints_t
+   use amontons_error, only: error_t
+   use amontons_kinds, only: dp
+   use amontons_material, only: materials_t
+   use amontons_mesh, only: mesh_t
+   use amontons_mortar_pair, only: mortar_pair_t, new_mortar_pair
+   use amontons_pair_checks, only: check_ends
+   use amontons_pairing, only: pairing_t, tie_t
+   implicit none (type, external)
+   private
+
+   public :: new_tied_pairs
+
+contains
+
+   !> Finds where the bonded boundary sets face each other.
+   subroutine new_tied_pairs(pairs, is_taken, ties, mesh, materials, constraints, error)
+      type(mortar_pair_t), allocatable, intent(out) :: pairs(:) !! the pair of each tie
+      logical, intent(inout) :: is_taken(:) !! whether a node belongs to a slave; gains those of the ties (nodes)
+      type(tie_t), intent(in) :: ties(:) !! the ties
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(error_t), allocatable, intent(out) :: error !! as of `new_mortar_pair`
+      type(pairing_t) :: pairing
+      integer :: i
+
+      allocate (pairs(size(ties)))
+      pairing%is_tied = .true.
+      do i = 1, size(ties)
+         pairing%against = ties(i)%to
+         pairing%search = ties(i)%search
+         call new_mortar_pair(pairs(i), ties(i)%set, pairing, mesh, materials, constraints, is_taken, error)
+         if (.not. allocated(error)) call follow_guides(pairs(i), constraints)
+         if (.not. allocated(error)) call check_ends(pairs(i), ties(i)%set, ties(i)%to, &
+            'exchange set and to', .true., constraints, error)
+         if (allocated(error)) error%message = ties(i)%origin//error%message
+         if (allocated(error)) return
+         is_taken(pairs(i)%line%node) = .true.
+      end do
+   end subroutine new_tied_pairs
+
+   !> Counts displacements of bonded points that supports guide, and those of their neighbors, along the guide and
+   !> across it, in the place of normal and tangent.
+   pure subroutine follow_guides(pair, constraints)
+      type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
+      type(constraints_t), intent(in) :: constraints !! the supports
+      real(dp) :: frame(2, 2)
+      integer :: p, i, k
+
+      do p = 1, size(pair%node)
+         if (.not. pair%is_tangent_fixed(p)) cycle
+         frame = constraints%frame(pair%node(p))
+         pair%normal(:, p) = merge(frame(:, 1), frame(:, 2), constraints%is_free(1, pair%node(p)))
+         do i = 1, size(pair%point_of, 2)
+            do k = 1, 2
+               if (pair%point_of(k, i) /= p .or. pair%point_of(3 - k, i) == 0) cycle
+               if (.not. pair%is_tangent_fixed(pair%point_of(3 - k, i))) pair%normal(:, pair%point_of(3 - k, i)) = &
+                  pair%normal(:, p)
+            end do
+         end do
+      end do
+   end subroutine follow_guides
+
+end module amontons_tied_pairs
