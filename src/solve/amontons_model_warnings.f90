@@ -6,6 +6,7 @@ module amontons_model_warnings
    use amontons_kinds, only: dp
    use amontons_listing_text, only: short_text
    use amontons_load_case, only: load_case_t
+   use amontons_loads, only: load_on_nodes
    use amontons_pair_warnings, only: add_gap_warnings, add_pair_warnings
    use amontons_sweep, only: quantity_names, sweep_axis_t, sweep_t, swept_friction, swept_friction_factor
    use amontons_text, only: counted, to_text
@@ -68,6 +69,7 @@ contains
       do i = 1, size(body%ties)
          call add_pair_warnings(warnings, body%ties(i))
       end do
+      call add_shared_places(warnings, body, load_case)
    end subroutine add_model_warnings
 
    !> Adds the warnings on the materials of a body.
@@ -83,6 +85,40 @@ contains
       if (any(body%materials%list%has_chosen_b_bar()) .and. all(body%mesh%element_kind /= quad4)) call warnings%add( &
          "formulation = 'b-bar' has no effect: the mesh has no quad4 elements")
    end subroutine add_material_warnings
+
+   !> Warns of supports and loads at points where bodies that are not joined have nodes.
+   pure subroutine add_shared_places(warnings, body, load_case)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case
+      integer :: i
+
+      do i = 1, size(load_case%supports)
+         if (len(load_case%supports(i)%set) == 0) call add_shared_place(warnings, 'support', body%mesh%coordinates, &
+            load_case%supports(i)%point)
+      end do
+      do i = 1, size(load_case%loads)
+         if (load_case%loads(i)%target == load_on_nodes .and. len(load_case%loads(i)%set) == 0) call add_shared_place( &
+            warnings, 'load', body%mesh%coordinates, load_case%loads(i)%point)
+      end do
+   end subroutine add_shared_places
+
+   !> Warns of a support or load at a point where bodies that are not joined both have a node.
+   pure subroutine add_shared_place(warnings, what, coordinates, point)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warning
+      character(*), intent(in) :: what !! support or load
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: point(2) !! the point [L]
+      ! What the digits of mesh files leave of a distance of 0, over the size of the bodies.
+      real(dp), parameter :: rounding = 1.0e-9_dp
+      real(dp) :: reach
+      integer :: n
+
+      reach = rounding*maxval(maxval(coordinates, dim=2) - minval(coordinates, dim=2))
+      n = count(hypot(coordinates(1, :) - point(1), coordinates(2, :) - point(2)) <= reach)
+      if (n > 1) call warnings%add('the '//what//' at the point '//warnings%place(point)//' acts on one node, of '// &
+         to_text(n)//' there that are not joined: the first of the mesh; name a set to choose another one')
+   end subroutine add_shared_place
 
    !> Warns of linear elements that lock: of a standard formulation and nearly incompressible.
    pure subroutine add_locking(warnings, body)

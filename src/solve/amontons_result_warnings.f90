@@ -109,9 +109,9 @@ contains
             if (.not. any(zone%set == set .and. status /= open_point) .or. .not. zone%pairs(set)%is_set()) cycle
             p = maxloc(slip, dim=1, mask=zone%set == set .and. status /= open_point)
             if (.not. slip(p) > far*zone%pairs(set)%slave%longest) cycle
-            call warnings%add(zone%pairs(set)%label//': slip of '//short_text(slip(p))//' at '// &
-               pair_text(zone%position(:, p))//', more than half a side of the slave: the sides that face each '// &
-               'other are those of the undeformed bodies and do not follow')
+            call warnings%add(zone%pairs(set)%label//': slip of '//warnings%number(slip(p), 'L')//' at '// &
+               warnings%place(zone%position(:, p))//', more than half a side of the slave: the sides that face '// &
+               'each other are those of the undeformed bodies and do not follow')
          end do
       end associate
    end subroutine add_far_slips

@@ -157,6 +157,13 @@ class Pairs(ProgramTest):
                          "slave: the sides that face each other are those of the undeformed bodies and do not follow\n")
         self.run_program("--verify", ".")
 
+    def test_points_where_both_bodies_have_a_node_are_warned_about(self):
+        run = self.run_program(self.write("case.nml", BODIES + CONTACT + "&load point = 1.0, 0.0  force = 0.0, -0.1 /\n"
+                                          "&support point = 3.0, 0.0  uy = 0.0 /\n"))
+        for what, place in (("load", "1.0"), ("support", "3.0")):
+            self.assertRegex(run.stdout, rf"warning: the {what} at the point \({place}, 0.0\).* acts on one node, of 2 "
+                             "there that are not joined: the first of the mesh; name a set to choose another one\n")
+
     def test_band_matrix_gives_the_same(self):
         forces = [self.solve(BODIES.replace("uy = 0.0 /", "uy = 0.0 /", 1) + CONTACT
                              + f"&solver condensation = '{form}' /\n").forces for form in ("dense", "band")]
@@ -196,6 +203,28 @@ class Pairs(ProgramTest):
         self.run_program("--quiet", self.write("case.nml", deck))
         self.assert_close(self.result("case").forces, self.solve(BODIES + CONTACT, name="single").forces, 1e-9)
         self.assertIn("slip_accumulated", self.rows()[0])
+
+    def test_reduced_problem_has_the_solution_of_its_deck(self):
+        held = BODIES.replace("'a.left'  ux = 0.0", "'a.left'  ux = 0.0  uy = 0.0")
+        for kind in ("mortar", "constant"):
+            self.run_program("--quiet", "--write-reduced", self.write(
+                "case.nml", held + CONTACT.replace(" /", f"  multipliers = '{kind}' /")))
+            deck = self.result("case")
+            self.run_program("--quiet", "--output", "reduced", "--reduced", "case.reduced.dat")
+            with open(self.directory / "reduced" / "case.reduced.contact.csv", newline="", encoding="utf-8") as table:
+                rows = list(csv.DictReader(table))
+            # Shear is counted the other way there. Both are solved to 1e-10 of the largest force.
+            for column, sign in (("normal_force", 1), ("tangential_force", -1), ("slip", 1), ("gap", 1)):
+                self.assert_close([sign*float(row[column]) for row in rows], deck[column], 1e-9)
+
+    def test_history_of_constant_multipliers(self):
+        deck = BODIES + CONTACT.replace(" /", "  multipliers = 'constant' /")
+        history = "&history times = {}  substeps = {} /\n&steps load = 'push'  factor = {} /\n"
+        self.run_program("--quiet", self.write("case.nml", deck + history.format("0.0, 1.0", 1, "0.0, 1.0")))
+        self.assert_close(self.result("case").forces, self.solve(deck, name="single").forces, 1e-9)
+        self.run_program("--quiet", self.write("case.nml", deck + history.format(
+            "0.0, 1.0, 2.0, 3.0", 4, "0.0, 1.0, 0.3, 0.9")))
+        self.run_program("--verify", ".")
 
     def test_decks_that_agree_in_the_pairing_share_the_factorization(self):
         names = [self.write(f"{name}.nml", BODIES + CONTACT.replace("0.2", friction) + more)

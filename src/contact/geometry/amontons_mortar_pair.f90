@@ -35,6 +35,8 @@ module amontons_mortar_pair
       real(dp), allocatable :: covered_share(:)
          !! share of the side that follows a corner that faces the master; not allocated with cells (n) [-]
       logical, allocatable :: is_tangent_fixed(:) !! whether a support bears the shear of a point (n)
+      logical, allocatable :: gives_shear(:)
+         !! whether the shear at such a point, which is none of symmetry, is that of its neighbors' multipliers (n)
       integer, allocatable :: held_node(:) !! corners that are no points since supports hold them
       integer, allocatable :: shared_node(:) !! corners that are no points since they belong to an earlier set
       integer, allocatable :: joined_node(:) !! corners that are no points since they are nodes of the master, too
@@ -250,6 +252,8 @@ contains
          end associate
       end do
       self%normal = normal(:, self%node)
+      self%gives_shear = self%is_tangent_fixed .and. [(is_tied .or. all(self%slave%mirrored_node /= self%node(i)), &
+         i=1, size(self%node))]
       call link_points(self, n_nodes)
    end subroutine mortar_pair_number_points
 
@@ -299,7 +303,7 @@ contains
       if (allocated(pair%cells)) then
          call cell_pieces(pieces, segments, pair%cells)
       else
-         call corner_pieces(pieces, segments, pair%point_of, pair%is_tangent_fixed, pair%slave, n_points)
+         call corner_pieces(pieces, segments, pair%point_of, pair%gives_shear, pair%slave, n_points)
       end if
       call integrate_pieces(points, pieces, size(pair%normal, 2), pair%slave, pair%master, n_points)
       call points%set_normals(pair%normal)

@@ -8,9 +8,9 @@
 !>
 !> On each side the functions are dual to the hats of its corners over the part that faces the master: the integral of
 !> psi_p times the hat of q is 0 for q other than p (B. Wohlmuth, SIAM J. Numer. Anal. 38, 2000). Constant multipliers
-!> are 1 on their cell. A corner that a support guides has no multiplier along its tangent. There the tangential
-!> function of its neighbor on the side is 1, so that constant shear stays among the multipliers; D_p of the tangent is
-!> then another one than that of the normal.
+!> are 1 on their cell. A corner that a support guides has no multiplier along its tangent. There, but for a plane of
+!> symmetry, the tangential function of its neighbor on the side is 1, so that constant shear stays among the
+!> multipliers; D_p of the tangent is then another one than that of the normal.
 module amontons_mortar_points
    use amontons_contact_quadrature, only: contact_quadrature_t
    use amontons_contact_rows, only: contact_rows_t, turned
@@ -96,11 +96,11 @@ contains
 
    !> Gives the segments the dual functions of the corners that are points. Where one corner of a side is none, the
    !> other one's function is 1, so that constants stay among the multipliers.
-   pure subroutine corner_pieces(pieces, segments, point_of, is_guided, slave, n_points)
+   pure subroutine corner_pieces(pieces, segments, point_of, gives_shear, slave, n_points)
       type(mortar_piece_t), allocatable, intent(out) :: pieces(:) !! the pieces
       type(mortar_segment_t), intent(in) :: segments(:) !! the segments, side by side
       integer, intent(in) :: point_of(:, :) !! point of each corner of each side of the slave, 0 for none (2, sides)
-      logical, intent(in) :: is_guided(:) !! whether a support bears the shear of a point (n)
+      logical, intent(in) :: gives_shear(:) !! whether a point has no shear of its own, and its neighbors take it (n)
       type(surface_t), intent(in) :: slave !! the slave
       integer, intent(in) :: n_points !! number of points of the quadrature
       type(mortar_piece_t) :: piece
@@ -120,7 +120,7 @@ contains
             piece%shear = piece%psi
             piece%hat = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
             do k = 1, 2
-               if (is_guided(piece%point(3 - k)) .and. .not. is_guided(piece%point(k))) piece%shear(k, :) = 1.0_dp
+               if (gives_shear(piece%point(3 - k)) .and. .not. gives_shear(piece%point(k))) piece%shear(k, :) = 1.0_dp
             end do
          else
             piece%psi = 1.0_dp

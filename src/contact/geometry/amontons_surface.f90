@@ -29,6 +29,7 @@ module amontons_surface
       real(dp), allocatable :: arc_length(:)
          !! length along the line where each side begins, chord by chord (n_sides) [L]
       type(material_t), allocatable :: material(:) !! the material behind each side, for the depth (n_sides)
+      integer, allocatable :: mirrored_node(:) !! ends that lie on a plane of symmetry, where shear vanishes
       real(dp) :: longest = 0.0_dp !! longest chord of a side [L]
       integer :: corner_node = 0 !! a node where sides meet at so sharp an angle that it has no mean normal; 0 for none
    contains
@@ -145,6 +146,7 @@ contains
       real(dp) :: held(2), frame(2, 2)
       integer :: i, k
 
+      allocate (surface%mirrored_node(0))
       do i = 1, surface%n_sides
          do k = 1, 2
             associate (node => surface%side(k, i), normal => surface%normal(:, k, i))
@@ -162,6 +164,7 @@ contains
                if (abs(dot_product(held, normal)) > most) cycle
                normal = normal - dot_product(held, normal)*held
                normal = normal/norm2(normal)
+               surface%mirrored_node = [surface%mirrored_node, node]
             end associate
          end do
       end do

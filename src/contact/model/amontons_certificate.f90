@@ -4,6 +4,7 @@ module amontons_certificate
    use amontons_assembly, only: spring_forces, strained_share, thermal_work, uncancelled_forces
    use amontons_body, only: body_t
    use amontons_constraints, only: constraints_t
+   use amontons_contact_rows, only: contact_rows_t, turned
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_quantity, only: quantity_t
@@ -216,6 +217,7 @@ contains
       real(dp), intent(in) :: contact(:, :) !! nodal contact forces (2, n_nodes) [F]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (2m) [F]
       real(dp), allocatable :: on_nodes(:, :)
+      type(contact_rows_t) :: lever
       real(dp) :: of_pairs(size(force)), jump(size(force)), norm, moment
       logical :: is_paired(body%zone%n_points)
       integer :: m
@@ -231,12 +233,28 @@ contains
       certificate%pair_force = relative(norm2(sum(on_nodes, dim=2)), norm)
       if (body%is_axisymmetric) return
       associate (x => body%mesh%coordinates)
-         jump = body%checked_rows%displacement(x)
+         lever = lever_rows(body%checked_rows)
+         jump = lever%displacement(x)
          moment = sum(x(1, :)*on_nodes(2, :) - x(2, :)*on_nodes(1, :)) &
             + sum(jump(:m)*of_pairs(m + 1:) - jump(m + 1:)*of_pairs(:m))
          certificate%pair_moment = relative(abs(moment), norm*0.5_dp*maxval(maxval(x, dim=2) - minval(x, dim=2)))
       end associate
    end subroutine check_pairs
+
+   !> Rows of the mean distances that tangential and normal forces of pairs have a moment about: along the normal with
+   !> the shares of the tangential row, along the tangent with those of the normal one.
+   pure function lever_rows(rows) result(lever)
+      type(contact_rows_t), intent(in) :: rows !! the rows
+      type(contact_rows_t) :: lever
+      integer :: i
+
+      lever = rows
+      lever%tangent = rows%part
+      do i = 1, size(rows%node)
+         lever%part(:, i) = -turned(rows%along(i))
+         lever%tangent(:, i) = turned(rows%part(:, i))
+      end do
+   end function lever_rows
 
    !> Checks that all forces on the body balance. In a body of revolution only those along the axis need to.
    pure subroutine check_resultants(certificate, body, least_scale, loads, reaction, contact)
