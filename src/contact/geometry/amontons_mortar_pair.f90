@@ -109,6 +109,7 @@ contains
       call check_rays(pair, set, against, error)
       if (allocated(error)) return
       call pair%number_points(constraints, is_taken, master_line, mesh%n_nodes, pairing%is_tied)
+      call find_shear_givers(pair, pairing%is_tied)
    end subroutine new_mortar_pair
 
    !> Refuses bodies that are joined where they should meet; at an end of the slave they may be, as at a crack's tip.
@@ -252,10 +253,18 @@ contains
          end associate
       end do
       self%normal = normal(:, self%node)
-      self%gives_shear = self%is_tangent_fixed .and. [(is_tied .or. all(self%slave%mirrored_node /= self%node(i)), &
-         i=1, size(self%node))]
       call link_points(self, n_nodes)
    end subroutine mortar_pair_number_points
+
+   !> Notes the guided points whose shear is that of their neighbors: all of a tie, else those that are not of symmetry.
+   pure subroutine find_shear_givers(pair, is_tied)
+      type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
+      logical, intent(in) :: is_tied !! whether the surfaces are bonded
+      integer :: i
+
+      pair%gives_shear = pair%is_tangent_fixed .and. [(is_tied .or. all(pair%slave%mirrored_node /= pair%node(i)), &
+         i=1, size(pair%node))]
+   end subroutine find_shear_givers
 
    !> Whether supports leave a corner a motion that the multipliers of a pair act on.
    pure logical function may_move(constraints, node, normal, is_tied)
