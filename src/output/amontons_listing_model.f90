@@ -195,6 +195,7 @@ contains
       type(load_case_t), intent(in) :: load_case !! its obstacles
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
+      integer :: i
 
       text = ''
       associate (zone => body%zone)

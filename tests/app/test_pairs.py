@@ -149,7 +149,7 @@ class Pairs(ProgramTest):
         lifted = BODIES.replace("'a.left'  ux = 0.0", "'a.left'  ux = 0.0  uy = 0.1")
         lifted = lifted.replace("pressure = 1.0", "pressure = 0.0")
         warnings = self.run_program(self.write("case.nml", lifted + CONTACT))
-        self.assertIn("warning: the bodies do not touch each other\n", warnings.stdout)
+        self.assertRegex(warnings.stdout, "warning: the bodies do not touch each other; the smallest gap is ")
         pushed = self.write("case.nml", BODIES.replace("'a.left'  ux = 0.0", "'a.left'  ux = 0.4") + CONTACT)
         warnings = self.run_program(pushed).stdout
         # The slave's sides are 0.5 long.
