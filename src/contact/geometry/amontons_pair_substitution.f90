@@ -165,52 +165,49 @@ contains
       ! What rounding leaves of the products of dual functions with other corners' hats.
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(sum_t) :: row
-      real(dp) :: along(2, 2), free(2, 2), share(2, 2), inverse(2, 2)
+      real(dp) :: along(2, 2), free(2, 2), share(2, 2), own(2)
       integer :: i, k
 
+      share = 0.0_dp
       do i = points%rows%start(p), points%rows%start(p + 1) - 1
          associate (node => points%rows%node(i))
-            share = axes_sum(pair%normal(:, p), dot_product(points%rows%part(:, i), pair%normal(:, p)), &
-               dot_product(points%rows%tangent(:, i), turned(pair%normal(:, p))))
+            ! Along the normal and the tangent.
+            share(1, 1) = dot_product(points%rows%part(:, i), pair%normal(:, p))
+            share(2, 2) = dot_product(points%rows%tangent(:, i), turned(pair%normal(:, p)))
             call row%add(node, share, ends(1, node) > 0)
             do k = 1, 2
                if (ends(k, node) > 0) call row%add(ends(k, node), 0.5_dp*share, .false.)
             end do
          end associate
       end do
-      inverse = 0.0_dp
+      own = 0.0_dp
       do i = 1, size(row%node)
-         if (row%node(i) == pair%node(p)) inverse = inverse_of(row%block(:, :, i), pair%normal(:, p))
+         if (row%node(i) == pair%node(p)) own = [row%block(1, 1, i), row%block(2, 2, i)]
       end do
       along = solution_axis(constraints, pair%node(p), pair%normal(:, p), is_tied)
       do i = 1, size(row%node)
          if (row%node(i) == pair%node(p) .or. maxval(abs(row%block(:, :, i))) <= negligible) cycle
-         call corner%add(row%node(i), -matmul(along, matmul(inverse, row%block(:, :, i))), row%is_own(i))
+         call corner%add(row%node(i), times_axes(along, pair%normal(:, p), &
+            -[row%block(1, 1, i), row%block(2, 2, i)]/own), row%is_own(i))
       end do
       free = free_projector(constraints, pair%node(p))
-      call corner%add(pair%node(p), identity - free + merge(0.0_dp, 1.0_dp, is_tied)*matmul(free, inverse), .true.)
+      call corner%add(pair%node(p), identity - free + merge(0.0_dp, 1.0_dp, is_tied) &
+         *times_axes(free, pair%normal(:, p), 1.0_dp/own), .true.)
    end subroutine solve_row
 
-   !> The matrix with a normal and its tangent for axes and given factors along them [-].
-   pure function axes_sum(normal, along_normal, along_tangent) result(matrix)
-      real(dp), intent(in) :: normal(2) !! the normal [-]
-      real(dp), intent(in) :: along_normal !! the factor along it [-]
-      real(dp), intent(in) :: along_tangent !! that along the tangent [-]
-      real(dp) :: matrix(2, 2)
-
-      matrix = along_normal*spread(normal, 2, 2)*spread(normal, 1, 2) &
-         + along_tangent*spread(turned(normal), 2, 2)*spread(turned(normal), 1, 2)
-   end function axes_sum
-
-   !> The inverse of such a matrix [-].
-   pure function inverse_of(matrix, normal) result(inverse)
+   !> The product of a matrix with the one that has a normal and its tangent for axes and given factors along them [-].
+   pure function times_axes(matrix, normal, factor) result(product)
       real(dp), intent(in) :: matrix(2, 2) !! the matrix
       real(dp), intent(in) :: normal(2) !! the normal [-]
-      real(dp) :: inverse(2, 2)
+      real(dp), intent(in) :: factor(2) !! the factors along normal and tangent [-]
+      real(dp) :: product(2, 2)
 
-      inverse = axes_sum(normal, 1.0_dp/dot_product(normal, matmul(matrix, normal)), &
-         1.0_dp/dot_product(turned(normal), matmul(matrix, turned(normal))))
-   end function inverse_of
+      product = factor(1)*matrix
+      ! All that is left where the tangential function is the normal one.
+      if (.not. abs(factor(2) - factor(1)) > 0.0_dp) return
+      product = product + (factor(2) - factor(1))*matmul(matrix, &
+         spread(turned(normal), 2, 2)*spread(turned(normal), 1, 2))
+   end function times_axes
 
    !> The projector on the directions in which supports leave a node free [-].
    pure function free_projector(constraints, node) result(projector)
