@@ -248,7 +248,7 @@ contains
    subroutine pass_zone(line, zone)
       type(line_t), intent(in) :: line !! the line
       type(contact_zone_t), intent(inout) :: zone !! the contact points
-      logical, allocatable :: is_paired(:)
+      logical, allocatable :: is_paired(:), has_tangents(:)
       integer :: i
 
       if (line%is_sender) is_paired = zone%pairs%is_set()
@@ -265,6 +265,9 @@ contains
       call line%pass(zone%rows%start)
       call line%pass(zone%rows%node)
       call line%pass(zone%rows%part)
+      has_tangents = [allocated(zone%rows%tangent)]
+      call line%pass(has_tangents)
+      if (has_tangents(1)) call line%pass(zone%rows%tangent)
       call line%pass(zone%position)
       call line%pass(zone%set)
       call line%pass(zone%next)

@@ -35,7 +35,7 @@ module amontons_sweep_ranks
 contains
 
    !> Gives a sweep to the other ranks, if that is worth it and they have room for it. The whole body, for its
-   !> displacements and stresses or as a band matrix, is on rank 0 alone.
+   !> displacements and stresses or as a band matrix, is on rank 0 alone, and so are the surfaces of pairs.
    subroutine share_sweep(n_sharing, task, body, n_left)
       integer, intent(out) :: n_sharing !! number of ranks that share the sweep; 1 if the others do not
       type(sweep_task_t), intent(inout) :: task !! the sweep
@@ -45,7 +45,7 @@ contains
 
       n_sharing = 1
       if (n_ranks == 1 .or. n_left <= chunk_length .or. task%sweep%has_body_results .or. &
-         allocated(task%model%problem%band)) return
+         allocated(task%model%problem%band) .or. any(body%zone%pairs%is_set())) return
       call give_order(order_take)
       call check_room(task%model%problem%n_points, error)
       if (allocated(error)) return
