@@ -244,7 +244,8 @@ def difference(one, other, size):
             if abs(left - right) > TOLERANCE*scale:
                 return f"{quantity} {left} and {right}"
     for key, value in one[1].items():
-        if abs(other[1][key] - value) > TOLERANCE*max(abs(value), 1e-6*size if key in LENGTHS else 0.0):
+        least = 1e-6*size if key in LENGTHS else 1e-6 if key == "relative_error" else 0.0
+        if abs(other[1][key] - value) > TOLERANCE*max(abs(value), least):
             return f"{key} {value} and {other[1][key]}"
     return ""
 
