@@ -5,7 +5,7 @@ module amontons_listing_text
    implicit none (type, external)
    private
 
-   public :: columns, heading, labeled, pair_text, flush_right, scientific, short_text
+   public :: columns, flush_right, heading, labeled, pair_text, place_text, scientific, short_text
 
 contains
 
@@ -33,8 +33,16 @@ contains
       real(dp), intent(in) :: values(2) !! the numbers
       character(:), allocatable :: text
 
-      text = '('//short_text(values(1))//', '//short_text(values(2))//')'
+      text = '('//place_text(values)//')'
    end function pair_text
+
+   !> Coordinates, for reading, without brackets around them.
+   pure function place_text(position) result(text)
+      real(dp), intent(in) :: position(2) !! the coordinates [L]
+      character(:), allocatable :: text
+
+      text = short_text(position(1))//', '//short_text(position(2))
+   end function place_text
 
    !> A number with at most seven digits, for reading.
    pure function short_text(value) result(text)

@@ -235,12 +235,13 @@ contains
       real(dp), intent(in) :: least !! where the zone ends at least [L]
       real(dp), intent(in) :: by_force !! where the forces say that it ends, for where gaps tell nothing [L]
       integer, parameter :: used(3) = [2, 4, 6]
-      ! A smaller first gap, over the second, may be what rounding leaves of a point that touches without force.
-      real(dp), parameter :: negligible = 1.0e-6_dp
+      ! A smaller first gap, over the second, may be what rounding leaves of a point that touches without force; one as
+      ! small beside the lengths, what it leaves of coordinates.
+      real(dp), parameter :: negligible = 1.0e-6_dp, rounding = 1.0e-12_dp
 
       edge = by_force
       if (size(gap) < used(3)) return
-      if (.not. gap(1) > negligible*gap(2)) return
+      if (.not. gap(1) > max(negligible*gap(2), rounding*arc(used(3)))) return
       if (n_growing(gap) >= used(3)) edge = max(least, min(arc(1), place_of_zero(arc(used), gap(used))))
    end function edge_by_gap
 

@@ -235,9 +235,9 @@ class IllPosed(NumbersTest):
             self.refuse(1, message, f"support set = 'bottom'  {held}", PRESSURE, CONTACT)
 
     def test_obstacle_on_the_wrong_side(self):
-        message = "5: the boundary does not face its obstacle; check the place of the obstacle, "
+        message = "5: the boundary does not face its obstacle; check the place of the obstacle, and that its normal "
         for normal in ("0.0, -1.0", "1.0, 0.0"):
-            self.refuse(1, message, SUPPORT, PRESSURE, f"contact set = 'bottom'  obstacle = 'plane'  normal = {normal}")
+            self.refuse(1, message + "points to the body", SUPPORT, PRESSURE, f"{CONTACT}  normal = {normal}")
 
     def test_line_that_slides_away_from_one_of_311_points_is_solved(self):
         self.assertEqual(self.attempt(block(

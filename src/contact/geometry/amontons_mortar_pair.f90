@@ -5,7 +5,7 @@ module amontons_mortar_pair
    use amontons_constraints, only: constraints_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: short_text
+   use amontons_listing_text, only: place_text, short_text
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mortar_points, only: cell_pieces, corner_pieces, integrate_pieces, mortar_piece_t, mortar_points_t, &
@@ -317,13 +317,5 @@ contains
       call integrate_pieces(points, pieces, size(pair%normal, 2), pair%slave, pair%master, n_points)
       call points%set_normals(pair%normal)
    end subroutine integrate_pair
-
-   !> Coordinates as text.
-   pure function place_text(position) result(text)
-      real(dp), intent(in) :: position(2) !! the coordinates [L]
-      character(:), allocatable :: text
-
-      text = short_text(position(1))//', '//short_text(position(2))
-   end function place_text
 
 end module amontons_mortar_pair

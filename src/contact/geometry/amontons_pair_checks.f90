@@ -4,7 +4,7 @@ module amontons_pair_checks
    use amontons_contact_rows, only: turned
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: short_text
+   use amontons_listing_text, only: place_text, short_text
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_mortar_points, only: mortar_points_t
    implicit none (type, external)
@@ -91,13 +91,5 @@ contains
          place_text(points%quadrature%position(:, q))//'), more than half a side: give extra_gap for an '// &
          "interference, or gap = 'touching'")
    end subroutine check_overlap
-
-   !> Coordinates as text.
-   pure function place_text(position) result(text)
-      real(dp), intent(in) :: position(2) !! the coordinates [L]
-      character(:), allocatable :: text
-
-      text = short_text(position(1))//', '//short_text(position(2))
-   end function place_text
 
 end module amontons_pair_checks
