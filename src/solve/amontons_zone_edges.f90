@@ -241,7 +241,7 @@ contains
 
       edge = by_force
       if (size(gap) < used(3)) return
-      if (.not. gap(1) > max(negligible*gap(2), rounding*arc(used(3)))) return
+      if (.not. gap(1) > max(negligible*gap(2), rounding*(arc(used(3)) - arc(0)))) return
       if (n_growing(gap) >= used(3)) edge = max(least, min(arc(1), place_of_zero(arc(used), gap(used))))
    end function edge_by_gap
 
