@@ -150,8 +150,9 @@ def bad_file(path, status):
             return "writes a summary that is no JSON"
         if found:
             return "writes no number into the summary"
-        # A sweep in which no case has an equilibrium has nothing to certify.
-        certified = summary["certificate"]["passed"] if "certificate" in summary else not summary["sweep"]["converged"]
+        # A sweep in which no case has an equilibrium has nothing to certify, nor has a history without a step.
+        certified = (summary["certificate"]["passed"] if "certificate" in summary
+                     else "sweep" in summary and not summary["sweep"]["converged"])
         if status == 0 and not (summary["converged"] and certified):
             return "ends with status 0 although the summary says that it is not solved"
     # Above the second empty line of a listing stand the words of the deck.
@@ -224,8 +225,8 @@ class Fuzzer:
         if not is_status_explained(status, output, errors):
             return f"solving, ends with the unexplained status {status}"
         self.n_solved += len(solved)
-        # That there is no equilibrium is an answer with files.
-        free = [line for line in errors.splitlines() if b": no equilibrium: " in line]
+        # That there is no equilibrium is an answer with files, as is a history whose first step does not converge.
+        free = [line for line in errors.splitlines() if b": no equilibrium" in line or line.endswith(b" at step 0")]
         answered = solved | numbers_told(b"\n".join(free))
         for path in sorted((folder / "out").iterdir()) if solved else []:
             case = re.match(r"m(\d+)\.", path.name)
