@@ -19,9 +19,8 @@ module amontons_sweep_ranks
    public :: end_sharing, share_sweep, solve_on_ranks, sweep_service_t
 
    !> Orders of rank 0.
-   enum, bind(c)
-      enumerator :: order_take = first_service_order, order_solve, order_gather, order_drop
-   end enum
+   integer, parameter :: order_take = first_service_order, order_solve = order_take + 1, &
+      order_gather = order_solve + 1, order_drop = order_gather + 1
 
    !> What another rank has of a sweep.
    type, extends(rank_service_t) :: sweep_service_t
