@@ -142,7 +142,7 @@ contains
       call warnings%add(to_text(sum(n_locking))//' linear elements ('// &
          trim(element_names(merge(tri3, quad4, n_locking(tri3) > 0)))//') of a nearly incompressible material '// &
          "(Poisson's ratio "//short_text(maxval(body%materials%list%poisson))// &
-         ') lock: stresses and forces are too '//'large, by far near 0.5; '//remedy)
+         ') lock: stresses and forces are too large, by far near 0.5; '//remedy)
    end subroutine add_locking
 
    !> Warns of what is doubtful about a contact set.
@@ -161,7 +161,7 @@ contains
       associate (zone => body%zone, size => body_size(body))
          if (body%inf_sup(set) < poor_inf_sup) call warnings%add(name//'the inf-sup constant '// &
             short_text(body%inf_sup(set))//' is below '//short_text(poor_inf_sup)// &
-            '; forces and statuses may oscillate from '//'cell to cell; make the cells larger')
+            '; forces and statuses may oscillate from cell to cell; make the cells larger')
          associate (overlap => maxval(-load_case%gap, mask=is_of_set))
             if (overlap > large_overlap*size) call warnings%add(name//'initial overlap of '// &
                warnings%number(overlap, 'L')//', '//percent(overlap/size)//" of the body's size")
