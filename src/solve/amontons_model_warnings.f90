@@ -7,7 +7,7 @@ module amontons_model_warnings
    use amontons_listing_text, only: short_text
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_on_nodes
-   use amontons_pair_warnings, only: add_gap_warnings, add_pair_warnings
+   use amontons_pair_warnings, only: add_gap_warnings, add_idle_sides, add_pair_warnings
    use amontons_sweep, only: quantity_names, sweep_axis_t, sweep_t, swept_friction, swept_friction_factor
    use amontons_text, only: counted, to_text
    use amontons_warning_list, only: warning_list_t
@@ -66,6 +66,7 @@ contains
          if (load_case%contacts(i)%pairing%has_mesh_gap()) call add_gap_warnings(warnings, body%zone%pairs(i), &
             pack(load_case%gap, body%zone%set == i), load_case%contacts(i)%extra_gap)
       end do
+      call add_idle_sides(warnings, 'contact sets: ', body%zone%idle_side)
       do i = 1, size(body%ties)
          call add_pair_warnings(warnings, body%ties(i))
       end do
