@@ -44,33 +44,16 @@ export -f run_deck
 trap : INT
 printf '%s\0' "${decks[@]}" | parallel --null --jobs 100% run_deck {} "${@@Q}" || true
 
-# Prints the outcomes of decks, a line each, from a table whose first fields are deck, case and outcome.
-# shellcheck disable=SC2016 # the program is awk's
-outcomes=$(awk 'function take_field(   value) {
-      if (line !~ /^"/) {
-         match(line ",", /,/)
-         value = substr(line, 1, RSTART - 1)
-         line = substr(line, RSTART + 1)
-         return value
-      }
-      for (line = substr(line, 2); match(line, /"/); ) {
-         value = value substr(line, 1, RSTART - 1)
-         line = substr(line, RSTART + 1)
-         if (line !~ /^"/) break
-         value = value "\""
-         line = substr(line, 2)
-      }
-      line = substr(line, 2)
-      return value
+# Prints the outcomes of decks, a line each, from a table whose first fields are deck, case and outcome. GNU parallel
+# brings Perl along.
+# shellcheck disable=SC2016 # the program is Perl's
+outcomes=$(perl -e 'open my $table, "<", shift;
+   while (<$table>) {
+      my ($deck, $case, $outcome) = /\G("(?:[^"]|"")*"|[^,]*),/g;
+      $deck =~ s/^"(.*)"$/$1/ and $deck =~ s/""/"/g;
+      $outcomes{$deck} = $outcome;
    }
-   BEGIN {
-      while ((getline line < ARGV[1]) > 0) {
-         deck = take_field()
-         take_field()
-         outcome[deck] = take_field()
-      }
-      for (i = 2; i < ARGC; i++) print outcome[ARGV[i]]
-   }' "$output/batch.csv" "${decks[@]//$'\n'/; }")
+   print "$outcomes{$_}\n" for @ARGV' "$output/batch.csv" "${decks[@]//$'\n'/; }")
 mapfile -t outcomes <<<"$outcomes"
 
 order=(solved unchanged no_equilibrium not_converged not_certified refused numerical_failure system_failure replaced

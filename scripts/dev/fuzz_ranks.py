@@ -237,7 +237,7 @@ def run_batch(program, numbers, all_ranks):
 
 
 def is_unique(summary):
-    """Whether a body has one solution for sure, and the one that was found satisfies all laws."""
+    """Whether all runs must agree: not where friction allows several solutions and the one found satisfies all laws."""
     told = json.loads(summary.read_text(encoding="utf-8"))
     return not told["certificate"]["passed"] or told.get("uniqueness", {}).get("guaranteed", True)
 

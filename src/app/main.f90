@@ -3,14 +3,14 @@
 program main
    use, intrinsic :: iso_c_binding, only: c_int
    use amontons_command_line, only: command_line_t, read_command_line
-   use amontons_distributed, only: begin_ranks, dismiss_ranks, end_ranks, n_ranks, rank, serve
+   use amontons_distributed, only: begin_ranks, dismiss_ranks, end_ranks, n_ranks, rank
    use amontons_error, only: error_t
    use amontons_help, only: help_text, version_text
    use amontons_messages, only: print_error
    use amontons_reference, only: print_reference
    use amontons_run_decks, only: run_decks
    use amontons_run_verify, only: verify_directories
-   use amontons_sweep_ranks, only: sweep_service_t
+   use amontons_sweep_ranks, only: serve
    use amontons_system, only: return_large_arrays
    use amontons_terminal, only: prepare_process, print_line, standard_output
    use amontons_threads, only: n_threads, set_threads
@@ -27,7 +27,6 @@ program main
 
    type(command_line_t) :: command_line
    type(error_t), allocatable :: error
-   type(sweep_service_t) :: sweep_service
    integer :: status
 
    call prepare_process()
@@ -43,7 +42,7 @@ program main
       end if
       call dismiss_ranks()
    else
-      call serve(sweep_service)
+      call serve()
       status = 0
    end if
    call end_ranks()

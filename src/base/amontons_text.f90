@@ -324,7 +324,7 @@ contains
       integer, parameter :: blank = 32, delete = 127
       ! The first bytes of characters of two bytes, of three and of four, and what is behind them.
       integer, parameter :: firsts(4) = [194, 224, 240, 245]
-      integer :: first
+      integer :: first, i
 
       width = 0
       if (len(text) == 0) return
@@ -334,7 +334,7 @@ contains
       width = 1 + count(first >= firsts)
       if (len(text) < width) then
          width = 0
-      else if (verify(text(2:width), continuations()) > 0 .or. .not. may_follow(first, iachar(text(2:2)))) then
+      else if (.not. all([(continues(text(i:i)), i=2, width)]) .or. .not. may_follow(first, iachar(text(2:2)))) then
          width = 0
       end if
    end function utf_8_width
@@ -359,22 +359,19 @@ contains
       end select
    end function may_follow
 
-   !> The bytes that UTF-8 goes on with behind the first one.
-   pure function continuations() result(bytes)
-      character(64) :: bytes
-      integer :: i
+   !> Whether a byte is one that UTF-8 goes on with behind the first one.
+   pure logical function continues(byte)
+      character, intent(in) :: byte !! the byte
 
-      do i = 1, len(bytes)
-         bytes(i:i) = achar(127 + i)
-      end do
-   end function continuations
+      continues = iachar(byte) >= 128 .and. iachar(byte) < 192
+   end function continues
 
    !> Number of characters of a text of UTF-8: bytes that begin one.
    pure integer function n_characters(text)
       character(*), intent(in) :: text !! the text
       integer :: i
 
-      n_characters = count([(index(continuations(), text(i:i)) == 0, i=1, len(text))])
+      n_characters = count([(.not. continues(text(i:i)), i=1, len(text))])
    end function n_characters
 
    !> Text as XML has it, in an attribute or between tags.

@@ -7,12 +7,10 @@ module amontons_distributed
    use amontons_foundation, only: spring_side_t
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_rank_service, only: rank_service_t
    implicit none (type, external)
    private
 
-   public :: begin_ranks, dismiss_ranks, end_ranks, mpi_text, n_ranks, new_distributed_condenser, rank, &
-      rank_service_t, serve
+   public :: begin_ranks, dismiss_ranks, end_ranks, mpi_text, n_ranks, new_distributed_condenser, rank
 
    !> The number of this process, and of how many.
    integer, parameter :: rank = 0, n_ranks = 1
@@ -37,14 +35,6 @@ contains
    !> Dismisses no one.
    subroutine dismiss_ranks()
    end subroutine dismiss_ranks
-
-   !> Serves no one.
-   subroutine serve(service)
-      class(rank_service_t), intent(inout) :: service !! not used
-
-      associate (unused => service)
-      end associate
-   end subroutine serve
 
    !> Refuses to spread a body.
    subroutine new_distributed_condenser(condenser, is_held, mesh, materials, springs, constraints, dof_map, error)

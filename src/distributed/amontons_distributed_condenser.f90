@@ -1,6 +1,6 @@
 !> The condenser of a body whose elements, matrix and factor are spread over the ranks of a run.
 !>
-!> It lives on rank 0 and gives the orders; the other ranks follow them in `serve`. Each holds the stiffness of its
+!> It lives on rank 0 and gives the orders; the other ranks follow them. Each holds the stiffness of its
 !> subdomain and its part of MUMPS's factor; rank 0 has the order of elimination and the Schur complement too. There is
 !> one such condenser at a time. Sums depend on the number of ranks in their last digits.
 module amontons_distributed_condenser
@@ -15,20 +15,20 @@ module amontons_distributed_condenser
    use amontons_lapack, only: dpotrf, dpotrs
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_rank_service, only: rank_service_t
    use amontons_rank_work, only: check_room, rank_work_t
-   use amontons_ranks, only: give_order, line_t, n_ranks, next_order
-   use amontons_subdomain, only: assembly_mb, deal_elements, new_subdomain, subdomain_t
+   use amontons_ranks, only: give_order, line_t, n_ranks
+   use amontons_subdomain, only: assembly_mb, find_owners, new_subdomain, subdomain_t
    use amontons_system, only: return_memory
    implicit none (type, external)
    private
 
-   public :: dismiss_ranks, distributed_condenser_t, new_distributed_condenser, serve
+   public :: dismiss_ranks, distributed_condenser_t, first_free_order, follow_order, new_distributed_condenser, &
+      order_end
 
-   !> Orders of rank 0.
+   !> Orders of rank 0. Those from the last of these on are for a room above this one.
    enum, bind(c)
       enumerator :: order_end, order_take, order_analyze, order_check_memory, order_factorize, order_condense, &
-         order_expand, order_free
+         order_expand, order_free, first_free_order
    end enum
 
    !> What a machine may lack the memory for before it factorizes.
@@ -102,82 +102,77 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       type(error_t), allocatable, intent(out) :: error !! memory does not suffice for assembly
-      integer, allocatable :: start(:), element(:), last_nodes(:), number(:)
+      real(dp) :: megabytes(0:n_ranks - 1)
+      integer, allocatable :: owner(:), all_elements(:), elements(:), last_nodes(:), number(:)
       type(line_t) :: line
-      integer :: i, megabytes
+      integer :: i
 
       call give_order(order_take)
-      call deal_elements(start, element, n_ranks, position, mesh, dof_map)
+      call find_owners(owner, n_ranks, position, mesh, dof_map)
+      megabytes = assembly_mb(owner, n_ranks, mesh)
       do i = 1, n_ranks - 1
-         megabytes = nint(assembly_mb(element(start(i):start(i + 1) - 1), mesh))
          line = line_t(i, .true.)
-         call line%pass(megabytes)
+         call line%pass(megabytes(i))
       end do
-      call check_room(assembly, assembly_mb(element(:start(1) - 1), mesh), error)
+      call check_room(assembly, megabytes(0), error)
       if (allocated(error)) return
+      all_elements = [(i, i=1, mesh%n_elements)]
       last_nodes = pack([(i, i=1, mesh%n_nodes)], any(dof_map%dof > dof_map%n_dofs - dof_map%n_schur, dim=1))
       allocate (number(mesh%n_nodes), source=0)
-      do i = 1, n_ranks - 1
-         associate (elements => element(start(i):start(i + 1) - 1))
+      do i = n_ranks - 1, 0, -1
+         elements = pack(all_elements, owner == i)
+         if (i > 0) then
             call new_subdomain(own, elements, springs(:0), last_nodes(:0), number, mesh, dof_map)
-            call own%take_properties(elements, materials, constraints)
-         end associate
-         call own%pass(line_t(i, .true.))
+         else
+            call new_subdomain(own, elements, springs, last_nodes, number, mesh, dof_map)
+         end if
+         call own%take_properties(elements, materials, constraints)
+         if (i > 0) call own%pass(line_t(i, .true.))
       end do
-      call new_subdomain(own, element(:start(1) - 1), springs, last_nodes, number, mesh, dof_map)
-      call own%take_properties(element(:start(1) - 1), materials, constraints)
    end subroutine spread_body
 
-   !> Follows the orders of rank 0 until the last one; for the other ranks.
-   subroutine serve(service)
-      class(rank_service_t), intent(inout) :: service !! follows the orders that are not for a condenser
-      type(rank_work_t), allocatable :: work
+   !> Follows an order that rank 0 gives for its condenser; for the other ranks.
+   subroutine follow_order(work, order)
+      type(rank_work_t), allocatable, intent(inout) :: work !! what this rank has of the body at hand, if there is one
+      integer, intent(in) :: order !! the order, below `first_free_order` and not `order_end`
       type(error_t), allocatable :: error
       real(dp), allocatable :: none(:, :)
       real(dp) :: nothing(0)
-      integer :: no_position(0), order
+      integer :: no_position(0)
 
-      allocate (none(2, 0), work)
-      do
-         order = next_order()
-         select case (order)
-         case (order_take)
-            deallocate (work)
-            allocate (work)
-            call take_subdomain(work, error)
-            if (.not. allocated(error)) call work%assemble(none, error)
-         case (order_analyze)
-            call work%analyze(0, 0.0_dp, no_position, error)
-         case (order_check_memory)
-            call work%check_memory(error)
-         case (order_factorize)
-            call work%factorize(0, none, error)
-         case (order_condense)
-            call work%mumps%solve(.false., nothing, nothing)
-         case (order_expand)
-            call work%mumps%solve(.true., nothing, nothing)
-         case (order_free)
-            call work%mumps%free()
-            deallocate (work)
-            allocate (work)
-         case (order_end)
-            exit
-         case default
-            call service%follow(order)
-         end select
-      end do
-   end subroutine serve
+      allocate (none(2, 0))
+      select case (order)
+      case (order_take)
+         if (allocated(work)) deallocate (work)
+         allocate (work)
+         call take_subdomain(work, error)
+         if (.not. allocated(error)) call work%assemble(none, error)
+      case (order_analyze)
+         call work%analyze(0, 0.0_dp, no_position, error)
+      case (order_check_memory)
+         call work%check_memory(error)
+      case (order_factorize)
+         call work%factorize(0, none, error)
+      case (order_condense)
+         call work%mumps%solve(.false., nothing, nothing)
+      case (order_expand)
+         call work%mumps%solve(.true., nothing, nothing)
+      case (order_free)
+         call work%mumps%free()
+         deallocate (work)
+      end select
+   end subroutine follow_order
 
    !> Takes a rank's subdomain, if there is memory for it.
    subroutine take_subdomain(work, error)
       type(rank_work_t), intent(inout) :: work !! gains the subdomain
       type(error_t), allocatable, intent(out) :: error !! memory does not suffice for assembly
       type(line_t) :: line
-      integer :: megabytes
+      real(dp) :: megabytes
 
       line = line_t(0, .false.)
       call line%pass(megabytes)
-      call check_room(assembly, real(megabytes, dp), error)
+      call check_room(assembly, megabytes, error)
       if (allocated(error)) return
       allocate (work%subdomain)
       call work%subdomain%pass(line)

@@ -27,7 +27,7 @@ typedef struct {
 typedef struct {
     int code, detail;
     int64_t n_entries;
-    double n_flops, own_mb, largest_mb, sum_mb;
+    double n_flops, own_mb, largest_mb;
 } report_t;
 
 static void run(DMUMPS_STRUC_C *mumps, int job)
@@ -46,7 +46,7 @@ static report_t report_of(const DMUMPS_STRUC_C *mumps)
 {
     const MUMPS_INT *info = mumps->infog;
     return (report_t){.code = info[0], .detail = info[1], .n_entries = count(info[19]), .n_flops = mumps->rinfog[0],
-                      .own_mb = mumps->info[14], .largest_mb = info[15], .sum_mb = info[16]};
+                      .own_mb = mumps->info[14], .largest_mb = info[15]};
 }
 
 /* Puts MUMPS's version into a text. */

@@ -20,7 +20,6 @@ module amontons_mumps
       real(c_double) :: n_flops = 0.0_c_double !! floating-point operations of the factorization
       real(c_double) :: own_mb = 0.0_c_double !! memory that the factorization takes on this rank [MB]
       real(c_double) :: largest_mb = 0.0_c_double !! on the rank where it takes most [MB]
-      real(c_double) :: sum_mb = 0.0_c_double !! on all ranks together [MB]
    end type mumps_report_t
 
    !> An instance of MUMPS; its matrix stays the caller's.
@@ -31,7 +30,6 @@ module amontons_mumps
       procedure :: analyze => mumps_analyze
       procedure :: factorize => mumps_factorize
       procedure :: free => mumps_free
-      procedure :: is_live => mumps_is_live
       procedure :: solve => mumps_solve
    end type mumps_t
 
@@ -104,13 +102,6 @@ contains
       text = buffer(:index(buffer, c_null_char) - 1)
    end function mumps_text
 
-   !> Whether there is an instance.
-   logical function mumps_is_live(self) result(is_live)
-      class(mumps_t), intent(in) :: self !! the instance
-
-      is_live = c_associated(self%handle)
-   end function mumps_is_live
-
    !> Makes the instance and analyzes a matrix.
    subroutine mumps_analyze(self, n, row, column, n_schur, position, error)
       class(mumps_t), intent(inout) :: self !! the instance
@@ -161,7 +152,7 @@ contains
    subroutine mumps_free(self)
       class(mumps_t), intent(inout) :: self !! the instance
 
-      if (self%is_live()) call c_mumps_free(self%handle)
+      if (c_associated(self%handle)) call c_mumps_free(self%handle)
       self%handle = c_null_ptr
    end subroutine mumps_free
 

@@ -27,13 +27,16 @@ module amontons_ranks
       logical :: is_sender = .true. !! whether this end sends
    contains
       procedure, private :: pass_number => line_pass_number
+      procedure, private :: pass_real => line_pass_real
+      procedure, private :: pass_flag => line_pass_flag
       procedure, private :: pass_text => line_pass_text
       procedure, private :: pass_numbers => line_pass_numbers
       procedure, private :: pass_reals => line_pass_reals
       procedure, private :: pass_flags => line_pass_flags
       procedure, private :: pass_columns => line_pass_columns
       procedure, private :: pass_real_columns => line_pass_real_columns
-      generic :: pass => pass_number, pass_text, pass_numbers, pass_reals, pass_flags, pass_columns, pass_real_columns
+      generic :: pass => pass_number, pass_real, pass_flag, pass_text, pass_numbers, pass_reals, pass_flags, &
+         pass_columns, pass_real_columns
    end type line_t
 
    ! allow(assumed-size): C takes an address and knows no shape
@@ -193,6 +196,28 @@ contains
       call pass_bytes(self, list, integer_bytes)
       number = list(1)
    end subroutine line_pass_number
+
+   !> Passes a real number.
+   subroutine line_pass_real(self, number)
+      class(line_t), intent(in) :: self !! the line
+      real(dp), intent(inout) :: number !! the number
+      real(dp) :: list(1)
+
+      list = number
+      call pass_bytes(self, list, real_bytes)
+      number = list(1)
+   end subroutine line_pass_real
+
+   !> Passes a logical value.
+   subroutine line_pass_flag(self, flag)
+      class(line_t), intent(in) :: self !! the line
+      logical, intent(inout) :: flag !! the value
+      integer :: number
+
+      number = merge(1, 0, flag)
+      call self%pass(number)
+      flag = number > 0
+   end subroutine line_pass_flag
 
    !> Passes a text.
    subroutine line_pass_text(self, text)

@@ -12,7 +12,7 @@ module amontons_subdomain
    implicit none (type, external)
    private
 
-   public :: assembly_mb, deal_elements, new_subdomain, subdomain_t
+   public :: assembly_mb, find_owners, new_subdomain, subdomain_t
 
    !> A subdomain, its nodes, elements and unknowns numbered anew.
    type :: subdomain_t
@@ -33,50 +33,39 @@ module amontons_subdomain
 
 contains
 
-   !> Finds the elements that each rank owns: those whose unknown that is eliminated first falls into its share of the
-   !> order of elimination. Ranks own subtrees of the dissection as far as they go, so that subdomains are compact.
-   pure subroutine deal_elements(start, element, n_ranks, position, mesh, dof_map)
-      integer, allocatable, intent(out) :: start(:) !! where those of each rank begin in `element` (0 to n_ranks)
-      integer, allocatable, intent(out) :: element(:) !! the elements, rank by rank
+   !> Finds the rank that owns each element: the one whose share of the order of elimination has the element's unknown
+   !> that is eliminated first. Ranks own subtrees of the dissection as far as they go, so that subdomains are compact.
+   pure subroutine find_owners(owner, n_ranks, position, mesh, dof_map)
+      integer, allocatable, intent(out) :: owner(:) !! the rank of each element
       integer, intent(in) :: n_ranks !! number of ranks
       integer, intent(in) :: position(:) !! position of each unknown
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
-      integer, allocatable :: node_start(:), node(:), owner(:), next(:)
+      integer, allocatable :: node_start(:), node(:)
       integer :: i, first
 
       call dof_map%substitution%own_nodes_of_elements(mesh%node_start, mesh%node, node_start, node)
-      allocate (owner(mesh%n_elements), element(mesh%n_elements))
-      allocate (start(0:n_ranks), source=0)
+      allocate (owner(mesh%n_elements))
       do i = 1, mesh%n_elements
          first = first_position(position, dof_map%dof(:, node(node_start(i):node_start(i + 1) - 1)))
          owner(i) = owner_of(first, size(position), n_ranks)
-         start(owner(i) + 1) = start(owner(i) + 1) + 1
       end do
-      start(0) = 1
-      do i = 1, n_ranks
-         start(i) = start(i) + start(i - 1)
-      end do
-      allocate (next(0:n_ranks), source=start)
-      do i = 1, mesh%n_elements
-         associate (at => next(owner(i)))
-            element(at) = i
-            at = at + 1
-         end associate
-      end do
-   end subroutine deal_elements
+   end subroutine find_owners
 
-   !> The memory that the stiffness of some elements takes while it is assembled, about as much as their own matrices:
-   !> 12 bytes for each entry of a triangle, in a triangular matrix of the subdomain where shared entries are one [MB].
-   pure real(dp) function assembly_mb(elements, mesh)
-      integer, intent(in) :: elements(:) !! the elements
+   !> The memory that the stiffness of each rank's elements takes while it is assembled, about as much as their own
+   !> matrices: 12 bytes for each entry of a triangle, in a triangular matrix of the subdomain where shared entries are
+   !> one [MB].
+   pure function assembly_mb(owner, n_ranks, mesh)
+      integer, intent(in) :: owner(:) !! the rank of each element
+      integer, intent(in) :: n_ranks !! number of ranks
       type(mesh_t), intent(in) :: mesh !! the mesh of the body
+      real(dp) :: assembly_mb(0:n_ranks - 1)
       integer :: n, i
 
       assembly_mb = 0.0_dp
-      do i = 1, size(elements)
-         n = 2*(mesh%node_start(elements(i) + 1) - mesh%node_start(elements(i)))
-         assembly_mb = assembly_mb + 12.0e-6_dp*(n*(n + 1)/2)
+      do i = 1, size(owner)
+         n = 2*(mesh%node_start(i + 1) - mesh%node_start(i))
+         assembly_mb(owner(i)) = assembly_mb(owner(i)) + 12.0e-6_dp*(n*(n + 1)/2)
       end do
    end function assembly_mb
 
@@ -203,7 +192,6 @@ contains
    subroutine subdomain_pass(self, line)
       class(subdomain_t), intent(inout) :: self !! the subdomain
       type(line_t), intent(in) :: line !! the line between the ranks
-      real(dp), allocatable :: numbers(:, :)
 
       associate (mesh => self%mesh)
          call line%pass(mesh%n_elements)
@@ -216,12 +204,9 @@ contains
       call line%pass(self%constraints%axis)
       call line%pass(self%dof_map%dof)
       call pass_substitution(self%dof_map%substitution, line)
-      call line%pass(self%materials%of_element)
-      if (line%is_sender) numbers = material_numbers(self%materials)
-      call line%pass(numbers)
+      call pass_materials(self%materials, line)
       if (line%is_sender) return
       self%mesh%n_nodes = size(self%node)
-      call set_materials(self%materials, numbers)
       allocate (self%springs(0))
    end subroutine subdomain_pass
 
@@ -243,6 +228,28 @@ contains
       substitution%block = reshape(blocks, [2, 2, n_blocks])
    end subroutine pass_substitution
 
+   !> Passes what assembly needs of materials.
+   subroutine pass_materials(materials, line)
+      type(materials_t), intent(inout) :: materials !! the materials
+      type(line_t), intent(in) :: line !! the line between the ranks
+      integer :: n_materials, i
+
+      call line%pass(materials%of_element)
+      if (line%is_sender) n_materials = size(materials%list)
+      call line%pass(n_materials)
+      if (.not. line%is_sender) allocate (materials%list(n_materials))
+      do i = 1, n_materials
+         associate (material => materials%list(i))
+            call line%pass(material%thickness)
+            call line%pass(material%lambda)
+            call line%pass(material%mu)
+            call line%pass(material%has_mean_dilatation)
+            call line%pass(material%is_plane_stress)
+            call line%pass(material%is_axisymmetric)
+         end associate
+      end do
+   end subroutine pass_materials
+
    !> Numbers the unknowns anew and colors the elements.
    subroutine subdomain_prepare(self)
       class(subdomain_t), intent(inout) :: self !! the subdomain
@@ -262,40 +269,5 @@ contains
       ! Of many ranks and few elements a rank may have none.
       if (self%mesh%n_elements > 0) call new_coloring(self%coloring, self%mesh)
    end subroutine subdomain_prepare
-
-   !> What stiffness and stress need of materials, a column for each.
-   pure function material_numbers(materials) result(numbers)
-      type(materials_t), intent(in) :: materials !! the materials
-      real(dp), allocatable :: numbers(:, :)
-      integer :: i
-
-      allocate (numbers(6, size(materials%list)))
-      do i = 1, size(materials%list)
-         associate (material => materials%list(i))
-            numbers(:, i) = [material%thickness, material%lambda, material%mu, &
-               merge(1.0_dp, 0.0_dp, [material%has_mean_dilatation, material%is_plane_stress, &
-               material%is_axisymmetric])]
-         end associate
-      end do
-   end function material_numbers
-
-   !> Sets materials from these numbers.
-   pure subroutine set_materials(materials, numbers)
-      type(materials_t), intent(inout) :: materials !! gains its list
-      real(dp), intent(in) :: numbers(:, :) !! the numbers of each material
-      integer :: i
-
-      allocate (materials%list(size(numbers, 2)))
-      do i = 1, size(numbers, 2)
-         associate (material => materials%list(i))
-            material%thickness = numbers(1, i)
-            material%lambda = numbers(2, i)
-            material%mu = numbers(3, i)
-            material%has_mean_dilatation = numbers(4, i) > 0.0_dp
-            material%is_plane_stress = numbers(5, i) > 0.0_dp
-            material%is_axisymmetric = numbers(6, i) > 0.0_dp
-         end associate
-      end do
-   end subroutine set_materials
 
 end module amontons_subdomain

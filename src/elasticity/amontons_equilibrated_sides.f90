@@ -17,7 +17,7 @@ module amontons_equilibrated_sides
    implicit none (type, external)
    private
 
-   public :: element_forces_t, find_element_forces, find_side_moments, next, outward, stress_times
+   public :: element_forces_t, find_element_forces, find_side_moments, next, outward
 
    !> The corner after each corner of a triangle.
    integer, parameter :: next(3) = [2, 3, 1]

@@ -36,9 +36,7 @@ module amontons_batch_table
    character(17), parameter :: outcome_words(*) = [character(17) :: 'solved', 'checked', 'unchanged', &
       'no_equilibrium', 'not_converged', 'not_certified', 'refused', 'numerical_failure', 'system_failure', &
       'interrupted']
-   !> Those with files of the case, which replace the files of any other deck with its name; and those without.
-   character(14), parameter :: words_with_results(*) = [character(14) :: 'solved', 'no_equilibrium', 'not_converged', &
-      'not_certified']
+   !> Those without files of the case.
    character(17), parameter :: words_without_results(*) = [character(17) :: 'refused', 'numerical_failure', &
       'system_failure', 'interrupted']
    !> Outcomes, as the tally has them.
@@ -81,7 +79,7 @@ contains
       call make_directory(directory, error)
       if (allocated(error)) return
       call lock_directory(lock, directory//'/')
-      call read_rows(directory//'/batch.csv', rows, n)
+      call read_rows(directory//'/batch.csv', size(outcomes), rows, n)
       call drop_gone_failures(rows(:n))
       do i = 1, size(outcomes)
          call put_row(rows, n, outcomes(i), notes)
@@ -104,62 +102,44 @@ contains
    end function header
 
    !> Reads the rows that are there; none where there is no table, or one of another version.
-   subroutine read_rows(path, rows, n)
+   subroutine read_rows(path, n_more, rows, n)
       character(*), intent(in) :: path !! name of the table
+      integer, intent(in) :: n_more !! how many rows may be added
       type(row_t), allocatable, intent(out) :: rows(:) !! the rows, and room for more
       integer, intent(out) :: n !! number of rows
       type(error_t), allocatable :: error
       character(:), allocatable :: text
-      integer :: first, last
+      integer :: first, last, i
 
-      n = 0
-      allocate (rows(64))
       call read_text_file(path, text, error)
-      if (allocated(error)) return
-      if (index(text, header()) /= 1 .or. text(len(text):) /= newline) return
+      if (allocated(error)) text = ''
+      if (index(text, header()) /= 1 .or. index(text, newline, back=.true.) /= len(text)) text = header()
+      n = -1
+      do i = 1, len(text)
+         if (text(i:i) == newline) n = n + 1
+      end do
+      allocate (rows(n + n_more))
       first = len(header()) + 1
-      do while (first <= len(text))
+      do i = 1, n
          last = first + index(text(first:), newline) - 1
-         call append_row(rows, n, text(first:last))
+         call new_row(rows(i), text(first:last))
          first = last + 1
       end do
    end subroutine read_rows
 
-   !> Adds a row at the end.
-   pure subroutine append_row(rows, n, line)
-      type(row_t), allocatable, intent(inout) :: rows(:) !! the rows, and room for more
-      integer, intent(inout) :: n !! number of rows
-      character(*), intent(in) :: line !! the row, its line end included
-      type(row_t), allocatable :: more(:)
-      integer :: i, next
+   !> Makes a row of its text.
+   pure subroutine new_row(row, line)
+      type(row_t), intent(out) :: row !! the row
+      character(*), intent(in) :: line !! its text, the line end included
+      integer :: next
 
-      if (n == size(rows)) then
-         allocate (more(2*n))
-         do i = 1, n
-            call move_row(rows(i), more(i))
-         end do
-         call move_alloc(more, rows)
-      end if
-      n = n + 1
       next = 1
-      call take_field(line, next, rows(n)%deck)
-      call take_field(line, next, rows(n)%name)
-      call take_field(line, next, rows(n)%word)
-      call take_field(line, next, rows(n)%status)
-      rows(n)%text = line
-   end subroutine append_row
-
-   !> Moves a row to another place.
-   pure subroutine move_row(from, to)
-      type(row_t), intent(inout) :: from !! the row, without its texts then
-      type(row_t), intent(inout) :: to !! the place
-
-      call move_alloc(from%deck, to%deck)
-      call move_alloc(from%name, to%name)
-      call move_alloc(from%word, to%word)
-      call move_alloc(from%status, to%status)
-      call move_alloc(from%text, to%text)
-   end subroutine move_row
+      call take_field(line, next, row%deck)
+      call take_field(line, next, row%name)
+      call take_field(line, next, row%word)
+      call take_field(line, next, row%status)
+      row%text = line
+   end subroutine new_row
 
    !> Takes a field off a row.
    pure subroutine take_field(line, next, value)
@@ -188,7 +168,7 @@ contains
       integer :: i
 
       do i = 1, size(rows)
-         if (all(rows(i)%word /= words_without_results)) cycle
+         if (has_results(rows(i)%word)) cycle
          inquire (file=rows(i)%deck, exist=has_deck)
          if (has_deck) cycle
          inquire (file=rows(i)%deck(:scan(rows(i)%deck, '/', back=.true.))//'.', exist=has_folder)
@@ -199,7 +179,7 @@ contains
    !> Puts the row of a deck in the place of its earlier one, or at the end. A deck whose results are unchanged keeps
    !> its row.
    subroutine put_row(rows, n, outcome, notes)
-      type(row_t), allocatable, intent(inout) :: rows(:) !! the rows, and room for more
+      type(row_t), intent(inout) :: rows(:) !! the rows, and room for more
       integer, intent(inout) :: n !! number of rows
       type(outcome_t), intent(in) :: outcome !! what became of the deck
       type(warning_list_t), intent(inout) :: notes !! gains the decks whose results were replaced
@@ -214,16 +194,26 @@ contains
             at = i
          else if (is_same_file(rows(i)%deck, deck)) then
             rows(i)%text = ''
-         else if (rows(i)%name == outcome%name .and. any(outcome%word == words_with_results)) then
-            call replace_results(rows(i), deck, outcome%name, notes)
+         else if (rows(i)%name == outcome%name .and. has_results(rows(i)%word) .and. has_results(outcome%word) .and. &
+            outcome%word /= 'unchanged') then
+            call replace_results(rows(i), deck, notes)
          end if
       end do
       if (at == 0) then
-         call append_row(rows, n, row_text(outcome))
-      else if (.not. (outcome%word == 'unchanged' .and. rows(at)%word == 'solved')) then
-         rows(at)%text = row_text(outcome)
+         n = n + 1
+         at = n
+      else if (outcome%word == 'unchanged' .and. rows(at)%word == 'solved') then
+         return
       end if
+      call new_row(rows(at), row_text(outcome))
    end subroutine put_row
+
+   !> Whether a deck of an outcome has files of its case.
+   pure logical function has_results(word)
+      character(*), intent(in) :: word !! the outcome
+
+      has_results = all(words_without_results /= word)
+   end function has_results
 
    !> Whether two names of decks are names of one file. Only names that end alike are looked at.
    logical function is_same_file(first, second)
@@ -240,10 +230,9 @@ contains
 
    !> Notes that the results of a deck were replaced by those of another one with the same case name. If the deck itself
    !> is gone, renamed for example, its row goes, too.
-   subroutine replace_results(row, deck, name, notes)
+   subroutine replace_results(row, deck, notes)
       type(row_t), intent(inout) :: row !! the row of the deck
       character(*), intent(in) :: deck !! the deck whose results are there now
-      character(*), intent(in) :: name !! name of the case
       type(warning_list_t), intent(inout) :: notes !! gains a sentence
       character(:), allocatable :: sentence
       logical :: is_there
@@ -252,10 +241,10 @@ contains
       if (.not. is_there) then
          row%text = ''
       else if (row%word /= 'replaced') then
-         sentence = "its results were replaced by those of '"//deck//"', which has the same case name '"//name// &
+         sentence = "its results were replaced by those of '"//deck//"', which has the same case name '"//row%name// &
             "'; give each its own &case name"
          row%word = 'replaced'
-         row%text = field(row%deck)//','//field(name)//','//row%word//','//row%status// &
+         row%text = field(row%deck)//','//field(row%name)//','//row%word//','//row%status// &
             repeat(',', size(number_keys) + 2)//field(sentence)//newline
          call notes%add(row%deck//': warning: '//sentence)
       end if
@@ -306,16 +295,8 @@ contains
    pure function one_line(lines) result(text)
       character(*), intent(in) :: lines !! the lines
       character(:), allocatable :: text
-      integer :: i
 
-      text = ''
-      do i = 1, len(lines)
-         if (lines(i:i) == newline) then
-            text = text//'; '
-         else
-            text = text//lines(i:i)
-         end if
-      end do
+      text = replaced(lines, newline, '; ')
    end function one_line
 
 end module amontons_batch_table

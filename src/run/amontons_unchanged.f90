@@ -77,18 +77,15 @@ contains
    pure function greatest(file, key) result(value)
       type(summary_file_t), intent(in) :: file !! the summary
       character(*), intent(in) :: key !! name of the number
-      character(:), allocatable :: value
+      character(:), allocatable :: value, extremes
       integer :: first
 
       value = ''
-      first = index(file%text, newline//'  "extremes": {')
+      extremes = file%value('', 'extremes')
+      first = index(extremes, '"'//key//'": {')
       if (first == 0) return
-      associate (behind => index(file%text(first:), '"'//key//'": {'))
-         if (behind == 0) return
-         first = first + behind - 1
-      end associate
-      first = first + index(file%text(first:), '"greatest": ') + len('"greatest": ') - 1
-      value = file%text(first:first + index(file%text(first:), ',') - 2)
+      first = first + index(extremes(first:), '"greatest": ') + len('"greatest": ') - 1
+      value = extremes(first:first + index(extremes(first:), ',') - 2)
    end function greatest
 
    !> Whether every file that a deck names is listed. A pipe is never listed.
@@ -127,22 +124,11 @@ contains
       logical, intent(inout) :: lists_inputs !! becomes false if the file is not listed
       type(manifest_list_t), intent(in) :: inputs !! the files that were read
       character(:), allocatable, intent(in) :: path !! its name; empty or not allocated for none
-
-      if (.not. allocated(path)) return
-      if (len(path) > 0) lists_inputs = lists_inputs .and. is_listed(inputs, path)
-   end subroutine check
-
-   !> Whether a file is listed.
-   pure logical function is_listed(list, name)
-      type(manifest_list_t), intent(in) :: list !! the list
-      character(*), intent(in) :: name !! name of the file
       integer :: i
 
-      is_listed = .false.
-      do i = 1, list%n
-         is_listed = is_listed .or. list%files(i)%name == name
-      end do
-   end function is_listed
+      if (.not. allocated(path)) return
+      if (len(path) > 0) lists_inputs = lists_inputs .and. any([(inputs%files(i)%name == path, i=1, inputs%n)])
+   end subroutine check
 
    !> Whether all files of a list are those that are listed.
    logical function are_as_listed(list, folder)

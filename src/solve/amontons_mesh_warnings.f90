@@ -61,7 +61,7 @@ contains
          if (max(before(first), zone%next(last)) == 0 .or. n < 2 .or. (n - 1)/n_per_side >= enough_sides) cycle
          call warnings%add('the '//name//' zone from '//pair_text(zone%position(:, first))//' to '// &
             warnings%place(zone%position(:, last))//' has fewer than '//to_text(enough_sides)// &
-            ' sides: its ends are known '//'to a side only; refine the mesh there, or see the error bars of --refine 2')
+            ' sides: its ends are known to a side only; refine the mesh there, or see the error bars of --refine 2')
          return
       end do
    end subroutine add_short_zones

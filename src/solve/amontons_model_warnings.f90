@@ -7,7 +7,7 @@ module amontons_model_warnings
    use amontons_listing_text, only: short_text
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_on_nodes
-   use amontons_pair_warnings, only: add_gap_warnings, add_pair_warnings
+   use amontons_pair_warnings, only: add_gap_warnings, add_idle_sides, add_pair_warnings
    use amontons_sweep, only: quantity_names, sweep_axis_t, sweep_t, swept_friction, swept_friction_factor
    use amontons_text, only: counted, to_text
    use amontons_warning_list, only: warning_list_t
@@ -66,6 +66,7 @@ contains
          if (load_case%contacts(i)%pairing%has_mesh_gap()) call add_gap_warnings(warnings, body%zone%pairs(i), &
             pack(load_case%gap, body%zone%set == i), load_case%contacts(i)%extra_gap)
       end do
+      call add_idle_sides(warnings, 'contact sets: ', body%zone%idle_side)
       do i = 1, size(body%ties)
          call add_pair_warnings(warnings, body%ties(i))
       end do
@@ -142,7 +143,7 @@ contains
       call warnings%add(to_text(sum(n_locking))//' linear elements ('// &
          trim(element_names(merge(tri3, quad4, n_locking(tri3) > 0)))//') of a nearly incompressible material '// &
          "(Poisson's ratio "//short_text(maxval(body%materials%list%poisson))// &
-         ') lock: stresses and forces are too '//'large, by far near 0.5; '//remedy)
+         ') lock: stresses and forces are too large, by far near 0.5; '//remedy)
    end subroutine add_locking
 
    !> Warns of what is doubtful about a contact set.
@@ -161,7 +162,7 @@ contains
       associate (zone => body%zone, size => body_size(body))
          if (body%inf_sup(set) < poor_inf_sup) call warnings%add(name//'the inf-sup constant '// &
             short_text(body%inf_sup(set))//' is below '//short_text(poor_inf_sup)// &
-            '; forces and statuses may oscillate from '//'cell to cell; make the cells larger')
+            '; forces and statuses may oscillate from cell to cell; make the cells larger')
          associate (overlap => maxval(-load_case%gap, mask=is_of_set))
             if (overlap > large_overlap*size) call warnings%add(name//'initial overlap of '// &
                warnings%number(overlap, 'L')//', '//percent(overlap/size)//" of the body's size")

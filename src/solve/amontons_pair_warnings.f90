@@ -9,7 +9,7 @@ module amontons_pair_warnings
    implicit none (type, external)
    private
 
-   public :: add_gap_warnings, add_pair_warnings, mean_length
+   public :: add_gap_warnings, add_idle_sides, add_pair_warnings, mean_length
 
 contains
 
@@ -32,6 +32,7 @@ contains
                short_text(pair%sliver_share)//' of its length; it is left out')
          end associate
       end if
+      call add_idle_sides(warnings, name, pair%idle_side)
       lengths = [mean_length(pair%slave), mean_length(pair%master)]
       if (lengths(1) > coarse*lengths(2)) call warnings%add(name//'the slave is coarser than the master (sides '// &
          short_text(lengths(1))//' against '//warnings%number(lengths(2), 'L')//'): exchange both sets for a '// &
@@ -42,6 +43,17 @@ contains
          short_text(depths(1))//', '//warnings%number(depths(2), 'L')//'): forces are matched, stresses '// &
          'are those of the slave')
    end subroutine add_pair_warnings
+
+   !> Warns of sides that earlier sets leave without a point.
+   pure subroutine add_idle_sides(warnings, name, places)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warning
+      character(*), intent(in) :: name !! how the warning begins
+      real(dp), intent(in) :: places(:, :) !! middles of the sides (2, sides) [L]
+
+      if (size(places, 2) > 0) call warnings%add(name//'nothing acts on '//counted(size(places, 2), 'side')// &
+         ', the first at '//warnings%place(places(:, 1))//': both ends belong to ties or to contact sets named '// &
+         'before; refine the mesh there, or name this set first')
+   end subroutine add_idle_sides
 
    !> Adds the warnings on the gaps that the meshes of a pair in contact have.
    pure subroutine add_gap_warnings(warnings, pair, gap, extra_gap)

@@ -18,18 +18,21 @@ module amontons_result_warnings
    implicit none (type, external)
    private
 
-   public :: add_conditioning, add_result_warnings, find_case_warnings, lacks_points
+   public :: add_conditioning, add_result_warnings, case_warning_sentence, find_case_warnings, lacks_points
 
    !> What is doubtful about a case of a sweep, as its row names it.
    character(18), parameter, public :: case_warning_names(*) = [character(18) :: 'large_displacement', 'no_contact', &
       'few_points', 'pressure_jump', 'large_strain']
-   !> The same as a sentence.
-   character(99), parameter, public :: case_warning_sentences(size(case_warning_names)) = [character(99) :: &
+   !> The same as a sentence, on rigid obstacles.
+   character(99), parameter :: case_warning_sentences(size(case_warning_names)) = [character(99) :: &
       "displacement of contact points above 5 % of the body's size; the theory is for small displacements", &
       'nothing touches the obstacle', &
       'fewer than 3 contact points closed: the mesh is too coarse for the pressure there', &
       'the largest pressure is more than twice that of the points beside it: the mesh is too coarse for it', &
       "contact pressure above 2 % of Young's modulus; the theory is for small strains"]
+
+   !> Number of the one that nothing touches.
+   integer, parameter :: no_contact = 2
 
    !> Largest displacement, as a share of the body's size, and largest strain that pass for small [-].
    real(dp), parameter :: large_displacement = 0.05_dp, large_strain = 0.02_dp
@@ -66,6 +69,16 @@ contains
       call add_far_slips(result%warnings, body%zone, result%displacement, result%solution%status)
    end subroutine add_result_warnings
 
+   !> What is doubtful about a case of a sweep as a sentence.
+   pure function case_warning_sentence(kind, zone) result(sentence)
+      integer, intent(in) :: kind !! which of `case_warning_names`
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      character(:), allocatable :: sentence
+
+      sentence = trim(case_warning_sentences(kind))
+      if (kind == no_contact .and. all(zone%pairs%is_set())) sentence = 'the bodies do not touch each other'
+   end function case_warning_sentence
+
    !> Warns that nothing touches, and says how far the nearest point is from its obstacle or the other body.
    subroutine add_no_contact(result, zone)
       type(result_t), intent(inout) :: result !! the result; gains the warning
@@ -74,8 +87,7 @@ contains
       real(dp), allocatable :: displacement(:), gap(:)
       integer :: p
 
-      sentence = 'nothing touches the obstacle'
-      if (all(zone%pairs%is_set())) sentence = 'the bodies do not touch each other'
+      sentence = case_warning_sentence(no_contact, zone)
       displacement = zone%rows%displacement(result%displacement)
       gap = result%load_case%gap - displacement(:zone%n_points)
       ! Of points that differ by rounding alone the first.

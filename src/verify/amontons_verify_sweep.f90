@@ -52,7 +52,7 @@ contains
       result%certified%condition = summary%number('', 'condition')
       call add_conditioning(result%certified, cache%body)
       call restore_rows(result, cases, has_converged, config, cache%body, stem//'.sweep.csv', fault)
-      call result%statistics%add_warnings(result%certified%warnings)
+      call result%statistics%add_warnings(cache%body%zone, result%certified%warnings)
       if (len(fault) > 0) then
          call summary%faults%add(stem//'.sweep.csv', fault)
          return

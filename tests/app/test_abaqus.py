@@ -206,6 +206,11 @@ class Abaqus(ProgramTest):
                     "'supports', 'loads'\n")
         self.assertIn(expected, self.run_program("--check", self.write("plain.nml", plain)).stdout)
         self.assertNotIn("warning", self.run_program("--check", self.write("used.nml", ALL + CONTACT)).stdout)
+        linear = "*STEP, NLGEOM=NO"
+        self.write_mesh(MATERIAL, SUPPORTS, LOADS.replace("*STEP", linear))
+        self.assertIn(expected.replace("*STEP", linear), self.run_program("--check", "plain.nml").stdout)
+        self.assertNotIn("warning", self.run_program("--check", "used.nml").stdout)
+        self.write_mesh(MATERIAL, SUPPORTS, LOADS)
         self.solve(ALL + CONTACT)
         self.assertIn("4 keywords ignored (not mesh data): *HEADING, *STATIC, *NODE FILE, *END STEP\n",
                       (self.directory/"case.lst").read_text(encoding="utf-8"))

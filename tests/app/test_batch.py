@@ -94,6 +94,22 @@ class Batch(ProgramTest):
         self.run_program("--skip-unchanged", "--output", "out", "b/it's, one.nml")
         self.assertEqual({deck: row["outcome"] for deck, row in self.rows().items()}, {"b/it's, one.nml": "solved"})
 
+    def test_only_results_that_are_there_are_replaced(self):
+        # A deck that failed has none, and one whose case was renamed in this run has those of its new name.
+        failed = self.write("failed.nml", "&case name = 'x' /\n" + SOUND.replace("'top'", "'lid'"))
+        renamed = self.write("renamed.nml", "&case name = 'x' /\n" + SOUND)
+        other = self.write("other.nml", "&case name = 'x' /\n" + SOUND)
+        self.run_program("--skip-unchanged", "--output", "out", failed, status=1)
+        run = self.run_program("--skip-unchanged", "--output", "out", renamed)
+        self.assertEqual(run.stderr, "")
+        self.write("renamed.nml", "&case name = 'y' /\n" + SOUND)
+        run = self.run_program("--output", "out", renamed, other)
+        self.assertEqual(run.stderr, "")
+        rows = self.rows()
+        self.assertEqual([(row["case"], row["outcome"]) for row in rows.values()],
+                         [("x", "refused"), ("y", "solved"), ("x", "solved")])
+        self.assertIn("no set 'lid'", rows["failed.nml"]["message"])
+
     def test_an_unchanged_deck_without_a_row_gets_its_numbers(self):
         self.write("one.nml", SOUND)
         self.write("swept.nml", SOUND.replace("&load ", "&load name = 'p'  ") +

@@ -1,13 +1,11 @@
 #!/usr/bin/env python3
 """Cycles of load histories, and what the stresses of the surface say of fretting."""
-import csv
-import json
 import math
 import shutil
 import unittest
 
 from harness import read_vtu
-from verification import Verification
+from histories import HistoryTest
 
 BAR = """&case name = 'bar' /
 &mesh size = 40.0, 40.0  cells = 16, 6 /
@@ -44,16 +42,8 @@ BLOCK = """&case name = 'block' /
 """
 
 
-class Fretting(Verification):
+class Fretting(HistoryTest):
     """Decks with cycles."""
-
-    def setUp(self):
-        super().setUp()
-        self.results = self.directory / "out"
-
-    def walk(self, text, status=0):
-        """Runs a deck."""
-        return self.run_program("--quiet", "--output", "out", self.write("deck.nml", text), status=status)
 
     def table(self, name):
         """The rows of a table, its numbers as such."""
@@ -62,12 +52,11 @@ class Fretting(Verification):
                 return float(text)
             except ValueError:
                 return text
-        with open(self.results / name, encoding="utf-8") as file:
-            return [{key: value(text) for key, text in row.items()} for row in csv.DictReader(file)]
+        return [{key: value(text) for key, text in row.items()} for row in super().table(name)]
 
     def load_history(self):
         """What the summary says of the bar's history."""
-        return json.loads((self.results / "bar.summary.json").read_text(encoding="utf-8"))["load_history"]
+        return self.summary("bar")["load_history"]
 
     def points(self, first, last, name="bar"):
         """For each contact point its rows from one step to another."""

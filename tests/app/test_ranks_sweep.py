@@ -3,8 +3,6 @@ import math
 import os
 import random
 import signal
-import subprocess
-import time
 import unittest
 
 from harness import CONTACT, PROGRAM, SUPPORT, block
@@ -82,27 +80,6 @@ class SweepRows(RanksTest):
 class Interruption(SweepTest, RanksTest):
     """A sweep over ranks goes on where it was, on any number of ranks."""
 
-    def n_done(self):
-        """How many cases the checkpoint knows."""
-        try:
-            lines = (self.directory / "sweep.sweep.checkpoint").read_bytes().split(b"\n")
-        except FileNotFoundError:
-            return 0
-        whole = [line for line in lines[:-1] if line.endswith(b" rows")]
-        return int(whole[-1].split()[1]) if whole else 0
-
-    def start(self, ranks, *arguments):
-        """Starts the program over ranks."""
-        run = subprocess.Popen(launched(ranks, *arguments), cwd=self.directory, encoding="utf-8",
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        self.addCleanup(run.kill)
-        return run
-
-    def wait_for_rows(self, run, n_least):
-        """Waits until so many cases are done, or all."""
-        while self.n_done() < n_least and run.poll() is None:
-            time.sleep(0.005)
-
     def test_killed_ranks_lose_no_byte(self):
         choice = random.Random(1988)
         self.write("sweep.nml", map_of_states(40))
@@ -110,7 +87,7 @@ class Interruption(SweepTest, RanksTest):
         n_resumed = 0
         for victim in (1, 0, 2, 1, 0):
             done = self.n_done()
-            run = self.start(3, "--quiet", "sweep.nml")
+            run = self.start_command(launched(3, "--quiet", "sweep.nml"))
             self.wait_for_rows(run, done + choice.randint(1, 500))
             if victim in ranks_of(run):
                 os.kill(ranks_of(run)[victim], signal.SIGKILL)
@@ -125,7 +102,7 @@ class Interruption(SweepTest, RanksTest):
 
     def test_signal_to_rank_0_stops_after_the_cases_under_way(self):
         self.write("sweep.nml", map_of_states(20000))
-        run = self.start(3, "--quiet", "sweep.nml")
+        run = self.start_command(launched(3, "--quiet", "sweep.nml"))
         self.wait_for_rows(run, 1)
         os.kill(ranks_of(run)[0], signal.SIGINT)
         _, message = run.communicate(timeout=60)

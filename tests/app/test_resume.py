@@ -3,7 +3,6 @@
 import random
 import re
 import signal
-import subprocess
 import time
 import unittest
 
@@ -22,24 +21,7 @@ class Interruption(SweepTest):
 
     def start(self, *arguments, **streams):
         """Starts the program and does not wait for it."""
-        run = subprocess.Popen([PROGRAM, *arguments], cwd=self.directory, encoding="utf-8",
-                               **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | streams)
-        self.addCleanup(run.kill)
-        return run
-
-    def n_done(self):
-        """How many cases the checkpoint knows."""
-        try:
-            lines = (self.directory / "sweep.sweep.checkpoint").read_bytes().split(b"\n")
-        except FileNotFoundError:
-            return 0
-        whole = [line for line in lines[:-1] if line.endswith(b" rows")]
-        return int(whole[-1].split()[1]) if whole else 0
-
-    def wait_for_rows(self, run, n_least):
-        """Waits until so many cases are done, or all."""
-        while self.n_done() < n_least and run.poll() is None:
-            time.sleep(0.005)
+        return self.start_command([PROGRAM, *arguments], **streams)
 
     def test_killed_at_any_moment_no_byte_is_lost(self):
         self.write("sweep.nml", map_of_states(40))

@@ -3,6 +3,8 @@
 import csv
 import itertools
 import json
+import subprocess
+import time
 import unittest
 from pathlib import Path
 
@@ -45,6 +47,27 @@ class SweepTest(ProgramTest):
     def summary(self, name="sweep", directory="."):
         """The summary of a sweep."""
         return json.loads((self.directory / directory / f"{name}.summary.json").read_text(encoding="utf-8"))
+
+    def start_command(self, command, **streams):
+        """Starts a command and does not wait for it."""
+        run = subprocess.Popen(command, cwd=self.directory, encoding="utf-8",
+                               **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | streams)
+        self.addCleanup(run.kill)
+        return run
+
+    def n_done(self):
+        """How many cases the checkpoint knows."""
+        try:
+            lines = (self.directory / "sweep.sweep.checkpoint").read_bytes().split(b"\n")
+        except FileNotFoundError:
+            return 0
+        whole = [line for line in lines[:-1] if line.endswith(b" rows")]
+        return int(whole[-1].split()[1]) if whole else 0
+
+    def wait_for_rows(self, run, n_least):
+        """Waits until so many cases are done, or all."""
+        while self.n_done() < n_least and run.poll() is None:
+            time.sleep(0.005)
 
     def assert_row(self, row, result, message=None):
         """Checks that a row is the result of a single deck."""

@@ -11,7 +11,7 @@ Johnson, *Contact Mechanics*, 1985, section 2.5) to $10^{-3}$ of $c$. Without th
 $c$ has a closed form: the condition that the shear $q$ stay finite at $c$, $\int_{-c}^{c}(\beta p +
 \frac{1}{\pi}\int_{|s|>c}\frac{q(s)\,ds}{x-s})\frac{dx}{\sqrt{c^2-x^2}} = 0$, with $p = P/(\pi\sqrt{a^2-x^2})$ becomes
 $K(\sqrt{1-c^2/a^2})/K(c/a) = \beta/\mu$, with the complete elliptic integral $K$ of the modulus. The first table
-checks the integral equations against it. The effect is not small: it is what the last table would miss by 8 to 21 %.
+checks the integral equations against it. The effect is not small: it is what the third table would miss by 8 to 21 %.
 
 The far sides of the block are $800a$ away; on one of $200a$, $c$ is 0.4 % smaller. The computed $c$ is where the slip,
 which grows with the power 3/2 of the distance from $c$, extrapolates to zero from the first two corner nodes that

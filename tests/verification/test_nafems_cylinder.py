@@ -18,7 +18,7 @@ import math
 
 from benchmark import Benchmark, main
 from convergence import ValueTable
-from graded_block import between, graded_block, stations
+from graded_block import between, stations
 from mapped_mesh import mapped_mesh
 
 RADIUS, FORCE = 50.0, 35.0e3

@@ -33,6 +33,7 @@ import math
 from benchmark import Benchmark, main
 from convergence import ConvergenceTable, ValueTable
 from harness import read_vtu
+from linear_equations import solve
 from mapped_mesh import mapped_mesh, sector
 
 INNER, BETWEEN, OUTER = 0.2, 0.6, 1.0
@@ -58,23 +59,10 @@ def moved(r):
     return [-2*(1 + POISSON)*r, -4*POISSON*r**3, 2*(1 + POISSON)/r**3, 4/r]
 
 
-def solved(rows):
-    """The solution of linear equations, each with its right side at its end, by elimination."""
-    n = len(rows)
-    for k in range(n):
-        pivot = max(range(k, n), key=lambda i: abs(rows[i][k]))
-        rows[k], rows[pivot] = rows[pivot], rows[k]
-        for i in range(n):
-            if i != k:
-                factor = rows[i][k]/rows[k][k]
-                rows[i] = [a - factor*b for a, b in zip(rows[i], rows[k])]
-    return [rows[k][n]/rows[k][k] for k in range(n)]
-
-
 def airy(load):
     """The constants of both rings under the stresses cos 2 theta and sin 2 theta on the outer side that are given."""
     zero = [0.0]*4
-    return solved([
+    return solve([
         radial(INNER) + zero + [0.0], shear(INNER) + zero + [0.0],
         shear(BETWEEN) + zero + [0.0], zero + shear(BETWEEN) + [0.0],
         radial(BETWEEN) + [-x for x in radial(BETWEEN)] + [0.0], moved(BETWEEN) + [-x for x in moved(BETWEEN)] + [0.0],

@@ -69,6 +69,7 @@ contains
       pair%held_node = pair%node
       pair%shared_node = pair%node
       pair%joined_node = pair%node
+      pair%idle_side = pair%idle_side(:, :0)
    end subroutine choose_cells
 
 end module amontons_mortar_cells

@@ -16,7 +16,7 @@ module amontons_mortar_pair
    implicit none (type, external)
    private
 
-   public :: integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
+   public :: follow_line, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
 
    !> Points of the quadrature on a segment: exact for straight sides, and rounding is all that is left of the normals'
    !> curvature.
@@ -41,6 +41,8 @@ module amontons_mortar_pair
       integer, allocatable :: shared_node(:) !! corners that are no points since they belong to an earlier set
       integer, allocatable :: joined_node(:) !! corners that are no points since they are nodes of the master, too
       integer, allocatable :: open_node(:) !! corners that face nothing
+      real(dp), allocatable :: idle_side(:, :)
+         !! middles of sides that transmit nothing, since earlier sets have both ends, but not the side (2, sides) [L]
       integer, allocatable :: point_of(:, :) !! the point that each corner of each side is, 0 for none (2, sides)
       type(mortar_segment_t), allocatable :: cells(:)
          !! parts of the slave's sides in cells of constant multipliers, and in the place of the master the point that
@@ -63,14 +65,14 @@ contains
    end function mortar_pair_is_set
 
    !> Finds where two boundary sets face each other.
-   subroutine new_mortar_pair(pair, set, pairing, mesh, materials, constraints, is_taken, error)
+   subroutine new_mortar_pair(pair, set, pairing, mesh, materials, constraints, follower, error)
       type(mortar_pair_t), intent(out) :: pair !! the pair
       character(*), intent(in) :: set !! name of the slave's boundary set
       type(pairing_t), intent(in) :: pairing !! the master, and how far gaps may reach
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the areas of the line
       type(constraints_t), intent(in) :: constraints !! the supports
-      logical, intent(in) :: is_taken(:) !! whether a node carries multipliers of an earlier set (nodes)
+      integer, intent(in) :: follower(:) !! which nodes earlier sets have, as of `follow_line` (nodes)
       type(error_t), allocatable, intent(out) :: error
          !! a missing set, bodies that are joined, corners in the slave, sets that do not face each other, or normals
          !! that cross before they meet the master
@@ -108,7 +110,8 @@ contains
       end if
       call check_rays(pair, set, against, error)
       if (allocated(error)) return
-      call pair%number_points(constraints, is_taken, master_line, mesh%n_nodes, pairing%is_tied)
+      call pair%number_points(constraints, follower > 0, master_line, mesh%n_nodes, pairing%is_tied)
+      call find_idle_sides(pair, follower)
       call find_shear_givers(pair, pairing%is_tied)
    end subroutine new_mortar_pair
 
@@ -255,6 +258,45 @@ contains
       self%normal = normal(:, self%node)
       call link_points(self, n_nodes)
    end subroutine mortar_pair_number_points
+
+   !> Notes the nodes of a line, each with the one that follows it: that of the next side or, at the end, itself.
+   pure subroutine follow_line(follower, line)
+      integer, intent(inout) :: follower(:)
+         !! the node that follows each node on the line of an earlier set, 0 where none has it; gains those of this one
+         !! (nodes)
+      type(boundary_line_t), intent(in) :: line !! the line of a set
+      integer :: i
+
+      do i = 1, line%n_nodes
+         associate (node => line%node(i))
+            if (line%next(i) > 0) then
+               follower(node) = line%node(line%next(i))
+            else if (follower(node) == 0) then
+               follower(node) = node
+            end if
+         end associate
+      end do
+   end subroutine follow_line
+
+   !> Finds the sides that transmit nothing although no support holds them.
+   pure subroutine find_idle_sides(pair, follower)
+      type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
+      integer, intent(in) :: follower(:) !! which nodes earlier sets have, as of `follow_line` (nodes)
+      logical :: is_idle(pair%slave%n_sides)
+      integer :: i, k
+
+      is_idle = .false.
+      is_idle(pair%segments%slave) = .true.
+      do i = 1, pair%slave%n_sides
+         associate (nodes => pair%slave%side(:3, i))
+            do k = 1, 2
+               is_idle(i) = is_idle(i) .and. pair%point_of(k, i) == 0 .and. all(pair%held_node /= nodes(k))
+            end do
+            is_idle(i) = is_idle(i) .and. follower(nodes(1)) /= merge(nodes(3), nodes(2), nodes(3) > 0)
+         end associate
+      end do
+      pair%idle_side = pair%slave%corner(:, 3, pack([(i, i=1, size(is_idle))], is_idle))
+   end subroutine find_idle_sides
 
    !> Notes the guided points whose shear is that of their neighbors: all of a tie, else those that are not of symmetry.
    pure subroutine find_shear_givers(pair, is_tied)

@@ -60,7 +60,7 @@ contains
       end do
       if (fault > 0) then
          call new_error(error, input_refused, 'a support holds the middle node at '// &
-            to_text(coordinates(1, fault))//', '//to_text(coordinates(2, fault))// &
+            place_text(coordinates(:, fault))// &
             ' of a slave otherwise than the corners beside it: hold these, too')
          return
       end if

@@ -5,7 +5,7 @@ module amontons_tied_pairs
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_mortar_pair, only: mortar_pair_t, new_mortar_pair
+   use amontons_mortar_pair, only: follow_line, mortar_pair_t, new_mortar_pair
    use amontons_pair_checks, only: check_ends
    use amontons_pairing, only: pairing_t, tie_t
    implicit none (type, external)
@@ -16,9 +16,9 @@ module amontons_tied_pairs
 contains
 
    !> Finds where the bonded boundary sets face each other.
-   subroutine new_tied_pairs(pairs, is_taken, ties, mesh, materials, constraints, error)
+   subroutine new_tied_pairs(pairs, follower, ties, mesh, materials, constraints, error)
       type(mortar_pair_t), allocatable, intent(out) :: pairs(:) !! the pair of each tie
-      logical, intent(inout) :: is_taken(:) !! whether a node belongs to a slave; gains those of the ties (nodes)
+      integer, intent(inout) :: follower(:) !! the slaves' nodes, as of `follow_line`; gains those of the ties (nodes)
       type(tie_t), intent(in) :: ties(:) !! the ties
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
@@ -32,13 +32,13 @@ contains
       do i = 1, size(ties)
          pairing%against = ties(i)%to
          pairing%search = ties(i)%search
-         call new_mortar_pair(pairs(i), ties(i)%set, pairing, mesh, materials, constraints, is_taken, error)
+         call new_mortar_pair(pairs(i), ties(i)%set, pairing, mesh, materials, constraints, follower, error)
          if (.not. allocated(error)) call follow_guides(pairs(i), constraints)
          if (.not. allocated(error)) call check_ends(pairs(i), ties(i)%set, ties(i)%to, &
             'exchange set and to', .true., constraints, error)
          if (allocated(error)) error%message = ties(i)%origin//error%message
          if (allocated(error)) return
-         is_taken(pairs(i)%line%node) = .true.
+         call follow_line(follower, pairs(i)%line)
       end do
    end subroutine new_tied_pairs
 

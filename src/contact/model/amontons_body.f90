@@ -87,7 +87,7 @@ contains
       type(tie_t), intent(in), optional :: ties(:) !! its bonded sets; none without them
       type(substitution_t) :: substitution
       real(dp), allocatable :: prescribed(:, :)
-      logical, allocatable :: is_bonded(:)
+      integer, allocatable :: bonded(:)
 
       call mesh%check(error)
       if (allocated(error)) return
@@ -101,13 +101,13 @@ contains
       call new_foundation(body%springs, mesh, body%materials, supports, error)
       if (allocated(error)) return
       body%is_axisymmetric = materials(1)%is_axisymmetric
-      allocate (is_bonded(mesh%n_nodes), source=.false.)
+      allocate (bonded(mesh%n_nodes), source=0)
       allocate (body%ties(0))
-      if (present(ties)) call new_tied_pairs(body%ties, is_bonded, ties, mesh, body%materials, body%constraints, error)
+      if (present(ties)) call new_tied_pairs(body%ties, bonded, ties, mesh, body%materials, body%constraints, error)
       if (allocated(error)) return
       call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric, &
          bonds(body%ties))
-      call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error, is_bonded)
+      call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error, bonded)
       if (allocated(error)) return
       call find_rigid_modes(body%rigid_modes, body%zone, body%motions, mesh%coordinates)
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone)

@@ -13,7 +13,7 @@ module amontons_contact_zone
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mortar_cells, only: choose_cells
-   use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
+   use amontons_mortar_pair, only: follow_line, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
    use amontons_mortar_points, only: mortar_points_t
    use amontons_obstacle, only: obstacle_names, obstacle_t
    use amontons_pair_checks, only: check_ends, check_overlap
@@ -63,6 +63,9 @@ module amontons_contact_zone
       integer, allocatable :: held_node(:) !! contact nodes that are no points since supports hold them
       integer, allocatable :: shared_node(:) !! corners of two contact sets: they belong to the set named first
       integer, allocatable :: zero_area_node(:) !! contact nodes that are no points since they have no area
+      real(dp), allocatable :: idle_side(:, :)
+         !! middles of sides on rigid obstacles that nothing acts on, since earlier sets have both ends, but not the side
+         !! (2, sides) [L]
       integer :: n_held_cells = 0 !! number of cells that are no points since supports hold all their nodes
    end type contact_zone_t
 
@@ -83,26 +86,26 @@ contains
    !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point; nor
    !> is a corner of a quadratic side on the axis of revolution: its area is 0, so that no pressure acts on it. A corner
    !> of two contact sets belongs to the first of them.
-   subroutine new_contact_zone(zone, mesh, materials, contacts, constraints, error, is_bonded)
+   subroutine new_contact_zone(zone, mesh, materials, contacts, constraints, error, bonded)
       type(contact_zone_t), intent(out) :: zone !! the points
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(constraints_t), intent(in) :: constraints !! the supports
       type(error_t), allocatable, intent(out) :: error !! a missing set, or no point at all
-      logical, intent(in), optional :: is_bonded(:) !! nodes that are the slaves of ties; none without it (nodes)
-      logical :: is_taken(mesh%n_nodes)
-      integer :: i
+      integer, intent(in), optional :: bonded(:)
+         !! the nodes of the slaves of ties, as of `follow_line`; none without it (nodes)
+      integer :: follower(mesh%n_nodes), i
 
       call empty_zone(zone)
       allocate (zone%pairs(size(contacts)))
-      is_taken = .false.
-      if (present(is_bonded)) is_taken = is_bonded
+      follower = 0
+      if (present(bonded)) follower = bonded
       do i = 1, size(contacts)
          if (contacts(i)%pairing%is_pair()) then
-            call add_pair(zone, i, contacts(i), mesh, materials, constraints, is_taken, error)
+            call add_pair(zone, i, contacts(i), mesh, materials, constraints, follower, error)
          else
-            call add_set(zone, i, contacts(i), mesh, materials, constraints, is_taken, error)
+            call add_set(zone, i, contacts(i), mesh, materials, constraints, follower, error)
          end if
          if (.not. allocated(error)) cycle
          error%message = contacts(i)%origin//error%message
@@ -119,29 +122,30 @@ contains
    end subroutine new_contact_zone
 
    !> Adds the points of a set that faces a rigid obstacle.
-   subroutine add_set(zone, set, contact, mesh, materials, constraints, is_taken, error)
+   subroutine add_set(zone, set, contact, mesh, materials, constraints, follower, error)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
       type(contact_t), intent(in) :: contact !! the contact set
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(constraints_t), intent(in) :: constraints !! the supports
-      logical, intent(inout) :: is_taken(:) !! whether a node belongs to an earlier contact set; gains those of this one
+      integer, intent(inout) :: follower(:)
+         !! the nodes of earlier sets, as of `follow_line`; gains those of this one (nodes)
       type(error_t), allocatable, intent(out) :: error !! a missing set, or nothing is left of it
       type(boundary_line_t) :: line
 
       call new_boundary_line(line, mesh, contact%set, error, materials)
       if (allocated(error)) return
-      if (all(is_taken(line%node))) then
+      if (all(follower(line%node) > 0)) then
          call new_error(error, input_refused, 'every node of this contact set belongs to an earlier one')
          return
       end if
       if (contact%partition%is_constant) then
          call add_cells(zone, set, contact, line, mesh, materials, constraints, error)
       else
-         call add_line(zone, set, contact%direction, line, mesh, constraints, is_taken)
+         call add_line(zone, set, contact%direction, line, mesh, constraints, follower)
       end if
-      is_taken(line%node) = .true.
+      call follow_line(follower, line)
    end subroutine add_set
 
    !> A zone without points.
@@ -151,7 +155,7 @@ contains
       type(contact_quadrature_t) :: no_quadrature
 
       allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), &
-         zone%zero_area_node(0), zone%is_cell(0), zone%is_tangent_fixed(0), zone%position(2, 0), zone%foot(2, 0), &
+         zone%zero_area_node(0), zone%idle_side(2, 0), zone%is_cell(0), zone%is_tangent_fixed(0), zone%position(2, 0), zone%foot(2, 0), &
          zone%normal(2, 0), &
          zone%weight(0), zone%area(0), zone%shear_area(0))
       allocate (no_rows%start(1), no_quadrature%start(1), source=1)
@@ -193,14 +197,14 @@ contains
    end subroutine add_points
 
    !> Adds the nodes of one line as points.
-   pure subroutine add_line(zone, set, direction, line, mesh, constraints, is_taken)
+   pure subroutine add_line(zone, set, direction, line, mesh, constraints, follower)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
       real(dp), intent(in) :: direction(2) !! along which its gaps count; 0, 0 for the body's normal [-]
       type(boundary_line_t), intent(in) :: line !! its line
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
-      logical, intent(in) :: is_taken(:) !! whether a node belongs to an earlier contact set (nodes)
+      integer, intent(in) :: follower(:) !! the nodes of earlier sets, as of `follow_line` (nodes)
       ! What rounding leaves of an area of 0, over the largest one.
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(contact_zone_t) :: points
@@ -213,8 +217,13 @@ contains
       do k = 1, line%n_nodes
          if (k > 1) along = along + norm2(mesh%coordinates(:, line%node(k)) - mesh%coordinates(:, line%node(k - 1)))
          arc_length(k) = along
-         if (is_taken(line%node(k))) then
+         if (follower(line%node(k)) > 0) then
             zone%shared_node = [zone%shared_node, line%node(k)]
+            if (line%next(k) == 0) cycle
+            associate (ends => line%node([k, line%next(k)]))
+               if (follower(ends(2)) > 0 .and. follower(ends(1)) /= ends(2)) zone%idle_side = reshape( &
+                  [zone%idle_side, 0.5_dp*sum(mesh%coordinates(:, ends), dim=2)], shape(zone%idle_side) + [0, 1])
+            end associate
             cycle
          end if
          normal(:, k) = line%normal(:, k)
@@ -301,21 +310,22 @@ contains
    end subroutine add_cells
 
    !> Adds the points of a pair of surfaces: corners of the slave, or cells.
-   subroutine add_pair(zone, set, contact, mesh, materials, constraints, is_taken, error)
+   subroutine add_pair(zone, set, contact, mesh, materials, constraints, follower, error)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
       type(contact_t), intent(in) :: contact !! the contact set
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(constraints_t), intent(in) :: constraints !! the supports
-      logical, intent(inout) :: is_taken(:) !! whether a node belongs to an earlier contact set; gains those of this one
+      integer, intent(inout) :: follower(:)
+         !! the nodes of earlier sets, as of `follow_line`; gains those of this one (nodes)
       type(error_t), allocatable, intent(out) :: error !! the sets do not face each other, or overlap by far
       type(mortar_points_t) :: integrals
       type(contact_zone_t) :: points
       integer :: n
 
       associate (pair => zone%pairs(set))
-         call new_mortar_pair(pair, contact%set, contact%pairing, mesh, materials, constraints, is_taken, error)
+         call new_mortar_pair(pair, contact%set, contact%pairing, mesh, materials, constraints, follower, error)
          if (allocated(error)) return
          if (contact%partition%is_constant) then
             call choose_cells(pair, contact%set, contact%pairing%against, contact%partition, mesh, materials, &
@@ -342,7 +352,7 @@ contains
          end if
          zone%held_node = [zone%held_node, pair%held_node]
          zone%shared_node = [zone%shared_node, pair%shared_node]
-         is_taken(pair%line%node) = .true.
+         call follow_line(follower, pair%line)
       end associate
       points%n_points = n
       points%set = spread(set, 1, n)

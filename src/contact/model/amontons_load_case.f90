@@ -9,6 +9,7 @@ module amontons_load_case
    use amontons_counter_body, only: steepest_cosine
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
+   use amontons_listing_text, only: place_text
    use amontons_loads, only: load_t, load_vector
    use amontons_mesh, only: mesh_t
    use amontons_text, only: to_text
@@ -114,11 +115,11 @@ contains
          if (.not. load_case%is_in_reach(p)) load_case%gap(p) = out_of_reach*size_of_body
          if (-load_case%gap(p) > (1.0_dp + rounding)*extent(corners, zone%position(:, p), zone%normal(:, p))) then
             call new_error(error, input_refused, contacts(zone%set(p))%origin//'the body overlaps the obstacle by '// &
-               to_text(-load_case%gap(p))//' at '//position_text(zone%position(:, p))// &
+               to_text(-load_case%gap(p))//' at '//place_text(zone%position(:, p))// &
                ', more than its own depth there; check point, normal and extra_gap of the obstacle')
          else if (min(load_case%friction(p), load_case%slip_bound(p)) < 0.0_dp) then
             call new_error(error, input_refused, contacts(zone%set(p))%origin// &
-               'friction or slip bound is negative at '//position_text(zone%position(:, p)))
+               'friction or slip bound is negative at '//place_text(zone%position(:, p)))
          end if
          if (allocated(error)) return
       end do
@@ -174,14 +175,6 @@ contains
 
       extent = sum(max((position - corners(:, 1))*direction, (position - corners(:, 2))*direction))
    end function extent
-
-   !> Coordinates as text.
-   pure function position_text(position) result(text)
-      real(dp), intent(in) :: position(2) !! the coordinates [L]
-      character(:), allocatable :: text
-
-      text = to_text(position(1))//', '//to_text(position(2))
-   end function position_text
 
    !> Condenses the loads of a case, prescribed displacements and thermal strains included.
    subroutine condense_load_case(load_case, body)

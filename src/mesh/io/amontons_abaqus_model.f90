@@ -26,8 +26,6 @@ contains
       character(*), intent(in) :: keyword !! the keyword in small letters
       character(*), intent(in) :: line !! the keyword line
       logical, intent(out) :: is_read !! whether it was one
-      character(:), allocatable :: value
-      logical :: is_nonlinear
 
       associate (is_used => raw%model%is_used)
          select case (keyword)
@@ -45,12 +43,7 @@ contains
             if (is_read) call read_dload(raw, input, keyword, line)
          case ('step')
             is_read = is_used(use_supports) .or. is_used(use_loads)
-            raw%model%n_steps = raw%model%n_steps + 1
-            if (is_read .and. raw%model%n_steps > 1) call input%refuse( &
-               'a second *STEP: the supports and loads of one step can be used', input%position - 1)
-            call find_parameter(line, 'nlgeom', value, is_nonlinear)
-            ! It is named among what is not read.
-            if (is_nonlinear) is_read = lower_case(value) == 'no'
+            if (is_read) call read_step(raw, input, line, is_read)
          case ('transform')
             is_read = is_used(use_supports) .or. is_used(use_loads)
             if (is_read) call input%refuse('supports and loads in the directions of a *TRANSFORM cannot be used', &
@@ -60,6 +53,22 @@ contains
          end select
       end associate
    end subroutine read_model_keyword
+
+   !> Reads the beginning of a step.
+   pure subroutine read_step(raw, input, line, is_linear)
+      type(raw_mesh_t), intent(inout) :: raw !! what the file says
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: line !! the keyword line
+      logical, intent(out) :: is_linear !! whether displacements are small; else it is named among what is not read
+      character(:), allocatable :: value
+      logical :: is_there
+
+      raw%model%n_steps = raw%model%n_steps + 1
+      if (raw%model%n_steps > 1) call input%refuse('a second *STEP: the supports and loads of one step can be used', &
+         input%position - 1)
+      call find_parameter(line, 'nlgeom', value, is_there)
+      is_linear = .not. is_there .or. lower_case(value) == 'no'
+   end subroutine read_step
 
    !> Reads prescribed displacements: nodes, first and last component, value.
    pure subroutine read_boundary(raw, input, line)

@@ -71,7 +71,6 @@ contains
    pure function history_walk_numbers(self) result(numbers)
       class(history_walk_t), intent(in) :: self !! the way
       real(dp), allocatable :: numbers(:)
-
       real(dp), allocatable :: noted(:)
 
       noted = self%watch%noted()
@@ -145,30 +144,22 @@ contains
          time = self%plan(model%history)
          call try_step(self, model, body, problem, method, time, next, error)
          is_balanced = has_balance(next, model%history)
-         if (next%has_no_equilibrium) call keep(answer, answer_time, error, time)
+         if (next%has_no_equilibrium) then
+            answer = error
+            answer_time = time
+         end if
          if (is_balanced .or. .not. self%can_halve(model%history)) exit
          self%n_given_up = self%n_given_up + 1
          self%length = self%length/2
       end do
-      if (allocated(error) .or. next%solution%is_converged .or. .not. allocated(answer)) then
-         call end_step(self, model, time, next, is_balanced, error)
-      else
+      if (allocated(answer) .and. .not. (allocated(error) .or. next%solution%is_converged)) then
          ! That a longer step has no equilibrium says more than that a shorter one does not converge.
          next%has_no_equilibrium = .true.
-         call end_step(self, model, answer_time, next, is_balanced, answer)
+         call move_alloc(answer, error)
+         time = answer_time
       end if
+      call end_step(self, model, time, next, is_balanced, error)
    end subroutine history_walk_advance
-
-   !> Keeps the answer that a step has no equilibrium.
-   pure subroutine keep(answer, answer_time, error, time)
-      type(error_t), allocatable, intent(inout) :: answer !! the answer
-      real(dp), intent(inout) :: answer_time !! the time that its step leads to [-]
-      type(error_t), allocatable, intent(in) :: error !! that of this step
-      real(dp), intent(in) :: time !! its time [-]
-
-      answer = error
-      answer_time = time
-   end subroutine keep
 
    !> Keeps a step that is not made shorter, or ends the way where it could not be taken.
    pure subroutine end_step(walk, model, time, next, is_balanced, error)

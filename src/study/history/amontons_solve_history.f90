@@ -237,14 +237,13 @@ contains
       type(error_t), allocatable, intent(out) :: error !! fields cannot be written
       integer, parameter :: n_between_reports = 64
       integer :: n_kept
+      logical :: is_due
 
       associate (walk => result%walk, history => model%history)
          call monitor%report(walk%n_planned, history%n_steps(), 'steps')
          do while (.not. (walk%is_ended .or. result%is_interrupted))
             n_kept = walk%n_steps
             call walk%advance(model, cache%body, cache%problem, method)
-            if (modulo(walk%n_steps, n_between_reports) == 0) call monitor%report(walk%n_planned, history%n_steps(), &
-               'steps')
             result%is_interrupted = monitor%is_stopped()
             if (walk%n_steps == n_kept) exit
             call result%note_step(cache%body, history)
@@ -252,8 +251,11 @@ contains
             if (is_shown(walk%n_steps, history%fields_every)) call add_fields(cache, model, files, result, &
                error)
             if (allocated(error)) return
-            if (modulo(walk%n_steps, n_between_reports) /= 0) cycle
-            if (files%checkpoint%is_due()) call note_milestone(files, result, error)
+            ! A step may take microseconds, or seconds.
+            is_due = files%checkpoint%is_due()
+            if (is_due .or. modulo(walk%n_steps, n_between_reports) == 0) call monitor%report(walk%n_planned, &
+               history%n_steps(), 'steps')
+            if (is_due) call note_milestone(files, result, error)
             if (allocated(error)) return
          end do
       end associate

@@ -118,7 +118,7 @@ contains
          call certify_worst(task, body, result, error)
          if (allocated(error)) return
       end if
-      call result%statistics%add_warnings(result%certified%warnings)
+      call result%statistics%add_warnings(body%zone, result%certified%warnings)
       call result%certified%timings%begin(phase_write)
    end subroutine finish_sweep
 

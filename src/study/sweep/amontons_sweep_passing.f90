@@ -125,7 +125,6 @@ contains
       type(sweep_task_t), intent(inout) :: task !! the sweep; the receiver's gains the method
       type(method_options_t) :: options
       type(error_t), allocatable :: error
-      real(dp), allocatable :: numbers(:)
 
       options = task%options
       call set_defaults(options)
@@ -136,11 +135,9 @@ contains
       call line%pass(options%local)
       call line%pass(options%acceleration)
       call line%pass(options%max_iterations)
-      numbers = [options%omega, options%tolerance]
-      call line%pass(numbers)
+      call line%pass(options%omega)
+      call line%pass(options%tolerance)
       if (line%is_sender) return
-      options%omega = numbers(1)
-      options%tolerance = numbers(2)
       ! The sender has made this method already.
       call set_method(task, options, error)
    end subroutine pass_method
@@ -149,14 +146,11 @@ contains
    subroutine pass_problem(line, problem)
       type(line_t), intent(in) :: line !! the line
       type(contact_problem_t), intent(inout) :: problem !! the problem
-      logical, allocatable :: is_held(:)
-      real(dp), allocatable :: numbers(:)
 
-      is_held = [problem%is_held]
-      numbers = [problem%prescribed, problem%proximal_parameter]
       call line%pass(problem%n_points)
-      call line%pass(is_held)
-      call line%pass(numbers)
+      call line%pass(problem%is_held)
+      call line%pass(problem%prescribed)
+      call line%pass(problem%proximal_parameter)
       call line%pass(problem%stiffness)
       if (.not. allocated(problem%compliance)) allocate (problem%compliance)
       call line%pass(problem%compliance%n)
@@ -166,9 +160,6 @@ contains
       call line%pass(problem%anchor)
       call line%pass(problem%friction)
       call line%pass(problem%slip_bound)
-      problem%is_held = is_held(1)
-      problem%prescribed = numbers(1)
-      problem%proximal_parameter = numbers(2)
    end subroutine pass_problem
 
    !> Passes the effects of the quantities.
@@ -177,7 +168,6 @@ contains
       type(sweep_model_t), intent(inout) :: model !! the model
       integer, allocatable, intent(in) :: nodes(:) !! the nodes whose forces are passed; of the sender
       integer, intent(in) :: n_axes !! number of quantities
-      real(dp), allocatable :: numbers(:)
       integer :: k
 
       call line%pass(model%load)
@@ -185,9 +175,7 @@ contains
       call line%pass(model%friction)
       call line%pass(model%is_tangent_fixed)
       call line%pass(model%axis)
-      numbers = [model%size_of_body]
-      call line%pass(numbers)
-      model%size_of_body = numbers(1)
+      call line%pass(model%size_of_body)
       call line%pass(model%fixed%friction)
       call line%pass(model%fixed%slip_bound)
       call line%pass(model%fixed%is_in_reach)
@@ -204,11 +192,11 @@ contains
       real(dp), allocatable, intent(inout) :: force(:, :) !! the forces (2, nodes) [F]
       integer, allocatable, intent(in) :: nodes(:) !! the nodes whose forces are passed; of the sender
       real(dp), allocatable :: part(:, :)
-      logical, allocatable :: is_there(:)
+      logical :: is_there
 
-      is_there = [allocated(force)]
+      is_there = allocated(force)
       call line%pass(is_there)
-      if (.not. is_there(1)) return
+      if (.not. is_there) return
       if (line%is_sender) part = force(:, nodes)
       call line%pass(part)
       if (.not. line%is_sender) call move_alloc(part, force)
@@ -219,7 +207,6 @@ contains
       type(line_t), intent(in) :: line !! the line
       type(body_t), intent(inout) :: part !! the part
       real(dp), allocatable :: young(:)
-      logical, allocatable :: is_axisymmetric(:)
       integer :: n_motions, i
 
       call pass_zone(line, part%zone)
@@ -227,9 +214,7 @@ contains
       call line%pass(part%mesh%coordinates)
       call line%pass(part%mesh%element_kind)
       call line%pass(part%rigid_modes)
-      is_axisymmetric = [part%is_axisymmetric]
-      call line%pass(is_axisymmetric)
-      part%is_axisymmetric = is_axisymmetric(1)
+      call line%pass(part%is_axisymmetric)
       if (line%is_sender) young = part%materials%list%young
       call line%pass(young)
       if (line%is_sender) n_motions = size(part%motions)
@@ -243,31 +228,21 @@ contains
       end do
    end subroutine pass_part
 
-   !> Passes contact points: where they are, what they are made of and which are paired. Gaps and friction are measured
-   !> already.
+   !> Passes contact points: where they are and what they are made of. Gaps and friction are measured already, and no
+   !> set is paired.
    subroutine pass_zone(line, zone)
       type(line_t), intent(in) :: line !! the line
       type(contact_zone_t), intent(inout) :: zone !! the contact points
-      logical, allocatable :: is_paired(:), has_tangents(:)
-      integer :: i
+      integer :: n_sets
 
-      if (line%is_sender) is_paired = zone%pairs%is_set()
-      call line%pass(is_paired)
-      if (.not. line%is_sender) then
-         ! Which sets are paired, not where their surfaces meet.
-         allocate (zone%pairs(size(is_paired)))
-         do i = 1, size(is_paired)
-            if (is_paired(i)) allocate (zone%pairs(i)%segments(0))
-         end do
-      end if
+      if (line%is_sender) n_sets = size(zone%pairs)
+      call line%pass(n_sets)
+      if (.not. line%is_sender) allocate (zone%pairs(n_sets))
       call line%pass(zone%n_points)
       call line%pass(zone%is_cell)
       call line%pass(zone%rows%start)
       call line%pass(zone%rows%node)
       call line%pass(zone%rows%part)
-      has_tangents = [allocated(zone%rows%tangent)]
-      call line%pass(has_tangents)
-      if (has_tangents(1)) call line%pass(zone%rows%tangent)
       call line%pass(zone%position)
       call line%pass(zone%set)
       call line%pass(zone%next)
@@ -281,15 +256,13 @@ contains
    subroutine pass_motions(line, motions)
       type(line_t), intent(in) :: line !! the line
       type(rigid_motions_t), intent(inout) :: motions !! the motions
-      real(dp), allocatable :: numbers(:)
 
-      numbers = [motions%center, motions%radius]
       call line%pass(motions%n_free)
       call line%pass(motions%mode)
-      call line%pass(numbers)
+      call line%pass(motions%center(1))
+      call line%pass(motions%center(2))
+      call line%pass(motions%radius)
       call line%pass(motions%node)
-      motions%center = numbers(:2)
-      motions%radius = numbers(3)
    end subroutine pass_motions
 
    !> Passes the rows of a chunk, and what is kept of its cases.

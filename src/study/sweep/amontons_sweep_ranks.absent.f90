@@ -1,19 +1,12 @@
 !> A sweep over the ranks of a run in a build without MPI: there is one rank.
 module amontons_sweep_ranks
    use amontons_body, only: body_t
-   use amontons_rank_service, only: rank_service_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep_chunk, only: chunk_t, solve_chunks, sweep_task_t
    implicit none (type, external)
    private
 
-   public :: end_sharing, share_sweep, solve_on_ranks, sweep_service_t
-
-   !> What other ranks would do for a sweep.
-   type, extends(rank_service_t) :: sweep_service_t
-   contains
-      procedure :: follow => sweep_service_follow
-   end type sweep_service_t
+   public :: end_sharing, serve, share_sweep, solve_on_ranks
 
 contains
 
@@ -50,13 +43,8 @@ contains
       end associate
    end subroutine end_sharing
 
-   !> Follows no order.
-   subroutine sweep_service_follow(self, order)
-      class(sweep_service_t), intent(inout) :: self !! not used
-      integer, intent(in) :: order !! not used
-
-      associate (unused => self, order => order)
-      end associate
-   end subroutine sweep_service_follow
+   !> Serves no one.
+   subroutine serve()
+   end subroutine serve
 
 end module amontons_sweep_ranks

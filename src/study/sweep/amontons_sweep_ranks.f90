@@ -4,32 +4,30 @@
 !> solved, and all ranks have the same condensed stiffness: the rows are those that one rank would find.
 module amontons_sweep_ranks
    use amontons_body, only: body_t
-   use amontons_distributed, only: agree, all_ranks, first_service_order, give_order, line_t, n_ranks, rank, &
-      rank_service_t, sum_on_machine
-   use amontons_error, only: error_t, new_error, system_failure
+   use amontons_distributed, only: all_ranks, check_room, first_free_order, follow_order, give_order, line_t, n_ranks, &
+      next_order, order_end, rank, rank_work_t
+   use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunks, sweep_task_t
    use amontons_sweep_passing, only: pass_chunk, receive_sweep, send_sweep
-   use amontons_system, only: available_memory_mb, return_memory
+   use amontons_system, only: return_memory
    use amontons_threads, only: n_threads
    implicit none (type, external)
    private
 
-   public :: end_sharing, share_sweep, solve_on_ranks, sweep_service_t
+   public :: end_sharing, serve, share_sweep, solve_on_ranks
 
    !> Orders of rank 0.
-   integer, parameter :: order_take = first_service_order, order_solve = order_take + 1, &
+   integer, parameter :: order_take = first_free_order, order_solve = order_take + 1, &
       order_gather = order_solve + 1, order_drop = order_gather + 1
 
    !> What another rank has of a sweep.
-   type, extends(rank_service_t) :: sweep_service_t
+   type :: share_t
       type(sweep_task_t), allocatable :: task !! the sweep
       type(body_t), allocatable :: body !! what its cases need of the body
       type(chunk_t), allocatable :: chunks(:) !! the chunks of the last batch
-   contains
-      procedure :: follow => sweep_service_follow
-   end type sweep_service_t
+   end type share_t
 
 contains
 
@@ -46,7 +44,7 @@ contains
       if (n_ranks == 1 .or. n_left <= chunk_length .or. task%sweep%has_body_results .or. &
          allocated(task%model%problem%band) .or. any(body%zone%pairs%is_set())) return
       call give_order(order_take)
-      call check_room(task%model%problem%n_points, error)
+      call check_matrices(task%model%problem%n_points, error)
       if (allocated(error)) return
       n_sharing = n_ranks
       call send_sweep(task, body)
@@ -54,25 +52,19 @@ contains
 
    !> Checks on all ranks that their machines have room for the condensed stiffness and its inverse, once and for each
    !> thread, and as much again for a method.
-   subroutine check_room(n_points, error)
+   subroutine check_matrices(n_points, error)
       integer, intent(in) :: n_points !! number of contact points; of rank 0
       type(error_t), allocatable, intent(out) :: error !! there is no room on some rank
       type(line_t) :: line
       integer :: n
-      real(dp) :: wanted
 
       line = line_t(all_ranks, rank == 0)
       n = n_points
       call line%pass(n)
-      call return_memory()
-      wanted = 8.0e-6_dp*(2.0_dp*n)**2*(2 + 4*n_threads())
       ! Rank 0 solves the cases in any case.
-      wanted = sum_on_machine(merge(0.0_dp, wanted, rank == 0))
-      if (rank > 0) then
-         if (wanted > available_memory_mb()) call new_error(error, system_failure, '')
-      end if
-      call agree(error)
-   end subroutine check_room
+      if (rank == 0) n = 0
+      call check_room('the condensed stiffness', 8.0e-6_dp*(2.0_dp*n)**2*(2 + 4*n_threads()), error)
+   end subroutine check_matrices
 
    !> Solves chunks on all threads of all ranks that share the sweep. Of rank 0's own, those are done that were begun
    !> before the monitor stopped the sweep.
@@ -110,35 +102,52 @@ contains
       if (n_sharing > 1) call give_order(order_drop)
    end subroutine end_sharing
 
-   !> Follows an order of rank 0.
-   subroutine sweep_service_follow(self, order)
-      class(sweep_service_t), intent(inout) :: self !! the service
+   !> Follows the orders of rank 0 until the last one, those of condensers, too; for the other ranks.
+   subroutine serve()
+      type(rank_work_t), allocatable :: work
+      type(share_t) :: share
+      integer :: order
+
+      do
+         order = next_order()
+         if (order == order_end) exit
+         if (order < first_free_order) then
+            call follow_order(work, order)
+         else
+            call follow_sweep_order(share, order)
+         end if
+      end do
+   end subroutine serve
+
+   !> Follows an order of rank 0 for its sweep.
+   subroutine follow_sweep_order(share, order)
+      type(share_t), intent(inout) :: share !! what this rank has of the sweep
       integer, intent(in) :: order !! the order
       type(error_t), allocatable :: error
       integer :: i
 
       select case (order)
       case (order_take)
-         call check_room(0, error)
+         call check_matrices(0, error)
          if (allocated(error)) return
-         allocate (self%task, self%body)
-         call receive_sweep(self%task, self%body)
+         allocate (share%task, share%body)
+         call receive_sweep(share%task, share%body)
       case (order_solve)
-         call solve_share(self)
+         call solve_share(share)
       case (order_gather)
-         do i = 1, size(self%chunks)
-            call pass_chunk(line_t(0, .true.), self%chunks(i))
+         do i = 1, size(share%chunks)
+            call pass_chunk(line_t(0, .true.), share%chunks(i))
          end do
       case default
-         deallocate (self%task, self%body)
-         if (allocated(self%chunks)) deallocate (self%chunks)
+         deallocate (share%task, share%body)
+         if (allocated(share%chunks)) deallocate (share%chunks)
          call return_memory()
       end select
-   end subroutine sweep_service_follow
+   end subroutine follow_sweep_order
 
    !> Solves this rank's share of a batch.
-   subroutine solve_share(service)
-      type(sweep_service_t), intent(inout) :: service !! the service; gains the chunks
+   subroutine solve_share(share)
+      type(share_t), intent(inout) :: share !! what this rank has of the sweep; gains the chunks
       type(study_monitor_t) :: monitor
       type(line_t) :: line
       integer, allocatable :: batch(:)
@@ -147,13 +156,13 @@ contains
       line = line_t(all_ranks, .false.)
       call line%pass(batch)
       associate (first => batch(:size(batch) - 1), last => batch(size(batch)))
-         if (allocated(service%chunks)) deallocate (service%chunks)
-         allocate (service%chunks((size(first) - rank - 1 + n_ranks)/n_ranks))
-         do i = 1, size(service%chunks)
-            call new_chunk(service%chunks(i), first(rank + 1 + (i - 1)*n_ranks) - 1, last)
+         if (allocated(share%chunks)) deallocate (share%chunks)
+         allocate (share%chunks((size(first) - rank - 1 + n_ranks)/n_ranks))
+         do i = 1, size(share%chunks)
+            call new_chunk(share%chunks(i), first(rank + 1 + (i - 1)*n_ranks) - 1, last)
          end do
       end associate
-      call solve_chunks(service%task, service%body, monitor, service%chunks)
+      call solve_chunks(share%task, share%body, monitor, share%chunks)
    end subroutine solve_share
 
 end module amontons_sweep_ranks

@@ -7,7 +7,7 @@ module amontons_sweep_statistics
    use amontons_kinds, only: dp, int64
    use amontons_lengths, only: lengths_t, new_lengths
    use amontons_quantity, only: expanded, quantity_t
-   use amontons_result_warnings, only: case_warning_names, case_warning_sentences
+   use amontons_result_warnings, only: case_warning_names, case_warning_sentence
    use amontons_sweep, only: sweep_t
    use amontons_text, only: to_text
    use amontons_warning_list, only: warning_list_t
@@ -179,14 +179,15 @@ contains
    end subroutine add_extremes
 
    !> Adds a warning for each that cases of the sweep deserve.
-   pure subroutine sweep_statistics_add_warnings(self, warnings)
+   pure subroutine sweep_statistics_add_warnings(self, zone, warnings)
       class(sweep_statistics_t), intent(in) :: self !! the statistics
+      type(contact_zone_t), intent(in) :: zone !! the contact points
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       integer :: i
 
       do i = 1, size(case_warning_names)
          if (self%n_warned(i) > 0) call warnings%add(to_text(self%n_warned(i))//' of '//to_text(self%n_cases)// &
-            ' cases, case '//to_text(self%warned_case(i))//' the first: '//trim(case_warning_sentences(i)))
+            ' cases, case '//to_text(self%warned_case(i))//' the first: '//case_warning_sentence(i, zone))
       end do
    end subroutine sweep_statistics_add_warnings
 
