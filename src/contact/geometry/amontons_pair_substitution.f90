@@ -9,10 +9,10 @@ module amontons_pair_substitution
    use amontons_contact_rows, only: turned
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
+   use amontons_listing_text, only: place_text
    use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points
    use amontons_mortar_points, only: mortar_points_t
    use amontons_substitution, only: substitution_t
-   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
@@ -60,14 +60,13 @@ contains
       end do
       if (fault > 0) then
          call new_error(error, input_refused, 'a support holds the middle node at '// &
-            place_text(coordinates(:, fault))// &
-            ' of a slave otherwise than the corners beside it: hold these, too')
+            place_text(coordinates(:, fault))//' of a slave otherwise than the corners beside it: hold these, too')
          return
       end if
       call resolve_sums(sums, sum_of, fault)
       if (fault > 0) then
-         call new_error(error, input_refused, 'the node at '//to_text(coordinates(1, fault))//', '// &
-            to_text(coordinates(2, fault))//' is slave and master in a ring of pairs: exchange set and against of one')
+         call new_error(error, input_refused, 'the node at '//place_text(coordinates(:, fault))// &
+            ' is slave and master in a ring of pairs: exchange set and against of one')
          return
       end if
       if (size(sums) > 0) call pack_sums(substitution, sums, sum_of)

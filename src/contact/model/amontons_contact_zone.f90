@@ -155,9 +155,8 @@ contains
       type(contact_quadrature_t) :: no_quadrature
 
       allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), &
-         zone%zero_area_node(0), zone%idle_side(2, 0), zone%is_cell(0), zone%is_tangent_fixed(0), zone%position(2, 0), zone%foot(2, 0), &
-         zone%normal(2, 0), &
-         zone%weight(0), zone%area(0), zone%shear_area(0))
+         zone%zero_area_node(0), zone%idle_side(2, 0), zone%is_cell(0), zone%is_tangent_fixed(0), &
+         zone%position(2, 0), zone%foot(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0), zone%shear_area(0))
       allocate (no_rows%start(1), no_quadrature%start(1), source=1)
       allocate (no_rows%node(0), no_rows%part(2, 0), no_quadrature%position(2, 0), no_quadrature%normal(2, 0), &
          no_quadrature%outward(0), no_quadrature%arc_length(0), no_quadrature%gap(0), no_quadrature%share(0))
