@@ -157,7 +157,7 @@ contains
          call work%mumps%solve(.false., nothing, nothing)
       case (order_expand)
          call work%mumps%solve(.true., nothing, nothing)
-      case (order_free)
+      case default  ! order_free
          call work%mumps%free()
          deallocate (work)
       end select

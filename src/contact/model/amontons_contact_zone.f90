@@ -64,8 +64,8 @@ module amontons_contact_zone
       integer, allocatable :: shared_node(:) !! corners of two contact sets: they belong to the set named first
       integer, allocatable :: zero_area_node(:) !! contact nodes that are no points since they have no area
       real(dp), allocatable :: idle_side(:, :)
-         !! middles of sides on rigid obstacles that nothing acts on, since earlier sets have both ends, but not the side
-         !! (2, sides) [L]
+         !! middles of sides on rigid obstacles that nothing acts on: earlier sets have both ends, but not the side (2,
+         !! sides) [L]
       integer :: n_held_cells = 0 !! number of cells that are no points since supports hold all their nodes
    end type contact_zone_t
 
@@ -218,11 +218,7 @@ contains
          arc_length(k) = along
          if (follower(line%node(k)) > 0) then
             zone%shared_node = [zone%shared_node, line%node(k)]
-            if (line%next(k) == 0) cycle
-            associate (ends => line%node([k, line%next(k)]))
-               if (follower(ends(2)) > 0 .and. follower(ends(1)) /= ends(2)) zone%idle_side = reshape( &
-                  [zone%idle_side, 0.5_dp*sum(mesh%coordinates(:, ends), dim=2)], shape(zone%idle_side) + [0, 1])
-            end associate
+            if (line%next(k) > 0) call note_idle_side(zone, line%node([k, line%next(k)]), mesh%coordinates, follower)
             cycle
          end if
          normal(:, k) = line%normal(:, k)
@@ -257,6 +253,18 @@ contains
       end associate
       call add_points(zone, points)
    end subroutine add_line
+
+   !> Notes a side whose ends both belong to earlier sets, but not the side itself.
+   pure subroutine note_idle_side(zone, ends, coordinates, follower)
+      type(contact_zone_t), intent(inout) :: zone !! the zone
+      integer, intent(in) :: ends(2) !! nodes of the side, the first of an earlier set
+      real(dp), intent(in) :: coordinates(:, :) !! those of the nodes (2, nodes) [L]
+      integer, intent(in) :: follower(:) !! the nodes of earlier sets, as of `follow_line` (nodes)
+
+      if (follower(ends(2)) == 0 .or. follower(ends(1)) == ends(2)) return
+      zone%idle_side = reshape([zone%idle_side, 0.5_dp*sum(coordinates(:, ends), dim=2)], &
+         shape(zone%idle_side) + [0, 1])
+   end subroutine note_idle_side
 
    !> Adds the cells of one line as points. A cell whose nodes supports hold along its normal is no point.
    pure subroutine add_cells(zone, set, contact, line, mesh, materials, constraints, error)
