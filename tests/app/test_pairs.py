@@ -157,6 +157,35 @@ class Pairs(ProgramTest):
                          "slave: the sides that face each other are those of the undeformed bodies and do not follow\n")
         self.run_program("--verify", ".")
 
+    def test_sweep_of_bodies_apart_is_warned_about(self):
+        # One warning for all cases; beside a rigid obstacle it is not the bodies alone that do not touch.
+        lifted = BODIES.replace("'a.left'  ux = 0.0", "'a.left'  ux = 0.0  uy = 0.1")
+        sweep = "&sweep load = 'push'  factor = 0.0, 1.0 /\n"
+        obstacle = "&contact set = 'a.right'  point = 5.0, 0.0  normal = -1.0, 0.0 /\n"
+        for more, sentence in (("", "the bodies do not touch each other"), (obstacle, "nothing touches the obstacle")):
+            run = self.run_program(self.write("case.nml", lifted + CONTACT + more + sweep))
+            self.assertRegex(run.stdout, f"warning: 1 of 2 cases, case 1 the first: {sentence}\n")
+            self.run_program("--verify", ".")
+
+    def test_one_slave_lies_on_two_bodies(self):
+        # The same forces as where each of the others is the slave of the one, but for the error of the mesh.
+        bridge = (BODIES.replace("size = 4.0, 2.0  cells = 8, 4", "size = 4.0, 2.0  cells = 40, 8")
+                  .replace("size = 6.0, 2.0  cells = 9, 3", "size = 2.5, 2.0  cells = 25, 8")
+                  .replace("&material", "&mesh name = 'c'  size = 2.0, 2.0  cells = 20, 8"
+                           "  origin = 2.5, -2.0 /\n&material")
+                  + "&support set = 'c.bottom'  ux = 0.0  uy = 0.0 /\n")
+        forces = [[], []]
+        for sets, totals in zip((("a.bottom", "b.top", "a.bottom", "c.top"),
+                                 ("b.top", "a.bottom", "c.top", "a.bottom")), forces):
+            self.solve(bridge + "".join(f"&contact set = '{slave}'  against = '{master}'  friction = 0.2 /\n"
+                                                 for slave, master in (sets[:2], sets[2:])))
+            rows = self.rows()
+            for other in ("b.top", "c.top"):
+                totals.append(sum(float(row["normal_force"]) for row in rows if other in row["pair"]))
+            self.run_program("--verify", ".")
+        # Of 4; roles exchanged change them by less than a side of 0.1 beside a corner can bear.
+        self.assert_close(*forces, 2e-3)
+
     def test_points_where_both_bodies_have_a_node_are_warned_about(self):
         run = self.run_program(self.write("case.nml", BODIES + CONTACT + "&load point = 1.0, 0.0  force = 0.0, -0.1 /\n"
                                           "&support point = 3.0, 0.0  uy = 0.0 /\n"))

@@ -16,7 +16,7 @@ module amontons_mortar_pair
    implicit none (type, external)
    private
 
-   public :: follow_line, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
+   public :: follow_line, follow_pair, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
 
    !> Points of the quadrature on a segment: exact for straight sides, and rounding is all that is left of the normals'
    !> curvature.
@@ -139,14 +139,8 @@ contains
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its segments
       real(dp), parameter :: least_share = 1.0e-6_dp
       real(dp) :: share(pair%slave%n_sides)
-      integer :: i
 
-      share = 0.0_dp
-      do i = 1, size(pair%segments)
-         associate (segment => pair%segments(i))
-            share(segment%slave) = share(segment%slave) + 0.5_dp*(segment%range(2) - segment%range(1))
-         end associate
-      end do
+      share = covered_shares(pair)
       pair%segments = pack(pair%segments, share(pair%segments%slave) >= least_share)
       pair%sliver_side = findloc(share > 0.0_dp .and. share < least_share, .true., dim=1)
       if (pair%sliver_side > 0) pair%sliver_share = share(pair%sliver_side)
@@ -262,21 +256,63 @@ contains
    !> Notes the nodes of a line, each with the one that follows it: that of the next side or, at the end, itself.
    pure subroutine follow_line(follower, line)
       integer, intent(inout) :: follower(:)
-         !! the node that follows each node on the line of an earlier set, 0 where none has it; gains those of this one
-         !! (nodes)
+         !! the node that follows each node on the sides of an earlier set, the node itself where an end of them is all
+         !! that the set has there, 0 where none has it; gains those of this one (nodes)
       type(boundary_line_t), intent(in) :: line !! the line of a set
       integer :: i
 
       do i = 1, line%n_nodes
-         associate (node => line%node(i))
-            if (line%next(i) > 0) then
-               follower(node) = line%node(line%next(i))
-            else if (follower(node) == 0) then
-               follower(node) = node
+         if (line%next(i) > 0) call follow_side(follower, line%node([i, line%next(i)]), is_whole=.true.)
+      end do
+   end subroutine follow_line
+
+   !> Notes the nodes of a slave that face its master, in the same way. Sides that the master covers in part alone are
+   !> not the pair's: what is left of them is another set's.
+   pure subroutine follow_pair(follower, pair)
+      integer, intent(inout) :: follower(:) !! as of `follow_line` (nodes)
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      ! What rounding leaves of a side.
+      real(dp), parameter :: rounding = 1.0e-6_dp
+      real(dp) :: share(pair%slave%n_sides)
+      integer :: i
+
+      share = covered_shares(pair)
+      do i = 1, pair%slave%n_sides
+         if (.not. share(i) > 0.0_dp) cycle
+         associate (nodes => pair%slave%side(:3, i), is_whole => share(i) >= 1.0_dp - rounding)
+            if (nodes(3) > 0) then
+               call follow_side(follower, nodes([1, 3]), is_whole)
+               call follow_side(follower, nodes([3, 2]), is_whole)
+            else
+               call follow_side(follower, nodes(:2), is_whole)
             end if
          end associate
       end do
-   end subroutine follow_line
+   end subroutine follow_pair
+
+   !> Notes two nodes that follow each other.
+   pure subroutine follow_side(follower, nodes, is_whole)
+      integer, intent(inout) :: follower(:) !! as of `follow_line` (nodes)
+      integer, intent(in) :: nodes(2) !! the nodes, in the order of the line
+      logical, intent(in) :: is_whole !! whether the set has all between them
+
+      where (follower(nodes) == 0) follower(nodes) = nodes
+      if (is_whole) follower(nodes(1)) = nodes(2)
+   end subroutine follow_side
+
+   !> The share of each side of the slave that faces the master (sides) [-].
+   pure function covered_shares(pair) result(share)
+      type(mortar_pair_t), intent(in) :: pair !! the pair, with its segments
+      real(dp) :: share(pair%slave%n_sides)
+      integer :: i
+
+      share = 0.0_dp
+      do i = 1, size(pair%segments)
+         associate (segment => pair%segments(i))
+            share(segment%slave) = share(segment%slave) + 0.5_dp*(segment%range(2) - segment%range(1))
+         end associate
+      end do
+   end function covered_shares
 
    !> Finds the sides that transmit nothing although no support holds them.
    pure subroutine find_idle_sides(pair, follower)
@@ -324,6 +360,7 @@ contains
    pure subroutine link_points(pair, n_nodes)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
       integer, intent(in) :: n_nodes !! number of nodes of the mesh
+      real(dp) :: share(pair%slave%n_sides)
       integer :: point(n_nodes), i
 
       point = 0
@@ -335,11 +372,9 @@ contains
          if (pair%point_of(1, i) > 0) pair%next(pair%point_of(1, i)) = pair%point_of(2, i)
       end do
       allocate (pair%covered_share(size(pair%node)), source=0.0_dp)
-      do i = 1, size(pair%segments)
-         associate (segment => pair%segments(i), at => pair%point_of(1, pair%segments(i)%slave))
-            if (at > 0) pair%covered_share(at) = pair%covered_share(at) &
-               + 0.5_dp*(segment%range(2) - segment%range(1))
-         end associate
+      share = covered_shares(pair)
+      do i = 1, pair%slave%n_sides
+         if (pair%point_of(1, i) > 0) pair%covered_share(pair%point_of(1, i)) = share(i)
       end do
    end subroutine link_points
 

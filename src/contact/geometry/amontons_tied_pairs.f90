@@ -5,7 +5,7 @@ module amontons_tied_pairs
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_mortar_pair, only: follow_line, mortar_pair_t, new_mortar_pair
+   use amontons_mortar_pair, only: follow_pair, mortar_pair_t, new_mortar_pair
    use amontons_pair_checks, only: check_ends
    use amontons_pairing, only: pairing_t, tie_t
    implicit none (type, external)
@@ -38,7 +38,7 @@ contains
             'exchange set and to', .true., constraints, error)
          if (allocated(error)) error%message = ties(i)%origin//error%message
          if (allocated(error)) return
-         call follow_line(follower, pairs(i)%line)
+         call follow_pair(follower, pairs(i))
       end do
    end subroutine new_tied_pairs
 

@@ -13,7 +13,8 @@ module amontons_contact_zone
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mortar_cells, only: choose_cells
-   use amontons_mortar_pair, only: follow_line, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
+   use amontons_mortar_pair, only: follow_line, follow_pair, integrate_pair, mortar_pair_t, n_quadrature_points, &
+      new_mortar_pair
    use amontons_mortar_points, only: mortar_points_t
    use amontons_obstacle, only: obstacle_names, obstacle_t
    use amontons_pair_checks, only: check_ends, check_overlap
@@ -359,7 +360,7 @@ contains
          end if
          zone%held_node = [zone%held_node, pair%held_node]
          zone%shared_node = [zone%shared_node, pair%shared_node]
-         call follow_line(follower, pair%line)
+         call follow_pair(follower, pair)
       end associate
       points%n_points = n
       points%set = spread(set, 1, n)
