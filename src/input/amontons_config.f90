@@ -5,7 +5,7 @@ module amontons_config
    use amontons_condensation, only: condensation_names
    use amontons_config_accuracy, only: accuracy_group, accuracy_options_t, describe_accuracy
    use amontons_config_body, only: describe_load, describe_material, describe_mesh, describe_support, load_group, &
-      material_group, mesh_group, support_group
+      material_group, mesh_group, require_expansion, support_group
    use amontons_config_case, only: case_group, describe_case
    use amontons_config_contact, only: contact_group, describe_contact, describe_tie, tie_group
    use amontons_config_file, only: take_file
@@ -26,7 +26,7 @@ module amontons_config
    use amontons_file_model, only: use_loads, use_materials, use_names, use_supports
    use amontons_history, only: history_t
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_t
+   use amontons_loads, only: load_by_temperature, load_t
    use amontons_material, only: material_t
    use amontons_mesh_part, only: mesh_part_t
    use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
@@ -243,6 +243,7 @@ contains
             'use is only for one &mesh')
          call take_file(config%meshes(i), config%materials, config%supports, config%loads, error)
          if (allocated(error)) call visitor%require(.false., 'use', error%message)
+         if (any(config%loads%target == load_by_temperature)) call require_expansion(visitor, 'use')
       end do
       if (is_new) call begin_body(visitor%deck, config, allocated(error))
    end subroutine describe_meshes

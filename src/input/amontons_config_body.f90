@@ -13,7 +13,7 @@ module amontons_config_body
    implicit none (type, external)
    private
 
-   public :: describe_load, describe_material, describe_mesh, describe_support
+   public :: describe_load, describe_material, describe_mesh, describe_support, require_expansion
 
    !> The group of the mesh.
    type(group_t), parameter, public :: mesh_group = group_t('mesh', is_repeatable=.true., is_shared=.true.)
@@ -290,7 +290,6 @@ contains
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(load_t), intent(in) :: load !! the load
       logical, intent(in) :: is_given(:) !! whether it has keys of each target
-      integer :: material
 
       if (.not. visitor%is_judging()) return
       call visitor%require(any(is_given), '', '&load needs traction, pressure, force, body_force, gravity, '// &
@@ -306,14 +305,22 @@ contains
       call visitor%require(visitor%has('set') .or. load%target /= load_on_sides, '', 'traction and pressure need set')
       call visitor%require((visitor%has('set') .neqv. visitor%has('point')) .or. load%target /= load_on_nodes, &
          'force', 'force needs either set or point')
-      if (load%target /= load_by_temperature) return
+      if (load%target == load_by_temperature) call require_expansion(visitor, 'temperature')
+   end subroutine judge_load
+
+   !> Requires that every `&material` says how it expands, since there are temperatures.
+   subroutine require_expansion(visitor, key)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      character(*), intent(in) :: key !! the key that brings the temperatures
+      integer :: material
+
       material = 0
       do
          material = visitor%deck%next_group('material', material)
          if (material == 0) exit
-         call visitor%require(visitor%deck%has(material, 'expansion'), 'temperature', &
+         call visitor%require(visitor%deck%has(material, 'expansion'), key, &
             'temperature needs the expansion of every &material; 0 for one that does not expand')
       end do
-   end subroutine judge_load
+   end subroutine require_expansion
 
 end module amontons_config_body

@@ -4,7 +4,7 @@ module amontons_config_file
    use amontons_error, only: error_t
    use amontons_file_model, only: file_body_force, file_force, file_gravity, file_load_t, file_model_t, file_pressure
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_on_nodes, load_on_region, load_t, new_load
+   use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_t, new_load
    use amontons_material, only: material_t, new_material
    use amontons_mesh_file, only: read_file_model
    use amontons_mesh_part, only: mesh_part_t
@@ -84,12 +84,21 @@ contains
       character(*), intent(in) :: file !! its name
       integer :: i
 
-      allocate (loads(model%n_loads))
-      do i = 1, size(loads)
+      allocate (loads(model%n_loads + merge(1, 0, allocated(model%temperatures%table))))
+      do i = 1, model%n_loads
          call take_load(loads(i), model%loads(i))
          loads(i)%name = file_load_name
          loads(i)%origin = origin_of(file, model%loads(i)%line)
       end do
+      if (.not. allocated(model%temperatures%table)) return
+      associate (load => loads(size(loads)))
+         call new_load(load, '')
+         load%name = file_load_name
+         load%target = load_by_temperature
+         load%temperature_table = model%temperatures%table
+         load%temperature_file = file
+         load%origin = origin_of(file, model%temperatures%line)
+      end associate
    end subroutine take_file_loads
 
    !> Takes a load.

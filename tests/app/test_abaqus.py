@@ -107,6 +107,13 @@ REFUSED = [
      "CENTRIF: the square of the angular speed is negative"),
     ("*DLOAD\neall, CENTRIF, 1., 0., 0., 0., 1., 0., 1.\n", "loads",
      "CENTRIF: expected an axis in the plane or normal to it"),
+    ("*TEMPERATURE\nnone, 1.\n", "loads", "*TEMPERATURE: there is no node set 'none' above"),
+    ("*TEMPERATURE\neall, 1.\n", "loads", "*TEMPERATURE: there is no node set 'eall' above"),
+    ("*TEMPERATURE\n99, 1.\n", "loads", "*TEMPERATURE: there is no node 99 above"),
+    ("*TEMPERATURE\nnall, hot\n", "loads", "expected a number, found 'hot'"),
+    ("*TEMPERATURE\nnall, 1., 2.\n", "loads", "*TEMPERATURE: expected nodes and one temperature"),
+    ("*TEMPERATURE, AMPLITUDE=ramp\nnall, 1.\n", "loads", "*TEMPERATURE with AMPLITUDE=ramp cannot be used"),
+    ("*INITIAL CONDITIONS, TYPE=TEMPERATURE, USER\n", "loads", "*INITIAL CONDITIONS with USER cannot be used"),
     ("*STEP\n*END STEP\n*STEP\n", "loads", "a second *STEP: the supports and loads of one step can be used"),
     ("*TRANSFORM, NSET=nall\n", "supports", "supports and loads in the directions of a *TRANSFORM cannot be used"),
 ]
@@ -179,6 +186,41 @@ class Abaqus(ProgramTest):
                                status=1)
         self.assertIn("table.csv: no temperature of node 2", run.stderr)
 
+    def test_temperatures_are_taken(self):
+        # Of two lines for a node the later one counts; a node without a line keeps its initial temperature.
+        parts = ("*INITIAL CONDITIONS, TYPE=TEMPERATURE\nnall, 20.\n3, 25.\n", "*TEMPERATURE\ntop, 80.\n1, 30.\n"
+                 "*TEMPERATURE, OP=MOD\n5, 95.\nfloor, 40.,\n")
+        self.write("table.csv", "1, 20\n2, 20\n3, 15\n4, 60\n5, 75\n6, 60\n")
+        heat = "&load temperature_table = 'table.csv' /\n"
+        used = self.assert_same(ALL + CONTACT, "&mesh kind = 'file'  file = 'block.inp' /\n"
+                                + PLAIN_MATERIAL.format("plane stress", 2.0) + PLAIN_SUPPORT + PLAIN_LOADS + heat
+                                + CONTACT, parts=(MATERIAL, SUPPORTS, parts[0], LOADS, parts[1]))
+        self.assertGreater(used.summary["key_results"]["max_displacement"], 0.05)
+        self.assertNotIn("nothing is strained", (self.directory/"used.lst").read_text(encoding="utf-8"))
+
+    def test_heated_block_between_walls(self):
+        # Held along x at both ends and free to grow upwards: sigma_x = nu sigma_y - E alpha T, sigma_y = -p.
+        self.write_mesh(MATERIAL, "*BOUNDARY\nleft, 1\n3, 1\n6, 1\n*DLOAD\neall, P3, 4.\n",
+                        "*TEMPERATURE\nnall, 12.\n")
+        case = self.solve(ALL + CONTACT.replace("0.2", "0.0"))
+        along, across = 0.25*-4.0 - 1000.0*1e-3*12.0, -4.0
+        self.assertAlmostEqual(case.summary["key_results"]["max_von_mises"],
+                               (along**2 - along*across + across**2)**0.5, delta=1e-9)
+        # Displacement at the top: height times strain.
+        strain = (across - 0.25*along)/1000.0 + 1e-3*12.0
+        self.assertAlmostEqual(case.summary["key_results"]["max_displacement"], strain, delta=1e-12)
+        self.assertIn("Note                *TEMPERATURE without *INITIAL CONDITIONS, TYPE=TEMPERATURE: nothing is "
+                      "strained at the temperature 0\n", (self.directory/"case.lst").read_text(encoding="utf-8"))
+
+    def test_temperatures_need_an_expansion(self):
+        self.write_mesh(MATERIAL.replace("*EXPANSION, ZERO=20.\n1E-3\n", ""), SUPPORTS, "*TEMPERATURE\nnall, 12.\n")
+        self.assertIn("*TEMPERATURE has no effect: no *SOLID SECTION has a material with *EXPANSION", self.run_program(
+            "--check", self.write("deck.nml", ALL + CONTACT), status=1).stderr)
+        deck = USE.format("'supports', 'loads'") + CONTACT + PLAIN_MATERIAL.format("plane stress", 1.0)
+        self.assertIn("deck.nml:1: temperature needs the expansion of every &material", self.run_program(
+            "--check", self.write("deck.nml", deck.replace("expansion = 1e-3", "")), status=1).stderr)
+        self.run_program("--check", self.write("deck.nml", deck))
+
     def test_loads_can_be_swept(self):
         self.write_mesh(MATERIAL, SUPPORTS, LOADS)
         self.run_program("--quiet", self.write("sweep.nml", ALL + CONTACT
@@ -217,7 +259,10 @@ class Abaqus(ProgramTest):
         for lines, named in (("*CONTACT PAIR, INTERACTION=i\na, b\n", "*CONTACT PAIR"),
                              ("*STEP, NLGEOM\n*DYNAMIC\n1.\n*END STEP\n", "*STEP, NLGEOM, *DYNAMIC"),
                              ("*BASE MOTION, DOF=1\n*FIELD\n1, 2.\n", "*BASE MOTION, *FIELD"),
-                             ("*NODAL THICKNESS\n1, 2.\n", "*NODAL THICKNESS")):
+                             ("*NODAL THICKNESS\n1, 2.\n", "*NODAL THICKNESS"),
+                             ("*INITIAL CONDITIONS, TYPE=STRESS\n1, 2.\n", "*INITIAL CONDITIONS, TYPE=STRESS"),
+                             ("*TEMPERATURE\nnall, 2.\n", "*TEMPERATURE; give them in the deck, or &mesh use = "
+                              "'loads'")):
             self.write_mesh(SUPPORTS, lines)
             run = self.run_program("--check", self.write(
                 "part.nml", USE.format("'supports'") + PLAIN_MATERIAL.format("plane stress", 2.0) + CONTACT))

@@ -6,6 +6,7 @@ module amontons_abaqus
    use amontons_abaqus_material, only: finish_materials
    use amontons_abaqus_model, only: read_model_keyword
    use amontons_abaqus_sets, only: abaqus_scope_t, get_set, read_set, read_surface, resolve_elements
+   use amontons_abaqus_temperature, only: finish_temperatures
    use amontons_element, only: quad4, quad8, tri3, tri6
    use amontons_file_model, only: use_materials
    use amontons_input_file, only: input_file_t
@@ -37,6 +38,7 @@ contains
       call ignored%tell(raw)
       if (.not. allocated(input%error)) call resolve_elements(raw, input)
       if (.not. allocated(input%error)) call finish_materials(raw, input)
+      if (.not. allocated(input%error)) call finish_temperatures(raw, input)
    end subroutine read_abaqus
 
    !> Reads a keyword with its data lines.

@@ -15,13 +15,13 @@ module amontons_abaqus_keywords
    !> Keywords that hold nodes.
    character(12), parameter :: support_keywords(*) = [character(12) :: 'boundary']
    !> Keywords of loads.
-   character(12), parameter :: load_keywords(*) = [character(12) :: 'cload', 'dload', 'dsload']
+   character(12), parameter :: load_keywords(*) = [character(12) :: 'cload', 'dload', 'dsload', 'temperature']
    !> Other keywords that change what a computation gives.
    character(33), parameter :: other_keywords(*) = [character(33) :: 'step', 'amplitude', 'transform', 'plastic', &
       'hyperelastic', 'hyperfoam', 'creep', 'viscoelastic', 'damping', 'contactpair', 'contact', 'contactinclusions', &
       'surfaceinteraction', 'surfacebehavior', 'friction', 'clearance', 'contactinterference', 'tie', 'equation', &
-      'mpc', 'coupling', 'kinematic', 'distributing', 'rigidbody', 'spring', 'gap', 'mass', 'temperature', &
-      'initialconditions', 'foundation', 'orientation', 'modelchange', 'pre-tensionsection', &
+      'mpc', 'coupling', 'kinematic', 'distributing', 'rigidbody', 'spring', 'gap', 'mass', 'initialconditions', &
+      'foundation', 'orientation', 'modelchange', 'pre-tensionsection', &
       'cflux', 'dflux', 'film', 'radiate', 'inertiarelief', 'basemotion', 'field', 'nodalthickness', 'usermaterial', &
       'deformationplasticity', 'cyclichardening', 'druckerprager', 'mohrcoulomb', 'concretedamagedplasticity', &
       'nocompression', 'notension', 'swelling', 'submodel', 'dashpot', 'embeddedelement', 'changefriction', &
@@ -29,7 +29,7 @@ module amontons_abaqus_keywords
       'complexfrequency', 'buckle', 'visco', 'modaldynamic', 'steadystatedynamics', 'heattransfer', &
       'coupledtemperature-displacement', 'uncoupledtemperature-displacement']
    !> Names of keywords are cut in messages.
-   integer, parameter :: longest_name = 30
+   integer, parameter :: longest_name = 40
    !> Most keywords that are named.
    integer, parameter :: most_named = 40
 
@@ -67,8 +67,8 @@ contains
       self%n_named = self%n_named + 1
       self%keys = self%keys//keyword//achar(10)
       last = index(line//',', ',') - 1
-      ! What kind of step it is may matter.
-      if (keyword == 'step') last = len(line)
+      ! What kind of step it is may matter, and of what the initial conditions are.
+      if (keyword == 'step' .or. keyword == 'initialconditions') last = len(line)
       name = ', *'//capitals(printable(trim(line(:min(longest_name, last)))))
       self%names = self%names//name
       self%is_readable(use_materials) = self%is_readable(use_materials) .or. any(material_keywords == keyword)

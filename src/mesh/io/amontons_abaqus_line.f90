@@ -214,7 +214,7 @@ contains
       ! Those that say what is meant anyway, whatever their value or with this one alone.
       character(8), parameter :: harmless_names(*) = [character(8) :: '', 'elset', 'material', 'zero', 'moduli']
       character(17), parameter :: harmless(*) = [character(17) :: 'op=mod', 'type=displacement', 'type=iso', &
-         'type=isotropic', 'dependencies=0']
+         'type=isotropic', 'type=temperature', 'dependencies=0']
       character(:), allocatable :: field
       integer :: first, last, i
 

@@ -1,10 +1,11 @@
 !> What a mesh file says of the body beside its mesh: materials, supports, loads.
 module amontons_file_model
    use amontons_kinds, only: dp
+   use amontons_tag_map, only: tag_map_t
    implicit none (type, external)
    private
 
-   public :: file_load_t, file_material_t, file_model_t, file_support_t, longest_name
+   public :: file_load_t, file_material_t, file_model_t, file_support_t, file_temperatures_t, longest_name
 
    !> What may be read of it, as a deck names it.
    character(9), parameter, public :: use_names(3) = [character(9) :: 'materials', 'supports', 'loads']
@@ -60,6 +61,19 @@ module amontons_file_model
       integer :: line = 0 !! line of the file that specifies it
    end type file_load_t
 
+   !> Temperatures of the nodes. Arrays have a place for each node of the file, in its order, as far as it is read.
+   type :: file_temperatures_t
+      type(tag_map_t) :: map !! places of the nodes by their numbers in the file
+      real(dp), allocatable :: initial(:) !! temperatures at which nothing is strained [K]
+      real(dp), allocatable :: step(:) !! temperatures of the step [K]
+      logical, allocatable :: is_given(:) !! whether the step gives a temperature
+      logical :: has_initial = .false. !! whether initial temperatures are given
+      integer :: line = 0 !! line of the file that gives those of the step; 0 if none does
+      real(dp), allocatable :: table(:, :)
+         !! numbers of the nodes and their temperatures above the initial ones; not allocated before the file is read,
+         !! nor if it gives none (2, number of nodes) [K]
+   end type file_temperatures_t
+
    !> All that is read beside the mesh.
    type :: file_model_t
       logical :: is_used(size(use_names)) = .false. !! what is read
@@ -68,6 +82,7 @@ module amontons_file_model
       type(file_material_t), allocatable :: materials(:) !! the material of each section
       type(file_support_t), allocatable :: supports(:) !! the supports
       type(file_load_t), allocatable :: loads(:) !! the loads
+      type(file_temperatures_t) :: temperatures !! the temperatures of the nodes
       integer :: n_supports = 0 !! number of supports; there may be room for more
       integer :: n_loads = 0 !! number of loads; there may be room for more
       integer :: n_steps = 0 !! number of steps
