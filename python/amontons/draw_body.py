@@ -216,20 +216,27 @@ def true_or_times(case, factor):
     return f"displacements{' and gaps' if len(case.line.points) else ''} × {factor:g}"
 
 
-def draw_body(axes, case, name, factor=None, has_lines=True):
-    """The body with a field, its shape before, its contact points and the obstacles."""
+def draw_scene(axes, case, name, factor=None, has_lines=True):
+    """The body with a field, its shape before, its contact points and the obstacles. Returns what a bar of the field
+    needs: what is drawn, its label, and its value where it is uniform."""
     mesh = case.mesh
     if factor is None:
         factor = magnification(case)
     window = window_of(case, factor)
-    draw_bar(axes, *draw_field(axes, case, factor, name, has_lines))
+    field = draw_field(axes, case, factor, name, has_lines)
     axes.add_collection(LineCollection(mesh.points[boundary(mesh)][:, :, :2], colors=UNDEFORMED, linestyles="--",
                                        linewidths=0.5))
     draw_obstacles(axes, case, factor, window)
-    at = draw_points(axes, case, factor)
+    draw_points(axes, case, factor)
     axes.set(aspect="equal", xlabel=case.label("x", "L"), ylabel=case.label("y", "L"), xlim=window[:, 0],
              ylim=window[:, 1], title=true_or_times(case, factor))
-    if len(at):
+    return field
+
+
+def draw_body(axes, case, name, factor=None, has_lines=True):
+    """The body with a field and its bar, its contact points and the obstacles."""
+    draw_bar(axes, *draw_scene(axes, case, name, factor, has_lines))
+    if len(case.line.points):
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, ncols=2, frameon=False)
 
 

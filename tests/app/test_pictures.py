@@ -1,4 +1,5 @@
 """Pictures and pages made of solved cases by the commands amontons-plot and amontons-report."""
+import csv
 import json
 import os
 import re
@@ -205,6 +206,31 @@ class Pictures(ProgramTest):
         names = re.findall(r' id="([^"]*)"', page)
         self.assertEqual(len(names), len(set(names)))
         self.assertLessEqual(set(re.findall(r'(?:href="|url\()#(\w+)', page)), set(names))
+
+    def test_lines_of_a_page_are_where_their_axes_say(self):
+        # Pressure over length, in points of the picture: what the ticks of both axes mean must lead to the table.
+        self.run_program("--quiet", "--output", "one", self.write("case.nml", block(PRESSURE, SUPPORT, CONTACT)))
+        self.script("report", "one")
+        page = (self.directory / "one" / "report.html").read_text(encoding="utf-8")
+        picture = re.search(r'<svg id="c0l".*?</svg>', page)[0]
+        lines = re.search(r'<g clip-path="url\(#c0l0\)".*?</g>', picture)[0]
+        pressure = re.search(r'd="M([^"]*)" stroke="currentColor"', lines)[1]
+        drawn = [tuple(map(float, pair.split())) for pair in pressure.split("L")]
+        with open(self.directory / "one" / "case.contact.csv", encoding="utf-8") as text:
+            rows = list(csv.DictReader(text))
+        texts = re.findall(r'<text x="([-\d.]+)" y="([-\d.]+)" font-size="8" text-anchor="(end|middle)">(−?[\d.]+)<',
+                           picture)
+        top, height = map(float, re.search(r'id="c0l0"><rect x="[^"]*" y="([^"]*)" width="[^"]*" height="([^"]*)"',
+                                           picture).groups())
+        ordinates = [(float(y) - 3, float(text.replace("−", "-"))) for _, y, anchor, text in texts
+                     if anchor == "end" and float(y) - 3 < top + height]
+        abscissas = [(float(x), float(text)) for x, _, anchor, text in texts if anchor == "middle"]
+        for ticks, key, place in ((ordinates, "contact_pressure", 1), (abscissas, "x", 0)):
+            (first, low), (second, high) = ticks[0], ticks[-1]
+            scale = (high - low)/(second - first)
+            for row, point in zip(rows, drawn, strict=True):
+                # Places have two decimals.
+                self.assertAlmostEqual(low + (point[place] - first)*scale, float(row[key]), delta=0.03*abs(scale))
 
     def test_the_deck_in_a_page_runs_elsewhere(self):
         (self.directory / "far").mkdir()
