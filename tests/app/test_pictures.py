@@ -302,7 +302,7 @@ class Pictures(ProgramTest):
                                       f"--blink-settings=preferredColorScheme={scheme}", "--enable-logging=stderr",
                                       "--allow-file-access-from-files", f"--user-data-dir={self.directory / 'profile'}",
                                       "--dump-dom", frame.as_uri()],
-                                     capture_output=True, encoding="utf-8", timeout=60, check=True)
+                                     capture_output=True, encoding="utf-8", timeout=300, check=True)
                 self.assertIn(f"<title>{expected}{paper}</title>", run.stdout, (width, scheme))
                 self.assertNotIn("CONSOLE", run.stderr)
 

@@ -20,6 +20,9 @@ from test_sweep import map_of_states
 ENDLESS = block(SUPPORT, PRESSURE, CONTACT,
                 "solver method = 'psor'  omega = 0.001  tolerance = 1.0e-16  max_iterations = 2000000000")
 
+# What the line shows from two seconds on; on a busy machine a second may be left out.
+SECONDS = r"([2-9]|[1-9]\d+) s"
+
 
 def no_cores():
     """Has a signal that would leave a core leave none."""
@@ -105,14 +108,14 @@ class Progress(ProgramTest):
     def test_phase_and_seconds_are_shown_until_a_signal_ends_the_work(self):
         terminals = [self.start(ENDLESS) for _ in range(2)]
         for terminal, number in zip(terminals, (signal.SIGINT, signal.SIGTERM)):
-            terminal.wait_for(r"^\rcase: solve, 1 s")
-            terminal.wait_for(r"\rcase: solve, 2 s")
+            terminal.wait_for(r"^\rcase: \w+, [1-9]\d* s")
+            terminal.wait_for(r"\rcase: solve, " + SECONDS)
             terminal.run.send_signal(number)
             self.assertEqual(terminal.end(-number), [""])
 
     def test_fault_is_told_on_a_line_of_its_own(self):
         terminal = self.start(ENDLESS)
-        terminal.wait_for("solve, 1 s")
+        terminal.wait_for(r"solve, \d+ s")
         terminal.run.send_signal(signal.SIGSEGV)
         while terminal.read(self.timeout):
             pass
@@ -122,7 +125,7 @@ class Progress(ProgramTest):
     def test_line_is_gone_before_the_result(self):
         unlock = self.locked("results")
         terminal = self.start(SOUND, "--output", "results")
-        terminal.wait_for("case: write, 1 s")
+        terminal.wait_for(r"case: write, \d+ s")
         unlock()
         result, rest = terminal.end(0)
         self.assertRegex(result, r"^case: solved, \d+ iterations, .*; 9 of 9 points closed, .*$")
@@ -132,22 +135,20 @@ class Progress(ProgramTest):
 
     def test_line_is_gone_before_an_error(self):
         unlock = self.locked("results")
+        (self.directory / "results" / "case.lst").mkdir()
         terminal = self.start(SOUND, "--output", "results")
-        terminal.wait_for("case: write, 1 s")
-        for file in (self.directory / "results").iterdir():
-            file.unlink()
+        terminal.wait_for(r"case: write, \d+ s")
         unlock()
         message, rest = terminal.end(3)
-        self.assertEqual(message, "case.nml: results/case.lst: cannot put this file in place: No such file or "
-                                  "directory")
+        self.assertEqual(message, "case.nml: results/case.lst: cannot put this file in place: Is a directory")
         self.assertEqual(rest, "")
 
     def test_every_case_of_a_run_has_its_own_seconds(self):
         unlock = self.locked("results")
         self.write("first.nml", SOUND)
         terminal = self.start(SOUND, "--output", "results", "first.nml", name="second")
-        terminal.wait_for("first: write, 1 s")
-        terminal.wait_for("second: write, 1 s")
+        terminal.wait_for(r"first: write, \d+ s")
+        terminal.wait_for(r"second: write, \d+ s")
         unlock()
         self.assertEqual([line.partition(",")[0] for line in terminal.end(0)], ["first: solved", "second: solved",
                                                                                      "2 decks: 2 solved", ""])
@@ -172,7 +173,7 @@ class Progress(ProgramTest):
         terminal = self.start(ENDLESS, "--quiet")
         piped = self.start(ENDLESS, stderr=subprocess.PIPE)
         shown = self.start(ENDLESS)
-        shown.wait_for("solve, 2 s")
+        shown.wait_for("solve, " + SECONDS)
         for each in (terminal, piped):
             each.run.terminate()
             each.end(-signal.SIGTERM)
@@ -181,9 +182,13 @@ class Progress(ProgramTest):
 
     def test_log_gets_lines_where_it_is_asked_for(self):
         log = self.start(ENDLESS, "--quiet", "--progress", stderr=subprocess.PIPE)
-        # A machine that has other things to do may come a second late.
-        for expected in (r"^case: solve, [12] s\n$", r"^case: solve, [23] s\n$", r"^case: solve, [45] s\n$"):
-            self.assertRegex(log.run.stderr.readline().decode(), expected)
+        # After 1, 2, 4 seconds; a machine that has other things to do may come late.
+        shown = 0
+        for due in (1, 2, 4):
+            line = log.run.stderr.readline().decode()
+            self.assertRegex(line, r"^case: \w+, \d+ s\n$")
+            before, shown = shown, int(line.split()[-2])
+            self.assertGreaterEqual(shown, max(due, before + 1))
         log.run.terminate()
         self.assertEqual(log.run.communicate(), (None, b""))
         self.assertEqual(log.run.wait(self.timeout), -signal.SIGTERM)
@@ -191,14 +196,14 @@ class Progress(ProgramTest):
     def test_log_of_a_sweep_has_cases_and_seconds(self):
         log = self.start(map_of_states(20000), "--progress", stderr=subprocess.PIPE)
         self.assertRegex(log.run.stderr.readline().decode(),
-                         r"^case: \d+ of 4000000 cases, \d+ per second, \d+:\d\d:\d\d left, [12] s\n$")
+                         r"^case: \d+ of 4000000 cases, \d+ per second, \d+:\d\d:\d\d left, \d+ s\n$")
         for _ in range(2):
             log.run.terminate()
         log.run.communicate()
 
     def test_terminal_has_its_line_where_a_log_is_asked_for(self):
         terminal = self.start(ENDLESS, "--progress")
-        terminal.wait_for(r"\rcase: solve, 2 s$")
+        terminal.wait_for(r"\rcase: solve, " + SECONDS + "$")
         terminal.run.terminate()
         self.assertEqual(terminal.end(-signal.SIGTERM), [""])
 
@@ -213,7 +218,7 @@ class Progress(ProgramTest):
     def test_terminal_that_takes_nothing_keeps_nobody(self):
         terminal = self.start(ENDLESS, before=lambda screen: termios.tcflow(screen, termios.TCOOFF))
         shown = self.start(ENDLESS)
-        shown.wait_for("solve, 2 s")
+        shown.wait_for("solve, " + SECONDS)
         terminal.run.terminate()
         self.assertEqual(terminal.run.wait(self.timeout), -signal.SIGTERM)
 
@@ -225,7 +230,7 @@ class Progress(ProgramTest):
                             preexec_fn=lambda: fcntl.ioctl(1, termios.TIOCSCTTY, 0))
         terminal.wait_for("started")
         shown = self.start(ENDLESS)
-        shown.wait_for("solve, 2 s")
+        shown.wait_for("solve, " + SECONDS)
         os.write(terminal.keyboard, b"\n")
         terminal.wait_for("ended")
         self.assertNotIn(b"solve", terminal.shown)

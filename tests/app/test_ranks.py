@@ -227,7 +227,7 @@ class Kills(RanksTest):
                     victim = ranks_of(run).get(number)
                     if victim:
                         os.kill(victim, signal.SIGKILL)
-                    told = b"".join(run.communicate(timeout=60))
+                    told = b"".join(run.communicate(timeout=self.timeout))
                     self.assertEqual(ranks_of(run), {})
                 if run.returncode != 0:
                     n_ended += 1

@@ -142,9 +142,8 @@ class Killed(Rerun):
         old = (self.results/"case_0.summary.json").read_bytes()
         self.write("case_0.nml", sweep(0, 200))
         n_halfway = 0
-        for _ in range(40):
-            if n_halfway == 3:
-                break
+        # Until some kills came halfway, however late they come on a busy machine.
+        while n_halfway < 3:
             shutil.rmtree(self.results)
             shutil.copytree(self.directory/"before", self.results)
             run = subprocess.Popen([PROGRAM, "--quiet", "--output", "results", "case_0.nml"], cwd=self.directory)
@@ -164,7 +163,6 @@ class Killed(Rerun):
             self.run_program("--quiet", "--output", "results", "case_0.nml")
             self.assertEqual([name for name in self.found() if ".vtu" in name], [])
             self.assertEqual(self.verify(), "case_0: verified\n")
-        self.assertGreater(n_halfway, 0)
 
 
 if __name__ == "__main__":

@@ -29,12 +29,12 @@ class Interruption(SweepTest):
         self.run_program("--quiet", "--output", "reference", "sweep.nml")
         duration = time.monotonic() - begin
         n_killed = n_resumed = 0
-        while n_killed < 100:
+        # Until some went on where others had been killed, however fast the machine is from one run to the next.
+        while n_killed < 100 or n_resumed == 0:
             done = 0
             while not (self.directory / "sweep.sweep.csv").exists():
                 run = self.start("--quiet", "--threads", str(1 + n_killed % 2), "sweep.nml")
-                # Mostly early in the run, so that many come before a sweep is done.
-                time.sleep(self.random.choice((0.1, 0.5))*self.random.random()*duration)
+                time.sleep(duration*10.0**self.random.uniform(-2.0, 0.0))
                 noted = self.n_done()
                 run.kill()
                 run.communicate()
@@ -45,7 +45,7 @@ class Interruption(SweepTest):
                 self.assertGreaterEqual(self.n_done(), max(noted, done))
                 n_resumed += self.n_done() > done > 0
                 done = self.n_done()
-                if n_killed >= 100:
+                if n_killed >= 100 and n_resumed > 0:
                     break
             self.run_program("--quiet", "sweep.nml")
             self.assertEqual(self.contents()["sweep.sweep.csv"], self.contents("reference")["sweep.sweep.csv"])
@@ -54,7 +54,6 @@ class Interruption(SweepTest):
             for member in ("iterations", "residual", "extremes", "certificate", "quantities"):
                 self.assertEqual(found[member], expected[member])
             (self.directory / "sweep.sweep.csv").unlink()
-        self.assertGreater(n_resumed, 0)
 
     def test_spoilt_checkpoint_is_never_believed(self):
         self.write("sweep.nml", map_of_states(6))
@@ -135,7 +134,7 @@ class Interruption(SweepTest):
             (self.directory / "sweep.sweep.csv").unlink()
 
     def test_torn_files_are_cut_to_the_last_batch(self):
-        self.write("sweep.nml", map_of_states(2000))
+        self.write("sweep.nml", map_of_states(20000))
         run = self.start("--quiet", "sweep.nml")
         self.wait_for_rows(run, 1000)
         run.kill()
@@ -199,7 +198,7 @@ class Interruption(SweepTest):
         self.assertEqual(self.contents()["sweep.sweep.csv"], self.contents("fresh")["sweep.sweep.csv"])
 
     def test_checksums_of_the_checkpoint_are_those_of_its_texts(self):
-        self.write("sweep.nml", map_of_states(2000))
+        self.write("sweep.nml", map_of_states(20000))
         run = self.start("--quiet", "sweep.nml")
         self.wait_for_rows(run, 1000)
         run.kill()
