@@ -45,6 +45,7 @@ install(FILES
 if(AMONTONS_SUITESPARSE)
   install(FILES
     "${CMAKE_CURRENT_LIST_DIR}/FindCHOLMOD.cmake"
+    "${CMAKE_CURRENT_LIST_DIR}/FindOneLibrary.cmake"
     "${CMAKE_CURRENT_LIST_DIR}/FindUMFPACK.cmake"
     DESTINATION "${_package_dir}" COMPONENT devel)
 endif()

@@ -1,19 +1,4 @@
 # Finds CHOLMOD and CAMD of SuiteSparse where the system brings neither a pkg-config file nor a CMake package
 # (Debian 12). Defines the imported target CHOLMOD::CHOLMOD.
-find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse)
-find_library(CHOLMOD_LIBRARY cholmod)
-find_library(CAMD_LIBRARY camd)
-find_library(SUITESPARSECONFIG_LIBRARY suitesparseconfig)
-
-include(FindPackageHandleStandardArgs)
-find_package_handle_standard_args(CHOLMOD
-  REQUIRED_VARS CHOLMOD_LIBRARY CAMD_LIBRARY SUITESPARSECONFIG_LIBRARY CHOLMOD_INCLUDE_DIR)
-
-if(CHOLMOD_FOUND AND NOT TARGET CHOLMOD::CHOLMOD)
-  add_library(CHOLMOD::CHOLMOD UNKNOWN IMPORTED)
-  set_target_properties(CHOLMOD::CHOLMOD PROPERTIES
-    IMPORTED_LOCATION "${CHOLMOD_LIBRARY}"
-    INTERFACE_INCLUDE_DIRECTORIES "${CHOLMOD_INCLUDE_DIR}"
-    INTERFACE_LINK_LIBRARIES "${CAMD_LIBRARY};${SUITESPARSECONFIG_LIBRARY}")
-endif()
-mark_as_advanced(CHOLMOD_INCLUDE_DIR CHOLMOD_LIBRARY CAMD_LIBRARY SUITESPARSECONFIG_LIBRARY)
+include("${CMAKE_CURRENT_LIST_DIR}/FindOneLibrary.cmake")
+find_one_library(CHOLMOD cholmod.h cholmod camd suitesparseconfig)

@@ -1,15 +1,4 @@
 # Finds MUMPS in double precision over MPI, which brings neither a pkg-config file nor a CMake package. Defines the
 # imported target MUMPS::MUMPS.
-find_path(MUMPS_INCLUDE_DIR dmumps_c.h)
-find_library(MUMPS_LIBRARY dmumps)
-
-include(FindPackageHandleStandardArgs)
-find_package_handle_standard_args(MUMPS REQUIRED_VARS MUMPS_LIBRARY MUMPS_INCLUDE_DIR)
-
-if(MUMPS_FOUND AND NOT TARGET MUMPS::MUMPS)
-  add_library(MUMPS::MUMPS UNKNOWN IMPORTED)
-  set_target_properties(MUMPS::MUMPS PROPERTIES
-    IMPORTED_LOCATION "${MUMPS_LIBRARY}"
-    INTERFACE_INCLUDE_DIRECTORIES "${MUMPS_INCLUDE_DIR}")
-endif()
-mark_as_advanced(MUMPS_INCLUDE_DIR MUMPS_LIBRARY)
+include("${CMAKE_CURRENT_LIST_DIR}/FindOneLibrary.cmake")
+find_one_library(MUMPS dmumps_c.h dmumps)
