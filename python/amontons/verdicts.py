@@ -1,6 +1,7 @@
 """Judges solved cases by their summaries: a color, and a sentence that says why and what to do."""
 
-VIOLATIONS = {
+# What is wrong where a violation is too large; any other is told by its name.
+SENTENCES = {
     "equilibrium": "forces at some node do not balance",
     "penetration": "the body penetrates the obstacle",
     "tension": "the obstacle pulls at the body",
@@ -11,7 +12,12 @@ VIOLATIONS = {
     "resultant": "the forces on the body do not add up to zero",
     "moment": "the moments on the body do not add up to zero",
     "energy": "strain energy and work of the forces differ",
+    "pair_force": "the forces on both bodies of a pair differ",
+    "pair_moment": "the moments on both bodies of a pair differ",
+    "duality_gap": "the energies of displacements and of contact forces differ",
 }
+# What else stands in a certificate.
+NO_VIOLATIONS = ("case", "passed", "limit", "strain_energy", "dissipation")
 # A violation up to here leaves a picture that an engineer can use, and numbers that nobody should cite.
 USABLE = 1e-4
 COLORS = ("green", "amber", "red")
@@ -21,8 +27,8 @@ def violations(summary):
     """The violations in the certificate of a case, infinite where one is not a number; none of a sweep without a case
     that converged, which has no certificate."""
     certificate = summary.get("certificate", {})
-    return {name: float("inf") if certificate[name] is None else certificate[name]
-            for name in VIOLATIONS if name in certificate}
+    return {name: float("inf") if value is None else value
+            for name, value in certificate.items() if name not in NO_VIOLATIONS}
 
 
 def verdict_of(summary):
@@ -31,7 +37,8 @@ def verdict_of(summary):
     largest = max(found_violations.values(), default=float("inf"))
     what = "the file's own matrix" if "problem" in summary else "the full model"
     is_certified = bool(found_violations) and summary["certificate"]["passed"]
-    faults = [VIOLATIONS[name] for name, value in found_violations.items() if value > summary["certificate"]["limit"]]
+    faults = [SENTENCES.get(name, f"{name.replace('_', ' ')} is too large")
+              for name, value in found_violations.items() if value > summary["certificate"]["limit"]]
     found = f"On {what}: {'; '.join(faults)}. " if faults else ""
     if "sweep" in summary and not (is_certified and summary["sweep"]["converged"] == summary["sweep"]["cases"]):
         return _verdict_of_sweep(summary["sweep"], is_certified, found)
