@@ -18,7 +18,7 @@ module amontons_contact_cells
    implicit none (type, external)
    private
 
-   public :: contact_cells_t, new_contact_cells, segment_t
+   public :: contact_cells_t, new_contact_cells
 
    !> Nodes and quadrature points of a part of a side.
    integer, parameter :: n_segment_nodes = 3, n_segment_points = 3

@@ -11,7 +11,7 @@ module amontons_complementarity
    implicit none (type, external)
    private
 
-   public :: lemke_pivoting, pivoting_ray, pivoting_solved, pivoting_stopped
+   public :: lemke_pivoting, pivoting_ray, pivoting_solved
 
    !> The pivots ended with z_0 = 0.
    integer, parameter :: pivoting_solved = 0
