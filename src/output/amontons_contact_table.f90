@@ -41,11 +41,9 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
       real(dp) :: at_points(2*body%zone%n_points), length
-      integer, parameter :: most_columns = 25
-      integer :: n, i
+      integer :: i
 
-      n = 0
-      allocate (list(most_columns))
+      allocate (list(0))
       associate (zone => body%zone, load_case => result%load_case, force => result%solution%force, &
          m => body%zone%n_points)
          at_points = zone%rows%displacement(result%displacement)
@@ -72,7 +70,6 @@ contains
          call add(trim(slip_keys(i)), '', trim(slip_dimensions(i)), result%slip_record(:, i), &
             merge(length, 0.0_dp, slip_dimensions(i) == 'L'), .true.)
       end do
-      list = list(:n)
 
    contains
 
@@ -84,14 +81,12 @@ contains
          real(dp), intent(in) :: values(:) !! its numbers (m)
          real(dp), intent(in) :: scale !! what rounding errors of it are measured by besides the numbers
          logical, intent(in), optional :: is_field !! whether the grids show it; default no
+         type(column_t) :: column
 
-         n = n + 1
-         list(n)%key = key
-         list(n)%label = label
-         list(n)%dimension = dimension
-         if (present(is_field)) list(n)%is_field = is_field
-         list(n)%scale = max(scale, maxval(abs(values)))
-         list(n)%values = values
+         column = column_t(key, label, dimension, scale=max(scale, maxval(abs(values))))
+         column%values = values
+         if (present(is_field)) column%is_field = is_field
+         list = [list, column]
       end subroutine add
 
    end subroutine contact_columns
