@@ -114,7 +114,7 @@ module amontons_deck_visitor
          class(deck_visitor_t), intent(inout) :: self !! the visitor
          type(key_t), intent(in) :: key !! the key
          character(:), allocatable, intent(inout) :: value
-            !! the text; where it is not allocated, the first of the choices, or an empty one
+            !! the text; an empty one where it is not allocated, and where that is no choice, the first of them
          logical, intent(inout), optional :: is_given !! as for reals
          character(*), intent(in), optional :: choices(:) !! the words it can be, in lower case, blank padded
       end subroutine visit_text
@@ -197,11 +197,15 @@ contains
    subroutine visitor_word(self, key, value, choices, is_given)
       class(deck_visitor_t), intent(inout) :: self !! the visitor
       type(key_t), intent(in) :: key !! the key
-      character(:), allocatable, intent(inout) :: value !! the word; the first of the choices where it is not allocated
+      ! allow(C072): words of different keys have different lengths
+      character(*), intent(inout) :: value !! the word, blank padded
       character(*), intent(in) :: choices(:) !! the words it can be, in lower case, blank padded
       logical, intent(inout), optional :: is_given !! as for reals
+      character(:), allocatable :: word
 
-      call self%text(key, value, is_given, choices)
+      word = trim(value)
+      call self%text(key, word, is_given, choices)
+      value = word
    end subroutine visitor_word
 
    !> Whether the group that is read has a key; false where none is read.
@@ -337,14 +341,13 @@ contains
       end if
    end subroutine append_list
 
-   !> Gives a text that is not there its default.
+   !> Gives a text that is not there, or an empty word, its default.
    pure subroutine set_default(text, choices)
       character(:), allocatable, intent(inout) :: text !! the text
       character(*), intent(in), optional :: choices(:) !! the words it can be, the default first; empty without any
 
-      if (allocated(text)) return
-      text = ''
-      if (present(choices)) text = trim(choices(1))
+      if (.not. allocated(text)) text = ''
+      if (present(choices) .and. len(text) == 0) text = trim(choices(1))
    end subroutine set_default
 
    !> Whether there is a text.

@@ -7,8 +7,7 @@ module amontons_material
    implicit none (type, external)
    private
 
-   public :: formulation_names, hypothesis_names, material_t, materials_t, nearly_incompressible, new_material, &
-      new_materials
+   public :: formulation_names, hypothesis_names, material_t, materials_t, new_material, new_materials
 
    !> Hypotheses that reduce a body to the plane, as a deck writes them. Under 'axisymmetric' x is the radius and y the
    !> axis of revolution.
@@ -27,8 +26,8 @@ module amontons_material
       real(dp) :: density = 0.0_dp !! mass per volume; 0 if it is not known [M/L^3]
       real(dp) :: expansion = 0.0_dp !! coefficient of thermal expansion [1/K]
       real(dp) :: thickness = 1.0_dp !! thickness of a plane body; multiplies stiffness and loads [L]
-      character(:), allocatable :: hypothesis !! one of `hypothesis_names`
-      character(:), allocatable :: formulation !! one of `formulation_names`
+      character(12) :: hypothesis = 'plane strain' !! one of `hypothesis_names`
+      character(8) :: formulation = 'auto' !! one of `formulation_names`
       logical :: has_mean_dilatation = .false. !! whether linear quadrilaterals of it are of the B-bar formulation
       character(:), allocatable :: region !! the region it fills; empty for all that no other material fills
       real(dp) :: lambda = 0.0_dp !! first Lame coefficient of the hypothesis [F/L^2]
@@ -87,7 +86,7 @@ contains
       else
          material%lambda = young*poisson/((1.0_dp + poisson)*(1.0_dp - 2.0_dp*poisson))
       end if
-      call material%choose_formulation(trim(formulation_names(1)))
+      call material%choose_formulation(formulation_names(1))
    end subroutine new_material
 
    !> Chooses how linear quadrilaterals integrate the change of volume. In plane stress nothing locks.

@@ -2,7 +2,7 @@
 !> reads it, writes it as a deck again and documents what a deck may hold.
 module amontons_config
    use amontons_case_label, only: case_label_t
-   use amontons_condensation, only: condensation_names
+   use amontons_condensation, only: condensation_names, condensation_options_t
    use amontons_config_accuracy, only: accuracy_group, accuracy_options_t, describe_accuracy
    use amontons_config_body, only: describe_load, describe_material, describe_mesh, describe_support, load_group, &
       material_group, mesh_group, require_expansion, support_group
@@ -64,8 +64,7 @@ module amontons_config
       type(history_t) :: history !! what changes from step to step; not given for a single case
       type(method_options_t) :: method !! the contact method
       type(accuracy_options_t) :: accuracy !! what is asked of the accuracy of the results
-      character(:), allocatable :: factorization !! one of `factorization_names`
-      character(:), allocatable :: condensation !! one of `condensation_names`
+      type(condensation_options_t) :: condensation !! how the stiffness is condensed
    contains
       procedure :: deck_text => effective_deck
    end type config_t
@@ -320,18 +319,20 @@ contains
             at_least=1.0_dp, also='maxit max_iter itmax iterations'), method%max_iterations)
          call visitor%word(key_t('factorization', 'Cholesky factorization of the stiffness: band, multifrontal '// &
             "(formerly `'substructured'`), that of SuiteSparse, distributed over the ranks of an MPI run, or the "// &
-            'one that suits', is_shared=.true.), config%factorization, factorization_names)
+            'one that suits', is_shared=.true.), config%condensation%factorization, factorization_names)
          call visitor%word(key_t('condensation', 'form of the stiffness of the contact points: a dense matrix, or a'// &
             ' band matrix of the whole body, which is quicker for long contact lines of slender bodies', &
-            is_shared=.true.), config%condensation, condensation_names)
+            is_shared=.true.), config%condensation%form, condensation_names)
          call visitor%close_group()
          call visitor%require(.not. (config%reduced%is_given .and. method%method == 'psor' .and. &
             method%space == 'primal'), 'space', &
             "space must be 'dual' for a reduced problem, which has no stiffness to sweep on")
          if (.not. allocated(config%contacts)) return
-         call visitor%require(.not. (config%condensation == 'band' .and. config%factorization == 'distributed'), &
+         call visitor%require(.not. (config%condensation%form == 'band' .and. &
+            config%condensation%factorization == 'distributed'), &
             'condensation', "condensation must be 'dense' or 'auto' with factorization 'distributed'")
-         call visitor%require(.not. (config%condensation == 'band' .and. any(config%contacts%partition%is_constant)), &
+         call visitor%require(.not. (config%condensation%form == 'band' .and. &
+            any(config%contacts%partition%is_constant)), &
             'condensation', "condensation must be 'dense' or 'auto' with constant multipliers")
       end associate
    end subroutine describe_solver

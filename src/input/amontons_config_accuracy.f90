@@ -16,7 +16,7 @@ module amontons_config_accuracy
 
    !> What is asked of the accuracy.
    type :: accuracy_options_t
-      character(:), allocatable :: estimate !! one of `estimate_names`
+      character(8) :: estimate = 'recovery' !! one of `estimate_names`
       integer :: n_refinements = 0 !! on how many meshes, each refined from the one before, the case is solved again
    contains
       procedure :: wants_estimate => accuracy_wants_estimate
@@ -31,7 +31,6 @@ contains
       logical, intent(in) :: has_many_cases !! whether the deck has a sweep or a history
       logical :: is_given
 
-      if (.not. allocated(accuracy%estimate)) accuracy%estimate = trim(estimate_names(1))
       is_given = accuracy%n_refinements > 0
       call visitor%open_group(accuracy_group)
       call visitor%word(key_t('estimate', 'estimate of the error of the stresses of every element: by recovered'// &

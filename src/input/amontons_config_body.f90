@@ -39,21 +39,18 @@ contains
    subroutine describe_mesh(visitor, part)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(mesh_part_t), intent(inout) :: part !! the part of the mesh
-      character(4), parameter :: kind_of_file = 'file'
-      character(:), allocatable :: kind
+      character(9), parameter :: kind_names(2) = [character(9) :: 'rectangle', 'file']
+      character(9) :: kind
       logical :: has_file, has_name, is_rectangle
 
-      kind = 'rectangle'
       has_file = is_filled(part%file)
       has_name = is_filled(part%name)
-      if (has_file) kind = kind_of_file
-      if (.not. allocated(part%rectangle%element)) part%rectangle%element = 'quad4'
+      kind = kind_names(merge(2, 1, has_file))
       call visitor%open_group(mesh_group)
       call visitor%text(key_t('name', 'of one body among several: its sets are `NAME.left` and so on, and the whole'// &
          ' of it is the region `NAME`', default='none', is_filled=.true., also='label body'), part%name, has_name)
-      call visitor%word(key_t('kind', 'where the mesh comes from', also='type'), kind, &
-         [character(9) :: 'rectangle', kind_of_file])
-      is_rectangle = kind /= kind_of_file
+      call visitor%word(key_t('kind', 'where the mesh comes from', also='type'), kind, kind_names)
+      is_rectangle = kind == kind_names(1)
       call visitor%text(key_t('file', "with `kind = 'file'`, where it is required: name of the mesh file, seen from"// &
          " the deck's folder", is_file=.true., is_filled=.true., also='filename path'), part%file, has_file)
       call visitor%words(key_t('use', 'what the body takes from an Abaqus or CalculiX file besides the mesh', &
@@ -140,7 +137,7 @@ contains
       material%mu = derived%mu
       material%is_plane_stress = derived%is_plane_stress
       material%is_axisymmetric = derived%is_axisymmetric
-      call material%choose_formulation(material%formulation)
+      call material%choose_formulation((material%formulation))
    end subroutine describe_material
 
    !> Describes one `&support`.

@@ -103,13 +103,11 @@ contains
    subroutine describe_pairing(visitor, pairing)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(pairing_t), intent(inout) :: pairing !! the other body
-      character(:), allocatable :: gap
       logical :: is_pair, has_search, has_gap
 
       is_pair = pairing%is_pair()
       has_search = pairing%search > 0.0_dp
       has_gap = is_pair
-      gap = trim(pairing%gap)
       call visitor%text(key_t('against', 'the boundary set of another deformable body, the master, in the place of'// &
          ' a rigid obstacle; `set` is the slave', default='none', is_filled=.true., is_shared=.true., &
          also='master target'), pairing%against, is_pair)
@@ -117,8 +115,7 @@ contains
          ' either way', 'L', default='twice the longest side', above=0.0_dp, is_shared=.true.), pairing%search, &
          has_search)
       call visitor%word(key_t('gap', 'with `against`: where gaps come from: from the meshes, or 0 wherever the'// &
-         ' bodies face each other', is_shared=.true., also='adjust'), gap, gap_names, has_gap)
-      pairing%gap = gap
+         ' bodies face each other', is_shared=.true., also='adjust'), pairing%gap, gap_names, has_gap)
    end subroutine describe_pairing
 
    !> Describes the keys of a rigid obstacle and of the gap to it.
@@ -156,10 +153,10 @@ contains
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(cell_partition_t), intent(inout) :: partition !! the multipliers
       logical, intent(in) :: is_pair !! whether two deformable bodies meet
-      character(:), allocatable :: multipliers
+      character(len(multiplier_names)) :: multipliers
       logical :: has_cells, has_ends
 
-      multipliers = trim(multiplier_names(merge(2, merge(3, 1, is_pair), partition%is_constant)))
+      multipliers = multiplier_names(merge(2, merge(3, 1, is_pair), partition%is_constant))
       has_cells = partition%n_cells > 0
       has_ends = allocated(partition%ends)
       call visitor%word(key_t('multipliers', 'contact forces at the nodes, stresses that are constant on cells of'// &
@@ -199,7 +196,7 @@ contains
       associate (obstacle => contact%obstacle)
          call visitor%only('radius', obstacle%has_radius(), "obstacle = 'circle' or 'parabola'")
          call visitor%require(visitor%has('radius') .or. .not. obstacle%has_radius(), 'obstacle', &
-            "obstacle = '"//obstacle%kind//"' needs radius")
+            "obstacle = '"//trim(obstacle%kind)//"' needs radius")
          call visitor%only('line', obstacle%kind == 'polyline', "obstacle = 'polyline'")
          call visitor%require(visitor%has('line') .or. obstacle%kind /= 'polyline', 'obstacle', &
             "obstacle = 'polyline' needs line = 'FILE.csv'")

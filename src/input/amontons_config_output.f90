@@ -20,7 +20,7 @@ contains
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(sweep_t), intent(inout) :: sweep !! the sweep
       type(history_t), intent(inout) :: history !! the history
-      character(:), allocatable :: key_results
+      character(len(key_result_names)) :: key_results
       integer :: fields_every
       logical :: has_fields, has_key_results
 
@@ -31,7 +31,7 @@ contains
          ' every so-many-th behind it are written as `.vtu`', default='none', at_least=1.0_dp, &
          also='out every frequency'), fields_every, has_fields)
       has_key_results = sweep%has_body_results
-      key_results = trim(key_result_names(merge(2, 1, sweep%has_body_results)))
+      key_results = key_result_names(merge(2, 1, sweep%has_body_results))
       call visitor%word(key_t('key_results', 'with `&sweep`: the key results of each case, those of the contact'// &
          ' points or all, with the largest von Mises stress and displacement of the body, which take longer', &
          default="`'contact'`"), key_results, key_result_names, has_key_results)
@@ -54,7 +54,7 @@ contains
    subroutine describe_steps(visitor, history)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(history_t), intent(inout) :: history !! the history
-      character(:), allocatable :: fretting
+      character(len(fretting_names)) :: fretting
       logical :: has_points, has_states, has_probes, has_fretting
 
       has_points = history%points_every > 0
@@ -69,7 +69,7 @@ contains
       call visitor%list(key_t('probe', 'with `&history`: coordinates of nodes, x and y in turn, whose displacements'// &
          ' the table of the history shows', 'L', default='none', also='probes'), history%probes, has_probes)
       has_fretting = history%has_fretting
-      fretting = trim(fretting_names(merge(2, 1, history%has_fretting)))
+      fretting = fretting_names(merge(2, 1, history%has_fretting))
       call visitor%word(key_t('fretting', 'with `&history`: whether the stress along the surface and the parameters'// &
          ' of Ruiz and of Smith, Watson and Topper are computed at each contact point', default="`'none'`"), fretting, &
          fretting_names, has_fretting)

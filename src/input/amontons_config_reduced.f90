@@ -28,10 +28,10 @@ contains
    subroutine describe_problem(visitor, reduced)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(reduced_source_t), intent(inout) :: reduced !! the reduced problem, if there is one
-      character(:), allocatable :: kind
+      character(len(kind_names)) :: kind
       logical :: has_kind, has_file
 
-      kind = trim(merge(kind_names(2), kind_names(1), reduced%is_given))
+      kind = kind_names(merge(2, 1, reduced%is_given))
       has_kind = reduced%is_given
       has_file = is_filled(reduced%path)
       call visitor%open_group(problem_group)

@@ -47,7 +47,7 @@ contains
    subroutine describe_axis(visitor, axis)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(sweep_axis_t), intent(inout) :: axis !! the quantity
-      character(:), allocatable :: combination
+      character(len(combination_names)) :: combination
       integer :: n_steps, i
       logical :: has_load, has_set, has_values(size(value_keys))
 
@@ -60,7 +60,7 @@ contains
          n_steps = size(axis%values)
          axis%values = axis%values([1, n_steps])
       end if
-      combination = trim(merge(combination_names(2), combination_names(1), axis%is_paired))
+      combination = combination_names(merge(2, 1, axis%is_paired))
       call visitor%open_group(sweep_group)
       call visitor%text(key_t('load', 'with `factor`, where it is required: the name of the load', also='name'), &
          axis%name, has_load)

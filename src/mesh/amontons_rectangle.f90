@@ -20,8 +20,8 @@ module amontons_rectangle
    type :: rectangle_t
       real(dp) :: size(2) = [1.0_dp, 1.0_dp] !! width and height [L]
       integer :: cells(2) = [1, 1] !! number of cells along x and along y
-      character(:), allocatable :: element !! one of `element_names`
-      character(:), allocatable :: diagonal !! 'right' (/), 'left' (\) or 'alternating'; read for triangles only
+      character(8) :: element = 'quad4' !! one of `element_names`
+      character(11) :: diagonal = 'right' !! 'right' (/), 'left' (\) or 'alternating'; read for triangles only
       real(dp) :: grading = 1.0_dp !! height of the last (top) row of cells over that of the first [-]
    end type rectangle_t
 

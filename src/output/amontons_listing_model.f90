@@ -66,8 +66,8 @@ contains
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
-      text = material%hypothesis//', Young '//with_unit(short_text(material%young), units, 'F/L^2')//', Poisson '// &
-         short_text(material%poisson)
+      text = trim(material%hypothesis)//', Young '//with_unit(short_text(material%young), units, 'F/L^2')// &
+         ', Poisson '//short_text(material%poisson)
       if (.not. material%is_axisymmetric) text = text//', thickness '// &
          with_unit(short_text(material%thickness), units, 'L')
       if (material%density > 0.0_dp) text = text//', density '//short_text(material%density)
@@ -135,7 +135,7 @@ contains
       character(:), allocatable :: text
 
       associate (obstacle => contact%obstacle)
-         text = ', '//obstacle%kind//' at '//with_unit(pair_text(obstacle%point), units, 'L')// &
+         text = ', '//trim(obstacle%kind)//' at '//with_unit(pair_text(obstacle%point), units, 'L')// &
             ' with normal '//pair_text(obstacle%normal)
          if (obstacle%has_radius()) text = text//', radius '//with_unit(short_text(obstacle%radius), units, 'L')
          if (obstacle%kind == 'polyline') text = text//', points of '//obstacle%file

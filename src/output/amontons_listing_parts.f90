@@ -37,15 +37,15 @@ contains
       type(method_options_t), intent(in) :: method !! the method and its options
       character(:), allocatable :: text
 
-      text = method%method
+      text = trim(method%method)
       select case (text)
       case ('splitting')
-         text = text//', variant '//method%variant//', quadratic programs by '//method%box
+         text = text//', variant '//trim(method%variant)//', quadratic programs by '//trim(method%box)
       case ('fixed_point')
-         text = text//', quadratic programs by '//method%box
+         text = text//', quadratic programs by '//trim(method%box)
       case ('psor')
-         text = text//', omega '//short_text(method%omega)//', '//method%space//' space, local '//method%local// &
-            ', acceleration '//method%acceleration
+         text = text//', omega '//short_text(method%omega)//', '//trim(method%space)//' space, local '// &
+            trim(method%local)//', acceleration '//trim(method%acceleration)
       case default
          continue
       end select

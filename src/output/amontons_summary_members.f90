@@ -43,7 +43,7 @@ contains
       call summary%add('{'//newline//member('case', json_string(label%name))//member('title', &
          json_string(label%title)) //member('units', json_string(label%units)))
       call summary%record(member('version', json_string(version)))
-      call summary%add(member('method', json_string(method)))
+      call summary%add(member('method', json_string(trim(method))))
       call summary%add(member('outcome', json_string(outcome))//member('converged', &
          json_logical(outcome == 'converged')))
       call summary%add(member('warnings', warnings_array(warnings)))

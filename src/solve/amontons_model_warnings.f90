@@ -57,7 +57,7 @@ contains
       call add_material_warnings(warnings, body)
       associate (stated => body%mesh%hypothesis, hypothesis => body%materials%list(1)%hypothesis)
          if (stated /= '' .and. stated /= hypothesis) call warnings%add('the elements of the mesh file are of type '// &
-            trim(stated)//', the deck computes '//hypothesis)
+            trim(stated)//', the deck computes '//trim(hypothesis))
       end associate
       do i = 1, size(load_case%contacts)
          if (any(body%zone%set == i)) call add_contact_warnings(warnings, body, load_case, i)

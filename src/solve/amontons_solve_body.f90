@@ -11,7 +11,7 @@ module amontons_solve_body
    use amontons_error, only: error_t
    use amontons_load_case, only: new_load_case
    use amontons_loads, only: load_t
-   use amontons_methods, only: method_options_t, new_contact_method, set_defaults
+   use amontons_methods, only: method_options_t, new_contact_method
    use amontons_model_warnings, only: add_model_warnings
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_load_case
@@ -49,7 +49,6 @@ contains
       result%solution = start
       result%method = options
       result%wants_error_estimate = .true.
-      call set_defaults(result%method)
       call new_timings(result%timings)
       call new_load_case(result%load_case, body, supports, contacts, loads, error)
       if (allocated(error)) return

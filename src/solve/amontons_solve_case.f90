@@ -1,7 +1,6 @@
 !> The way of a case from its configuration to its result. Cases that share a body share its factorization.
 module amontons_solve_case
    use amontons_body, only: body_t, condense_body, new_body
-   use amontons_condensation, only: condensation_options_t
    use amontons_config, only: body_text, config_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
@@ -139,8 +138,7 @@ contains
       if (cache%is_condensed) then
          result%shared_with = cache%first_case
       else
-         call condense_body(cache%body, cache%problem, condensation_options_t(config%factorization, &
-            config%condensation), result%timings, error)
+         call condense_body(cache%body, cache%problem, config%condensation, result%timings, error)
          cache%is_condensed = .not. allocated(error)
       end if
    end subroutine condense_case

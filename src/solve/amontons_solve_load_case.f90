@@ -1,4 +1,5 @@
-!> From a load case to its result: the one way that decks, sweeps and bodies made in code go.
+!> From a load case to its result: the one way that decks and bodies made in code go; sweeps, histories and `--verify`
+!> take steps of it.
 module amontons_solve_load_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_assembly, only: uncancelled_forces

@@ -1,7 +1,6 @@
 !> The check of a deck with a body: everything that can be wrong with it, and what solving it would take.
 module amontons_check_body
    use amontons_body, only: body_t, estimate_body, estimate_t
-   use amontons_condensation, only: condensation_options_t
    use amontons_config, only: config_t
    use amontons_error, only: error_t
    use amontons_outcome, only: outcome_t
@@ -27,8 +26,7 @@ contains
 
       call prepare_case(cache, config, result, error)
       if (allocated(error)) return
-      call estimate_body(cache%body, condensation_options_t(config%factorization, config%condensation), &
-         result%timings, estimate, error)
+      call estimate_body(cache%body, config%condensation, result%timings, estimate, error)
       if (allocated(error)) return
       outcome%warnings = result%warnings
       outcome%text = config%name//': deck OK; '//size_text(cache%body)//cases//'; '//estimate_text(estimate)

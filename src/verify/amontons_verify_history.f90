@@ -70,7 +70,7 @@ contains
       is_certified = .false.
       ! What was spread over ranks is checked on however many there are.
       solved = config
-      if (solved%factorization == 'distributed') solved%factorization = 'auto'
+      if (solved%condensation%factorization == 'distributed') solved%condensation%factorization = 'auto'
       call prepare_history(cache, solved, method, model, result%last, error)
       if (.not. allocated(error)) call begin(result%walk, cache, model, error)
       if (allocated(error)) then

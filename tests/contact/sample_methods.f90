@@ -10,7 +10,7 @@ module sample_methods
    implicit none (type, external)
    private
 
-   public :: append, label, list_methods, solve_from, solve_from_rest
+   public :: label, list_methods, solve_from, solve_from_rest
 
    !> Relaxations of psor: under, none, over; `test_psor` says why not more.
    real(dp), parameter :: omegas(3) = [0.7_dp, 1.0_dp, 1.2_dp]
@@ -34,7 +34,7 @@ contains
          case ('splitting', 'fixed_point')
             do k = 2, size(box_names)
                options%box = trim(box_names(k))
-               call append(methods, options)
+               methods = [methods, options]
             end do
          case ('psor')
             do space = 1, size(space_names)
@@ -42,7 +42,7 @@ contains
                call list_sweeps(methods, options)
             end do
          case default
-            call append(methods, options)
+            methods = [methods, options]
          end select
       end do
       ! The proximal steps of extragradient are small ones: what is left of them adds up to more.
@@ -63,7 +63,7 @@ contains
       own%acceleration = trim(acceleration_names(1))
       do i = 1, size(omegas)
          own%omega = omegas(i)
-         call append(methods, own)
+         methods = [methods, own]
       end do
       own%omega = 1.0_dp
       do i = 1, size(local_names)
@@ -71,22 +71,10 @@ contains
          do k = 1, size(acceleration_names)
             if (i == 1 .and. k == 1) cycle
             own%acceleration = trim(acceleration_names(k))
-            call append(methods, own)
+            methods = [methods, own]
          end do
       end do
    end subroutine list_sweeps
-
-   !> Appends a method to a list. An array constructor of such options is more than gfortran 12 can do.
-   subroutine append(methods, options)
-      type(method_options_t), allocatable, intent(inout) :: methods(:) !! the list
-      type(method_options_t), intent(in) :: options !! the method
-      type(method_options_t), allocatable :: longer(:)
-
-      allocate (longer(size(methods) + 1))
-      longer(:size(methods)) = methods
-      longer(size(longer)) = options
-      call move_alloc(longer, methods)
-   end subroutine append
 
    !> The name of a method, for messages.
    function label(options)
@@ -95,12 +83,12 @@ contains
       character(4) :: omega
 
       write (omega, '(f4.1)') options%omega
-      label = options%method
+      label = trim(options%method)
       select case (options%method)
       case ('psor')
-         label = label//' '//options%space//omega//' '//options%local//' '//options%acceleration
+         label = label//' '//trim(options%space)//omega//' '//trim(options%local)//' '//trim(options%acceleration)
       case ('splitting', 'fixed_point')
-         label = label//' '//options%box
+         label = label//' '//trim(options%box)
       case default
          continue
       end select

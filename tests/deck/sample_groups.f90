@@ -20,7 +20,7 @@ module sample_groups
       integer :: cells(2) = [1, 2] !! two whole numbers
       integer :: steps = 3 !! a whole number
       character(:), allocatable :: title !! a text
-      character(:), allocatable :: element !! a word
+      character(8) :: element = 'tri3' !! a word
    contains
       procedure :: shown => mesh_sample_shown
    end type mesh_sample_t
@@ -71,7 +71,7 @@ contains
 
       values = to_text(self%young)//'|'//to_text(self%traction(1))//' '//to_text(self%traction(2))//'|'// &
          to_text(self%cells(1))//' '//to_text(self%cells(2))//'|'//to_text(self%steps)//'|'//self%title//'|'// &
-         self%element
+         trim(self%element)
    end function mesh_sample_shown
 
 end module sample_groups

@@ -18,7 +18,7 @@ module amontons_obstacle
 
    !> A rigid obstacle.
    type, extends(counter_body_t) :: obstacle_t
-      character(:), allocatable :: kind !! one of `obstacle_names`
+      character(8) :: kind = 'plane' !! one of `obstacle_names`
       real(dp) :: point(2) = 0.0_dp !! origin of its frame: a point of its surface, or where 0, 0 of a polyline is [L]
       real(dp) :: normal(2) = [0.0_dp, 1.0_dp] !! direction of its outward normal there; any length but zero [-]
       real(dp) :: radius = 1.0_dp !! radius of curvature at the point: circle and parabola; negative if hollow [L]

@@ -71,15 +71,16 @@ contains
       call stages%best%reset()
       allocate (stages%history(0))
       if (any(solution%force > 0.0_dp)) then
-         call stages%run(newton_t(self%tolerance, n_first_steps, stagnation_limit=stagnation_limit), problem, &
-            solution, error)
+         call stages%run(newton_t(tolerance=self%tolerance, max_iterations=n_first_steps, &
+            stagnation_limit=stagnation_limit), problem, solution, error)
       end if
       call new_contact_solution(solution, problem%n_points)
-      call stages%run(newton_t(self%tolerance, n_first_steps), problem, solution, error)
+      call stages%run(newton_t(tolerance=self%tolerance, max_iterations=n_first_steps), problem, solution, error)
       if (allocated(problem%band)) call follow_fronts(stages, problem, solution, error)
       solution = stages%best
       if (suits_splitting(problem)) then
-         call stages%run(splitting_t(max(coarse, self%tolerance), n_splitting_steps), problem, solution, error)
+         call stages%run(splitting_t(tolerance=max(coarse, self%tolerance), max_iterations=n_splitting_steps), &
+            problem, solution, error)
       end if
       call take_rounds(stages, problem, solution, error)
       solution = stages%best
@@ -98,11 +99,11 @@ contains
       type(contact_solution_t) :: front
 
       front = stages%best
-      call stages%run(newton_t(stages%tolerance, n_newton_steps, stagnation_limit=front_stagnation_limit, &
-         starts_with_springs=.true.), problem, solution, error)
+      call stages%run(newton_t(tolerance=stages%tolerance, max_iterations=n_newton_steps, &
+         stagnation_limit=front_stagnation_limit, starts_with_springs=.true.), problem, solution, error)
       solution = front
-      call stages%run(newton_t(stages%tolerance, stages%max_iterations, stagnation_limit=front_stagnation_limit, &
-         decrease=slow_decrease), problem, solution, error)
+      call stages%run(newton_t(tolerance=stages%tolerance, max_iterations=stages%max_iterations, &
+         stagnation_limit=front_stagnation_limit, decrease=slow_decrease), problem, solution, error)
    end subroutine follow_fronts
 
    !> Until the iterations are used up, Newton at length and sweeps from the best pair so far, each time four times as
@@ -119,20 +120,21 @@ contains
       round = 0
       do while (.not. (stages%is_done() .or. is_long(problem) .and. round == size(max_regularizations)))
          round = round + 1
-         call stages%run(newton_t(stages%tolerance, n_newton_steps, max_regularizations(1 + modulo(round - 1, 2))), &
-            problem, solution, error)
+         call stages%run(newton_t(tolerance=stages%tolerance, max_iterations=n_newton_steps, &
+            max_regularization=max_regularizations(1 + modulo(round - 1, 2))), problem, solution, error)
          if (round == 2 .and. problem%n_points <= most_points) then
-            call stages%run(lemke_t(stages%tolerance), problem, solution, error)
+            call stages%run(lemke_t(tolerance=stages%tolerance), problem, solution, error)
             cycle
          end if
          solution = stages%best
          if (is_long(problem)) cycle
          if (round == 2 .and. suits_splitting(problem)) then
-            call stages%run(splitting_t(stages%tolerance, n_patient_steps), problem, solution, error)
+            call stages%run(splitting_t(tolerance=stages%tolerance, max_iterations=n_patient_steps), problem, &
+               solution, error)
             cycle
          end if
-         call stages%run(psor_t(stages%tolerance, n_sweeps, space=merge('dual  ', 'primal', problem%is_reduced())), &
-            problem, solution, error)
+         call stages%run(psor_t(tolerance=stages%tolerance, max_iterations=n_sweeps, &
+            space=merge('dual  ', 'primal', problem%is_reduced())), problem, solution, error)
          n_sweeps = growth*min(n_sweeps, most_sweeps)
       end do
    end subroutine take_rounds

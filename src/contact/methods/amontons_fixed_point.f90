@@ -17,7 +17,6 @@ module amontons_fixed_point
 
    !> The fixed-point method.
    type, extends(contact_method_t) :: fixed_point_t
-      character(6) :: box = 'auto' !! the solver of the Tresca problems: 'auto', 'newton' or 'mprgp'
    contains
       procedure :: solve => fixed_point_solve
    end type fixed_point_t

@@ -22,10 +22,6 @@ module amontons_psor
    !> Projected SOR in the forces (`dual`, on A) or in the displacements (`primal`, on S). A reduced problem has the
    !> dual space only.
    type, extends(contact_method_t) :: psor_t
-      real(dp) :: omega = 1.0_dp !! relaxation, above 0 and below 2 [-]
-      character(6) :: space = 'dual' !! 'dual' or 'primal'
-      character(5) :: local = 'point' !! 'point' or 'block': a point by components or as a whole
-      character(8) :: acceleration = 'none' !! 'none', 'aitken' or 'anderson'
    contains
       procedure :: solve => psor_solve
    end type psor_t

@@ -43,8 +43,6 @@ module amontons_splitting
 
    !> The splitting method.
    type, extends(contact_method_t) :: splitting_t
-      character(7) :: variant = 'exact' !! 'exact', 'clip' or 'printed'
-      character(6) :: box = 'auto' !! the solver of the exact half steps: 'auto', 'newton' or 'mprgp'
    contains
       procedure :: solve => splitting_solve
    end type splitting_t

@@ -16,7 +16,7 @@ module amontons_contact_zone
    use amontons_mortar_pair, only: follow_line, follow_pair, integrate_pair, mortar_pair_t, n_quadrature_points, &
       new_mortar_pair
    use amontons_mortar_points, only: mortar_points_t
-   use amontons_obstacle, only: obstacle_names, obstacle_t
+   use amontons_obstacle, only: obstacle_t
    use amontons_pair_checks, only: check_ends, check_overlap
    use amontons_pairing, only: pairing_t
    implicit none (type, external)
@@ -79,7 +79,6 @@ contains
       real(dp), intent(in) :: friction !! Coulomb's coefficient phi, at least 0 [-]
 
       contact%set = set
-      contact%obstacle%kind = trim(obstacle_names(1))
       contact%friction%value = friction
       contact%origin = ''
    end subroutine new_contact

@@ -1,4 +1,4 @@
-!> The abstract contact method: what solves a contact problem.
+!> The abstract contact method, which solves a contact problem, and the options of all methods.
 module amontons_contact_method
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
@@ -7,12 +7,24 @@ module amontons_contact_method
    implicit none (type, external)
    private
 
-   public :: contact_method_t
+   public :: contact_method_t, method_options_t
 
-   !> A method with its stopping rule. A new method is one new extension of this type.
-   type, abstract :: contact_method_t
+   !> The choice of a method and its options; those that a method does not use are without effect on it. All of them
+   !> are of fixed size, so that they can be passed on as they are.
+   type :: method_options_t
       real(dp) :: tolerance = 1.0e-10_dp !! residual that counts as solved [-]
       integer :: max_iterations = 1000 !! most iterations, of the method's own kind
+      character(24) :: method = 'auto' !! one of `method_names`
+      character(24) :: variant = 'exact' !! of splitting: one of its `variant_names`
+      character(24) :: space = 'dual' !! of psor: one of its `space_names`
+      character(24) :: box = 'auto' !! of splitting and fixed_point: one of `box_names`
+      character(24) :: local = 'point' !! of psor: one of `local_names`
+      character(24) :: acceleration = 'none' !! of psor: one of `acceleration_names`
+      real(dp) :: omega = 1.0_dp !! of psor: relaxation, above 0 and below 2 [-]
+   end type method_options_t
+
+   !> A method with its options. A new method is one new extension of this type.
+   type, abstract, extends(method_options_t) :: contact_method_t
    contains
       procedure(solve_interface), deferred :: solve
    end type contact_method_t

@@ -227,7 +227,8 @@ contains
       call solution%reset()
       select type (method)
       type is (auto_t)
-         associate (newton => newton_t(method%tolerance, min(n_newton_steps, method%max_iterations)))
+         associate (newton => newton_t(tolerance=method%tolerance, max_iterations=min(n_newton_steps, &
+            method%max_iterations)))
             call newton%solve(problem, solution, error)
          end associate
       end select

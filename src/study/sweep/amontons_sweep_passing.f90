@@ -9,7 +9,7 @@ module amontons_sweep_passing
    use amontons_distributed, only: all_ranks, line_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_methods, only: method_options_t, set_defaults
+   use amontons_methods, only: method_options_t
    use amontons_rigid_motion, only: rigid_motions_t
    use amontons_sweep, only: sweep_t
    use amontons_sweep_chunk, only: chunk_t, set_method, sweep_task_t
@@ -123,23 +123,14 @@ contains
    subroutine pass_method(line, task)
       type(line_t), intent(in) :: line !! the line
       type(sweep_task_t), intent(inout) :: task !! the sweep; the receiver's gains the method
-      type(method_options_t) :: options
+      integer, allocatable :: words(:)
       type(error_t), allocatable :: error
 
-      options = task%options
-      call set_defaults(options)
-      call line%pass(options%method)
-      call line%pass(options%variant)
-      call line%pass(options%space)
-      call line%pass(options%box)
-      call line%pass(options%local)
-      call line%pass(options%acceleration)
-      call line%pass(options%max_iterations)
-      call line%pass(options%omega)
-      call line%pass(options%tolerance)
+      if (line%is_sender) words = transfer(task%options, [0])
+      call line%pass(words)
       if (line%is_sender) return
       ! The sender has made this method already.
-      call set_method(task, options, error)
+      call set_method(task, transfer(words, method_options_t()), error)
    end subroutine pass_method
 
    !> Passes a contact problem, its compliance prepared.
