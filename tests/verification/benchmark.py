@@ -12,6 +12,7 @@ import unittest
 import zlib
 from pathlib import Path
 
+from convergence import ORDER_ALLOWANCE, ConvergenceTable
 from field_error import displacement_error, stress_error
 from harness import ProgramTest
 
@@ -55,6 +56,20 @@ class Benchmark(ProgramTest):
         self.tables.append(table)
         self.assertTrue(table.rows, table.caption)
         self.assertEqual(table.faults, [])
+
+    def study_elements(self, caption, deck_of, exact, material, length, meshes):
+        """Checks a table of all elements, each on decks `deck_of(element, cells)` with so many cells along a length."""
+        orders = {element: ((2, 1) if element in ("tri3", "quad4") else (3, 2)) for element in ELEMENTS}
+        table = ConvergenceTable(caption, ["displacement", "stress"], orders,
+                                 allowance=self.meshes(0.2, ORDER_ALLOWANCE))
+        for element in ELEMENTS:
+            for cells in self.meshes(*meshes):
+                result = self.solve(deck_of(element, cells))
+                self.assert_sound(result)
+                errors, effectivity = self.field_errors(result, exact, material)
+                table.add(element, length/cells, *errors, effectivity=effectivity)
+        table.close()
+        self.assert_table(table)
 
     def field_errors(self, result, exact, material):
         """Errors of displacement and stress of a solved case, and the effectivity of the estimate of the latter."""

@@ -7,8 +7,7 @@ the nodes of the right end put where the exact solution has them. The error of t
 that of the displacement, integrated with the elements' shape functions; theory: order 2 for linear and 3 for quadratic
 elements.
 """
-from benchmark import ELEMENTS, Benchmark, main, with_points_held
-from convergence import ORDER_ALLOWANCE, ConvergenceTable
+from benchmark import Benchmark, main, with_points_held
 from field_error import Elastic
 
 YOUNG, POISSON, LENGTH, HALF_DEPTH = 1000.0, 0.3, 4.0, 1.0
@@ -29,20 +28,13 @@ class Beam(Benchmark):
     """Orders of convergence of the elements alone."""
 
     def test_displacement_converges(self):
-        orders = {element: ((2, 1) if element in ("tri3", "quad4") else (3, 2)) for element in ELEMENTS}
-        table = ConvergenceTable("Displacement of the beam", ["displacement", "stress"], orders,
-                                 allowance=self.meshes(0.2, ORDER_ALLOWANCE))
-        for element in ELEMENTS:
-            for cells in self.meshes((8, 16), (4, 8, 16, 32)):
-                rows = cells if orders[element][0] == 2 else 2*cells
-                end = [(LENGTH, 2*HALF_DEPTH*row/rows) for row in range(rows + 1)]
-                deck = self.deck("beam", element=element, cells=(2*cells, cells))
-                result = self.solve(with_points_held(deck, end, exact))
-                self.assert_sound(result)
-                errors, effectivity = self.field_errors(result, exact, Elastic(YOUNG, POISSON, "plane stress"))
-                table.add(element, 2*HALF_DEPTH/cells, *errors, effectivity=effectivity)
-        table.close()
-        self.assert_table(table)
+        def deck_of(element, cells):
+            rows = cells if element in ("tri3", "quad4") else 2*cells
+            end = [(LENGTH, 2*HALF_DEPTH*row/rows) for row in range(rows + 1)]
+            return with_points_held(self.deck("beam", element=element, cells=(2*cells, cells)), end, exact)
+
+        self.study_elements("Displacement of the beam", deck_of, exact, Elastic(YOUNG, POISSON, "plane stress"),
+                            2*HALF_DEPTH, ((8, 16), (4, 8, 16, 32)))
 
 
 if __name__ == "__main__":

@@ -10,8 +10,7 @@ elements.
 """
 from math import hypot, pi
 
-from benchmark import ELEMENTS, Benchmark, main, with_points_held
-from convergence import ORDER_ALLOWANCE, ConvergenceTable
+from benchmark import Benchmark, main, with_points_held
 from field_error import Elastic
 from mapped_mesh import mapped_mesh, sector, wall
 
@@ -67,36 +66,18 @@ class Rotation(Benchmark):
                    lambda r, z: (strained(r), 0.0), "axisymmetric")
 
     def test_solid_disc(self):
-        table = self.table("Solid disc, plane stress")
-        for element in ELEMENTS:
-            for cells in self.meshes((2, 4), (2, 4, 8, 16)):
-                points = edge(cells if element in ("tri3", "quad4") else 2*cells)
-                deck = with_points_held(self.deck("solid_disc", element=element, cells=(cells, cells)), points, solid)
-                result = self.solve(deck)
-                self.assert_sound(result)
-                errors, effectivity = self.field_errors(result, solid, Elastic(YOUNG, POISSON, "plane stress"))
-                table.add(element, 1/cells, *errors, effectivity=effectivity)
-        table.close()
-        self.assert_table(table)
+        def deck_of(element, cells):
+            points = edge(cells if element in ("tri3", "quad4") else 2*cells)
+            return with_points_held(self.deck("solid_disc", element=element, cells=(cells, cells)), points, solid)
 
-    def table(self, caption):
-        """An empty table of all elements."""
-        orders = {element: ((2, 1) if element in ("tri3", "quad4") else (3, 2)) for element in ELEMENTS}
-        return ConvergenceTable(caption, ["displacement", "stress"], orders,
-                                allowance=self.meshes(0.2, ORDER_ALLOWANCE))
+        self.study_elements("Solid disc, plane stress", deck_of, solid, Elastic(YOUNG, POISSON, "plane stress"), 1,
+                            ((2, 4), (2, 4, 8, 16)))
 
     def study(self, caption, name, mapping, ratio, exact, hypothesis, values=None):
         """Fills the table of one deck; `ratio` cells around or along for one through the wall."""
-        table, material = self.table(caption), Elastic(YOUNG, POISSON, hypothesis)
-        for element in ELEMENTS:
-            for cells in self.meshes((4, 8), (4, 8, 16, 32)):
-                mesh = mapped_mesh((cells, ratio*cells), element, mapping)
-                result = self.solve(self.deck(name, mesh=mesh, **(values or {})))
-                self.assert_sound(result)
-                errors, effectivity = self.field_errors(result, exact, material)
-                table.add(element, (OUTER - INNER)/cells, *errors, effectivity=effectivity)
-        table.close()
-        self.assert_table(table)
+        self.study_elements(caption, lambda element, cells: self.deck(name, mesh=mapped_mesh(
+            (cells, ratio*cells), element, mapping), **(values or {})), exact, Elastic(YOUNG, POISSON, hypothesis),
+            OUTER - INNER, ((4, 8), (4, 8, 16, 32)))
 
 
 if __name__ == "__main__":

@@ -8,8 +8,7 @@ theory: order 2 for linear and 3 for quadratic elements.
 """
 from math import hypot, pi
 
-from benchmark import ELEMENTS, Benchmark, main
-from convergence import ORDER_ALLOWANCE, ConvergenceTable
+from benchmark import Benchmark, main
 from field_error import Elastic
 from mapped_mesh import mapped_mesh, sector, wall
 
@@ -40,18 +39,8 @@ class Tube(Benchmark):
 
     def study(self, caption, name, mapping, ratio, exact, material):
         """Fills the table of one deck; `ratio` cells around or along for one through the wall."""
-        orders = {element: ((2, 1) if element in ("tri3", "quad4") else (3, 2)) for element in ELEMENTS}
-        table = ConvergenceTable(caption, ["displacement", "stress"], orders,
-                                 allowance=self.meshes(0.2, ORDER_ALLOWANCE))
-        for element in ELEMENTS:
-            for cells in self.meshes((4, 8), (4, 8, 16, 32)):
-                mesh = mapped_mesh((cells, ratio*cells), element, mapping)
-                result = self.solve(self.deck(name, mesh=mesh))
-                self.assert_sound(result)
-                errors, effectivity = self.field_errors(result, exact, material)
-                table.add(element, (OUTER - INNER)/cells, *errors, effectivity=effectivity)
-        table.close()
-        self.assert_table(table)
+        self.study_elements(caption, lambda element, cells: self.deck(name, mesh=mapped_mesh(
+            (cells, ratio*cells), element, mapping)), exact, material, OUTER - INNER, ((4, 8), (4, 8, 16, 32)))
 
 
 if __name__ == "__main__":
