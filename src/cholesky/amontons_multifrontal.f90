@@ -240,17 +240,8 @@ contains
       class(multifrontal_t), intent(in) :: self !! the factorization
       integer, intent(in) :: n_steps !! how many columns, at least those of the interior
       real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
-      real(dp) :: none(0)
-      type(thread_state_t) :: threads
 
-      ! The root has no row structure.
-      call limit_nested_threads(threads, 1)
-      !$omp parallel default(none) num_threads(n_threads()) shared(self, n_steps, y, none)
-      !$omp single
-      call forward_subtree(self%fronts, self%value, self%fronts%n, n_steps, y, none)
-      !$omp end single
-      !$omp end parallel
-      call restore_nested_threads(threads)
+      call substitute(self, .true., n_steps, y)
    end subroutine multifrontal_substitute_forward
 
    !> Does the backward steps of the first columns.
@@ -258,18 +249,32 @@ contains
       class(multifrontal_t), intent(in) :: self !! the factorization
       integer, intent(in) :: n_steps !! how many columns, at least those of the interior
       real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
+
+      call substitute(self, .false., n_steps, y)
+   end subroutine multifrontal_substitute_backward
+
+   !> Does the steps of the first columns, forward or backward, large subtrees on threads of their own.
+   subroutine substitute(self, is_forward, n_steps, y)
+      type(multifrontal_t), intent(in) :: self !! the factorization
+      logical, intent(in) :: is_forward !! whether the steps are those with L, not those with its transpose
+      integer, intent(in) :: n_steps !! how many columns, at least those of the interior
+      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
       real(dp) :: none(0)
       type(thread_state_t) :: threads
 
       ! The root has no row structure.
       call limit_nested_threads(threads, 1)
-      !$omp parallel default(none) num_threads(n_threads()) shared(self, n_steps, y, none)
+      !$omp parallel default(none) num_threads(n_threads()) shared(self, is_forward, n_steps, y, none)
       !$omp single
-      call backward_subtree(self%fronts, self%value, self%fronts%n, n_steps, y, none)
+      if (is_forward) then
+         call forward_subtree(self%fronts, self%value, self%fronts%n, n_steps, y, none)
+      else
+         call backward_subtree(self%fronts, self%value, self%fronts%n, n_steps, y, none)
+      end if
       !$omp end single
       !$omp end parallel
       call restore_nested_threads(threads)
-   end subroutine multifrontal_substitute_backward
+   end subroutine substitute
 
    !> Copies the last block of the root's factor.
    subroutine multifrontal_schur_factor(self, l22)
