@@ -4,7 +4,8 @@
 !> of a hole bears any moment. How large they are follows from the solution alone. A free rigid motion that the normals
 !> of the round line do no work on is opposed by friction alone; where the loads' work on it is more than all that
 !> friction can take at the normal forces found, unequal facets of the mesh bear the rest, or the method finds no
-!> equilibrium. Then a weak spring against the motion shows what the normal forces are while the body turns.
+!> equilibrium. Where it finds none, or all friction is used up, a weak spring against the motion shows what the normal
+!> forces are while the body turns, before facets have wedged it.
 module amontons_spin
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t
@@ -17,7 +18,8 @@ module amontons_spin
    use amontons_equilibrium, only: has_nodal_points, round_normals
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
-   use amontons_rigid_modes, only: largest_motion
+   use amontons_rigid_modes, only: find_modes_at_points, largest_motion
+   use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
    private
 
@@ -56,7 +58,7 @@ contains
 
       can_spin = size(body%rigid_modes, 2) > 0 .and. has_nodal_points(body%zone)
       if (.not. can_spin) return
-      call new_spins(spins, on_round_line(body%zone, body%rigid_modes), body, is_in_reach)
+      call new_spins(spins, on_round_line(body%zone, body%motions), body, is_in_reach)
       can_spin = size(spins, 2) > 0
    end function can_spin
 
@@ -68,40 +70,79 @@ contains
       logical, intent(in) :: is_in_reach(:) !! which points can close (m)
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       type(contact_solution_t), intent(in) :: solution !! what a method found, converged or not
-      ! As much as the balance before the solution leaves to the mesh; where the mesh has no say, what methods leave.
-      real(dp), parameter :: unbalanced_when_round = 1.0e-2_dp, unbalanced = 1.0e-8_dp, same = 1.0e-9_dp
-      real(dp), allocatable :: on_round(:, :), spins(:, :), force(:), motion(:)
-      real(dp) :: drive, capacity, allowed
-      integer :: m
+      real(dp), allocatable :: on_round(:, :), spins(:, :), force(:)
 
-      m = problem%n_points
       if (size(body%rigid_modes, 2) == 0 .or. .not. has_nodal_points(body%zone)) return
-      on_round = on_round_line(body%zone, body%rigid_modes)
+      on_round = on_round_line(body%zone, body%motions)
       call new_spins(spins, on_round, body, is_in_reach)
       if (size(spins, 2) == 0) return
-      force = solution%force
-      if (.not. solution%is_converged) call find_forces_of_spin(force, problem, matmul(body%rigid_modes, spins))
-      if (.not. allocated(force)) return
-      allowed = merge(unbalanced_when_round, unbalanced, any(abs(on_round - body%rigid_modes) > same))
-      associate (works => problem%load, modes => body%rigid_modes)
-         amounts = matmul(matmul(matmul(works, modes) - matmul(force, on_round), spins), transpose(spins))
-         motion = matmul(on_round, amounts)
-         drive = dot_product(works, matmul(modes, amounts)) - dot_product(force(:m), motion(:m))
-         capacity = sum(problem%bound(force(:m))*abs(motion(m + 1:)))
-         if (.not. drive > capacity + allowed*sum(abs(works*matmul(modes, amounts)))) deallocate (amounts)
+      associate (modes => body%rigid_modes)
+         if (solution%is_converged) then
+            call find_unbalanced(amounts, problem, solution%force, spins, on_round, modes)
+            if (allocated(amounts)) return
+            if (.not. is_exhausted(problem, solution%force, spins, on_round, modes)) return
+         end if
+         call find_forces_of_spin(force, problem, matmul(modes, spins))
+         if (allocated(force)) call find_unbalanced(amounts, problem, force, spins, on_round, modes)
       end associate
    end subroutine find_spin
 
-   !> Displacements of the contact points along the normals and tangents of the round line that they lie on (2m, k) [-].
-   pure function on_round_line(zone, modes) result(on_round)
+   !> Finds the spin that loads drive by more than friction can take at given normal forces.
+   pure subroutine find_unbalanced(amounts, problem, force, spins, on_round, modes)
+      real(dp), allocatable, intent(out) :: amounts(:)
+         !! amounts of the free motions of each piece; not allocated if friction holds them (motions)
+      type(contact_problem_t), intent(in) :: problem !! the contact problem
+      real(dp), intent(in) :: force(:) !! contact forces (2m) [F]
+      real(dp), intent(in) :: spins(:, :) !! amounts of the free motions (motions, spins)
+      real(dp), intent(in) :: on_round(:, :) !! displacements of the points in frames of the round line (2m, motions)
+      real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (2m, motions) [-]
+      ! As much as the balance before the solution leaves to the mesh; where the mesh has no say, what methods leave.
+      real(dp), parameter :: unbalanced_when_round = 1.0e-2_dp, unbalanced = 1.0e-8_dp, same = 1.0e-9_dp
+      real(dp) :: motion(2*problem%n_points), drive, capacity, allowed
+
+      allowed = merge(unbalanced_when_round, unbalanced, any(abs(on_round - modes) > same))
+      amounts = matmul(matmul(matmul(problem%load, modes) - matmul(force, on_round), spins), transpose(spins))
+      motion = matmul(on_round, amounts)
+      associate (m => problem%n_points, load => problem%load)
+         drive = dot_product(load, matmul(modes, amounts)) - dot_product(force(:m), motion(:m))
+         capacity = sum(problem%bound(force(:m))*abs(motion(m + 1:)))
+         if (.not. drive > capacity + allowed*sum(abs(load*matmul(modes, amounts)))) deallocate (amounts)
+      end associate
+   end subroutine find_unbalanced
+
+   !> Whether all friction acts against the spin that the loads drive. A round line then still turns, and what its
+   !> facets leave of a normal displacement wedges it in the end: normal forces, and friction with them, grow until they
+   !> bear the loads.
+   pure logical function is_exhausted(problem, force, spins, on_round, modes)
+      type(contact_problem_t), intent(in) :: problem !! the contact problem
+      real(dp), intent(in) :: force(:) !! contact forces that a method found (2m) [F]
+      real(dp), intent(in) :: spins(:, :) !! amounts of the free motions (motions, spins)
+      real(dp), intent(in) :: on_round(:, :) !! displacements of the points in frames of the round line (2m, motions)
+      real(dp), intent(in) :: modes(:, :) !! displacements of the points in their own (2m, motions) [-]
+      ! What facets leave of the tangents of the round line.
+      real(dp), parameter :: almost = 0.99_dp
+      real(dp) :: motion(2*problem%n_points), capacity
+
+      motion = matmul(on_round, matmul(matmul(matmul(problem%load, modes), spins), transpose(spins)))
+      associate (m => problem%n_points)
+         capacity = sum(problem%bound(force(:m))*abs(motion(m + 1:)))
+         is_exhausted = capacity > 0.0_dp .and. dot_product(force(m + 1:), motion(m + 1:)) >= almost*capacity
+      end associate
+   end function is_exhausted
+
+   !> Displacements of the contact points under the free motions, along the normals and tangents of the round line that
+   !> they lie on (2m, motions) [-].
+   pure function on_round_line(zone, motions) result(on_round)
       type(contact_zone_t), intent(in) :: zone !! the contact points
-      real(dp), intent(in) :: modes(:, :) !! displacements along their own normals and tangents (2m, k) [-]
+      type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
       real(dp), allocatable :: on_round(:, :)
+      real(dp), allocatable :: modes(:, :)
       real(dp) :: normals(2, zone%n_points), along, across
       integer :: p, m
 
       m = zone%n_points
       normals = round_normals(zone)
+      call find_modes_at_points(modes, zone, motions)
       allocate (on_round, mold=modes)
       do p = 1, m
          along = dot_product(normals(:, p), zone%normal(:, p))
@@ -117,22 +158,19 @@ contains
       real(dp), intent(in) :: on_round(:, :) !! displacements of the points in frames of the round line (2m, motions)
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_in_reach(:) !! which points count (m)
-      ! Squares; what meshes of curves leave of a thousandth of the motion, and of a hundredth of that of a pair, whose
-      ! masters are polygons.
-      real(dp), parameter :: negligible = 1.0e-6_dp, negligible_of_pairs = 1.0e-4_dp
+      ! A square: what meshes of curves leave of a thousandth of the motion.
+      real(dp), parameter :: negligible = 1.0e-6_dp
       real(dp), allocatable :: along_normals(:, :), gram(:, :), values(:)
-      real(dp) :: most
       integer :: i, info, m
 
       m = size(is_in_reach)
-      most = merge(negligible_of_pairs, negligible, any(body%zone%pairs%is_set()))
       associate (modes => body%rigid_modes)
          allocate (along_normals, source=merge(on_round(:m, :), 0.0_dp, spread(is_in_reach, 2, size(modes, 2))))
          allocate (gram, source=matmul(transpose(along_normals), along_normals))
          allocate (values(size(gram, 1)))
          call symmetric_eigenvectors(gram, values, info)
          if (info /= 0) values = huge(1.0_dp)
-         associate (is_spin => [(values(i) <= most*sum(matmul(modes, gram(:, i))**2), i=1, size(values))])
+         associate (is_spin => [(values(i) <= negligible*sum(matmul(modes, gram(:, i))**2), i=1, size(values))])
             spins = gram(:, pack([(i, i=1, size(values))], is_spin))
          end associate
       end associate
@@ -140,7 +178,7 @@ contains
 
    !> Finds the contact forces while a body spins: those of the problem with weak springs against the motions.
    subroutine find_forces_of_spin(force, problem, spins)
-      real(dp), allocatable, intent(inout) :: force(:) !! the contact forces; not allocated if none are found (2m) [F]
+      real(dp), allocatable, intent(out) :: force(:) !! the contact forces; not allocated if none are found (2m) [F]
       type(contact_problem_t), intent(in) :: problem !! the contact problem
       real(dp), intent(in) :: spins(:, :) !! displacements of the points under each motion (2m, spins) [-]
       ! Points slip before such springs bear much; matrices of more points are left alone: they take minutes.
@@ -153,7 +191,6 @@ contains
       real(dp) :: stiffness
       integer :: i, j
 
-      deallocate (force)
       if (problem%n_points > most_points) return
       held = problem
       call held%prepare_stiffness()

@@ -86,9 +86,11 @@ class NoEquilibrium(ProgramTest):
                     self.run_program("--output", "results", self.write("free.nml", deck))
 
     def test_ring_on_an_elastic_pin_turns_under_its_load(self):
-        # As on a rigid one; the normals are those of the slave, whichever that is.
+        # As on a rigid one; the normals are those of the slave, whichever that is. Facets of an irregular master wedge
+        # the ring once it has turned by radians, so that friction would bear any moment.
         for wave, slave, angle, friction in ((0.0, "ring", 0, 0.2), (0.0, "pin", 0, 0.2), (0.01, "ring", 0, 0.0),
-                                             (0.01, "pin", 0, 0.0), (0.0, "ring", 35, 0.4), (0.0, "pin", 35, 0.4)):
+                                             (0.01, "pin", 0, 0.0), (0.01, "ring", 0, 0.2), (0.01, "pin", 0, 0.2),
+                                             (0.02, "pin", 0, 0.2), (0.0, "ring", 35, 0.4), (0.0, "pin", 35, 0.4)):
             clearance = 0.001
             self.write("ring.msh", ring(wave))
             self.write("pin.msh", ring(0.0, [(1.0 - clearance)*share for share in (0.5, 0.75, 1.0)]))

@@ -8,7 +8,7 @@ module amontons_rigid_modes
    implicit none (type, external)
    private
 
-   public :: check_common_motion, find_rigid_modes, largest_motion
+   public :: check_common_motion, find_modes_at_points, find_rigid_modes, largest_motion
 
 contains
 
@@ -41,6 +41,37 @@ contains
          end associate
       end do
    end subroutine find_rigid_modes
+
+   !> The same as if all nodes that a point is made of lay where the point is: of a pair, as if the bodies met there.
+   !> What rotations then do along the normals no longer depends on the facets of the master, nor on the gap, which is
+   !> along the normal.
+   pure subroutine find_modes_at_points(modes, zone, motions)
+      real(dp), allocatable, intent(out) :: modes(:, :) !! (u_N; u_T) of the points under each motion (2m, motions) [-]
+      type(contact_zone_t), intent(in) :: zone !! the contact points, each of a node
+      type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
+      logical, allocatable :: is_inside(:)
+      integer :: i, j, k, p
+
+      allocate (modes(2*zone%n_points, sum(motions%n_free)), source=0.0_dp)
+      allocate (is_inside(maxval([0, zone%rows%node])))
+      k = 0
+      do j = 1, size(motions)
+         is_inside = .false.
+         is_inside(pack(motions(j)%node, motions(j)%node <= size(is_inside))) = .true.
+         do p = 1, zone%n_points
+            associate (motion => motions(j)%displacement(zone%position(:, p)), m => zone%n_points, &
+               last => k + motions(j)%n_free)
+               do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+                  if (.not. is_inside(zone%rows%node(i))) cycle
+                  modes(p, k + 1:last) = modes(p, k + 1:last) + matmul(zone%rows%part(:, i), motion)
+                  if (.not. zone%is_tangent_fixed(p)) modes(m + p, k + 1:last) = modes(m + p, k + 1:last) &
+                     + matmul(zone%rows%along(i), motion)
+               end do
+            end associate
+         end do
+         k = k + motions(j)%n_free
+      end do
+   end subroutine find_modes_at_points
 
    !> Refuses pieces that can move together so that no contact point notices.
    subroutine check_common_motion(motions, modes, error)
