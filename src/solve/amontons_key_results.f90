@@ -66,6 +66,7 @@ contains
       real(dp), intent(in) :: slip_bound(:) !! given bounds of the tangential force (m) [F]
       real(dp), intent(in) :: motion(:) !! gaps and slips of the points (2m) [L]
       type(trace_t) :: trace
+      logical :: has_middles
       integer :: m
 
       m = size(status)
@@ -75,10 +76,11 @@ contains
       trace%slip = 0.0_dp*motion(:m)
       call find_edges(closed, body%zone, status /= open_point, trace)
       trace%force = slip_bound + friction*force(:m) - abs(force(m + 1:))
-      trace%n_summed = 1
+      has_middles = any(n_element_nodes(body%mesh%element_kind) > n_corners(body%mesh%element_kind))
+      ! Of quadratic sides a corner and a middle together.
+      trace%n_summed = merge(2, 1, has_middles)
       trace%gap = 0.0_dp*motion(:m)
-      if (any(n_element_nodes(body%mesh%element_kind) > n_corners(body%mesh%element_kind))) trace%slip = &
-         merge(motion(m + 1:), 0.0_dp, status == slip_plus .or. status == slip_minus)
+      if (has_middles) trace%slip = merge(motion(m + 1:), 0.0_dp, status == slip_plus .or. status == slip_minus)
       call find_edges(stuck, body%zone, status == stick_point, trace)
    end subroutine find_zones
 

@@ -123,11 +123,7 @@ contains
          do i = 2, n
             chain%arc(i) = chain%arc(i - 1) + norm2(zone%position(:, order(i)) - zone%position(:, order(i - 1)))
          end do
-         ! The tributary length of an end point of the line lies on one side of it.
-         chain%bound(0) = -0.5_dp*zone%weight(order(1))
-         if (n > 1) then
-            if (zone%weight(order(1)) < 0.75_dp*chain%arc(2)) chain%bound(0) = 0.0_dp
-         end if
+         chain%bound(0) = first_bound(chain%arc, zone%weight(order), zone%is_cell(order(1)))
          if (allocated(zone%pairs)) call begin_where_covered(chain%bound(0), zone%pairs(zone%set(order(1))), &
             order(1) - findloc(zone%set, zone%set(order(1)), dim=1) + 1)
          do i = 1, n
@@ -135,6 +131,28 @@ contains
          end do
       end associate
    end subroutine set_lengths
+
+   !> Where the tributary length of the first point of a chain begins: at an end point of the line, before any other, as
+   !> where a support holds the node before.
+   pure real(dp) function first_bound(arc, weight, is_cell) result(bound)
+      real(dp), intent(in) :: arc(:) !! where the points are along the line, from the first one on (n) [L]
+      real(dp), intent(in) :: weight(:) !! their tributary lengths (n) [L]
+      logical, intent(in) :: is_cell !! whether they are cells, with the point in the middle
+      real(dp) :: share
+
+      bound = -0.5_dp*weight(1)
+      if (size(arc) == 2 .and. weight(1) < 0.75_dp*arc(size(arc))) bound = 0.0_dp
+      if (size(arc) < 3 .or. is_cell) return
+      ! The second point's tributary length, over the half of the sides or half sides next to it, is 1 for a node of
+      ! linear sides, 2/3 for a corner of quadratic ones and 4/3 for a middle. It begins accordingly: in the middle of
+      ! the side before, at two thirds or at one third of the half side before.
+      associate (ratio => 2.0_dp*weight(2)/(arc(3) - arc(1)))
+         share = 0.5_dp
+         if (ratio < 5.0_dp/6.0_dp) share = 2.0_dp/3.0_dp
+         if (ratio > 7.0_dp/6.0_dp) share = 1.0_dp/3.0_dp
+      end associate
+      bound = share*arc(2) - weight(1)
+   end function first_bound
 
    !> Begins a chain of corners of a slave where the master does, which may be in the middle of a side.
    pure subroutine begin_where_covered(begin, pair, point)
@@ -245,28 +263,22 @@ contains
       if (n_growing(gap) >= used(3)) edge = max(least, min(arc(1), place_of_zero(arc(used), gap(used))))
    end function edge_by_gap
 
-   !> Where a stick zone ends, from the slips beyond it: from two of them or, where five to nine points in a row slip,
-   !> from three.
+   !> Where a stick zone ends, from two of the slips beyond it. The first one is of no use: the points next to the true
+   !> end often have the other status, so that it may lie beyond the first point that slips.
    pure real(dp) function edge_by_slip(arc, slip, by_force) result(edge)
       real(dp), intent(in) :: arc(0:) !! where the last point inside and those beyond it lie (0:n) [L]
       real(dp), intent(in) :: slip(:) !! slips of those beyond it (n) [L]
       real(dp), intent(in) :: by_force !! where the forces say that it ends, for where slips tell nothing [L]
-      integer, parameter :: many(2) = [3, 5], some(3) = [1, 3, 5], few(2) = [1, 2]
-      ! From here on the first slips, which are the least accurate, are not needed.
-      integer, parameter :: n_many = 10
+      integer, parameter :: fewest = 3, most = 5
+      ! Which slips are used where three, four, or five points and more in a row slip: if possible two corners or two
+      ! middles.
+      integer, parameter :: used(2, fewest:most) = reshape([2, 3, 2, 4, 3, 5], shape(used))
       integer :: n
 
       edge = by_force
-      n = n_growing(slip)
-      if (n < few(2)) return
-      if (n >= n_many) then
-         edge = place_of_zero(arc(many), slip(many))
-      else if (n >= some(3)) then
-         edge = place_of_zero(arc(some), slip(some))
-      else
-         edge = place_of_zero(arc(few), slip(few))
-      end if
-      edge = max(arc(0), min(arc(1), edge))
+      n = min(n_growing(slip), most)
+      if (n < fewest) return
+      edge = max(arc(0), min(arc(2), place_of_zero(arc(used(:, n)), slip(used(:, n)))))
    end function edge_by_slip
 
    !> How many of the first numbers have one sign, each larger than the one before.

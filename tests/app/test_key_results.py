@@ -115,6 +115,23 @@ class KeyResults(ProgramTest):
                 for found, true in zip((zone["start_x"], zone["end_x"]), ends["true"]):
                     self.assertLess(abs(found - true), 0.15*0.1, (middle, element))
 
+    def test_ends_on_a_line_of_unequal_sides(self):
+        # Supports hold the first and the last node of a line whose sides are half as long from one to the next: zones
+        # end beside the nodes that are closed, wherever the tributary lengths begin.
+        for element in ("tri3", "quad4", "tri6", "quad8"):
+            result = self.solve(block(
+                "support set = 'bottom'  ux = 0.02  uy = 0.0", "support set = 'top'  ux = 0.02  uy = 0.0",
+                "contact set = 'right'  obstacle = 'circle'  radius = 1.0  friction = 0.1  "
+                "normal = -1.0, 0.0  point = 4.0, 1.75",
+                mesh=f"size = 4.0, 2.0  cells = 8, 10  grading = 0.01  element = '{element}'"))
+            places, zone = result["y"], result.summary["closed_zones"][0]
+            closed = [place for place, status in zip(places, result["status"]) if status != "open"]
+            self.assertEqual(len(result.summary["closed_zones"]), 1, element)
+            least = max((place for place in places if place < min(closed)), default=0.0)
+            most = min((place for place in places if place > max(closed)), default=2.0)
+            self.assertTrue(least <= zone["start_y"] <= min(closed), element)
+            self.assertTrue(max(closed) <= zone["end_y"] <= most, element)
+
     def test_one_closed_point(self):
         run = self.run_program(self.write("case.nml", block(
             "support set = 'left'  ux = 0.0", "support set = 'right'  ux = 0.0", "load set = 'top'  pressure = 1e-9",
