@@ -61,7 +61,15 @@ class Case:
     @property
     def heading(self) -> str:
         """Its title, or its name where it has none."""
-        return self.summary.get("title") or self.summary["case"]
+        return str(self.summary.get("title") or self.summary["case"])
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.summary['case']!r}: {self.summary['outcome'].replace('_', ' ')}>"
+
+    @property
+    def key_results(self) -> dict[str, float]:
+        """The key results by name, each with its place; empty without a state, and of a sweep, which has extremes."""
+        return dict(self.summary.get("key_results", {}))
 
     @property
     def has_state(self) -> bool:

@@ -1,11 +1,15 @@
 """The commands of the package: amontons-plot and amontons-report, also `python -m amontons plot` and `... report`,
 `python -m amontons fclib`, and amontons, the program, where it is part of the package.
 """
+from __future__ import annotations
+
 import argparse
 import importlib
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import NoReturn
 
 WORDS = ("plot", "report", "fclib")
 
@@ -13,11 +17,11 @@ WORDS = ("plot", "report", "fclib")
 class Parser(argparse.ArgumentParser):
     """Options of a command; what is wrong with them ends it with a sentence and status 1, as in the program."""
 
-    def error(self, message):
+    def error(self, message: str) -> NoReturn:
         sys.exit(f"{self.prog}: {message}; try --help")
 
 
-def run(word, arguments):
+def run(word: str, arguments: Sequence[str]) -> NoReturn:
     """Runs a module of the package as a command."""
     try:
         module = importlib.import_module(f"amontons.{word}")
@@ -26,23 +30,23 @@ def run(word, arguments):
     sys.exit(module.main(arguments))
 
 
-def plot():
+def plot() -> NoReturn:
     """The command amontons-plot."""
     run("plot", sys.argv[1:])
 
 
-def report():
+def report() -> NoReturn:
     """The command amontons-report."""
     run("report", sys.argv[1:])
 
 
-def program():
+def program() -> NoReturn:
     """The command amontons of a wheel: becomes the program in it."""
     path = str(Path(__file__).parent / "bin" / "amontons")
     os.execv(path, [path, *sys.argv[1:]])
 
 
-def main(arguments):
+def main(arguments: Sequence[str]) -> NoReturn:
     """The command `python -m amontons`."""
     if not arguments or arguments[0] not in WORDS:
         sys.exit(f"usage: python -m amontons {'|'.join(WORDS)} ...")

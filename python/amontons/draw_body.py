@@ -1,10 +1,16 @@
 """Draws a body: its displacements magnified, a field in colors, the contact points by status, and the obstacles, with
 the same magnification of the gaps between them."""
+from __future__ import annotations
+
+from typing import Any, Optional
+
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.tri import Triangulation
 
-from amontons.cases import CaseFault, dimension_of
+from amontons.cases import Case, CaseFault, dimension_of
+from amontons.grid import Array, Grid
 from amontons.obstacles import distance, hatching, surface
 
 # Okabe and Ito's colors, told apart by color-blind readers too; a marker says the same once more.
@@ -25,7 +31,7 @@ ROUNDING = 1e-10  # of a strain, over the displacement that has lost its digits
 VISIBLE = 1e-3  # what is smaller over the size of a body is not seen
 
 
-def fields(mesh):
+def fields(mesh: Grid) -> dict[str, Array]:
     """The fields of a mesh by name, those of vectors and tensors by component too."""
     found = {}
     for data in (mesh.cell_data, mesh.point_data):
@@ -40,7 +46,7 @@ def fields(mesh):
     return found
 
 
-def field_of(case, name):
+def field_of(case: Case, name: str) -> tuple[Array, str]:
     """The values of a field, on cells or nodes, and its label."""
     found = fields(case.mesh)
     if name not in found:
@@ -49,15 +55,16 @@ def field_of(case, name):
     return found[name], case.label(text, dimension_of(name))
 
 
-def boundary(mesh):
+def boundary(mesh: Grid) -> Array:
     """The edges that belong to one cell alone (pairs of nodes)."""
     corners = [nodes[:, :3 if kind.startswith("tri") else 4] for kind, nodes in mesh.cells]
     edges = np.concatenate([np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2) for cells in corners])
     _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
-    return edges[first[count == 1]]
+    found: Array = edges[first[count == 1]]
+    return found
 
 
-def initial_gaps(case):
+def initial_gaps(case: Case) -> Array:
     """The gap of each contact point before anything is loaded; not a number where it is out of reach."""
     line = case.line
     moved = line.point_data.get("jump", line.point_data["displacement"])
@@ -66,7 +73,7 @@ def initial_gaps(case):
     return np.where(np.abs(gaps) > 2 * size, np.nan, gaps)
 
 
-def magnification(case):
+def magnification(case: Case) -> float:
     """A round number that makes displacements visible: the largest then measures about a twelfth of the body.
     Displacements that are visible by themselves are drawn as they are, unless they are larger than the body; so are
     those beside an obstacle whose shape would be stretched with its gaps."""
@@ -78,7 +85,7 @@ def magnification(case):
     return 1.0 if wanted < 1.0 and largest <= size else round_factor(wanted)
 
 
-def magnification_at(case, points):
+def magnification_at(case: Case, points: Array) -> float:
     """The same for the part of the body at some contact points. If they are on a straight line their gaps may be
     stretched up to an eighth of it: the obstacle is then seen as it is, but higher."""
     at = case.line.points[points, :2]
@@ -93,13 +100,13 @@ def magnification_at(case, points):
     return round_factor(wanted) if 1.0 < wanted < 1e12 else 1.0
 
 
-def round_factor(wanted):
+def round_factor(wanted: float) -> float:
     """The next round number below."""
     power = 10.0 ** np.floor(np.log10(wanted))
-    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= wanted)
+    return float(max(step * power for step in (1.0, 2.0, 5.0) if step * power <= wanted))
 
 
-def draw_field(axes, case, factor, name, has_lines):
+def draw_field(axes: Axes, case: Case, factor: float, name: str, has_lines: bool) -> tuple[Any, str, Optional[float]]:
     """The mesh, its displacements multiplied by a factor, colored by a field; with lines between its cells or not."""
     mesh = case.mesh
     values, label = field_of(case, name)
@@ -127,7 +134,7 @@ def draw_field(axes, case, factor, name, has_lines):
     return drawn, label, middle if is_uniform else None
 
 
-def rounding(case, name):
+def rounding(case: Case, name: str) -> float:
     """What rounding may leave of a field that is 0: of a stress, of which a body that is only moved has none."""
     if dimension_of(name) != "F/L²":
         return 0.0
@@ -136,10 +143,10 @@ def rounding(case, name):
     except OSError:
         return 0.0
     size = np.ptp(case.mesh.points[:, :2], axis=0).max()
-    return ROUNDING * young * np.abs(case.mesh.point_data["displacement"]).max() / size
+    return float(ROUNDING * young * np.abs(case.mesh.point_data["displacement"]).max() / size)
 
 
-def draw_bar(axes, drawn, label, uniform):
+def draw_bar(axes: Axes, drawn: Any, label: str, uniform: Optional[float]) -> None:
     """The bar of a field; of a uniform one it has its one value."""
     bar = axes.figure.colorbar(drawn, cax=axes.inset_axes([1.03, 0.0, 0.035, 1.0]),
                                ticks=None if uniform is None else [uniform])
@@ -150,7 +157,7 @@ def draw_bar(axes, drawn, label, uniform):
         bar.ax.set_yticklabels([f"{uniform:.4g}"])
 
 
-def surfaces(case, factor, window):
+def surfaces(case: Case, factor: float, window: Array) -> list[Array]:
     """The obstacles as lines: as the deck describes them, or, where gaps are magnified, through the places that they
     then have opposite the contact points; so, too, where an obstacle has moved or a file that describes it is gone."""
     gaps, line, found = initial_gaps(case), case.line, []
@@ -176,7 +183,7 @@ def surfaces(case, factor, window):
     return [one for i, one in enumerate(found) if not any(np.array_equal(one, other) for other in found[:i])]
 
 
-def draw_obstacles(axes, case, factor, window):
+def draw_obstacles(axes: Axes, case: Case, factor: float, window: Array) -> None:
     """The surfaces of the obstacles, hatched on their solid side."""
     for line in surfaces(case, factor, window):
         axes.plot(*line.T, color=OBSTACLE, linewidth=1.0, scalex=False, scaley=False, zorder=1.5)
@@ -184,10 +191,10 @@ def draw_obstacles(axes, case, factor, window):
         axes.add_collection(LineCollection(strokes, colors=OBSTACLE, linewidths=0.4, zorder=1.4), autolim=False)
 
 
-def draw_points(axes, case, factor):
+def draw_points(axes: Axes, case: Case, factor: float) -> Array:
     """The contact points, by status. Returns where they are drawn."""
     line = case.line
-    at = line.points[:, :2] + factor * line.point_data["displacement"][:, :2]
+    at: Array = line.points[:, :2] + factor * line.point_data["displacement"][:, :2]
     for status, (label, color, marker) in enumerate(STATUSES, start=1):
         here = at[line.point_data["status"] == status]
         if len(here):
@@ -196,7 +203,7 @@ def draw_points(axes, case, factor):
     return at
 
 
-def window_of(case, factor):
+def window_of(case: Case, factor: float) -> Array:
     """What is shown of the plane: the body before and after, and what of the obstacles is near; lower left and upper
     right corner."""
     mesh, line, gaps = case.mesh, case.line, initial_gaps(case)
@@ -209,14 +216,15 @@ def window_of(case, factor):
     return np.array([shown.min(axis=0) - margin, shown.max(axis=0) + margin])
 
 
-def true_or_times(case, factor):
+def true_or_times(case: Case, factor: float) -> str:
     """What is said of a magnification."""
     if factor == 1.0:
         return "displacements to scale"
     return f"displacements{' and gaps' if len(case.line.points) else ''} × {factor:g}"
 
 
-def draw_scene(axes, case, name, factor=None, has_lines=True):
+def draw_scene(axes: Axes, case: Case, name: str, factor: Optional[float] = None,
+               has_lines: bool = True) -> tuple[Any, str, Optional[float]]:
     """The body with a field, its shape before, its contact points and the obstacles. Returns what a bar of the field
     needs: what is drawn, its label, and its value where it is uniform."""
     mesh = case.mesh
@@ -233,14 +241,15 @@ def draw_scene(axes, case, name, factor=None, has_lines=True):
     return field
 
 
-def draw_body(axes, case, name, factor=None, has_lines=True):
+def draw_body(axes: Axes, case: Case, name: str, factor: Optional[float] = None, has_lines: bool = True) -> None:
     """The body with a field and its bar, its contact points and the obstacles."""
     draw_bar(axes, *draw_scene(axes, case, name, factor, has_lines))
     if len(case.line.points):
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, ncols=2, frameon=False)
 
 
-def draw_detail(axes, case, name, shown, factor=None, has_lines=True):
+def draw_detail(axes: Axes, case: Case, name: str, shown: Array, factor: Optional[float] = None,
+                has_lines: bool = True) -> None:
     """The body once more, near the contact points that are shown."""
     if factor is None:
         factor = magnification_at(case, shown)

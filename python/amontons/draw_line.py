@@ -1,9 +1,15 @@
 """Draws the contact line: pressure and shear with what friction can bear, slip, gap; and the residuals of a method."""
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import Any, Optional
 
 import numpy as np
+from matplotlib.axes import Axes
 
+from amontons.cases import Case
 from amontons.draw_body import STATUSES
+from amontons.grid import Array, Grid
 
 PRESSURE, SHEAR, BOUND, GAP, SLIP = "black", "#CC79A7", "#E69F00", "#D55E00", "#0072B2"
 ABSCISSAS = ("s", "x", "y")
@@ -14,12 +20,12 @@ LARGE_GAP = 6    # times the median gap of the open points: the others would be 
 @dataclass(frozen=True)
 class Stretch:
     """A contact set along the contact line."""
-    points: np.ndarray  # its contact points, in order
-    place: np.ndarray   # their places on the abscissa of the panels [L]
-    length: np.ndarray  # their lengths along the line, one set behind the other [L]
+    points: Array  # its contact points, in order
+    place: Array   # their places on the abscissa of the panels [L]
+    length: Array  # their lengths along the line, one set behind the other [L]
 
 
-def stretches(line, abscissa="s"):
+def stretches(line: Grid, abscissa: str = "s") -> list[Stretch]:
     """The contact sets of a line, one behind the other."""
     result, start = [], 0.0
     for number in np.unique(line.point_data["set"]):
@@ -32,7 +38,7 @@ def stretches(line, abscissa="s"):
     return result
 
 
-def closed_part(line, sets):
+def closed_part(line: Grid, sets: list[Stretch]) -> list[Stretch]:
     """The sets where the contact line is closed and somewhat more, if that is a small part of the line; else all."""
     lengths = np.concatenate([one.length for one in sets])
     closed = lengths[np.concatenate([line.point_data["status"][one.points] > 1 for one in sets])]
@@ -48,18 +54,19 @@ def closed_part(line, sets):
             for one, here in zip(sets, inside) if here.any()]
 
 
-def points_of(sets):
+def points_of(sets: list[Stretch]) -> Array:
     """The contact points of some sets."""
     return np.concatenate([one.points for one in sets])
 
 
-def draw_lines(axes, sets, values, color, label=None, style="-"):
+def draw_lines(axes: Axes, sets: list[Stretch], values: Array, color: str, label: Optional[str] = None,
+               style: Any = "-") -> None:
     """A quantity along every set."""
     for one in sets:
         axes.plot(one.place, values[one.points], color=color, linestyle=style, label=label if one is sets[0] else None)
 
 
-def set_range(axes, values, scale):
+def set_range(axes: Axes, values: Array, scale: float) -> None:
     """The range of the ordinate: zero and all values; rounding errors are not magnified."""
     values = values[np.isfinite(values)]
     low, high = min(values.min(initial=0.0), 0.0), max(values.max(initial=0.0), 0.0)
@@ -71,7 +78,7 @@ def set_range(axes, values, scale):
     axes.ticklabel_format(axis="y", scilimits=(-3, 4), useMathText=True)
 
 
-def draw_stress(axes, case, sets):
+def draw_stress(axes: Axes, case: Case, sets: list[Stretch]) -> None:
     """Pressure, shear and the shear that friction can bear, statuses as markers."""
     data = case.line.point_data
     pressure, shear, bound = (data[name] for name in ("contact_pressure", "contact_shear", "shear_bound"))
@@ -92,7 +99,7 @@ def draw_stress(axes, case, sets):
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, frameon=False, ncols=3)
 
 
-def draw_slip(axes, case, sets):
+def draw_slip(axes: Axes, case: Case, sets: list[Stretch]) -> None:
     """The slip."""
     slip = case.line.point_data["slip"]
     draw_lines(axes, sets, slip, SLIP)
@@ -101,7 +108,7 @@ def draw_slip(axes, case, sets):
     axes.set(ylabel=case.label("slip", "L"))
 
 
-def draw_gap(axes, case, sets):
+def draw_gap(axes: Axes, case: Case, sets: list[Stretch]) -> None:
     """The gap. Where the body's normal all but misses the obstacle it has no end and would flatten all others: the axis
     then ends at three times the usual gap."""
     gap = case.line.point_data["gap"]
@@ -118,7 +125,7 @@ def draw_gap(axes, case, sets):
     axes.set(ylabel=case.label("gap", "L"))
 
 
-def abscissa_label(case, abscissa, sets, whole):
+def abscissa_label(case: Case, abscissa: str, sets: list[Stretch], whole: list[Stretch]) -> str:
     """The label of the abscissa of the contact line."""
     if abscissa != "s":
         return case.label(abscissa, "L")
@@ -128,12 +135,12 @@ def abscissa_label(case, abscissa, sets, whole):
     return text + f", {sets[0].length[0]:.4g} to {sets[-1].length[-1]:.4g} of {whole[-1].length[-1]:.4g}"
 
 
-def residual_text(residual):
+def residual_text(residual: float) -> str:
     """A residual as it is written."""
     return f"{residual:.1e}" if residual else "0"
 
 
-def draw_history(axes, case):
+def draw_history(axes: Axes, case: Case) -> None:
     """The residual after each iteration."""
     summary = case.summary
     history = [residual for residual in summary["history"] if residual]

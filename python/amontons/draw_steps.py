@@ -1,15 +1,22 @@
 """Draws load histories: the hysteresis loop, the zones of the contact line over the pseudo-time, and what friction took
 along the line."""
+from __future__ import annotations
+
 import re
+from collections.abc import Sequence
+from typing import Optional
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from amontons.cases import CaseFault, dimension_of
+from amontons.cases import Case, CaseFault, dimension_of
 from amontons.draw_line import stretches
 from amontons.draw_sweep import quantity
+from amontons.grid import Array
 
 # In the order of the letters of run lengths.
 ZONES = {"open": "#D55E00", "stick": "#009E73", "slip +": "#0072B2", "slip -": "#56B4E9"}
@@ -17,14 +24,14 @@ LETTERS = "os+-"
 TEXTS = ("statuses",)
 
 
-def statuses_of(rows):
+def statuses_of(rows: list[dict[str, str]]) -> Array:
     """The status of each contact point (rows) at each step (columns), as its place in ZONES."""
     steps = [[LETTERS.index(letter) for length, letter in re.findall(r"(\d+)([os+-])", row["statuses"])
               for _ in range(int(length))] for row in rows]
     return np.array(steps).T
 
 
-def column(case, rows, name):
+def column(case: Case, rows: list[dict[str, str]], name: str) -> Array:
     """A column of the steps, as numbers."""
     names = [key for key in rows[0] if key not in TEXTS]
     if name not in names:
@@ -32,7 +39,7 @@ def column(case, rows, name):
     return np.array([float(row[name]) for row in rows])
 
 
-def default_loop(case, rows):
+def default_loop(case: Case, rows: list[dict[str, str]]) -> Sequence[str]:
     """What is drawn over what if nobody says: the displacement of the first probe, or else the tangential force, over
     the first number that changes."""
     changes = case.summary["load_history"]["changes"]
@@ -40,14 +47,14 @@ def default_loop(case, rows):
     return over, "ux_1" if "ux_1" in rows[0] else "tangential_force"
 
 
-def axis_label(case, name):
+def axis_label(case: Case, name: str) -> str:
     """The words for a column on an axis."""
     if re.fullmatch(r"u[xy]_\d+", name):
         return case.label(f"{name[:2]} of probe {name[3:]}", "L")
     return case.label(quantity(name), dimension_of(name))
 
 
-def draw_loop(axes, case, rows, loop=None):
+def draw_loop(axes: Axes, case: Case, rows: list[dict[str, str]], loop: Optional[Sequence[str]] = None) -> None:
     """One column of the steps over another, in the order of the steps; a dot at the end."""
     over, name = loop or default_loop(case, rows)
     x, y = column(case, rows, over), column(case, rows, name)
@@ -56,7 +63,7 @@ def draw_loop(axes, case, rows, loop=None):
     axes.set(xlabel=axis_label(case, over), ylabel=axis_label(case, name))
 
 
-def draw_zones(axes, case, rows):
+def draw_zones(axes: Axes, case: Case, rows: list[dict[str, str]]) -> None:
     """The zones along the contact line over the pseudo-time; contact sets follow each other."""
     sets = stretches(case.line)
     place = np.concatenate([one.length for one in sets])
@@ -70,7 +77,7 @@ def draw_zones(axes, case, rows):
     axes.set(xlabel=list(rows[0])[1], ylabel=case.label("s", "L"))
 
 
-def edges(places, at_end=False):
+def edges(places: Array, at_end: bool = False) -> Array:
     """Where the cells of places end: between them, or each at its place, if it stands for what led there."""
     if len(places) == 1:
         return np.array([places[0] - 0.5, places[0] + 0.5])
@@ -80,7 +87,7 @@ def edges(places, at_end=False):
     return np.concatenate([[places[0]], middle, [places[-1]]])
 
 
-def draw_dissipation(axes, case, rows):
+def draw_dissipation(axes: Axes, case: Case, rows: list[dict[str, str]]) -> None:
     """What friction took at each point of the contact line, over its length."""
     table = case.table("contact")
     for one in stretches(case.line):
@@ -91,7 +98,7 @@ def draw_dissipation(axes, case, rows):
     axes.set_title(total, fontsize="small", loc="right")
 
 
-def draw_steps(case, size, loop=None):
+def draw_steps(case: Case, size: Sequence[float], loop: Optional[Sequence[str]] = None) -> Figure:
     """Draws a load history."""
     rows = case.table("history")
     figure, axes = plt.subplots(1, 3, figsize=size, layout="constrained", width_ratios=[1.1, 1.3, 1])

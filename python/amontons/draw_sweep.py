@@ -1,25 +1,32 @@
 """Draws sweeps: the zones of the contact line, or a column of the table, over one quantity, or as maps over two; and
 the forces of reduced problems."""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Optional
+
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from amontons.cases import CaseFault, dimension_of
+from amontons.cases import Case, CaseFault, dimension_of
 from amontons.draw_line import PRESSURE, SHEAR, draw_history
 
 ZONES = {"open_length": "#D55E00", "slip_length": "#0072B2", "stick_length": "#009E73"}
 
 
-def value_in(row, column):
+def value_in(row: dict[str, str], column: str) -> float:
     """A number of a case; not a number where the case was not solved."""
     return float(row[column] or "nan") if row["outcome"] == "converged" else np.nan
 
 
-def quantity(column):
+def quantity(column: str) -> str:
     """The words for a column of a sweep that is swept over."""
     return f"factor of {column.removeprefix('factor_')}" if column.startswith("factor_") else column.replace("_", " ")
 
 
-def draw_curves(axes, values, rows, columns):
+def draw_curves(axes: Axes, values: list[float], rows: list[dict[str, str]], columns: Sequence[str]) -> None:
     """Columns over one quantity; cases that were not solved leave a gap."""
     marker = "." if len(rows) < 100 else None
     for column, style in zip(columns, ("-", "--", ":")):
@@ -28,7 +35,9 @@ def draw_curves(axes, values, rows, columns):
     axes.margins(y=0.08)
 
 
-def draw_maps(figure, axes, quantities, rows, columns=tuple(ZONES), marks=(), unit_of=lambda column: ""):
+def draw_maps(figure: Figure, axes: Axes, quantities: Sequence[str], rows: list[dict[str, str]],
+              columns: Sequence[str] = tuple(ZONES), marks: Sequence[Any] = (),
+              unit_of: Callable[[str], str] = lambda column: "") -> None:
     """A map of each column over two quantities; what was not solved stays white. Marks are triples: place along the
     second quantity, along the first, and a label. Lengths of zones share their colors; the bar has the unit of the
     last column."""
@@ -52,7 +61,7 @@ def draw_maps(figure, axes, quantities, rows, columns=tuple(ZONES), marks=(), un
     figure.colorbar(drawn, ax=axes).set_label(unit_of(columns[-1]))
 
 
-def draw_sweep(case, size, field=None):
+def draw_sweep(case: Case, size: Sequence[float], field: Optional[str] = None) -> tuple[Figure, str]:
     """Draws a sweep over one or two quantities; of more, the first two that vary, the others at their first values.
     The field is the column that is drawn, the zones of the contact line by default."""
     summary, rows = case.summary, case.table("sweep")
@@ -80,7 +89,7 @@ def draw_sweep(case, size, field=None):
     return figure, title
 
 
-def draw_reduced(case, size):
+def draw_reduced(case: Case, size: Sequence[float]) -> tuple[Figure, str]:
     """Draws a reduced problem: the forces of its contacts, and the residuals."""
     figure, (above, below) = plt.subplots(2, 1, figsize=size, layout="constrained")
     rows = case.table("contact")

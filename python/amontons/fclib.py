@@ -11,6 +11,8 @@ Or in Python: `read_fclib`, `write_fclib`, `read_text`, `write_text`. All number
 is at fault raises a FileFault, whose text is the file and what is wrong with it. Whether W is symmetric and positive
 semidefinite is for `amontons --check --reduced` to say. Needs NumPy and h5py.
 """
+from __future__ import annotations
+
 import argparse
 import csv
 import math
@@ -18,12 +20,15 @@ import os
 import re
 import sys
 import tempfile
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Optional
+from typing import Any, Optional
 
 import h5py
 import numpy as np
+
+from amontons.grid import Array
 
 __all__ = ["FileFault", "Problem", "read_fclib", "read_solution", "read_text", "write_fclib", "write_text"]
 
@@ -42,18 +47,20 @@ class FileFault(ValueError):
 @dataclass(frozen=True)
 class Problem:
     """A reduced problem of m contacts. The unknowns of a contact stand together, the normal one first."""
-    row: np.ndarray      # row of each entry of W, from 0; entries of one place add up
-    column: np.ndarray   # column of each entry, from 0
-    value: np.ndarray    # the entries
-    q: np.ndarray        # u without forces (2m)
-    mu: np.ndarray       # coefficients of friction (m)
-    r: Optional[np.ndarray] = None  # forces of a solution (2m)
+    row: Array      # row of each entry of W, from 0; entries of one place add up
+    column: Array   # column of each entry, from 0
+    value: Array    # the entries
+    q: Array        # u without forces (2m)
+    mu: Array       # coefficients of friction (m)
+    r: Optional[Array] = None  # forces of a solution (2m)
 
-    def displacements(self):
-        """u = W r + q."""
+    def displacements(self) -> Array:
+        """u = W r + q, of a problem with forces."""
+        if self.r is None:
+            raise ValueError("a problem without forces")
         return np.bincount(self.row, self.value*self.r[self.column], len(self.q)) + self.q
 
-    def columns(self):
+    def columns(self) -> tuple[Array, Array, Array]:
         """W in compressed columns: where each column begins, and the end; the row and the value of each entry."""
         n = len(self.q)
         place, entry = np.unique(self.column*np.int64(n) + self.row, return_inverse=True)
@@ -64,15 +71,15 @@ class Problem:
 class _Group:
     """The data sets below a group of an HDF5 file, with sentences for what is wrong with them."""
 
-    def __init__(self, path, file, name):
+    def __init__(self, path: Path, file: Any, name: str) -> None:
         self.path, self.file, self.name = path, file, name
         self.n_bytes = os.path.getsize(path)
 
-    def fault(self, key, sentence):
+    def fault(self, key: str, sentence: str) -> FileFault:
         """The fault of a data set."""
         return FileFault(f"{self.path}: {self.name}/{key}{sentence}")
 
-    def numbers(self, key, kinds="iu", expected="integers"):
+    def numbers(self, key: str, kinds: str = "iu", expected: str = "integers") -> Any:
         """All numbers of a data set, in a row."""
         try:
             data = self.file.get(f"{self.name}/{key}")
@@ -99,30 +106,30 @@ class _Group:
         except OSError:
             raise self.fault(key, ": this data set is damaged") from None
 
-    def number(self, key):
+    def number(self, key: str) -> Any:
         """The number of a data set that holds one integer."""
         values = self.numbers(key)
         if len(values) != 1:
             raise self.fault(key, f": expected one number, found {len(values)}")
         return int(values[0])
 
-    def count(self, key):
+    def count(self, key: str) -> int:
         """The number of a data set that holds one integer that is not negative."""
         value = self.number(key)
         if value < 0:
             raise self.fault(key, f" is {value}: expected a number that is not negative")
-        return value
+        return int(value)
 
-    def vector(self, key, n):
+    def vector(self, key: str, n: int) -> Array:
         """The first n numbers of a data set of reals; whole numbers will do."""
-        values = self.numbers(key, "iuf", "numbers").astype(np.float64)
+        values: Array = self.numbers(key, "iuf", "numbers").astype(np.float64)
         if len(values) < n:
             raise self.fault(key, f": expected {n} numbers, found {len(values)}")
         if not np.isfinite(values).all():
             raise self.fault(key, f": number {np.argmin(np.isfinite(values)) + 1} is not finite")
         return values[:n]
 
-    def checked_indices(self, key, values, n_entries, n):
+    def checked_indices(self, key: str, values: Array, n_entries: int, n: int) -> Any:
         """The first of some indices; those that are too few or out of range are refused."""
         if len(values) < n_entries:
             raise self.fault(key, f": expected {n_entries} indices, found {len(values)}")
@@ -132,7 +139,7 @@ class _Group:
             raise self.fault(key, f": expected indices from 0 to {n - 1}, found {wrong}")
         return values
 
-    def matrix(self, n):
+    def matrix(self, n: int) -> tuple[Array, Array, Array]:
         """Row, column and value of each entry of W (n x n)."""
         rows = self.count("W/m")
         if rows != n:
@@ -152,7 +159,7 @@ class _Group:
         row, column = (i, p) if nz == COMPRESSED_COLUMNS else (p, i)
         return row, column, self.vector("W/x", n_entries)
 
-    def checked_pointers(self, p, n, n_indices):
+    def checked_pointers(self, p: Array, n: int, n_indices: int) -> Any:
         """The number of entries that pointers of compressed columns or rows lead to."""
         if len(p) < n + 1:
             raise self.fault("W/p", f": expected {n + 1} pointers, found {len(p)}")
@@ -163,7 +170,7 @@ class _Group:
         return int(p[n])
 
 
-def read_fclib(path):
+def read_fclib(path: Path) -> Problem:
     """Reads the reduced problem of an FCLIB file."""
     try:
         file = h5py.File(path, "r")
@@ -191,14 +198,14 @@ def read_fclib(path):
     return Problem(row, column, value, q, mu)
 
 
-def write_fclib(path, problem, title):
+def write_fclib(path: Path, problem: Problem, title: str) -> None:
     """Writes an FCLIB file, W in compressed columns, with the solution if the problem has one."""
     pointers, rows, values = problem.columns()
     n = len(problem.q)
     data = {"spacedim": [2], "W/m": [n], "W/n": [n], "W/nzmax": [len(values)], "W/nz": [COMPRESSED_COLUMNS],
             "W/p": pointers, "W/i": rows}
 
-    def fill(name):
+    def fill(name: str) -> None:
         with h5py.File(name, "w") as file:
             group = file.create_group("fclib_local")
             for key, numbers in data.items():
@@ -213,7 +220,7 @@ def write_fclib(path, problem, title):
     _write_whole(path, fill)
 
 
-def read_text(path):
+def read_text(path: Path) -> Problem:
     """Reads a text file of Siconos (FrictionContactProblem, dimension 2), in any of its storages."""
     try:
         return _problem_of(Path(path).read_text(encoding="utf-8"))
@@ -222,7 +229,7 @@ def read_text(path):
                         "which line") from None
 
 
-def _problem_of(text):
+def _problem_of(text: str) -> Problem:
     """The reduced problem of a text; an exception where it is none."""
     words = iter(text.split())
     dimension, m, storage, *size = _whole_numbers(words, 5)
@@ -242,12 +249,12 @@ def _problem_of(text):
     return Problem(row, column, value, numbers[:2*m], numbers[2*m:])
 
 
-def _whole_numbers(words, n):
+def _whole_numbers(words: Iterator[str], n: int) -> Any:
     """The next n words as whole numbers."""
     return [int(next(words, "")) for _ in range(n)]
 
 
-def _numbers(words, n):
+def _numbers(words: Iterator[str], n: int) -> Any:
     """The next n words as finite numbers."""
     values = np.array([float(next(words, "")) for _ in range(n)], dtype=np.float64)
     if not np.isfinite(values).all():
@@ -255,20 +262,20 @@ def _numbers(words, n):
     return values
 
 
-def _entries(block, first_row=0, first_column=0):
+def _entries(block: Array, first_row: int = 0, first_column: int = 0) -> Any:
     """Rows, columns and values of the entries of a full matrix that are not zero."""
     row, column = np.nonzero(block)
     return row + first_row, column + first_column, block[row, column]
 
 
-def _read_dense(words, n):
+def _read_dense(words: Iterator[str], n: int) -> Any:
     """Reads a full matrix, column by column."""
     if _whole_numbers(words, 2) != [n, n]:
         raise ValueError
     return _entries(_numbers(words, n*n).reshape(n, n).T)
 
 
-def _read_blocks(words, n):
+def _read_blocks(words: Iterator[str], n: int) -> Any:
     """Reads a matrix of blocks, each column by column."""
     n_blocks, n_rows, n_columns = _whole_numbers(words, 3)
     row_end, column_end = [0, *_whole_numbers(words, n_rows)], [0, *_whole_numbers(words, n_columns)]
@@ -286,7 +293,7 @@ def _read_blocks(words, n):
     return map(np.concatenate, zip(*found))
 
 
-def _read_csparse(lines, n):
+def _read_csparse(lines: list[str], n: int) -> Any:
     """Reads what CSparse prints of a matrix, lines `row column : value`, or `row : value` behind `col j : ...`; returns
     its entries, and the text behind it."""
     head = next(k for k, line in enumerate(lines) if re.match("CX?Sparse Version", line)) + 1
@@ -300,17 +307,20 @@ def _read_csparse(lines, n):
         if place.split() == ["col", str(n_columns)] and not is_triplets:
             n_columns += 1
         else:
-            row, column = place.split() if is_triplets else (place, n_columns - 1)
-            found.append((int(row), int(column), float(rest)))
+            at = [int(word) for word in place.split()] if is_triplets else [int(place), n_columns - 1]
+            if len(at) != 2:
+                raise ValueError
+            found.append((at[0], at[1], float(rest)))
     # CSparse prints six digits.
     if not n_entries or not math.isclose(len(found), float(n_entries[1]), rel_tol=5e-6) or (
             not is_triplets and n_columns != n):
         raise ValueError
-    row, column, value = zip(*found) if found else ((), (), ())
-    return (np.array(row, np.int64), np.array(column, np.int64), np.array(value, np.float64)), "\n".join(lines[last:])
+    row, column = (np.array([entry[k] for entry in found], np.int64) for k in range(2))
+    value = np.array([entry[2] for entry in found], np.float64)
+    return (row, column, value), "\n".join(lines[last:])
 
 
-def write_text(path, problem):
+def write_text(path: Path, problem: Problem) -> None:
     """Writes a text file of Siconos, W as CSparse prints its columns, but with all digits."""
     pointers, rows, values = (numbers.tolist() for numbers in problem.columns())
     n, m = len(problem.q), len(problem.mu)
@@ -325,7 +335,7 @@ def write_text(path, problem):
     _write_whole(path, lambda name: Path(name).write_text("\n".join(map(str, lines)) + "\n", encoding="utf-8"))
 
 
-def _write_whole(path, fill):
+def _write_whole(path: Path, fill: Callable[[str], object]) -> None:
     """Writes a file under a temporary name beside its own, which it gets when it is complete."""
     handle, name = tempfile.mkstemp(dir=os.path.dirname(os.path.abspath(path)), prefix=".", suffix=".tmp")
     os.close(handle)
@@ -340,7 +350,7 @@ def _write_whole(path, fill):
         raise
 
 
-def read_solution(path, problem):
+def read_solution(path: Path, problem: Problem) -> Any:
     """The problem with the forces of a contact table of its own, in which u = W r + q."""
     with open(path, newline="", encoding="utf-8") as table:
         rows = list(csv.DictReader(table))
@@ -361,7 +371,7 @@ def read_solution(path, problem):
     return solved
 
 
-def main(arguments=None):
+def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Converts a file; returns the exit status."""
     parser = argparse.ArgumentParser(
         prog="fclib", description="Converts a reduced problem u = W r + q: an FCLIB file (HDF5) to the text of "

@@ -4,11 +4,13 @@ from __future__ import annotations
 import base64
 import os
 from dataclasses import dataclass
-from typing import Union
+from typing import Any, Union
 from xml.etree import ElementTree
 
 import numpy as np
+from numpy.typing import NDArray
 
+Array = NDArray[Any]  # of numbers
 KINDS = {1: "vertex", 3: "line", 5: "triangle", 9: "quad", 22: "triangle6", 23: "quad8", 28: "quad9"}
 TYPES = {"Float64": "<f8", "Int32": "<i4"}
 LENGTH = 8  # bytes: an array stands behind its length
@@ -17,10 +19,10 @@ LENGTH = 8  # bytes: an array stands behind its length
 @dataclass(frozen=True)
 class Grid:
     """A mesh and what is known on its points and cells."""
-    points: np.ndarray  # coordinates (n_points, 3)
-    cells: list[tuple[str, np.ndarray]]  # the kind of some consecutive cells, and their points, from 0 (n_cells, n)
-    point_data: dict[str, np.ndarray]    # arrays by name (n_points) or (n_points, n_components)
-    cell_data: dict[str, np.ndarray]     # arrays by name (n_cells) or (n_cells, n_components), all cells in turn
+    points: Array  # coordinates (n_points, 3)
+    cells: list[tuple[str, Array]]  # the kind of some consecutive cells, and their points, from 0 (n_cells, n)
+    point_data: dict[str, Array]    # arrays by name (n_points) or (n_points, n_components)
+    cell_data: dict[str, Array]     # arrays by name (n_cells) or (n_cells, n_components), all cells in turn
 
 
 def read_grid(path: Union[str, os.PathLike[str]]) -> Grid:
@@ -35,7 +37,7 @@ def read_grid(path: Union[str, os.PathLike[str]]) -> Grid:
         raise ValueError(f"{path}: damaged, or not a grid of Amontons") from None
 
 
-def part(grid: Grid, wanted: np.ndarray) -> Grid:
+def part(grid: Grid, wanted: Array) -> Grid:
     """The points of a grid that are wanted, and the cells between them; without data of cells."""
     number = np.cumsum(wanted) - 1
     cells = [(kind, number[nodes[wanted[nodes].all(axis=1)]]) for kind, nodes in grid.cells]
@@ -43,14 +45,14 @@ def part(grid: Grid, wanted: np.ndarray) -> Grid:
                 {name: values[wanted] for name, values in grid.point_data.items()}, {})
 
 
-def _values(array: ElementTree.Element) -> np.ndarray:
+def _values(array: ElementTree.Element) -> Array:
     """The numbers of an array."""
     values = np.frombuffer(base64.b64decode(array.text or "")[LENGTH:], TYPES[array.attrib["type"]])
     width = int(array.get("NumberOfComponents", "1"))
     return values if width == 1 else values.reshape(-1, width)
 
 
-def _blocks(connectivity: np.ndarray, offsets: np.ndarray, types: np.ndarray) -> list[tuple[str, np.ndarray]]:
+def _blocks(connectivity: Array, offsets: Array, types: Array) -> list[tuple[str, Array]]:
     """The cells, those of one kind that follow each other together."""
     blocks = []
     for cells in np.split(np.arange(len(types)), np.flatnonzero(np.diff(types)) + 1):

@@ -1,8 +1,11 @@
 """Makes figures part of a page: SVG without what a page does not need, in the page's own text color."""
+from __future__ import annotations
+
 import io
 import re
 
 import matplotlib.pyplot as plt
+from matplotlib.figure import Figure
 
 STYLE = {"font.size": 8, "axes.titlesize": "medium", "axes.linewidth": 0.5, "lines.linewidth": 1.0,
          "xtick.major.width": 0.5, "ytick.major.width": 0.5, "legend.fontsize": "small", "svg.fonttype": "none",
@@ -12,14 +15,14 @@ _NUMBERS = re.compile(r' (?:d|x|y|transform|points)="[^"]*"')
 _IMAGE = re.compile(r"<image ([^>]*?)/?>", re.DOTALL)
 
 
-def inline_svg(figure, name, label):
+def inline_svg(figure: Figure, name: str, label: str) -> str:
     """A figure as an element of a page. The name, unique in the page, begins the identifiers that it needs."""
     content = io.StringIO()
     with plt.rc_context({"svg.hashsalt": name}):
         figure.savefig(content, format="svg", transparent=True)
     plt.close(figure)
     text = content.getvalue()
-    box = re.search(r'viewBox="([^"]*)"', text)[1]
+    box = _box_of(text)
     text = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>|<!--.*?-->", "", text[text.index("<svg"):],
                   flags=re.DOTALL)
     text = text[text.index(">") + 1:text.rindex("</svg>")]
@@ -34,13 +37,17 @@ def inline_svg(figure, name, label):
     return f'<svg id="{name}" viewBox="{box}" role="img" aria-label="{label}">{text}</svg>'
 
 
-def thumbnail(svg, name):
+def _box_of(svg: str) -> str:
+    """The part of the plane that a figure shows, as its attribute says it."""
+    return svg.partition('viewBox="')[2].partition('"')[0]
+
+
+def thumbnail(svg: str, name: str) -> tuple[str, str]:
     """A small view of an inlined figure: of its first raster image if it has one, else of the whole. Returns the
     figure, whose image then has an identifier, and the view."""
     image = _IMAGE.search(svg)
     if image is None:
-        box = re.search(r'viewBox="([^"]*)"', svg)[1]
-        return svg, f'<svg class="thumb" viewBox="{box}" aria-hidden="true"><use href="#{name}"/></svg>'
+        return svg, f'<svg class="thumb" viewBox="{_box_of(svg)}" aria-hidden="true"><use href="#{name}"/></svg>'
     numbers = {key: float(value) for key, value in re.findall(r'\b(x|y|width|height)="([-\d.]+)"', image[1])}
     # The image is drawn upside down: scale(1 -1) translate(0 -height).
     top = -numbers.get("y", 0.0)

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from amontons.grid import Array
+
 # Gmsh's numbers of the kinds of cells, and of sides by their number of nodes.
 CELLS = {"triangle": (2, 3), "quad": (3, 4), "triangle6": (9, 6), "quad8": (16, 8), "quad9": (10, 9)}
 SIDES = {2: 1, 3: 8}
@@ -66,7 +68,7 @@ class Mesh:
             start += len(nodes)
 
     @staticmethod
-    def _add(elements: list[str], number: int, group: ArrayLike, nodes: np.ndarray, n_nodes: int, name: str) -> None:
+    def _add(elements: list[str], number: int, group: ArrayLike, nodes: Array, n_nodes: int, name: str) -> None:
         """Adds elements of one kind."""
         _within(nodes, n_nodes, f"'{name}'")
         for one, members in zip(np.broadcast_to(group, len(nodes)), nodes + 1):
@@ -87,7 +89,7 @@ def _name(name: str) -> str:
     return name
 
 
-def _whole(values: ArrayLike, name: str) -> np.ndarray:
+def _whole(values: ArrayLike, name: str) -> Array:
     """Whole numbers."""
     found = np.asarray(values)
     if found.dtype.kind not in "iu":
@@ -95,7 +97,7 @@ def _whole(values: ArrayLike, name: str) -> np.ndarray:
     return found
 
 
-def _within(values: np.ndarray, n: int, name: str) -> np.ndarray:
+def _within(values: Array, n: int, name: str) -> Array:
     """Numbers that are checked to lie from 0 to n - 1."""
     if values.size and not 0 <= values.min() <= values.max() < n:
         raise ValueError(f"{name}: expected numbers from 0 to {n - 1}, found {values.min()} to {values.max()}")

@@ -1,21 +1,27 @@
 """The surfaces of rigid obstacles as lines, the free side on the left; doc/decks.md explains the keys of `&contact`."""
+from __future__ import annotations
+
+import os
 import re
 from pathlib import Path
+from typing import Any, Union
 
 import numpy as np
+
+from amontons.grid import Array
 
 N_POINTS = 801  # of a curved line: no corner is seen at the size of a page
 MOST_STROKES = 100000
 
 
-def surface(contact, window):
+def surface(contact: dict[str, Any], window: Array) -> Array:
     """The surface of the obstacle of a `&contact`, as far as it may be seen in a window (lower left and upper right
     corner); points (n, 2)."""
     point, normal = np.array(contact["point"], dtype=float), np.array(contact["normal"], dtype=float)
     normal /= np.hypot(*normal)
     corners = np.array([[x, y] for x in window[:, 0] for y in window[:, 1]])
     reach = np.hypot(*(corners - point).T).max()
-    kind, radius = contact["obstacle"], contact.get("radius")
+    kind, radius = contact["obstacle"], contact.get("radius", np.nan)
     if kind == "circle":
         angle = np.linspace(-1, 1, N_POINTS) * min(np.pi, 2 * reach / abs(radius))
         s, h = abs(radius) * np.sin(angle), radius * (np.cos(angle) - 1)
@@ -29,7 +35,7 @@ def surface(contact, window):
     return point + np.outer(s, [normal[1], -normal[0]]) + np.outer(h, normal)
 
 
-def read_line(path):
+def read_line(path: Union[str, os.PathLike[str]]) -> Array:
     """The points of a polyline (n, 2): two numbers a line; comments and one line of headings are passed over."""
     lines = [line for line in Path(path).read_text(encoding="utf-8").splitlines()
              if line.strip() and not line.lstrip().startswith("#")]
@@ -41,17 +47,17 @@ def read_line(path):
     return np.array([[float(word.lower().replace("d", "e")) for word in pair[:2]] for pair in words])
 
 
-def distance(points, line):
+def distance(points: Array, line: Array) -> float:
     """The largest distance of some points from a line."""
     if not len(points):
         return 0.0
     start, way = line[:-1], np.diff(line, axis=0)
     share = ((points[:, None] - start) * way).sum(axis=2) / np.maximum((way**2).sum(axis=1), 1e-300)
     nearest = start + np.clip(share, 0.0, 1.0)[:, :, None] * way
-    return np.hypot(*np.moveaxis(points[:, None] - nearest, 2, 0)).min(axis=1).max()
+    return float(np.hypot(*np.moveaxis(points[:, None] - nearest, 2, 0)).min(axis=1).max())
 
 
-def hatching(line, window, spacing):
+def hatching(line: Array, window: Array, spacing: float) -> Array:
     """Short strokes on the solid side of a line, at equal distances, where they begin in a window; (n, 2, 2)."""
     steps = np.hypot(*np.diff(line, axis=0).T)
     line, steps = line[np.concatenate([[True], steps > 0])], steps[steps > 0]
@@ -61,4 +67,5 @@ def hatching(line, window, spacing):
     tangents = (np.diff(line, axis=0) / steps[:, None])[np.clip(np.searchsorted(way, at) - 1, 0, len(steps) - 1)]
     ends = starts + spacing * (np.column_stack([tangents[:, 1], -tangents[:, 0]]) - tangents)
     inside = ((starts >= window[0]) & (starts <= window[1])).all(axis=1)
-    return np.stack([starts, ends], axis=1)[inside]
+    strokes: Array = np.stack([starts, ends], axis=1)[inside]
+    return strokes

@@ -8,21 +8,24 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Sequence
-from typing import Optional, Union
+from collections.abc import Callable, Sequence
+from typing import Any, Optional, Union
 
 import matplotlib
 import matplotlib.figure
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from amontons.cases import Case, CaseFault, find_cases
 from amontons.commands import Parser
 from amontons.draw_body import draw_body, draw_detail
-from amontons.draw_line import (ABSCISSAS, abscissa_label, closed_part, draw_gap, draw_history, draw_slip, draw_stress,
-                                points_of, stretches)
+from amontons.draw_line import (ABSCISSAS, Stretch, abscissa_label, closed_part, draw_gap, draw_history, draw_slip,
+                                draw_stress, points_of, stretches)
 from amontons.draw_steps import draw_steps
 from amontons.draw_sweep import draw_reduced, draw_sweep
+from amontons.grid import Array
 
 FORMATS = ("png", "svg", "pdf")
 BODY_PANELS = {"body": draw_body, "detail": draw_detail}
@@ -38,20 +41,21 @@ STYLE = {"font.size": 8, "axes.titlesize": "medium", "axes.linewidth": 0.5, "lin
          "svg.fonttype": "none", "pdf.fonttype": 42}
 
 
-def plain(text):
+def plain(text: str) -> str:
     """A text as matplotlib shows it unchanged: dollars stand for themselves, not for formulas."""
     return text.replace("$", r"\$")
 
 
-def has_detail(case, sets, shown):
+def has_detail(case: Case, sets: list[Stretch], shown: list[Stretch]) -> bool:
     """Whether the contact points that are shown are a small part of their line or of the body."""
-    def extent(points):
-        return np.ptp(points[:, :2], axis=0).max()
+    def extent(points: Array) -> float:
+        return float(np.ptp(points[:, :2], axis=0).max())
     width = extent(case.line.points[points_of(shown)]) if shown else 0.0
     return width > 0.0 and (shown is not sets or width < DETAIL * extent(case.mesh.points))
 
 
-def draw_panels(case, panels, size, field=FIELD, scale=None, abscissa="s"):
+def draw_panels(case: Case, panels: Sequence[Any], size: Sequence[float], field: str = FIELD,
+                scale: Optional[float] = None, abscissa: str = "s") -> Figure:
     """A figure of a body with the panels named, those of the body on the left."""
     sets = stretches(case.line, abscissa)
     shown = closed_part(case.line, sets) if sets else sets
@@ -77,7 +81,7 @@ def draw_panels(case, panels, size, field=FIELD, scale=None, abscissa="s"):
     return drawn
 
 
-def draw_line(panels, case, shown, label):
+def draw_line(panels: list[tuple[str, Axes]], case: Case, shown: list[Stretch], label: str) -> None:
     """Panels of the contact line, pairs of name and axes, above each other with one abscissa."""
     for name, axes in panels:
         LINE_PANELS[name](axes, case, shown)
@@ -114,7 +118,7 @@ def figure(case: Union[Case, str, os.PathLike[str]], panels: Optional[Sequence[s
             drawn, title = draw_reduced(case, inches)
         else:
             # Without contact points there are no iterations to show.
-            every = PANELS if len(case.line.points) else BODY_PANELS
+            every = PANELS if len(case.line.points) else tuple(BODY_PANELS)
             drawn = draw_panels(case, panels or every, inches, field or FIELD, scale, abscissa or "s")
             title = case.heading
         drawn.suptitle(plain(title))
@@ -134,9 +138,9 @@ def figure_of_steps(case: Union[Case, str, os.PathLike[str]], loop: Optional[Seq
     return drawn
 
 
-def words_of(allowed):
+def words_of(allowed: Sequence[str]) -> Callable[[str], list[str]]:
     """A reader of words that are separated by commas."""
-    def read(text):
+    def read(text: str) -> list[str]:
         words = [word.strip() for word in text.split(",")]
         for word in words:
             if word not in allowed:
@@ -145,7 +149,7 @@ def words_of(allowed):
     return read
 
 
-def size_of(text):
+def size_of(text: str) -> tuple[float, float]:
     """Reads a size, WIDTHxHEIGHT."""
     try:
         width, height = map(float, text.lower().split("x"))
@@ -156,7 +160,7 @@ def size_of(text):
     return width, height
 
 
-def factor_of(text):
+def factor_of(text: str) -> float:
     """Reads a magnification."""
     try:
         factor = float(text)
@@ -167,7 +171,7 @@ def factor_of(text):
     return factor
 
 
-def parser():
+def parser() -> Parser:
     """The options of the command."""
     options = Parser(prog="amontons-plot", description=__doc__)
     options.add_argument("case", nargs="+", metavar="CASE",
@@ -191,7 +195,7 @@ def parser():
     return options
 
 
-def save(drawn, stem, endings):
+def save(drawn: Any, stem: str, endings: Sequence[str]) -> None:
     """Writes a figure and says so."""
     with plt.rc_context(STYLE):
         for ending in endings:
@@ -200,7 +204,7 @@ def save(drawn, stem, endings):
     plt.close(drawn)
 
 
-def main(arguments):
+def main(arguments: Sequence[str]) -> int:
     """Draws the cases that the arguments name. Returns the exit status."""
     matplotlib.use("Agg")
     options = parser().parse_args(arguments)

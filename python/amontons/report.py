@@ -1,5 +1,7 @@
 """Makes one page of a folder of solved cases: a table that sorts by any key result, and of each case its verdict,
 warnings, pictures, files and deck; decks that failed, with their messages. The page needs nothing beside it."""
+from __future__ import annotations
+
 import csv
 import datetime
 import html
@@ -7,8 +9,10 @@ import json
 import os
 import sys
 import urllib.parse
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from typing import Any, Optional
 
 import matplotlib
 
@@ -26,7 +30,7 @@ SHOWN = ("max_contact_pressure", "max_von_mises", "max_displacement", "max_slip"
          "stick_length", "normal_force", "residual")
 
 
-def numbers_of(case):
+def numbers_of(case: Case) -> dict[str, Any]:
     """The numbers of a case that a table can be sorted by; of a sweep, the greatest of its cases."""
     summary = case.summary
     found = {key: value["greatest"] for key, value in summary.get("extremes", {}).items()}
@@ -37,32 +41,32 @@ def numbers_of(case):
     return found
 
 
-def words_of(key):
+def words_of(key: str) -> str:
     """The words for the name of a number."""
     return key.replace("_", " ").replace("von mises", "von Mises stress")
 
 
-def heading_of(key, cases):
+def heading_of(key: str, cases: list[Case]) -> str:
     """The heading of a number in the table of all cases; with its unit where all of them name the same ones."""
     counts = cases[0].summary.get("counts", {})
     has_unit = key not in counts and units_of(cases)
     return cases[0].label(words_of(key), dimension_of(key) if has_unit else "")
 
 
-def units_of(cases):
+def units_of(cases: list[Case]) -> str:
     """The units that all cases name; empty if they name none, or others."""
     named = {case.summary.get("units") or "" for case in cases}
     return named.pop() if len(named) == 1 else ""
 
 
-def cell_text(value):
+def cell_text(value: Optional[float]) -> str:
     """A number in a table."""
     if value is None:
         return "–"
     return f"{value:.5g}" if value == 0 or abs(value) >= 1e-3 else f"{value:.2e}"
 
 
-def table_of(cases, smalls):
+def table_of(cases: list[Case], smalls: list[str]) -> str:
     """The table of all cases, the choice of what it is sorted by, and the numbers that it is sorted by."""
     numbers = [numbers_of(case) for case in cases]
     keys = list(dict.fromkeys(key for found in numbers for key in found))
@@ -91,12 +95,12 @@ def table_of(cases, smalls):
 """
 
 
-def key_results_of(case):
+def key_results_of(case: Case) -> str:
     """The key results of a case, with the places of those that have one; of a sweep their range, with its cases."""
     results = case.summary.get("key_results", {})
     places = {f"{key}_{axis}" for key in results for axis in "xy" if f"{key}_x" in results}
 
-    def place(key):
+    def place(key: str) -> str:
         """Where a key result is; empty if it has no place."""
         at = [cell_text(results[name]) for name in (f"{key}_x", f"{key}_y") if name in places]
         return f" at ({', '.join(at)}) {case.unit('L')}".rstrip() if at else ""
@@ -111,12 +115,12 @@ def key_results_of(case):
     return f"<dl>{entries}</dl>\n" if entries else ""
 
 
-def counted(count, noun):
+def counted(count: int, noun: str) -> str:
     """A number of things in words."""
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
-def size_of(summary):
+def size_of(summary: dict[str, Any]) -> str:
     """How large a case is, in words; a reduced problem has contacts alone."""
     counts = {**summary["counts"], "cases": summary.get("sweep", {}).get("cases")}
     names = {"cases": "cases", "nodes": "nodes", "elements": "elements", "dofs": "unknowns",
@@ -124,7 +128,7 @@ def size_of(summary):
     return ", ".join(f"{counts[key]} {name}" for key, name in names.items() if counts.get(key) is not None)
 
 
-def deck_of(case):
+def deck_of(case: Case) -> tuple[str, str]:
     """The deck of a case as it runs anywhere: files that it names are beside it. Also what these files are."""
     text = Path(f"{case.path}.deck.nml").read_text(encoding="utf-8")
     inputs = case.summary.get("inputs", [])
@@ -136,7 +140,7 @@ def deck_of(case):
     return text, f"<p>Needs beside it: {needs}.</p>\n" if needs else ""
 
 
-def section_of(case, pictures):
+def section_of(case: Case, pictures: list[str]) -> str:
     """What the page says of one case."""
     summary = case.summary
     name, title = html.escape(summary["case"]), html.escape(summary.get("title") or "")
@@ -164,7 +168,7 @@ def section_of(case, pictures):
 """
 
 
-def decks_of(folder, outcomes):
+def decks_of(folder: Path, outcomes: Sequence[str]) -> list[tuple[str, str]]:
     """The decks of a batch with some outcomes: pairs of deck and message."""
     try:
         with open(folder / "batch.csv", newline="", encoding="utf-8") as text:
@@ -174,14 +178,14 @@ def decks_of(folder, outcomes):
     return [(row["deck"], row["message"]) for row in rows if row["outcome"] in outcomes]
 
 
-def drawn(numbered):
+def drawn(numbered: tuple[int, str]) -> tuple[list[str], str]:
     """The pictures of a case that is numbered in its page, and the small one."""
     number, path = numbered
     matplotlib.use("Agg")
     return pictures_of(Case(path), f"c{number}")
 
 
-def pictures_of_all(paths):
+def pictures_of_all(paths: list[str]) -> list[tuple[list[str], str]]:
     """The pictures of all cases, and the small ones."""
     if len(paths) < MANY:
         return list(map(drawn, enumerate(paths)))
@@ -189,7 +193,7 @@ def pictures_of_all(paths):
         return list(pool.map(drawn, enumerate(paths), chunksize=4))
 
 
-def page_of(folder, paths):
+def page_of(folder: Path, paths: list[str]) -> str:
     """The page."""
     found = [Case(path) for path in paths]
     cases, answers = [case for case in found if case.has_state], [case for case in found if not case.has_state]
@@ -199,9 +203,9 @@ def page_of(folder, paths):
     failures, replaced = decks_of(folder, FAILED), decks_of(folder, ("replaced",))
     colors = [verdict_of(case.summary)[0] for case in cases]
     tally = [f"{colors.count(color)} {color}" for color in COLORS]
-    others = ((len(without) - n_first, "without equilibrium"), (n_first, "without a first step"),
-              (len(failures), "failed"))
-    tally += [f"{n} {words}" for n, words in others if n]
+    ends = ((len(without) - n_first, "without equilibrium"), (n_first, "without a first step"),
+            (len(failures), "failed"))
+    tally += [f"{n} {words}" for n, words in ends if n]
     versions = ", ".join(sorted({case.summary["version"] for case in found}))
     name = html.escape(folder.resolve().name)
     pvd = ' ParaView steps through <a href="cases.pvd">cases.pvd</a>.' if (folder / "cases.pvd").exists() else ""
@@ -228,7 +232,7 @@ Amontons {versions}; page made on {datetime.date.today().isoformat()}.
 """
 
 
-def parser():
+def parser() -> Parser:
     """The options of the command."""
     options = Parser(prog="amontons-report", description=__doc__)
     options.add_argument("folder", type=Path, metavar="FOLDER", help="where the cases are")
@@ -237,7 +241,7 @@ def parser():
     return options
 
 
-def main(arguments):
+def main(arguments: Sequence[str]) -> int:
     """Makes the page of the folder that the arguments name. Returns the exit status."""
     options = parser().parse_args(arguments)
     page = options.page or options.folder / "report.html"

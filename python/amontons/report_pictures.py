@@ -1,14 +1,19 @@
 """The pictures of a case in a report: SVG elements of the page, small and quick enough for hundreds of cases."""
+from __future__ import annotations
+
 import functools
 import html
+from collections.abc import Iterator
+from typing import Optional
 
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 from matplotlib.ticker import AutoLocator, ScalarFormatter
 
 from amontons import plot
+from amontons.cases import Case
 from amontons.draw_body import draw_detail, draw_scene
-from amontons.draw_line import abscissa_label, closed_part, draw_history, points_of, stretches
+from amontons.draw_line import Stretch, abscissa_label, closed_part, draw_history, points_of, stretches
 from amontons.draw_steps import draw_steps
 from amontons.draw_sweep import draw_reduced, draw_sweep
 from amontons.inline_svg import STYLE, inline_svg, thumbnail
@@ -23,7 +28,7 @@ LINE = {"left": 0.17, "right": 0.98, "bottom": 0.12, "top": 0.94, "hspace": 0.22
 HISTORY = {"left": 0.14, "right": 0.98, "bottom": 0.22, "top": 0.88}
 
 
-def pictures_of(case, name):
+def pictures_of(case: Case, name: str) -> tuple[list[str], str]:
     """The pictures of a case, and a small one for the table; the name is unique in the page."""
     label = html.escape(case.heading, quote=True)
     with plt.rc_context(STYLE):
@@ -35,7 +40,7 @@ def pictures_of(case, name):
     return [picture], small
 
 
-def _body(case, name, label):
+def _body(case: Case, name: str, label: str) -> Iterator[str]:
     """The small picture of a body, and the others."""
     sets = stretches(case.line)
     shown = closed_part(case.line, sets) if sets else sets
@@ -63,7 +68,7 @@ def _body(case, name, label):
         yield inline_svg(figure, f"{name}h", f"{label}: residuals")
 
 
-def _line(case, shown, abscissa, name, label):
+def _line(case: Case, shown: list[Stretch], abscissa: str, name: str, label: str) -> str:
     """The picture of the contact line."""
     sheet = _sheet((1.4, 1.0, 1.0), height=3.8, **LINE)
     for draw, axes in zip(plot.LINE_PANELS.values(), sheet.axes):
@@ -83,14 +88,14 @@ def _line(case, shown, abscissa, name, label):
 class _Sheet:
     """Axes above each other that one case after the other draws into: to make them takes longer than to draw."""
 
-    def __init__(self, heights, height, margins):
+    def __init__(self, heights: tuple[float, ...], height: float, margins: dict[str, float]) -> None:
         """The heights are those of the axes over each other, the height is that of the whole, in inches."""
         figure = Figure(figsize=(WIDTH, height), dpi=STYLE["savefig.dpi"])
         self.axes = figure.subplots(len(heights), 1, squeeze=False, height_ratios=heights, gridspec_kw=margins)[:, 0]
         self.places = [axes.get_position() for axes in self.axes]
         self.size = (WIDTH * POINTS, height * POINTS)
 
-    def clear(self):
+    def clear(self) -> None:
         """Leaves nothing of the case before."""
         for axes, place in zip(self.axes, self.places):
             for artist in [*axes.lines, *axes.collections]:
@@ -104,19 +109,19 @@ class _Sheet:
                 axis.set_major_locator(AutoLocator())
                 axis.set_major_formatter(ScalarFormatter())
 
-    def picture(self, name, label, content):
+    def picture(self, name: str, label: str, content: str) -> str:
         """Content as an element of a page."""
         return (f'<svg id="{name}" viewBox="0 0 {self.size[0]:g} {self.size[1]:g}" role="img" aria-label="{label}" '
                 f'font-family="sans-serif">{content}</svg>')
 
 
 @functools.lru_cache(maxsize=None)
-def _sheet_once(heights, height, margins):
+def _sheet_once(heights: tuple[float, ...], height: float, margins: tuple[tuple[str, float], ...]) -> _Sheet:
     """The sheet of some sizes; there is one of each in a process."""
     return _Sheet(heights, height, dict(margins))
 
 
-def _sheet(heights, height=None, **margins):
+def _sheet(heights: tuple[float, ...], height: Optional[float] = None, **margins: float) -> _Sheet:
     """A sheet that is clear; the height of the whole is the sum of those of the axes where it is not given."""
     sheet = _sheet_once(heights, height or sum(heights), tuple(margins.items()))
     sheet.clear()

@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 
 from amontons.cases import Case
 from amontons.deck import deck_text, value_text
+from amontons.grid import Array
 from amontons.mesh import Mesh
 
 Deck = Union[str, "os.PathLike[str]", Mapping[str, Any]]
@@ -75,9 +76,9 @@ ERRORS: dict[int, type[AmontonsError]] = {1: InputRefused, 2: NumericalFailure, 
 @dataclass(frozen=True)
 class ReducedResult:
     """The solution of a reduced problem; unknowns as in `solve_reduced`."""
-    r: np.ndarray       # forces (2m)
-    u: np.ndarray       # displacements or velocities (2m)
-    status: np.ndarray  # 'open', 'stick', 'slip+' or 'slip-' (m)
+    r: Array       # forces (2m)
+    u: Array       # displacements or velocities (2m)
+    status: Array  # 'open', 'stick', 'slip+' or 'slip-' (m)
     residual: float
     iterations: int
     is_solved: bool
@@ -94,9 +95,9 @@ class DeckResult(Case):
         self.directory: Optional[Path] = path.parent if is_kept else None  # where its files are, if they are kept
         # A directory that is kept may hold files of an earlier deck of the same name.
         is_sweep = self.kind == "sweep"
-        self.contact: Optional[dict[str, np.ndarray]] = None  # columns of NAME.contact.csv, but of a sweep
-        self.sweep: Optional[dict[str, np.ndarray]] = None    # columns of NAME.sweep.csv, one row per case
-        self.history: Optional[dict[str, np.ndarray]] = None  # columns of NAME.history.csv, one row per step
+        self.contact: Optional[dict[str, Array]] = None  # columns of NAME.contact.csv, but of a sweep
+        self.sweep: Optional[dict[str, Array]] = None    # columns of NAME.sweep.csv, one row per case
+        self.history: Optional[dict[str, Array]] = None  # columns of NAME.history.csv, one row per step
         if self.is_history:
             self.history = _read_table(f"{path}.history.csv")
         if is_sweep:
@@ -107,27 +108,27 @@ class DeckResult(Case):
             self.mesh, self.line, self.contacts  # read while the files are there  # pylint: disable=W0104
 
     @property
-    def nodes(self) -> np.ndarray:
+    def nodes(self) -> Array:
         """Coordinates of the nodes (n_nodes, 2)."""
         return self.mesh.points[:, :2]
 
     @property
-    def cells(self) -> list[tuple[str, np.ndarray]]:
+    def cells(self) -> list[tuple[str, Array]]:
         """Pairs: the kind of some cells, and their nodes, from 0 (n_cells, n)."""
         return self.mesh.cells
 
     @property
-    def displacement(self) -> np.ndarray:
+    def displacement(self) -> Array:
         """Displacements of the nodes (n_nodes, 2)."""
         return self.mesh.point_data["displacement"][:, :2]
 
     @property
-    def stress(self) -> np.ndarray:
+    def stress(self) -> Array:
         """Mean stresses of the cells, tension positive: xx, yy, zz, xy, yz, xz (n_cells, 6)."""
         return self.mesh.cell_data["stress"]
 
     @property
-    def nodal_stress(self) -> np.ndarray:
+    def nodal_stress(self) -> Array:
         """Stresses at the nodes, as `stress` (n_nodes, 6)."""
         return self.mesh.point_data["nodal_stress"]
 
@@ -172,7 +173,7 @@ _library = _load()
 
 def version() -> str:
     """The version, 'major.minor.patch'."""
-    return _library.amontons_version_text().decode()
+    return str(_library.amontons_version_text().decode())
 
 
 def set_threads(n_threads: int) -> None:
@@ -180,7 +181,7 @@ def set_threads(n_threads: int) -> None:
     _library.amontons_set_threads(n_threads)
 
 
-def _judge(code: int, message: ctypes.Array, n_callers: int) -> bool:
+def _judge(code: int, message: ctypes.Array[ctypes.c_char], n_callers: int) -> bool:
     """Raises what a return code stands for; returns whether the problem is solved. A warning points above the callers
     that are in this module."""
     sentence = message.value.decode(errors="replace")
@@ -226,16 +227,16 @@ def solve_reduced(W: ArrayLike, q: ArrayLike, mu: ArrayLike, method: str = "auto
 @dataclass(frozen=True)
 class StepState:
     """A body after a step of a `Stepper`, or at rest."""
-    raw: np.ndarray              # all that the next step needs; may be kept, copied and handed to another process
+    raw: Array              # all that the next step needs; may be kept, copied and handed to another process
     columns: dict[str, float]    # the numbers of the step, as in NAME.history.csv; none at rest
-    normal_force: np.ndarray     # of each contact point, as are the others
-    tangential_force: np.ndarray
-    normal_displacement: np.ndarray
-    tangential_displacement: np.ndarray
-    slip_step: np.ndarray
-    slip_accumulated: np.ndarray
-    dissipation: np.ndarray
-    status: np.ndarray           # 'open', 'stick', 'slip+' or 'slip-'
+    normal_force: Array     # of each contact point, as are the others
+    tangential_force: Array
+    normal_displacement: Array
+    tangential_displacement: Array
+    slip_step: Array
+    slip_accumulated: Array
+    dissipation: Array
+    status: Array           # 'open', 'stick', 'slip+' or 'slip-'
 
 
 class Stepper:
@@ -285,7 +286,7 @@ class Stepper:
         _judge(code, message, n_callers=2)
         return self._state(after, dict(zip(self._columns, columns.tolist())), status)
 
-    def _state(self, raw: np.ndarray, columns: dict[str, float], status: np.ndarray) -> StepState:
+    def _state(self, raw: Array, columns: dict[str, float], status: Array) -> StepState:
         """A state with its parts."""
         normal, tangential, u_normal, u_tangential, anchor, slip, dissipation = \
             raw[raw.size - 8*self.n_points:].reshape(8, self.n_points)[:7]
@@ -369,7 +370,7 @@ def _key(key: str) -> str:
     return re.sub(r"^([a-z]+)__(\d+)__", r"\1(\2).", key, flags=re.IGNORECASE).replace("__", ".", 1)
 
 
-def _read_table(path: str) -> dict[str, np.ndarray]:
+def _read_table(path: str) -> dict[str, Array]:
     """Reads a table: a column of numbers as an array of them (not a number where a case has none), any other as an
     array of words."""
     with open(path, newline="", encoding="utf-8") as file:
@@ -378,7 +379,7 @@ def _read_table(path: str) -> dict[str, np.ndarray]:
     return {key: np.array(column) if key in WORDS else _numbers(column) for key, column in zip(header, columns)}
 
 
-def _numbers(cells: Iterable[str]) -> np.ndarray:
+def _numbers(cells: Iterable[str]) -> Array:
     """Turns the cells of a column of numbers into an array, of whole numbers where they are."""
     try:
         return np.array([int(cell) for cell in cells], dtype=int)

@@ -1,15 +1,22 @@
 """Writes axes of Matplotlib as SVG without drawing them: to lay out their ticks and texts takes Matplotlib a hundred
 times as long as to make their lines. What is under the lines is one image."""
+from __future__ import annotations
+
 import base64
 import html
 import io
 import re
+from collections.abc import Iterator
+from typing import Any, Optional
 
 import numpy as np
 from matplotlib import colors
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from PIL import Image
+from matplotlib.axes import Axes
+
+from amontons.grid import Array
 
 TICK, GAP = 3.5, 3.0     # length of a tick and the room behind it, in points
 SMALL, MEDIUM = 7, 8     # sizes of texts, in points
@@ -21,25 +28,26 @@ MARKERS = {"o": "m-{r} 0a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0", "s": "m-{r}-
 RAISED = str.maketrans("0123456789-−", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻")
 
 
-def short(number):
+def short(number: float) -> str:
     """A coordinate."""
     return f"{number:.2f}".rstrip("0").rstrip(".") if np.isfinite(number) else "0"
 
 
-def plain(text):
+def plain(text: str) -> str:
     """What Matplotlib would set as a formula, and dollars that stand for themselves."""
     text = re.sub(r"10\^\{([^}]*)\}", lambda found: "10" + found[1].translate(RAISED), text)
     text = re.sub(r"\\mathdefault\{([^{}]*)\}", r"\1", text)
     return text.replace(r"\times", "×").replace(r"\$", "\0").replace("$", "").replace("\0", "$")
 
 
-def color_of(color):
+def color_of(color: Any) -> str:
     """A color of the page: black becomes that of its text."""
     found = colors.to_hex(color)
     return "currentColor" if found == "#000000" else found
 
 
-def text_at(x, y, text, anchor="middle", size=MEDIUM, turn=None):
+def text_at(x: float, y: float, text: str, anchor: str = "middle", size: int = MEDIUM,
+            turn: Optional[int] = None) -> str:
     """A text; the place is the middle, the start or the end of its base line."""
     turned = f' transform="rotate({turn} {short(x)} {short(y)})"' if turn else ""
     anchored = f' text-anchor="{anchor}"' if anchor != "start" else ""
@@ -47,7 +55,7 @@ def text_at(x, y, text, anchor="middle", size=MEDIUM, turn=None):
             f"{html.escape(plain(text), quote=False)}</text>")
 
 
-def line_through(x, y):
+def line_through(x: Any, y: Any) -> str:
     """The path of a line, interrupted where a number is missing."""
     path, pen = "", "M"
     for one, other in zip(x, y):
@@ -62,7 +70,7 @@ def line_through(x, y):
 class Box:
     """Axes with their place in a picture, in points from its upper left corner."""
 
-    def __init__(self, axes, size):
+    def __init__(self, axes: Axes, size: tuple[float, float]) -> None:
         """Takes the axes as they are; the size of the picture is in points."""
         axes.apply_aspect()
         place = axes.get_position()
@@ -71,19 +79,19 @@ class Box:
         self.top, self.bottom = (1 - place.y1) * size[1], (1 - place.y0) * size[1]
         self.xlim, self.ylim = axes.get_xlim(), axes.get_ylim()
 
-    def x(self, values):
+    def x(self, values: Any) -> Any:
         """Abscissas in the picture."""
         return self.left + (np.asarray(values, float) - self.xlim[0]) / np.ptp(self.xlim) * (self.right - self.left)
 
-    def y(self, values):
+    def y(self, values: Any) -> Any:
         """Ordinates in the picture."""
         return self.bottom - (np.asarray(values, float) - self.ylim[0]) / np.ptp(self.ylim) * (self.bottom - self.top)
 
-    def frame(self, has_labels=True):
+    def frame(self, has_labels: bool = True) -> str:
         """Frame, ticks, their labels and the texts of the axes; the labels of the abscissa may be left out."""
         parts = [f'<path d="M{short(self.left)} {short(self.top)}H{short(self.right)}V{short(self.bottom)}'
                  f'H{short(self.left)}z{self._ticks()}" fill="none" stroke="currentColor" stroke-width="0.5"/>']
-        ordinates, widest = self._labels(self.axes.yaxis, self.ylim), 0
+        ordinates, widest = self._labels(self.axes.yaxis, self.ylim), 0.0
         for value, text in ordinates:
             parts.append(text_at(self.left - TICK - GAP, self.y(value) + 3, text, "end"))
             widest = max(widest, WIDE * MEDIUM * len(plain(text)))
@@ -93,12 +101,12 @@ class Box:
         parts += self._texts(widest, has_labels)
         return "".join(parts)
 
-    def _labels(self, axis, limits):
+    def _labels(self, axis: Any, limits: tuple[float, float]) -> list[tuple[float, str]]:
         """Pairs of value and text of the ticks of an axis."""
         values = [value for value in axis.get_majorticklocs() if limits[0] <= value <= limits[1]]
         return list(zip(values, axis.get_major_formatter().format_ticks(values)))
 
-    def _ticks(self):
+    def _ticks(self) -> str:
         """The path of all ticks."""
         path = ""
         for value, _ in self._labels(self.axes.xaxis, self.xlim):
@@ -107,7 +115,7 @@ class Box:
             path += f"M{short(self.left)} {short(self.y(value))}h-{TICK}"
         return path
 
-    def _texts(self, widest, has_labels):
+    def _texts(self, widest: float, has_labels: bool) -> Iterator[str]:
         """Title, labels and the factors of the ticks."""
         middle, center = (self.left + self.right) / 2, (self.top + self.bottom) / 2
         if self.axes.get_title():
@@ -124,7 +132,7 @@ class Box:
         if factor and has_labels:
             yield text_at(self.right, self.bottom + TICK + GAP + 18, factor, "end")
 
-    def lines(self, name):
+    def lines(self, name: str) -> str:
         """The lines and markers of the axes, cut off at their frame, which gets the name, unique in the page, for an
         identifier."""
         parts = [self._line(line) for line in self.axes.lines]
@@ -132,7 +140,7 @@ class Box:
                 f'width="{short(self.right - self.left)}" height="{short(self.bottom - self.top)}"/></clipPath>'
                 f'<g clip-path="url(#{name})" fill="none">{"".join(parts)}</g>')
 
-    def _line(self, line):
+    def _line(self, line: Any) -> str:
         """A line with its markers."""
         x, y = np.asarray(line.get_xdata(orig=False), float), np.asarray(line.get_ydata(orig=False), float)
         # A line across the axes has its abscissas in parts of their width.
@@ -148,7 +156,7 @@ class Box:
             parts += markers(x[::every], y[::every], line)
         return parts
 
-    def image(self, name):
+    def image(self, name: str) -> tuple[str, str]:
         """All that the axes show inside their frame, as an image with an identifier, and a small view of it."""
         figure, axes = self.axes.figure, self.axes
         axes.set_axis_off()
@@ -165,7 +173,7 @@ class Box:
                 f'href="data:image/png;base64,{encoded(pixels)}"/>',
                 f'<svg class="thumb" viewBox="{x} {y} {width} {height}" aria-hidden="true"><use href="#{name}"/></svg>')
 
-    def bar(self, name, drawn, label, uniform):
+    def bar(self, name: str, drawn: Any, label: str, uniform: Optional[float]) -> str:
         """The bar of a field, at the right of the axes; of a uniform one it has its one value. The name becomes the
         identifier of its colors."""
         x, width = self.right + 0.03 * (self.right - self.left), 0.035 * (self.right - self.left)
@@ -178,7 +186,7 @@ class Box:
                  f'height="{short(self.bottom - self.top)}" fill="url(#{name})" stroke="currentColor" '
                  'stroke-width="0.4"/>']
         ticks, factor = bar_ticks(low, high, uniform, max(2, int((self.bottom - self.top) / (3 * MEDIUM))))
-        path, widest = "", 0
+        path, widest = "", 0.0
         for value, text in ticks:
             y = self.bottom - (value - low) / (high - low) * (self.bottom - self.top)
             path += f"M{short(x + width)} {short(y)}h{TICK}"
@@ -193,7 +201,7 @@ class Box:
         return "".join(parts)
 
 
-def bar_ticks(low, high, uniform, most):
+def bar_ticks(low: float, high: float, uniform: Optional[float], most: int) -> tuple[list[tuple[float, str]], str]:
     """Pairs of value and text of the ticks of a bar, and the factor of the texts."""
     if uniform is not None:
         return [(uniform, f"{uniform:.4g}")], ""
@@ -205,7 +213,7 @@ def bar_ticks(low, high, uniform, most):
     return list(zip(values, formatter.format_ticks(values))), formatter.get_offset()
 
 
-def legend(line_entries, x, y, columns, is_right=False):
+def legend(line_entries: list[tuple[Any, str]], x: Any, y: Any, columns: int, is_right: bool = False) -> str:
     """Samples of lines with their labels, in columns; the place is the upper left corner, or the upper right one."""
     if not line_entries:
         return ""
@@ -226,7 +234,7 @@ def legend(line_entries, x, y, columns, is_right=False):
     return parts
 
 
-def dashes_of(line):
+def dashes_of(line: Any) -> str:
     """The attribute of a dashed line."""
     style = line.get_linestyle()
     if style == "-":
@@ -235,7 +243,7 @@ def dashes_of(line):
     return ' stroke-dasharray="' + " ".join(f"{number * line.get_linewidth():g}" for number in numbers) + '"'
 
 
-def markers(x, y, line):
+def markers(x: Any, y: Any, line: Any) -> str:
     """The markers of a line, as one path."""
     radius = (line.get_markersize() + line.get_markeredgewidth()) / 2
     form = MARKERS[line.get_marker()].format(r=f"{radius:g}", d=f"{2 * radius:g}")
@@ -244,7 +252,7 @@ def markers(x, y, line):
     return f'<path d="{places}" fill="{color_of(line.get_color())}"/>'
 
 
-def encoded(pixels):
+def encoded(pixels: Array) -> str:
     """Pixels as the text of a PNG."""
     content = io.BytesIO()
     Image.fromarray(np.ascontiguousarray(pixels)).save(content, "png")

@@ -1,4 +1,8 @@
 """Judges solved cases by their summaries: a color, and a sentence that says why and what to do."""
+from __future__ import annotations
+
+from typing import Any
+
 
 # What is wrong where a violation is too large; any other is told by its name.
 SENTENCES = {
@@ -23,7 +27,7 @@ USABLE = 1e-4
 COLORS = ("green", "amber", "red")
 
 
-def violations(summary):
+def violations(summary: dict[str, Any]) -> dict[str, float]:
     """The violations in the certificate of a case, infinite where one is not a number; none of a sweep without a case
     that converged, which has no certificate."""
     certificate = summary.get("certificate", {})
@@ -31,7 +35,7 @@ def violations(summary):
             for name, value in certificate.items() if name not in NO_VIOLATIONS}
 
 
-def verdict_of(summary):
+def verdict_of(summary: dict[str, Any]) -> tuple[str, str]:
     """The color of a case, and the sentence that goes with it."""
     found_violations, residual = violations(summary), summary.get("residual")
     largest = max(found_violations.values(), default=float("inf"))
@@ -64,7 +68,7 @@ def verdict_of(summary):
         "lower the friction in steps to see where it begins, or check that the loads press the body on its obstacle."
 
 
-def _verdict_of_sweep(counts, is_certified, found):
+def _verdict_of_sweep(counts: dict[str, int], is_certified: bool, found: str) -> tuple[str, str]:
     """The same of a sweep that is not green."""
     left = []
     if counts["not_converged"]:

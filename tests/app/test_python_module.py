@@ -160,6 +160,8 @@ class Deck(ProgramTest):
             np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-12*np.abs(wanted).max(), err_msg=str(unit))
         self.assertEqual(result.contact["x"].dtype, np.float64)
         self.assertEqual(result.summary["lengths"], expected.summary["lengths"])
+        self.assertEqual(result.key_results["max_contact_pressure"], result.contact["contact_pressure"].max())
+        self.assertEqual(repr(result), "<DeckResult 'case': converged>")
 
     def test_files_are_left_only_where_asked_for(self):
         deck = self.directory / self.write("case.nml", SOUND)
