@@ -52,6 +52,7 @@ module amontons_sweep
       procedure :: n_fields => sweep_n_fields
       procedure :: neighbor => sweep_neighbor
       procedure :: places => sweep_places
+      procedure :: raise_friction => sweep_raise_friction
       procedure :: values => sweep_values
    end type sweep_t
 
@@ -86,16 +87,34 @@ contains
    pure subroutine sweep_lower_friction(self, contacts)
       class(sweep_t), intent(in) :: self !! the sweep
       type(contact_t), intent(inout) :: contacts(:) !! the contact sets
+
+      call set_friction(self, contacts, is_least=.true.)
+   end subroutine sweep_lower_friction
+
+   !> Gives contact sets whose coefficient varies the largest value that it takes.
+   pure subroutine sweep_raise_friction(self, contacts)
+      class(sweep_t), intent(in) :: self !! the sweep
+      type(contact_t), intent(inout) :: contacts(:) !! the contact sets
+
+      call set_friction(self, contacts, is_least=.false.)
+   end subroutine sweep_raise_friction
+
+   !> Gives contact sets whose coefficient varies an end of the range that it takes.
+   pure subroutine set_friction(self, contacts, is_least)
+      class(sweep_t), intent(in) :: self !! the sweep
+      type(contact_t), intent(inout) :: contacts(:) !! the contact sets
+      logical, intent(in) :: is_least !! whether the least value is meant, or the largest one
       integer :: i, k
 
       if (.not. self%is_given()) return
       do i = 1, size(self%axes)
          if (self%axes(i)%target /= swept_friction) cycle
          do k = 1, size(contacts)
-            if (self%axes(i)%acts_on(contacts(k)%set)) contacts(k)%friction%value = minval(self%axes(i)%values)
+            if (self%axes(i)%acts_on(contacts(k)%set)) contacts(k)%friction%value = merge( &
+               minval(self%axes(i)%values), maxval(self%axes(i)%values), is_least)
          end do
       end do
-   end subroutine sweep_lower_friction
+   end subroutine set_friction
 
    !> Number of cases; of more than `largest_n_cases`, some number above it.
    pure integer(int64) function sweep_n_cases(self) result(n_cases)

@@ -8,7 +8,7 @@ module amontons_solve_case
    use amontons_contact_zone, only: contact_t
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
-   use amontons_load_case, only: new_load_case
+   use amontons_load_case, only: check_shear, new_load_case
    use amontons_mesh, only: mesh_t
    use amontons_mesh_part, only: new_mesh
    use amontons_methods, only: new_contact_method
@@ -55,8 +55,11 @@ contains
          call make_body(cache, config, error)
       end if
       if (allocated(error)) return
-      ! No case of a sweep may have a negative friction.
+      ! No case of a sweep may have a friction that cannot act, or a negative one.
       contacts = config%contacts
+      call config%sweep%raise_friction(contacts)
+      call check_shear(cache%body%zone, contacts, error)
+      if (allocated(error)) return
       call config%sweep%lower_friction(contacts)
       call new_load_case(result%load_case, cache%body, config%supports, contacts, config%loads, error)
       if (allocated(error)) return

@@ -255,6 +255,14 @@ class Pairs(ProgramTest):
             "0.0, 1.0, 2.0, 3.0", 4, "0.0, 1.0, 0.3, 0.9")))
         self.run_program("--verify", ".")
 
+    def test_friction_on_a_guided_slave_is_refused_behind_a_frictionless_deck(self):
+        # Both share one body; shear could act at neither end of the first side, beside the held wall.
+        guided = BODIES + "&support point = 0.5, 0.0  ux = 0.0 /\n&support point = 1.0, 0.0  ux = 0.0 /\n"
+        names = [self.write(f"{name}.nml", guided + CONTACT.replace("0.2", friction))
+                 for name, friction in (("one", "0.0"), ("two", "0.2"))]
+        run = self.run_program("--quiet", *names, status=1)
+        self.assertRegex(run.stderr, r"^two.nml:9: supports hold the slave 'a.bottom' at 0.25, 0.0: no shear could act")
+
     def test_decks_that_agree_in_the_pairing_share_the_factorization(self):
         names = [self.write(f"{name}.nml", BODIES + CONTACT.replace("0.2", friction) + more)
                  for name, friction, more in (("one", "0.2", ""), ("two", "0.3", ""), ("three", "0.3", "&contact set = "

@@ -16,7 +16,7 @@ module amontons_mortar_pair
    implicit none (type, external)
    private
 
-   public :: follow_line, follow_pair, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
+   public :: covered_shares, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
 
    !> Points of the quadrature on a segment: exact for straight sides, and rounding is all that is left of the normals'
    !> curvature.
@@ -48,6 +48,8 @@ module amontons_mortar_pair
          !! parts of the slave's sides in cells of constant multipliers, and in the place of the master the point that
          !! the cell is, 0 for none; not allocated where the points are corners
       real(dp), allocatable :: normal(:, :) !! unit normal of each point (2, n) [-]
+      character(:), allocatable :: shear_fault
+         !! what a contact set with friction is refused with; not allocated where shear can act on every side
       integer :: sliver_side = 0 !! a side that faces so little of the master that it is left out, 0 for none
       real(dp) :: sliver_share = 0.0_dp !! what it faces, as a share of the side [-]
    contains
@@ -72,7 +74,7 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the areas of the line
       type(constraints_t), intent(in) :: constraints !! the supports
-      integer, intent(in) :: follower(:) !! which nodes earlier sets have, as of `follow_line` (nodes)
+      integer, intent(in) :: follower(:) !! which nodes earlier sets have, see `amontons_taken_sides` (nodes)
       type(error_t), allocatable, intent(out) :: error
          !! a missing set, bodies that are joined, corners in the slave, sets that do not face each other, or normals
          !! that cross before they meet the master
@@ -253,53 +255,6 @@ contains
       call link_points(self, n_nodes)
    end subroutine mortar_pair_number_points
 
-   !> Notes the nodes of a line, each with the one that follows it: that of the next side or, at the end, itself.
-   pure subroutine follow_line(follower, line)
-      integer, intent(inout) :: follower(:)
-         !! the node that follows each node on the sides of an earlier set, the node itself where an end of them is all
-         !! that the set has there, 0 where none has it; gains those of this one (nodes)
-      type(boundary_line_t), intent(in) :: line !! the line of a set
-      integer :: i
-
-      do i = 1, line%n_nodes
-         if (line%next(i) > 0) call follow_side(follower, line%node([i, line%next(i)]), is_whole=.true.)
-      end do
-   end subroutine follow_line
-
-   !> Notes the nodes of a slave that face its master, in the same way. Sides that the master covers in part alone are
-   !> not the pair's: what is left of them is another set's.
-   pure subroutine follow_pair(follower, pair)
-      integer, intent(inout) :: follower(:) !! as of `follow_line` (nodes)
-      type(mortar_pair_t), intent(in) :: pair !! the pair
-      ! What rounding leaves of a side.
-      real(dp), parameter :: rounding = 1.0e-6_dp
-      real(dp) :: share(pair%slave%n_sides)
-      integer :: i
-
-      share = covered_shares(pair)
-      do i = 1, pair%slave%n_sides
-         if (.not. share(i) > 0.0_dp) cycle
-         associate (nodes => pair%slave%side(:3, i), is_whole => share(i) >= 1.0_dp - rounding)
-            if (nodes(3) > 0) then
-               call follow_side(follower, nodes([1, 3]), is_whole)
-               call follow_side(follower, nodes([3, 2]), is_whole)
-            else
-               call follow_side(follower, nodes(:2), is_whole)
-            end if
-         end associate
-      end do
-   end subroutine follow_pair
-
-   !> Notes two nodes that follow each other.
-   pure subroutine follow_side(follower, nodes, is_whole)
-      integer, intent(inout) :: follower(:) !! as of `follow_line` (nodes)
-      integer, intent(in) :: nodes(2) !! the nodes, in the order of the line
-      logical, intent(in) :: is_whole !! whether the set has all between them
-
-      where (follower(nodes) == 0) follower(nodes) = nodes
-      if (is_whole) follower(nodes(1)) = nodes(2)
-   end subroutine follow_side
-
    !> The share of each side of the slave that faces the master (sides) [-].
    pure function covered_shares(pair) result(share)
       type(mortar_pair_t), intent(in) :: pair !! the pair, with its segments
@@ -317,7 +272,7 @@ contains
    !> Finds the sides that transmit nothing although no support holds them.
    pure subroutine find_idle_sides(pair, follower)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
-      integer, intent(in) :: follower(:) !! which nodes earlier sets have, as of `follow_line` (nodes)
+      integer, intent(in) :: follower(:) !! which nodes earlier sets have, see `amontons_taken_sides` (nodes)
       logical :: is_idle(pair%slave%n_sides)
       integer :: i, k
 

@@ -5,8 +5,13 @@ module amontons_pair_checks
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_listing_text, only: place_text, short_text
+   use amontons_mesh, only: mesh_t
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_mortar_points, only: mortar_points_t
+   use amontons_mortar_segments, only: meet_side
+   use amontons_side, only: side_shapes
+   use amontons_side_table, only: new_side_table, side_element, side_place, side_table_t
+   use amontons_surface, only: cross_product
    implicit none (type, external)
    private
 
@@ -74,22 +79,73 @@ contains
          " could act between it and '"//against//"' there; "//remedy
    end function held_slave_text
 
-   !> Refuses meshes that overlap by more than half of a side.
-   pure subroutine check_overlap(pair, points, set, against, error)
+   !> Refuses meshes that overlap by more than half of a side, or by more than one of the bodies is thick there: what
+   !> lies beyond a thin wall was not pressed into it.
+   pure subroutine check_overlap(pair, points, mesh, set, against, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       type(mortar_points_t), intent(in) :: points !! its integrals
+      type(mesh_t), intent(in) :: mesh !! the mesh of both
       character(*), intent(in) :: set !! name of the slave's set
       character(*), intent(in) :: against !! name of the master's set
       type(error_t), allocatable, intent(out) :: error !! they do
+      ! What the digits of mesh files leave of a gap of 0, over the longest side.
+      real(dp), parameter :: rounding = 1.0e-6_dp
+      character(:), allocatable :: overlap
+      real(dp) :: thickness
       integer :: q
 
       if (size(points%quadrature%gap) == 0) return
-      q = minloc(points%quadrature%gap, dim=1)
-      if (points%quadrature%gap(q) >= -0.5_dp*pair%slave%longest) return
-      call new_error(error, input_refused, "'"//set//"' and '"//against//"' overlap by up to "// &
-         short_text(-points%quadrature%gap(q))//' before any load (side at '// &
-         place_text(points%quadrature%position(:, q))//'), more than half a side: give extra_gap for an '// &
-         "interference, or gap = 'touching'")
+      ! Of places that differ by rounding alone the first.
+      q = findloc(points%quadrature%gap <= (1.0_dp - rounding)*minval(points%quadrature%gap), .true., dim=1)
+      if (q == 0) return
+      associate (depth => -points%quadrature%gap(q), position => points%quadrature%position(:, q))
+         if (depth <= rounding*pair%slave%longest) return
+         overlap = "'"//set//"' and '"//against//"' overlap by up to "//short_text(depth)// &
+            ' before any load (side at '//place_text(position)//'), '
+         if (depth > 0.5_dp*pair%slave%longest) then
+            call new_error(error, input_refused, overlap//'more than half a side: give extra_gap for an '// &
+               "interference, or gap = 'touching'")
+            return
+         end if
+         thickness = wall_thickness(mesh, position, -points%quadrature%normal(:, q), depth)
+         if (thickness < depth) call new_error(error, input_refused, overlap//'through a wall of '// &
+            short_text(thickness)//': move the bodies to their own sides of it, or give a smaller search')
+      end associate
    end subroutine check_overlap
+
+   !> How thick the body is that begins at a place: the way to the first boundary that it leaves by, huge for none
+   !> within a depth. Sides more than 25 degrees aslant belong to corners, which are thin at their tip.
+   pure real(dp) function wall_thickness(mesh, position, direction, depth) result(thickness)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      real(dp), intent(in) :: position(2) !! the place, on the boundary of a body [L]
+      real(dp), intent(in) :: direction(2) !! the way into it, a unit vector [-]
+      real(dp), intent(in) :: depth !! how far to look [L]
+      ! The surfaces that overlap themselves lie at both ends of the way; 0.906 is the cosine of 25 degrees.
+      real(dp), parameter :: at_an_end = 1.0e-6_dp, aslant = 0.906_dp
+      type(side_table_t) :: table
+      real(dp) :: corner(2, 3), xi(2), values(3), slopes(3), way, along(2)
+      integer :: overlapping(2), number, i, k
+
+      thickness = huge(1.0_dp)
+      call new_side_table(table, mesh, overlapping)
+      do i = 1, table%n_sides
+         number = table%boundary(i)
+         if (number == 0) cycle
+         associate (nodes => mesh%side(side_element(number), side_place(number)))
+            corner(:, :2) = mesh%coordinates(:, nodes(:2))
+            corner(:, 3) = 0.5_dp*(corner(:, 1) + corner(:, 2))
+            if (nodes(3) > 0) corner(:, 3) = mesh%coordinates(:, nodes(3))
+         end associate
+         xi = meet_side(corner, position, direction)
+         do k = 1, 2
+            if (abs(xi(k)) > 1.0_dp) cycle
+            call side_shapes(.true., xi(k), values, slopes)
+            along = matmul(corner, slopes)
+            way = dot_product(matmul(corner, values) - position, direction)
+            if (way <= at_an_end*depth .or. way >= (1.0_dp - at_an_end)*depth) cycle
+            if (abs(cross_product(along, direction)) > aslant*norm2(along)) thickness = min(thickness, way)
+         end do
+      end do
+   end function wall_thickness
 
 end module amontons_pair_checks

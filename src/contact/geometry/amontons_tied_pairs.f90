@@ -5,9 +5,10 @@ module amontons_tied_pairs
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_mortar_pair, only: follow_pair, mortar_pair_t, new_mortar_pair
+   use amontons_mortar_pair, only: mortar_pair_t, new_mortar_pair
    use amontons_pair_checks, only: check_ends
    use amontons_pairing, only: pairing_t, tie_t
+   use amontons_taken_sides, only: take_facing_sides
    implicit none (type, external)
    private
 
@@ -18,7 +19,8 @@ contains
    !> Finds where the bonded boundary sets face each other.
    subroutine new_tied_pairs(pairs, follower, ties, mesh, materials, constraints, error)
       type(mortar_pair_t), allocatable, intent(out) :: pairs(:) !! the pair of each tie
-      integer, intent(inout) :: follower(:) !! the slaves' nodes, as of `follow_line`; gains those of the ties (nodes)
+      integer, intent(inout) :: follower(:)
+         !! the nodes of slaves, see `amontons_taken_sides`; gains those of the ties (nodes)
       type(tie_t), intent(in) :: ties(:) !! the ties
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
@@ -38,7 +40,7 @@ contains
             'exchange set and to', .true., constraints, error)
          if (allocated(error)) error%message = ties(i)%origin//error%message
          if (allocated(error)) return
-         call follow_pair(follower, pairs(i))
+         call take_facing_sides(follower, pairs(i))
       end do
    end subroutine new_tied_pairs
 

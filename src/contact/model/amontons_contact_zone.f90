@@ -13,12 +13,12 @@ module amontons_contact_zone
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mortar_cells, only: choose_cells
-   use amontons_mortar_pair, only: follow_line, follow_pair, integrate_pair, mortar_pair_t, n_quadrature_points, &
-      new_mortar_pair
+   use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
    use amontons_mortar_points, only: mortar_points_t
    use amontons_obstacle, only: obstacle_t
    use amontons_pair_checks, only: check_ends, check_overlap
    use amontons_pairing, only: pairing_t
+   use amontons_taken_sides, only: take_facing_sides, take_line
    implicit none (type, external)
    private
 
@@ -94,7 +94,7 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       type(error_t), allocatable, intent(out) :: error !! a missing set, or no point at all
       integer, intent(in), optional :: bonded(:)
-         !! the nodes of the slaves of ties, as of `follow_line`; none without it (nodes)
+         !! the nodes of the slaves of ties, see `amontons_taken_sides`; none without it (nodes)
       integer :: follower(mesh%n_nodes), i
 
       call empty_zone(zone)
@@ -130,7 +130,7 @@ contains
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(constraints_t), intent(in) :: constraints !! the supports
       integer, intent(inout) :: follower(:)
-         !! the nodes of earlier sets, as of `follow_line`; gains those of this one (nodes)
+         !! the nodes of earlier sets, see `amontons_taken_sides`; gains those of this one (nodes)
       type(error_t), allocatable, intent(out) :: error !! a missing set, or nothing is left of it
       type(boundary_line_t) :: line
 
@@ -145,7 +145,7 @@ contains
       else
          call add_line(zone, set, contact%direction, line, mesh, constraints, follower)
       end if
-      call follow_line(follower, line)
+      call take_line(follower, line)
    end subroutine add_set
 
    !> A zone without points.
@@ -203,7 +203,7 @@ contains
       type(boundary_line_t), intent(in) :: line !! its line
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
-      integer, intent(in) :: follower(:) !! the nodes of earlier sets, as of `follow_line` (nodes)
+      integer, intent(in) :: follower(:) !! the nodes of earlier sets, see `amontons_taken_sides` (nodes)
       ! What rounding leaves of an area of 0, over the largest one.
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(contact_zone_t) :: points
@@ -259,7 +259,7 @@ contains
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: ends(2) !! nodes of the side, the first of an earlier set
       real(dp), intent(in) :: coordinates(:, :) !! those of the nodes (2, nodes) [L]
-      integer, intent(in) :: follower(:) !! the nodes of earlier sets, as of `follow_line` (nodes)
+      integer, intent(in) :: follower(:) !! the nodes of earlier sets, see `amontons_taken_sides` (nodes)
 
       if (follower(ends(2)) == 0 .or. follower(ends(1)) == ends(2)) return
       zone%idle_side = reshape([zone%idle_side, 0.5_dp*sum(coordinates(:, ends), dim=2)], &
@@ -325,10 +325,12 @@ contains
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(constraints_t), intent(in) :: constraints !! the supports
       integer, intent(inout) :: follower(:)
-         !! the nodes of earlier sets, as of `follow_line`; gains those of this one (nodes)
+         !! the nodes of earlier sets, see `amontons_taken_sides`; gains those of this one (nodes)
       type(error_t), allocatable, intent(out) :: error !! the sets do not face each other, or overlap by far
+      character(*), parameter :: remedy = 'exchange set and against'
       type(mortar_points_t) :: integrals
       type(contact_zone_t) :: points
+      type(error_t), allocatable :: shear_fault
       integer :: n
 
       associate (pair => zone%pairs(set))
@@ -338,13 +340,15 @@ contains
             call choose_cells(pair, contact%set, contact%pairing%against, contact%partition, mesh, materials, &
                constraints, error)
          else
-            call check_ends(pair, contact%set, contact%pairing%against, 'exchange set and against', &
-               .not. (contact%friction%vanishes() .and. contact%slip_bound%vanishes()), constraints, error)
+            call check_ends(pair, contact%set, contact%pairing%against, remedy, .false., constraints, error)
+            if (allocated(error)) return
+            call check_ends(pair, contact%set, contact%pairing%against, remedy, .true., constraints, shear_fault)
+            if (allocated(shear_fault)) pair%shear_fault = shear_fault%message
          end if
          if (allocated(error)) return
          call integrate_pair(integrals, pair, pair%segments, n_quadrature_points)
-         if (contact%pairing%has_mesh_gap()) call check_overlap(pair, integrals, contact%set, &
-            contact%pairing%against, error)
+         if (contact%pairing%has_mesh_gap()) call check_overlap(pair, integrals, mesh, &
+            contact%set, contact%pairing%against, error)
          if (allocated(error)) return
          n = size(integrals%area)
          points%next = pair%next
@@ -359,7 +363,7 @@ contains
          end if
          zone%held_node = [zone%held_node, pair%held_node]
          zone%shared_node = [zone%shared_node, pair%shared_node]
-         call follow_pair(follower, pair)
+         call take_facing_sides(follower, pair)
       end associate
       points%n_points = n
       points%set = spread(set, 1, n)

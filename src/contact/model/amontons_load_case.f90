@@ -17,8 +17,8 @@ module amontons_load_case
    implicit none (type, external)
    private
 
-   public :: condense_load_case, condensed_force, free_expansion, load_case_t, new_load_case, pose_problem, &
-      recover_displacement, set_obstacles
+   public :: check_shear, condense_load_case, condensed_force, free_expansion, load_case_t, new_load_case, &
+      pose_problem, recover_displacement, set_obstacles
 
    !> Loads, prescribed displacements, obstacles and friction.
    type :: load_case_t
@@ -62,6 +62,8 @@ contains
       type(constraints_t) :: constraints
       real(dp) :: prescribed(2*body%zone%n_points)
 
+      call check_shear(body%zone, contacts, error)
+      if (allocated(error)) return
       load_case%supports = supports
       load_case%loads = loads
       call new_constraints(constraints, load_case%prescribed, body%mesh, supports, error)
@@ -80,6 +82,21 @@ contains
       if (.not. allocated(error)) call sum_thermal_strain(load_case%thermal_strain, body%mesh, body%materials, loads, &
          error)
    end subroutine new_load_case
+
+   !> Refuses friction on a slave that supports guide so that no shear could act on some side of it.
+   pure subroutine check_shear(zone, contacts, error)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets, in the order of `new_contact_zone`
+      type(error_t), allocatable, intent(out) :: error !! there is such a slave
+      integer :: i
+
+      do i = 1, size(contacts)
+         if (contacts(i)%friction%vanishes() .and. contacts(i)%slip_bound%vanishes()) cycle
+         if (.not. allocated(zone%pairs(i)%shear_fault)) cycle
+         call new_error(error, input_refused, contacts(i)%origin//zone%pairs(i)%shear_fault)
+         return
+      end do
+   end subroutine check_shear
 
    !> Sets gap, friction and slip bound of every point from its contact set.
    !>
