@@ -56,9 +56,7 @@ class Problem:
 
     def displacements(self) -> Array:
         """u = W r + q, of a problem with forces."""
-        if self.r is None:
-            raise ValueError("a problem without forces")
-        return np.bincount(self.row, self.value*self.r[self.column], len(self.q)) + self.q
+        return np.bincount(self.row, self.value*np.asarray(self.r)[self.column], len(self.q)) + self.q
 
     def columns(self) -> tuple[Array, Array, Array]:
         """W in compressed columns: where each column begins, and the end; the row and the value of each entry."""
@@ -307,10 +305,8 @@ def _read_csparse(lines: list[str], n: int) -> Any:
         if place.split() == ["col", str(n_columns)] and not is_triplets:
             n_columns += 1
         else:
-            at = [int(word) for word in place.split()] if is_triplets else [int(place), n_columns - 1]
-            if len(at) != 2:
-                raise ValueError
-            found.append((at[0], at[1], float(rest)))
+            i, j = map(int, place.split() if is_triplets else [place, str(n_columns - 1)])
+            found.append((i, j, float(rest)))
     # CSparse prints six digits.
     if not n_entries or not math.isclose(len(found), float(n_entries[1]), rel_tol=5e-6) or (
             not is_triplets and n_columns != n):
