@@ -48,9 +48,17 @@ def ranks_of(launcher):
     return found
 
 
+def is_running(process):
+    """Whether a process has not ended yet; one that waits for its parent has."""
+    try:
+        return not re.search(r"^State:\tZ", Path(f"/proc/{process}/status").read_text("utf-8"), re.MULTILINE)
+    except OSError:
+        return False
+
+
 class RanksTest(ProgramTest):
     """The program under mpiexec."""
-    timeout = 600
+    timeout = 1800
 
     def assert_near(self, found, expected, what, scale=()):
         """Checks numbers against the largest of them, and of the scale's."""
@@ -209,40 +217,67 @@ class Refusals(RanksTest):
 
 class Kills(RanksTest):
     """A rank that is killed ends all; files are whole or absent."""
+    least_ended, most_attempts = 8, 60
 
     def test_killed_ranks_leave_whole_files_or_none(self):
         deck = self.write("case.nml", block(SUPPORT, PRESSURE, CONTACT, mesh="size = 4.0, 4.0  cells = 150, 150"))
         begin = time.monotonic()
-        self.run_command(launched(3, "--output", "whole", deck))
+        self.run_command(launched(3, "--output", "out", deck))
         duration = time.monotonic() - begin
+        whole = self.measures()
+        shutil.rmtree(self.directory / "out")
         choice = random.Random(19)
         n_ended = 0
-        for attempt in range(12):
-            with self.subTest(attempt=attempt):
-                command = [word for word in launched(3, "--output", "out", deck) if word != "--quiet"]
-                with subprocess.Popen(command, cwd=self.directory, stdout=subprocess.PIPE,
-                                      stderr=subprocess.PIPE) as run:
-                    time.sleep(duration*choice.uniform(0.1, 1.0))
-                    number = choice.randrange(3)
-                    victim = ranks_of(run).get(number)
-                    if victim:
-                        os.kill(victim, signal.SIGKILL)
-                    told = b"".join(run.communicate(timeout=self.timeout))
-                    self.assertEqual(ranks_of(run), {})
-                if run.returncode != 0:
-                    n_ended += 1
-                    self.assertEqual(len(re.findall(rb"process rank %d .* exited on signal 9" % number, told)), 1, told)
-                left = {path.name for path in self.directory.glob("out/*") if path.name.startswith("case.")}
-                if victim and number == 0:
-                    # Nobody cleans up behind the rank that writes: files have been renamed, all, some or none.
-                    left = {name for name in left if not name.endswith(".tmp")}
-                    self.assertLessEqual(left, set(results_of("case")))
-                else:
-                    self.assertIn(left, (set(), set(results_of("case"))))
-                if left == set(results_of("case")):
-                    self.run_command([PROGRAM, "--verify", "out"])
-                shutil.rmtree(self.directory / "out", ignore_errors=True)
-        self.assertGreater(n_ended, 0, "no kill came before the end")
+        for attempt in range(self.most_attempts):
+            number = choice.randrange(3)
+            with self.subTest(attempt=attempt, number=number):
+                # How long a run takes is what the last one that came to its end took: a machine has other work, too.
+                begin = time.monotonic()
+                is_ended = self.end_rank(deck, number, duration*choice.uniform(0.1, 1.0))
+                if not is_ended:
+                    duration = time.monotonic() - begin
+                n_ended += is_ended
+                self.check_files(whole, not is_ended)
+            shutil.rmtree(self.directory / "out", ignore_errors=True)
+            if n_ended == self.least_ended:
+                break
+        self.assertEqual(n_ended, self.least_ended, "kills came too late")
+
+    def end_rank(self, deck, number, delay):
+        """Kills a rank of a run after a while. Returns whether that has ended the run."""
+        command = [word for word in launched(3, "--output", "out", deck) if word != "--quiet"]
+        with subprocess.Popen(command, cwd=self.directory, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
+            time.sleep(delay)
+            ranks = ranks_of(run)
+            if number in ranks:
+                os.kill(ranks[number], signal.SIGKILL)
+            told = b"".join(run.communicate(timeout=self.timeout))
+        if run.returncode != 0:
+            self.assertEqual(len(re.findall(rb"process rank %d .* exited on signal 9" % number, told)), 1, told)
+        # The kernel may still be taking down what mpiexec has killed.
+        while any(is_running(process) for process in ranks.values()):
+            time.sleep(0.01)
+        return run.returncode != 0
+
+    def measures(self):
+        """What is the same of whole files of all runs: sizes of grids, numbers of lines of tables, the rest's ends."""
+        found = {}
+        for path in sorted(self.directory.glob("out/case.*")):
+            content = path.read_bytes()
+            found[path.name] = len(content) if path.suffix == ".vtu" else \
+                content.count(b"\n") if path.suffix == ".csv" else content[-2:]
+        return found
+
+    def check_files(self, whole, are_all):
+        """Checks that files are whole. Files are renamed one after the other, and nobody cleans up behind a rank that
+        is killed: temporary files may be left, and where the rank that writes is the killed one, some of the files. It
+        may be any: mpiexec kills rank 0 for another's sake where that has not ended a second after it was asked to."""
+        found = {name: measure for name, measure in self.measures().items() if not name.endswith(".tmp")}
+        self.assertEqual(found, {name: whole[name] for name in found})
+        if are_all:
+            self.assertEqual(sorted(found), sorted(whole))
+        if found.keys() == whole.keys():
+            self.run_command([PROGRAM, "--verify", "out"])
 
 
 if __name__ == "__main__":
