@@ -41,15 +41,16 @@ contains
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
       type(element_geometry_t) :: geometry
-      real(dp) :: energy(mesh%n_elements), strain(4), stress(4), smooth(4, max_points)
-      real(dp) :: weights(max_corners, max_points, size(element_names))
       ! Blocks whose patches take little memory beside all else, and few of whose elements share patches with others.
-      integer, parameter :: block_size = 50000
+      integer, parameter :: block_size = 25000
+      real(dp) :: energy(block_size), total_energy, strain(4), stress(4), smooth(4, max_points)
+      real(dp) :: weights(max_corners, max_points, size(element_names))
       integer :: first, last, i, point
       logical :: is_uniform
 
       weights = corner_weights()
       allocate (estimate%element(mesh%n_elements))
+      total_energy = 0.0_dp
       do first = 1, mesh%n_elements, block_size
          last = min(mesh%n_elements, first + block_size - 1)
          call recovered%fit(mesh, materials, first, last)
@@ -63,7 +64,7 @@ contains
                   thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
                call recovered%find(mesh, i, geometry%position(:, :geometry%n_points), &
                   weights(:n_corners(kind), :geometry%n_points, kind), smooth(:, :geometry%n_points))
-               energy(i) = 0.0_dp
+               energy(i - first + 1) = 0.0_dp
                estimate%element(i) = 0.0_dp
                is_uniform = kind == tri3 .and. .not. (material%is_axisymmetric .or. present(thermal_strain))
                do point = 1, geometry%n_points
@@ -71,16 +72,18 @@ contains
                      strain = elastic_strain(geometry, material, displacement, point)
                      stress = material%stress(strain)
                   end if
-                  energy(i) = energy(i) + geometry%volume(point)*dot_product(strain, stress)
+                  energy(i - first + 1) = energy(i - first + 1) &
+                     + geometry%volume(point)*dot_product(strain, stress)
                   estimate%element(i) = estimate%element(i) + geometry%volume(point) &
                      *material%squared_norm(smooth(:, point) - stress)
                end do
             end associate
          end do
          !$omp end parallel do
+         total_energy = total_energy + sum(energy(:last - first + 1))
       end do
       estimate%norm = sqrt(sum(estimate%element))
-      if (estimate%norm > 0.0_dp) estimate%relative = estimate%norm/sqrt(sum(energy) + sum(estimate%element))
+      if (estimate%norm > 0.0_dp) estimate%relative = estimate%norm/sqrt(total_energy + sum(estimate%element))
       estimate%element = sqrt(estimate%element)
    end subroutine new_error_estimate
 

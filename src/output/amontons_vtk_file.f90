@@ -16,7 +16,7 @@ module amontons_vtk_file
    !> The bytes of an array stand behind their number, an integer of so many bytes.
    integer(int64), parameter :: bytes_per_length = 8_int64
 
-   !> Bytes that are encoded at a time, a multiple of three.
+   !> Bytes that are encoded at a time, a multiple of three and of the bytes of a number.
    integer(int64), parameter :: piece_size = 49152_int64
 
    !> A grid being written.
@@ -43,7 +43,6 @@ module amontons_vtk_file
       procedure, public :: put_stresses => vtk_file_put_stresses
       procedure, public :: put_vectors => vtk_file_put_vectors
       procedure :: enter => vtk_file_enter
-      procedure :: write_array => vtk_file_write_array
    end type vtk_file_t
 
 contains
@@ -131,18 +130,12 @@ contains
       character(*), intent(in) :: dimension !! what it is measured in
       integer, intent(in) :: n_components !! numbers per point or cell
       real(dp), intent(in) :: values(:) !! the values, those of one point or cell together
-      character(:), allocatable :: bytes
-      integer(int64) :: n_bytes
 
       if (.not. allocated(self%not_finite)) then
          if (.not. all(ieee_is_finite(values))) self%not_finite = name
       end if
-      n_bytes = 8_int64*size(values, kind=int64)
-      allocate (character(bytes_per_length + n_bytes) :: bytes)
-      bytes(:bytes_per_length) = transfer(n_bytes, bytes(:bytes_per_length))
-      bytes(bytes_per_length + 1:) = transfer(values, bytes(bytes_per_length + 1:))
       call self%begin_array(section, 'Float64', name, n_components, dimension)
-      call self%write_array(bytes)
+      call write_array(self, size(values, kind=int64), reals=values)
    end subroutine vtk_file_put_reals
 
    !> Hands over an array of integers.
@@ -151,32 +144,43 @@ contains
       character(*), intent(in) :: section !! 'PointData', 'CellData', 'Points' or 'Cells', in this order
       character(*), intent(in) :: name !! name of the quantity
       integer, intent(in) :: values(:) !! the values
-      character(:), allocatable :: bytes
-      integer(int64) :: n_bytes
 
-      n_bytes = 4_int64*size(values, kind=int64)
-      allocate (character(bytes_per_length + n_bytes) :: bytes)
-      bytes(:bytes_per_length) = transfer(n_bytes, bytes(:bytes_per_length))
-      bytes(bytes_per_length + 1:) = transfer(int(values, int32), bytes(bytes_per_length + 1:))
       call self%begin_array(section, 'Int32', name, 1, '')
-      call self%write_array(bytes)
+      call write_array(self, size(values, kind=int64), integers=values)
    end subroutine vtk_file_put_integers
 
-   !> Writes an array with the markup before it.
-   subroutine vtk_file_write_array(self, bytes)
-      class(vtk_file_t), intent(inout) :: self !! the grid
-      character(*), intent(in) :: bytes !! the number of bytes, then the array as the machine has it
-      integer(int64) :: first
+   !> Writes an array with the markup before it: the number of its bytes, then these, piece by piece, since it may be as
+   !> large as anything else that a run holds.
+   subroutine write_array(vtk, n, reals, integers)
+      class(vtk_file_t), intent(inout) :: vtk !! the grid
+      integer(int64), intent(in) :: n !! number of numbers
+      real(dp), intent(in), optional :: reals(:) !! the numbers, if they are reals
+      integer, intent(in), optional :: integers(:) !! the numbers, if they are integers
+      character(piece_size) :: piece
+      integer(int64) :: first, last, at, end, bytes_each
 
+      bytes_each = merge(8_int64, 4_int64, present(reals))
       ! allow(C181): `finish` checks the state
-      if (self%state == 0) write (self%file%unit, iostat=self%state) self%markup
-      do first = 1_int64, len(bytes, int64), piece_size
+      if (vtk%state == 0) write (vtk%file%unit, iostat=vtk%state) vtk%markup
+      at = bytes_per_length
+      piece(:at) = transfer(bytes_each*n, piece(:at))
+      first = 1_int64
+      do
+         last = min(n, first - 1_int64 + (piece_size - at)/bytes_each)
+         end = at + bytes_each*(last - first + 1_int64)
+         if (present(reals)) then
+            piece(at + 1:end) = transfer(reals(first:last), piece)
+         else
+            piece(at + 1:end) = transfer(int(integers(first:last), int32), piece)
+         end if
          ! allow(C181): `finish` checks the state
-         if (self%state == 0) write (self%file%unit, iostat=self%state) &
-            encode_base64(bytes(first:min(len(bytes, int64), first + piece_size - 1_int64)))
+         if (vtk%state == 0) write (vtk%file%unit, iostat=vtk%state) encode_base64(piece(:end))
+         if (last == n) exit
+         first = last + 1_int64
+         at = 0_int64
       end do
-      call self%end_array()
-   end subroutine vtk_file_write_array
+      call vtk%end_array()
+   end subroutine write_array
 
    !> Hands over plane vectors, as vectors in space.
    subroutine vtk_file_put_vectors(self, section, name, dimension, vectors)

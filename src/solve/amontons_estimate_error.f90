@@ -6,7 +6,7 @@ module amontons_estimate_error
    use amontons_error, only: error_t
    use amontons_error_estimate, only: error_estimate_t, new_error_estimate
    use amontons_kinds, only: dp
-   use amontons_known_traction, only: known_tractions_t, new_known_tractions
+   use amontons_known_traction, only: known_traction_t, known_tractions_t, new_known_tractions
    use amontons_load_case, only: load_case_t
    use amontons_stress_recovery, only: new_recovered_stress, recovered_stress_t
    use amontons_surface, only: surface_t
@@ -24,17 +24,29 @@ contains
       type(load_case_t), intent(in) :: load_case !! its loads
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
-      type(known_tractions_t) :: tractions
+      type(known_traction_t), allocatable :: sides(:)
       type(recovered_stress_t) :: recovered
+
+      call find_tractions(sides, body, load_case, force)
+      call new_recovered_stress(recovered, body%mesh, body%materials, sides, displacement, load_case%thermal_strain)
+      call new_error_estimate(estimate, body%mesh, body%materials, displacement, recovered, &
+         load_case%thermal_strain)
+   end subroutine estimate_error
+
+   !> Finds what is known of the tractions on the sides of the boundary; the tables that it takes are as large as the
+   !> mesh, and only the sides are left of them.
+   subroutine find_tractions(sides, body, load_case, force)
+      type(known_traction_t), allocatable, intent(out) :: sides(:) !! the sides
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its loads
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      type(known_tractions_t) :: tractions
 
       call new_known_tractions(tractions, body%mesh, body%constraints, body%springs, load_case%loads, &
          load_case%factor)
       call set_contact_tractions(tractions, body, load_case, force)
-      call new_recovered_stress(recovered, body%mesh, body%materials, tractions%side, displacement, &
-         load_case%thermal_strain)
-      call new_error_estimate(estimate, body%mesh, body%materials, displacement, recovered, &
-         load_case%thermal_strain)
-   end subroutine estimate_error
+      call move_alloc(tractions%side, sides)
+   end subroutine find_tractions
 
    !> Sets the tractions on the sides of the contact sets: the force on each node over its area. What a master bears
    !> and what ties transmit is not known side by side.

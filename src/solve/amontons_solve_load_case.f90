@@ -194,6 +194,8 @@ contains
             result%load_case%thermal_strain)
          call new_certificate(result%certificate, body, result%load_case, result%displacement, solution%force, &
             result%stress%force)
+         ! What comes now is where a run holds most, and no one needs them any more.
+         deallocate (result%stress%force)
          call new_lengths(result%lengths, body%zone, solution%status)
          call find_zones(result%closed, result%stuck, body, solution%force, solution%status, &
             result%load_case%friction, result%load_case%slip_bound, &
