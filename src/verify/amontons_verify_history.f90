@@ -13,11 +13,13 @@ module amontons_verify_history
    use amontons_history, only: is_shown
    use amontons_history_milestone, only: read_start
    use amontons_history_model, only: history_model_t
-   use amontons_history_table, only: cycle_kinds, cycle_row, cycles_header, history_header, history_kinds, &
-      history_row, n_kinds, number_alone, point_kinds, points_header, points_rows, states_header
+   use amontons_history_table, only: a_force, a_length, an_energy, cycle_kinds, cycle_row, cycles_header, &
+      history_header, history_kinds, history_row, n_kinds, number_alone, point_kinds, points_header, points_rows, &
+      states_header
    use amontons_history_walk, only: has_balance, history_walk_t, new_history_walk
    use amontons_kinds, only: dp
-   use amontons_result, only: result_t
+   use amontons_open_choices, only: follow_place, follow_statuses, step_scales
+   use amontons_result, only: certificate_limit, result_t
    use amontons_solve_case, only: cache_t
    use amontons_solve_history, only: history_result_t, new_step_result, prepare_history
    use amontons_stepper, only: step_state_t
@@ -36,6 +38,7 @@ module amontons_verify_history
       character(:), allocatable :: header !! its first line
       type(csv_table_t) :: csv !! its rows; none where it is not written
       real(dp), allocatable :: scales(:) !! what each column but the last is measured by
+      real(dp) :: largest(n_kinds) = 0.0_dp !! the largest number of each kind
       integer :: n_compared = 0 !! how many rows were compared
    end type stated_table_t
 
@@ -125,32 +128,35 @@ contains
 
       stated%stem = stem
       stated%entries = ''
-      associate (history => model%history, n_sets => size(cache%body%zone%pairs))
+      associate (history => model%history, n_sets => size(cache%body%zone%pairs), &
+         stiffest => maxval(cache%problem%augmentation()))
          call read_table(summary, stated%steps, stem//'.history.csv', history_header(history, n_sets), &
-            history_kinds(history, n_sets))
+            history_kinds(history, n_sets), stiffest)
          if (history%points_every > 0) call read_table(summary, stated%points, stem//'.points.csv', &
-            points_header(history), point_kinds(history))
+            points_header(history), point_kinds(history), stiffest)
          if (size(model%cycle_times) > 0) call read_table(summary, stated%cycles, stem//'.cycles.csv', &
-            cycles_header(history), cycle_kinds(history))
+            cycles_header(history), cycle_kinds(history), stiffest)
          if (history%states_every > 0) call read_table(summary, stated%states, stem//'.states.csv', &
             states_header(history, cache%body%zone%n_points, n_noted))
       end associate
    end subroutine read_tables
 
    !> Reads a table.
-   subroutine read_table(summary, table, path, header, kinds)
+   subroutine read_table(summary, table, path, header, kinds, stiffest)
       type(summary_file_t), intent(inout) :: summary !! gains the fault
       type(stated_table_t), intent(out) :: table !! the table; without rows if it cannot be read
       character(*), intent(in) :: path !! name of the file
       character(*), intent(in) :: header !! its first line, with its end
       integer, intent(in), optional :: kinds(:) !! the kind of each column but the last; of any number without them
+      real(dp), intent(in), optional :: stiffest !! the stiffness of the stiffest contact point, with kinds [F/L]
       character(:), allocatable :: fault
 
       table%path = path
       table%header = header(:len(header) - 1)
       if (present(kinds)) then
          call read_csv_table(table%csv, path, table%header, size(kinds) + 1, fault)
-         call find_scales(table%scales, table%csv, kinds)
+         call find_largest(table%largest, table%csv, kinds, stiffest)
+         table%scales = table%largest(kinds)
       else
          call read_csv_table(table%csv, path, table%header, fault=fault)
       end if
@@ -159,12 +165,14 @@ contains
       table%csv%n_rows = 0
    end subroutine read_table
 
-   !> Finds what the numbers of each column are measured by: the largest of their kind.
-   subroutine find_scales(scales, table, kinds)
-      real(dp), allocatable, intent(out) :: scales(:) !! the scale of each column
+   !> Finds the largest number of each kind, which the others are measured by. Displacements and energies are at least
+   !> those that the largest force would give the stiffest point: less is rounding, as slips are where nothing slips.
+   subroutine find_largest(largest, table, kinds, stiffest)
+      real(dp), intent(out) :: largest(n_kinds) !! the largest number of each kind
       type(csv_table_t), intent(in) :: table !! the table
       integer, intent(in) :: kinds(:) !! the kind of each column
-      real(dp) :: largest(n_kinds), value
+      real(dp), intent(in) :: stiffest !! the stiffness of the stiffest contact point [F/L]
+      real(dp) :: value
       character(:), allocatable :: fault
       integer :: i, k
 
@@ -179,8 +187,10 @@ contains
             largest(kinds(k)) = max(largest(kinds(k)), abs(value))
          end do
       end do
-      scales = largest(kinds)
-   end subroutine find_scales
+      if (.not. stiffest > 0.0_dp) return
+      largest(a_length) = max(largest(a_length), largest(a_force)/stiffest)
+      largest(an_energy) = max(largest(an_energy), largest(a_force)*(largest(a_force)/stiffest))
+   end subroutine find_largest
 
    !> Takes the steps again, row by row, up to the first one that disagrees.
    subroutine retrace(summary, stated, cache, model, method, config, result)
@@ -237,6 +247,7 @@ contains
       end associate
       if (len(fault) == 0 .and. .not. numbers(2) <= method%tolerance) fault = 'the residual is above the tolerance'
       if (len(fault) == 0) call solve_again(next, fault, cache, model, method, result%walk%state, numbers(1))
+      if (len(fault) == 0) call follow_row(next, fault, stated%steps, row, cache, method, result%walk%state)
       if (len(fault) == 0) then
          call result%walk%note(model, next)
          result%walk%is_jump = .not. has_balance(next, model%history)
@@ -250,6 +261,27 @@ contains
       end if
       if (len(fault) > 0) call summary%faults%add(stated%steps%path//':'//to_text(row + 1), fault)
    end subroutine take_stated_step
+
+   !> Follows a row where the law leaves a step several answers.
+   subroutine follow_row(next, fault, steps, row, cache, method, before)
+      type(step_state_t), intent(inout) :: next !! the state at the end of the step
+      character(:), allocatable, intent(inout) :: fault !! gains what cannot be read
+      type(stated_table_t), intent(in) :: steps !! the table of steps
+      integer, intent(in) :: row !! row of the step
+      type(cache_t), intent(in) :: cache !! the body, its contact problem that of the step
+      class(contact_method_t), intent(in) :: method !! the deck's method
+      type(step_state_t), intent(in) :: before !! the state at its beginning
+      real(dp) :: closing_loss
+
+      if (cache%body%zone%n_points == 0) return
+      call steps%csv%get_number(row, steps%csv%column('closing_loss'), closing_loss, fault)
+      if (len(fault) > 0) return
+      associate (scales => step_scales(certificate_limit(method%tolerance), steps%largest(a_force), cache%problem, next))
+         call follow_statuses(next, steps%csv%field(row, steps%csv%column('statuses')), cache%problem, cache%body, &
+            scales)
+         call follow_place(next, closing_loss, before, cache%body, scales)
+      end associate
+   end subroutine follow_row
 
    !> Compares the next rows of a table with what they should be.
    subroutine compare_rows(summary, table, rows, row)
