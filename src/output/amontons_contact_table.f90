@@ -40,7 +40,7 @@ contains
       type(column_t), allocatable, intent(out) :: list(:) !! the columns
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result
-      real(dp) :: at_points(2*body%zone%n_points), length
+      real(dp) :: at_points(2*body%zone%n_points), length, slip_scales(size(slip_keys))
       integer :: i
 
       allocate (list(0))
@@ -65,10 +65,11 @@ contains
             load_case%slip_bound, zone%shear_area), 0.0_dp, .true.)
          if (has_pairs(zone)) call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
          if (has_pairs(zone)) call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
+         slip_scales = scales_of_slips(length, [force, force(:m)/zone%area])
       end associate
       do i = 1, n_slip_columns(result)
          call add(trim(slip_keys(i)), '', trim(slip_dimensions(i)), result%slip_record(:, i), &
-            merge(length, 0.0_dp, slip_dimensions(i) == 'L'), .true.)
+            slip_scales(i), .true.)
       end do
 
    contains

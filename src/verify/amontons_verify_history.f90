@@ -6,6 +6,7 @@ module amontons_verify_history
    use amontons_collection, only: case_entries
    use amontons_collection_check, only: compare_collection
    use amontons_config, only: config_t
+   use amontons_contact_check, only: law_scales_t
    use amontons_contact_method, only: contact_method_t
    use amontons_csv_table, only: csv_table_t, read_csv_table
    use amontons_document_check, only: compare_line
@@ -13,12 +14,12 @@ module amontons_verify_history
    use amontons_history, only: is_shown
    use amontons_history_milestone, only: read_start
    use amontons_history_model, only: history_model_t
-   use amontons_history_table, only: a_force, a_length, an_energy, cycle_kinds, cycle_row, cycles_header, &
+   use amontons_history_table, only: a_force, a_length, cycle_kinds, cycle_row, cycles_header, &
       history_header, history_kinds, history_row, n_kinds, number_alone, point_kinds, points_header, points_rows, &
       states_header
    use amontons_history_walk, only: has_balance, history_walk_t, new_history_walk
    use amontons_kinds, only: dp
-   use amontons_open_choices, only: follow_place, follow_statuses, step_scales
+   use amontons_open_choices, only: follow_place, follow_statuses, hovers, states_agree, step_scales
    use amontons_result, only: certificate_limit, result_t
    use amontons_solve_case, only: cache_t
    use amontons_solve_history, only: history_result_t, new_step_result, prepare_history
@@ -129,33 +130,33 @@ contains
       stated%stem = stem
       stated%entries = ''
       associate (history => model%history, n_sets => size(cache%body%zone%pairs), &
-         stiffest => maxval(cache%problem%augmentation()))
+         stiffness => sum(cache%problem%augmentation()))
          call read_table(summary, stated%steps, stem//'.history.csv', history_header(history, n_sets), &
-            history_kinds(history, n_sets), stiffest)
+            history_kinds(history, n_sets), stiffness)
          if (history%points_every > 0) call read_table(summary, stated%points, stem//'.points.csv', &
-            points_header(history), point_kinds(history), stiffest)
+            points_header(history), point_kinds(history), stiffness)
          if (size(model%cycle_times) > 0) call read_table(summary, stated%cycles, stem//'.cycles.csv', &
-            cycles_header(history), cycle_kinds(history), stiffest)
+            cycles_header(history), cycle_kinds(history), stiffness)
          if (history%states_every > 0) call read_table(summary, stated%states, stem//'.states.csv', &
             states_header(history, cache%body%zone%n_points, n_noted))
       end associate
    end subroutine read_tables
 
    !> Reads a table.
-   subroutine read_table(summary, table, path, header, kinds, stiffest)
+   subroutine read_table(summary, table, path, header, kinds, stiffness)
       type(summary_file_t), intent(inout) :: summary !! gains the fault
       type(stated_table_t), intent(out) :: table !! the table; without rows if it cannot be read
       character(*), intent(in) :: path !! name of the file
       character(*), intent(in) :: header !! its first line, with its end
       integer, intent(in), optional :: kinds(:) !! the kind of each column but the last; of any number without them
-      real(dp), intent(in), optional :: stiffest !! the stiffness of the stiffest contact point, with kinds [F/L]
+      real(dp), intent(in), optional :: stiffness !! stiffness of all contact points together, with kinds [F/L]
       character(:), allocatable :: fault
 
       table%path = path
       table%header = header(:len(header) - 1)
       if (present(kinds)) then
          call read_csv_table(table%csv, path, table%header, size(kinds) + 1, fault)
-         call find_largest(table%largest, table%csv, kinds, stiffest)
+         call find_largest(table%largest, table%csv, kinds, stiffness)
          table%scales = table%largest(kinds)
       else
          call read_csv_table(table%csv, path, table%header, fault=fault)
@@ -165,13 +166,13 @@ contains
       table%csv%n_rows = 0
    end subroutine read_table
 
-   !> Finds the largest number of each kind, which the others are measured by. Displacements and energies are at least
-   !> those that the largest force would give the stiffest point: less is rounding, as slips are where nothing slips.
-   subroutine find_largest(largest, table, kinds, stiffest)
+   !> Finds the largest number of each kind, which the others are measured by. Displacements are at least that of all
+   !> contact points under the largest force: less is rounding, as slips are where nothing slips.
+   subroutine find_largest(largest, table, kinds, stiffness)
       real(dp), intent(out) :: largest(n_kinds) !! the largest number of each kind
       type(csv_table_t), intent(in) :: table !! the table
       integer, intent(in) :: kinds(:) !! the kind of each column
-      real(dp), intent(in) :: stiffest !! the stiffness of the stiffest contact point [F/L]
+      real(dp), intent(in) :: stiffness !! stiffness of all contact points together [F/L]
       real(dp) :: value
       character(:), allocatable :: fault
       integer :: i, k
@@ -187,9 +188,7 @@ contains
             largest(kinds(k)) = max(largest(kinds(k)), abs(value))
          end do
       end do
-      if (.not. stiffest > 0.0_dp) return
-      largest(a_length) = max(largest(a_length), largest(a_force)/stiffest)
-      largest(an_energy) = max(largest(an_energy), largest(a_force)*(largest(a_force)/stiffest))
+      if (stiffness > 0.0_dp) largest(a_length) = max(largest(a_length), largest(a_force)/stiffness)
    end subroutine find_largest
 
    !> Takes the steps again, row by row, up to the first one that disagrees.
@@ -211,7 +210,8 @@ contains
             points_rows(model, cache%body, result%walk), row)
          if (summary%faults%n == n_faults .and. result%walk%watch%is_finished) call compare_rows(summary, &
             stated%cycles, cycle_row(model%history, result%walk%watch%numbers), row)
-         if (summary%faults%n == n_faults) call compare_state(summary, stated, cache, model, result%walk)
+         if (summary%faults%n == n_faults) call compare_state(summary, stated, cache, model, method, &
+            result%walk)
          if (summary%faults%n > n_faults) return
          if (is_shown(result%walk%n_steps, model%history%fields_every)) call compare_fields(summary, stated, row, &
             cache, model, config, result%walk)
@@ -276,12 +276,22 @@ contains
       if (cache%body%zone%n_points == 0) return
       call steps%csv%get_number(row, steps%csv%column('closing_loss'), closing_loss, fault)
       if (len(fault) > 0) return
-      associate (scales => step_scales(certificate_limit(method%tolerance), steps%largest(a_force), cache%problem, next))
+      associate (scales => scales_of(steps, cache, method, next))
          call follow_statuses(next, steps%csv%field(row, steps%csv%column('statuses')), cache%problem, cache%body, &
             scales)
          call follow_place(next, closing_loss, before, cache%body, scales)
       end associate
    end subroutine follow_row
+
+   !> What counts as none in a step.
+   pure type(law_scales_t) function scales_of(steps, cache, method, state) result(scales)
+      type(stated_table_t), intent(in) :: steps !! the table of steps
+      type(cache_t), intent(in) :: cache !! the body, its contact problem that of the step
+      class(contact_method_t), intent(in) :: method !! the deck's method
+      type(step_state_t), intent(in) :: state !! the state at its end
+
+      scales = step_scales(certificate_limit(method%tolerance), steps%largest(a_force), cache%problem, cache%body, state)
+   end function scales_of
 
    !> Compares the next rows of a table with what they should be.
    subroutine compare_rows(summary, table, rows, row)
@@ -319,11 +329,12 @@ contains
    end subroutine compare_end
 
    !> Compares a state from which a history can go on.
-   subroutine compare_state(summary, stated, cache, model, walk)
+   subroutine compare_state(summary, stated, cache, model, method, walk)
       type(summary_file_t), intent(inout) :: summary !! gains the faults
       type(stated_t), intent(inout) :: stated !! the tables
       type(cache_t), intent(inout) :: cache !! the body
       type(history_model_t), intent(in) :: model !! the history
+      class(contact_method_t), intent(in) :: method !! the deck's method
       type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
       type(history_walk_t) :: found
       type(error_t), allocatable :: error
@@ -342,29 +353,12 @@ contains
          is_same = .not. allocated(error)
       end if
       if (is_same) is_same = found%n_steps == walk%n_steps
-      if (is_same) is_same = agree_all(found%state, walk%state) .and. first_disagreement(found%watch%noted(), &
+      if (is_same) is_same = states_agree(found%state, walk%state, stated%steps%largest, hovers(walk%state, &
+         cache%body, scales_of(stated%steps, cache, method, walk%state))) .and. first_disagreement(found%watch%noted(), &
          walk%watch%noted()) == 0
       if (.not. is_same) call summary%faults%add(stated%states%path//':'//to_text(stated%states%n_compared + 1), &
          'it is not the state of step '//to_text(walk%n_steps))
    end subroutine compare_state
-
-   !> Whether two states agree.
-   pure logical function agree_all(found, computed)
-      type(step_state_t), intent(in) :: found !! a state as a file has it
-      type(step_state_t), intent(in) :: computed !! the state that was computed
-
-      associate (v => computed%solution%displacement, works => [computed%load_work, computed%support_work, &
-         computed%obstacle_work, computed%strain_energy])
-         agree_all = first_disagreement(found%solution%force, computed%solution%force) == 0 .and. &
-            first_disagreement(found%solution%displacement, v) == 0 .and. &
-            first_disagreement(found%anchor, computed%anchor, maxval(abs(v))) == 0 .and. &
-            first_disagreement(found%accumulated_slip, computed%accumulated_slip, maxval(abs(v))) == 0 .and. &
-            first_disagreement(found%dissipation, computed%dissipation, maxval(abs(works))) == 0 .and. &
-            first_disagreement(found%worn, computed%worn) == 0 .and. &
-            first_disagreement([found%load_work, found%support_work, found%obstacle_work, found%strain_energy], &
-            works) == 0
-      end associate
-   end function agree_all
 
    !> Compares the grids of a step.
    subroutine compare_fields(summary, stated, row, cache, model, config, walk)

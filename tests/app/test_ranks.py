@@ -133,6 +133,24 @@ class SameAnswers(RanksTest):
         for verified in ([PROGRAM], launched(2)):
             self.run_command([*verified, "--verify", "three"])
 
+    def test_histories_in_which_the_law_leaves_a_choice_are_verified(self):
+        # Before the first load nothing presses: rounding chooses statuses and slips, and where a warm body hovers.
+        steps = ("history times = 0.0, 1.0, 2.0  substeps = 2", "steps load = 'p'  factor = 0.0, 1.0, 0.5",
+                 "output points_every = 1  states_every = 1")
+        load, heat = "load name = 'p'  set = '{}top'  pressure = 1.0", "load temperature = -20.0  temperature_slope = 1.0, 2.0"
+        material = "young = 1000.0  poisson = 0.25  expansion = 1e-5"
+        groups = (SUPPORT, load.format(""), CONTACT, *steps)
+        stack = block("mesh name = 'b'  size = 4.0, 1.0  cells = 5, 2  origin = 0.0, 2.0",
+                      SUPPORT.replace("left", "a.left"), SUPPORT.replace("left", "b.left"), load.format("b."),
+                      "contact set = 'b.bottom'  against = 'a.top'  friction = 0.3", CONTACT.replace("bottom", "a.bottom"),
+                      *steps, mesh="name = 'a'  size = 4.0, 2.0  cells = 8, 4")
+        decks = [self.write(f"{name}.nml", text) for name, text in
+                 (("cold", block(*groups)), ("warm", block(*groups, heat, material=material)), ("stack", stack))]
+        for ranks in (1, 3):
+            self.run_command(launched(ranks, "--output", f"on_{ranks}", *SPREAD, *decks))
+            for verified in ([PROGRAM], launched(2)):
+                self.run_command([*verified, "--verify", f"on_{ranks}"])
+
 
 class OneProgram(RanksTest):
     """Whatever the number of ranks, rank 0 alone reads, prints and writes."""

@@ -113,6 +113,9 @@ contains
       real(dp), parameter :: out_of_reach = 1.0e3_dp
       ! A length that is longer than another one by this share is not longer.
       real(dp), parameter :: rounding = 1.0e-9_dp
+      ! What rounding leaves of gaps of surfaces that touch, over the coordinates: as an overlap it would press bodies
+      ! that nothing presses.
+      real(dp), parameter :: noise = 1.0e-14_dp
       real(dp) :: corners(2, 2), size_of_body
       integer :: p, i
 
@@ -129,6 +132,8 @@ contains
       load_case%is_in_reach = spread(.true., 1, zone%n_points)
       do p = 1, zone%n_points
          call measure_point(load_case, zone, p, contacts(zone%set(p)))
+         if (contacts(zone%set(p))%pairing%is_pair() .and. abs(load_case%gap(p)) <= noise*maxval(abs(corners))) &
+            load_case%gap(p) = 0.0_dp
          if (.not. load_case%is_in_reach(p)) load_case%gap(p) = out_of_reach*size_of_body
          if (-load_case%gap(p) > (1.0_dp + rounding)*extent(corners, zone%position(:, p), zone%normal(:, p))) then
             call new_error(error, input_refused, contacts(zone%set(p))%origin//'the body overlaps the obstacle by '// &
