@@ -92,6 +92,20 @@ contains
 
    end subroutine contact_columns
 
+   !> What rounding errors of the columns of a load history are measured by. Works and integrals have those of forces,
+   !> which are known to about 1e-10 of the largest one, where numbers agree to 1e-8 of their scale.
+   pure function scales_of_slips(length, forces) result(scales)
+      real(dp), intent(in) :: length !! the scale of displacements [L]
+      real(dp), intent(in) :: forces(:) !! forces on the points, then their pressures (3m) [F], [F/L^2]
+      real(dp) :: scales(size(slip_keys))
+      real(dp), parameter :: known_share = 1.0e-2_dp
+
+      associate (n => size(forces)/3*2)
+         scales = [length, length, known_share*length*[maxval(abs(forces(:n))), maxval(abs(forces(n + 1:)))], &
+            spread(0.0_dp, 1, size(slip_keys) - 4)]
+      end associate
+   end function scales_of_slips
+
    !> How many columns a load history adds.
    pure integer function n_slip_columns(result) result(n)
       type(result_t), intent(in) :: result !! the result

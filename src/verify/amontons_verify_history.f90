@@ -246,8 +246,8 @@ contains
             numbers(1) <= times(size(times)))) fault = 'the times do not ascend within the history'
       end associate
       if (len(fault) == 0 .and. .not. numbers(2) <= method%tolerance) fault = 'the residual is above the tolerance'
-      if (len(fault) == 0) call solve_again(next, fault, cache, model, method, result%walk%state, numbers(1))
-      if (len(fault) == 0) call follow_row(next, fault, stated%steps, row, cache, method, result%walk%state)
+      if (len(fault) == 0) call solve_as_stated(next, fault, stated%steps, row, cache, model, method, &
+         result%walk%state, numbers(1))
       if (len(fault) == 0) then
          call result%walk%note(model, next)
          result%walk%is_jump = .not. has_balance(next, model%history)
@@ -262,26 +262,28 @@ contains
       if (len(fault) > 0) call summary%faults%add(stated%steps%path//':'//to_text(row + 1), fault)
    end subroutine take_stated_step
 
-   !> Follows a row where the law leaves a step several answers.
-   subroutine follow_row(next, fault, steps, row, cache, method, before)
-      type(step_state_t), intent(inout) :: next !! the state at the end of the step
-      character(:), allocatable, intent(inout) :: fault !! gains what cannot be read
+   !> Solves a step again, and follows its row where the law leaves it several answers.
+   subroutine solve_as_stated(next, fault, steps, row, cache, model, method, before, time)
+      type(step_state_t), intent(out) :: next !! the state at the end of the step
+      character(:), allocatable, intent(inout) :: fault !! gains why there is none
       type(stated_table_t), intent(in) :: steps !! the table of steps
       integer, intent(in) :: row !! row of the step
-      type(cache_t), intent(in) :: cache !! the body, its contact problem that of the step
+      type(cache_t), intent(inout) :: cache !! the body, its contact problem left as that of the step
+      type(history_model_t), intent(in) :: model !! the history
       class(contact_method_t), intent(in) :: method !! the deck's method
       type(step_state_t), intent(in) :: before !! the state at its beginning
+      real(dp), intent(in) :: time !! the time that it leads to [-]
       real(dp) :: closing_loss
 
-      if (cache%body%zone%n_points == 0) return
       call steps%csv%get_number(row, steps%csv%column('closing_loss'), closing_loss, fault)
-      if (len(fault) > 0) return
+      if (len(fault) == 0) call solve_again(next, fault, cache, model, method, before, time)
+      if (len(fault) > 0 .or. cache%body%zone%n_points == 0) return
       associate (scales => scales_of(steps, cache, method, next))
          call follow_statuses(next, steps%csv%field(row, steps%csv%column('statuses')), cache%problem, cache%body, &
             scales)
          call follow_place(next, closing_loss, before, cache%body, scales)
       end associate
-   end subroutine follow_row
+   end subroutine solve_as_stated
 
    !> What counts as none in a step.
    pure type(law_scales_t) function scales_of(steps, cache, method, state) result(scales)
@@ -290,7 +292,8 @@ contains
       class(contact_method_t), intent(in) :: method !! the deck's method
       type(step_state_t), intent(in) :: state !! the state at its end
 
-      scales = step_scales(certificate_limit(method%tolerance), steps%largest(a_force), cache%problem, cache%body, state)
+      scales = step_scales(certificate_limit(method%tolerance), steps%largest(a_force), cache%problem, cache%body, &
+         state)
    end function scales_of
 
    !> Compares the next rows of a table with what they should be.
@@ -354,8 +357,8 @@ contains
       end if
       if (is_same) is_same = found%n_steps == walk%n_steps
       if (is_same) is_same = states_agree(found%state, walk%state, stated%steps%largest, hovers(walk%state, &
-         cache%body, scales_of(stated%steps, cache, method, walk%state))) .and. first_disagreement(found%watch%noted(), &
-         walk%watch%noted()) == 0
+         cache%body, scales_of(stated%steps, cache, method, walk%state))) .and. &
+         first_disagreement(found%watch%noted(), walk%watch%noted()) == 0
       if (.not. is_same) call summary%faults%add(stated%states%path//':'//to_text(stated%states%n_compared + 1), &
          'it is not the state of step '//to_text(walk%n_steps))
    end subroutine compare_state

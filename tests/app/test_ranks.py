@@ -137,13 +137,14 @@ class SameAnswers(RanksTest):
         # Before the first load nothing presses: rounding chooses statuses and slips, and where a warm body hovers.
         steps = ("history times = 0.0, 1.0, 2.0  substeps = 2", "steps load = 'p'  factor = 0.0, 1.0, 0.5",
                  "output points_every = 1  states_every = 1")
-        load, heat = "load name = 'p'  set = '{}top'  pressure = 1.0", "load temperature = -20.0  temperature_slope = 1.0, 2.0"
+        load = "load name = 'p'  set = '{}top'  pressure = 1.0"
+        heat = "load temperature = -20.0  temperature_slope = 1.0, 2.0"
         material = "young = 1000.0  poisson = 0.25  expansion = 1e-5"
         groups = (SUPPORT, load.format(""), CONTACT, *steps)
         stack = block("mesh name = 'b'  size = 4.0, 1.0  cells = 5, 2  origin = 0.0, 2.0",
                       SUPPORT.replace("left", "a.left"), SUPPORT.replace("left", "b.left"), load.format("b."),
-                      "contact set = 'b.bottom'  against = 'a.top'  friction = 0.3", CONTACT.replace("bottom", "a.bottom"),
-                      *steps, mesh="name = 'a'  size = 4.0, 2.0  cells = 8, 4")
+                      "contact set = 'b.bottom'  against = 'a.top'  friction = 0.3",
+                      CONTACT.replace("bottom", "a.bottom"), *steps, mesh="name = 'a'  size = 4.0, 2.0  cells = 8, 4")
         decks = [self.write(f"{name}.nml", text) for name, text in
                  (("cold", block(*groups)), ("warm", block(*groups, heat, material=material)), ("stack", stack))]
         for ranks in (1, 3):

@@ -132,9 +132,9 @@ contains
       load_case%is_in_reach = spread(.true., 1, zone%n_points)
       do p = 1, zone%n_points
          call measure_point(load_case, zone, p, contacts(zone%set(p)))
-         if (contacts(zone%set(p))%pairing%is_pair() .and. abs(load_case%gap(p)) <= noise*maxval(abs(corners))) &
-            load_case%gap(p) = 0.0_dp
          if (.not. load_case%is_in_reach(p)) load_case%gap(p) = out_of_reach*size_of_body
+         if (contacts(zone%set(p))%pairing%is_pair()) load_case%gap(p) = merge(load_case%gap(p), 0.0_dp, &
+            abs(load_case%gap(p)) > noise*maxval(abs(corners)))
          if (-load_case%gap(p) > (1.0_dp + rounding)*extent(corners, zone%position(:, p), zone%normal(:, p))) then
             call new_error(error, input_refused, contacts(zone%set(p))%origin//'the body overlaps the obstacle by '// &
                to_text(-load_case%gap(p))//' at '//place_text(zone%position(:, p))// &
