@@ -2,7 +2,9 @@
 # Solves the decks of a folder as a Slurm job array, one task of the array for each deck. With several ranks (--ntasks)
 # each deck is solved over them, by a program built with MPI.
 # Usage: sbatch --array=1-$(ls FOLDER/*.nml | wc -l) batch_slurm.sh FOLDER OUTPUT [PROGRAM-OPTION...]
-# Edit the lines below for your cluster. AMONTONS names the program; without it, it must be in the PATH.
+# Edit the lines below for your cluster. AMONTONS names the program; without it, it must be in the PATH. LAUNCHER starts
+# it on several ranks, e.g. 'srun --mpi=pmix'; without it, mpiexec does. What one rank needs, as
+# `mpiexec -n RANKS amontons --check` tells, must be below cpus-per-task times mem-per-cpu.
 #SBATCH --job-name=amontons
 #SBATCH --ntasks=1
 #SBATCH --cpus-per-task=2
@@ -24,6 +26,10 @@ if ((task < 1 || task > ${#decks[@]})); then
    exit 1
 fi
 launcher=()
-((${SLURM_NTASKS:-1} == 1)) || launcher=(mpiexec -n "$SLURM_NTASKS")
+if ((${SLURM_NTASKS:-1} > 1)); then
+   read -ra launcher <<<"${LAUNCHER:-mpiexec -n $SLURM_NTASKS}"
+   # Else Open MPI binds a rank with all its threads to one core; Slurm keeps a job on its own cores.
+   export OMPI_MCA_hwloc_base_binding_policy=none
+fi
 exec "${launcher[@]}" "${AMONTONS:-amontons}" --threads "${SLURM_CPUS_PER_TASK:-1}" \
    --output "$output" "$@" "${decks[task - 1]}"

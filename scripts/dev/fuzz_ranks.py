@@ -170,8 +170,9 @@ def worst_of(one, other):
 def scale_matters(column, columns, moved):
     """Whether a column is more than rounding beside its kind: shear beside pressure, one component beside the other."""
     own = max(map(abs, columns[column]), default=0.0)
-    if column == "wear_integral":
-        return own > 1e-6*moved*max(map(abs, columns["contact_pressure"]), default=0.0)
+    of_works = {"wear_integral": "contact_pressure", "dissipation": "normal_force"}
+    if column in of_works and "contact_pressure" in columns:
+        return own > 1e-6*moved*max(map(abs, columns[of_works[column]]), default=0.0)
     # Where a loose body without load is, rounding chooses on any factorization, and with it the work that closes it.
     if column == "closing_loss" or column == "work_loads" and is_closed_from_afar(columns):
         return False

@@ -77,7 +77,7 @@ contains
       integer, intent(in) :: n_positions !! number of positions
       integer, intent(in) :: n_ranks !! number of ranks
       ! What rank 0 holds besides over what a share costs, measured on two ranks and two million unknowns.
-      real(dp), parameter :: burden = 0.65_dp
+      real(dp), parameter :: burden = 0.57_dp
       integer :: n_own
 
       n_own = int(max(0.0_dp, 1.0_dp - burden*(n_ranks - 1))*n_positions/n_ranks)

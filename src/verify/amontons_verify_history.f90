@@ -247,7 +247,7 @@ contains
       end associate
       if (len(fault) == 0 .and. .not. numbers(2) <= method%tolerance) fault = 'the residual is above the tolerance'
       if (len(fault) == 0) call solve_as_stated(next, fault, stated%steps, row, cache, model, method, &
-         result%walk%state, numbers(1))
+         result%walk%state)
       if (len(fault) == 0) then
          call result%walk%note(model, next)
          result%walk%is_jump = .not. has_balance(next, model%history)
@@ -263,7 +263,7 @@ contains
    end subroutine take_stated_step
 
    !> Solves a step again, and follows its row where the law leaves it several answers.
-   subroutine solve_as_stated(next, fault, steps, row, cache, model, method, before, time)
+   subroutine solve_as_stated(next, fault, steps, row, cache, model, method, before)
       type(step_state_t), intent(out) :: next !! the state at the end of the step
       character(:), allocatable, intent(inout) :: fault !! gains why there is none
       type(stated_table_t), intent(in) :: steps !! the table of steps
@@ -272,9 +272,9 @@ contains
       type(history_model_t), intent(in) :: model !! the history
       class(contact_method_t), intent(in) :: method !! the deck's method
       type(step_state_t), intent(in) :: before !! the state at its beginning
-      real(dp), intent(in) :: time !! the time that it leads to [-]
-      real(dp) :: closing_loss
+      real(dp) :: time, closing_loss
 
+      call steps%csv%get_number(row, 2, time, fault)
       call steps%csv%get_number(row, steps%csv%column('closing_loss'), closing_loss, fault)
       if (len(fault) == 0) call solve_again(next, fault, cache, model, method, before, time)
       if (len(fault) > 0 .or. cache%body%zone%n_points == 0) return

@@ -170,6 +170,13 @@ class Batch(ProgramTest):
             self.assertEqual((self.directory / "launched").exists(), launched)
         self.assertEqual((self.directory / "launched").read_text(encoding="utf-8"), "-n 3\n")
         self.assertEqual(self.results(), results_of("one"))
+        # Another launcher, whose ranks are not bound to one core either.
+        self.write("srun", '#!/bin/sh\necho "$1 $2 $OMPI_MCA_hwloc_base_binding_policy" >launched\n'
+                           'shift 2\nexec "$@"\n')
+        (self.directory / "srun").chmod(0o755)
+        self.run_script("batch_slurm", "my decks", "out dir", "--quiet", SLURM_ARRAY_TASK_ID=2, SLURM_NTASKS=2,
+                        PATH=path, LAUNCHER="srun --mpi=pmix --exclusive")
+        self.assertEqual((self.directory / "launched").read_text(encoding="utf-8"), "--mpi=pmix --exclusive none\n")
 
 
 if __name__ == "__main__":
