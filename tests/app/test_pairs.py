@@ -263,6 +263,31 @@ class Pairs(ProgramTest):
         run = self.run_program("--quiet", *names, status=1)
         self.assertRegex(run.stderr, r"^two.nml:9: supports hold the slave 'a.bottom' at 0.25, 0.0: no shear could act")
 
+    def test_chain_of_three_bodies_through_a_history(self):
+        # The forces are those of a program of its own, with other elements, mortar integrals and friction law in Python;
+        # both agree to 2e-12, and the digits below end there. Slips of all steps are in the last one.
+        normal = [0.32415319399, 0.34908751213, 0.37684530833, 0.39467440725, 0.3531955484, 0.37459858604,
+                  0.1061708337, 0.53346888906, 0.72561778054, 0.55730891997, 0.14134210461]
+        tangential = [0.02246938719, 0.02265208546, 0.02702839123, 0.03046761769, 0.01124435967, 0.0374598586,
+                      0.01108435451, -0.01643261819, -0.04327714696, 0.06753050404, 0.015237764]
+        self.run_program("--quiet", self.write("case.nml", (
+            "&mesh name = 'a'  size = 2.0, 1.0  cells = 5, 2  origin = 0.5, 0.0 /\n"
+            "&mesh name = 'b'  size = 3.0, 1.0  cells = 4, 2  element = 'quad8'  origin = 0.0, -1.0 /\n"
+            "&mesh name = 'c'  size = 3.5, 1.0  cells = 6, 2  origin = 0.0, -2.0 /\n"
+            "&material region = 'a'  young = 100.0  poisson = 0.3 /\n"
+            "&material region = 'b'  young = 50.0  poisson = 0.2 /\n"
+            "&material region = 'c'  young = 200.0  poisson = 0.25 /\n"
+            "&support set = 'c.bottom'  ux = 0.0  uy = 0.0 /\n&support set = 'a.top'  uy = -0.03 /\n"
+            "&support name = 'pull'  set = 'a.top'  ux = 0.01 /\n"
+            "&support point = 3.0, -0.5  ux = 0.0  uy = 0.0 /\n&support point = 0.0, -0.5  uy = 0.0 /\n"
+            "&contact set = 'a.bottom'  against = 'b.top'  friction = 0.1 /\n"
+            "&contact set = 'b.bottom'  against = 'c.top'  friction = 0.15 /\n"
+            "&history times = 0.0, 1.0, 2.0, 3.0 /\n&steps support = 'pull'  factor = 0.0, 1.0, -0.5, 0.7 /\n")))
+        rows = sorted(self.rows(), key=lambda row: (row["pair"], float(row["x"])))
+        self.assert_close([float(row["normal_force"]) for row in rows], normal, 1e-9)
+        self.assert_close([float(row["tangential_force"]) for row in rows], tangential, 1e-9)
+        self.run_program("--verify", ".")
+
     def test_decks_that_agree_in_the_pairing_share_the_factorization(self):
         names = [self.write(f"{name}.nml", BODIES + CONTACT.replace("0.2", friction) + more)
                  for name, friction, more in (("one", "0.2", ""), ("two", "0.3", ""), ("three", "0.3", "&contact set = "
