@@ -264,8 +264,8 @@ class Pairs(ProgramTest):
         self.assertRegex(run.stderr, r"^two.nml:9: supports hold the slave 'a.bottom' at 0.25, 0.0: no shear could act")
 
     def test_chain_of_three_bodies_through_a_history(self):
-        # The forces are those of a program of its own, with other elements, mortar integrals and friction law in Python;
-        # both agree to 2e-12, and the digits below end there. Slips of all steps are in the last one.
+        # The forces are those of an independent program, its elements, mortar integrals and friction law written anew
+        # in Python; both agree to 2e-12. Slips of all steps are in the last one.
         normal = [0.32415319399, 0.34908751213, 0.37684530833, 0.39467440725, 0.3531955484, 0.37459858604,
                   0.1061708337, 0.53346888906, 0.72561778054, 0.55730891997, 0.14134210461]
         tangential = [0.02246938719, 0.02265208546, 0.02702839123, 0.03046761769, 0.01124435967, 0.0374598586,
