@@ -6,11 +6,12 @@ module amontons_outcome
    use amontons_listing_text, only: scientific
    use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, status_not_converged
+   use amontons_text, only: counted
    use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 
-   public :: judge, method_numbers, outcome_t
+   public :: judge, method_numbers, outcome_t, solution_line
 
    !> Exit status of a study that was interrupted; the same command goes on with it.
    integer, parameter, public :: status_interrupted = 5
@@ -30,6 +31,7 @@ module amontons_outcome
    contains
       procedure :: begin => outcome_begin
       procedure :: fail => outcome_fail
+      procedure :: interrupt => outcome_interrupt
       procedure :: judge => outcome_judge
    end type outcome_t
 
@@ -59,6 +61,16 @@ contains
       self%message = error%message
    end subroutine outcome_fail
 
+   !> Notes that the study was interrupted.
+   pure subroutine outcome_interrupt(self, place)
+      class(outcome_t), intent(inout) :: self !! the outcome
+      character(*), intent(in) :: place !! what it had come to: 'step 3'
+
+      self%status = status_interrupted
+      self%word = 'interrupted'
+      self%message = 'interrupted after '//place//'; the same command goes on from there'
+   end subroutine outcome_interrupt
+
    !> Takes over the judgment of a solution.
    pure subroutine outcome_judge(self, is_converged, residual, violation, tolerance)
       class(outcome_t), intent(inout) :: self !! the outcome
@@ -79,6 +91,16 @@ contains
       numbers = [quantity_t('iterations', '', real(solution%n_iterations, dp)), &
          quantity_t('residual', '', solution%residual)]
    end function method_numbers
+
+   !> The beginning of the line on the result of a case: whether it was solved, and how.
+   pure function solution_line(name, solution) result(text)
+      character(*), intent(in) :: name !! name of the case
+      type(contact_solution_t), intent(in) :: solution !! the solution
+      character(:), allocatable :: text
+
+      text = name//': '//trim(merge('solved       ', 'NOT CONVERGED', solution%is_converged))//', '// &
+         counted(solution%n_iterations, 'iteration')//', residual '//scientific(solution%residual)
+   end function solution_line
 
    !> Judges a solution: exit status, and what it lacks.
    pure subroutine judge(is_converged, residual, violation, tolerance, status, fault)

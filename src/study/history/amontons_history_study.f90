@@ -8,7 +8,7 @@ module amontons_history_study
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing_text, only: scientific, short_text
-   use amontons_outcome, only: outcome_t, status_interrupted
+   use amontons_outcome, only: outcome_t
    use amontons_quantity, only: quantity_t
    use amontons_report, only: write_report
    use amontons_result, only: status_not_converged
@@ -58,10 +58,7 @@ contains
       call solve_history(cache, self%config, options%directory, monitor, result, error)
       if (allocated(error)) return
       if (result%is_interrupted) then
-         outcome%status = status_interrupted
-         outcome%word = 'interrupted'
-         outcome%message = 'interrupted after step '//to_text(result%walk%n_steps)//'; the same command goes on'// &
-            ' from there'
+         call outcome%interrupt('step '//to_text(result%walk%n_steps))
          return
       end if
       if (len(result%walk%fault) > 0) then

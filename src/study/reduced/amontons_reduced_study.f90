@@ -1,15 +1,14 @@
 !> The study of a reduced problem that another program, or an earlier run, has written.
 module amontons_reduced_study
    use amontons_error, only: error_t
-   use amontons_listing_text, only: scientific
-   use amontons_outcome, only: method_numbers, outcome_t
+   use amontons_outcome, only: method_numbers, outcome_t, solution_line
    use amontons_reduced_file, only: write_reduced_file
    use amontons_reduced_report, only: write_reduced_report
    use amontons_solve_case, only: cache_t
    use amontons_solve_reduced, only: find_reduced_solutions, prepare_reduced, reduced_result_t, solve_reduced
    use amontons_study, only: study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_text, only: counted, to_text
+   use amontons_text, only: to_text
    use amontons_timings, only: phase_solve, phase_write
    implicit none (type, external)
    private
@@ -56,7 +55,8 @@ contains
       if (.not. allocated(error)) call add_extras(self%config%name, options, result, error)
       if (.not. allocated(error)) call write_reduced_report(options%directory, self%config, result, error)
       if (allocated(error)) return
-      outcome%text = solved_text(self%config%name, result)
+      outcome%text = solution_line(self%config%name, result%solution)//'; '// &
+         to_text(result%system%n_contacts)//' contacts'
       outcome%warnings = result%warnings
       outcome%numbers = method_numbers(result%solution)
       call outcome%judge(result%solution%is_converged, result%solution%residual, result%check%largest(), &
@@ -84,17 +84,5 @@ contains
          call result%timings%begin(phase_write)
       end if
    end subroutine add_extras
-
-   !> The line on the result of a reduced problem.
-   pure function solved_text(name, result) result(text)
-      character(*), intent(in) :: name !! name of the case
-      type(reduced_result_t), intent(in) :: result !! the result
-      character(:), allocatable :: text
-
-      text = name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
-         counted(result%solution%n_iterations, 'iteration')//', residual '// &
-            scientific(result%solution%residual)//'; '// &
-         to_text(result%system%n_contacts)//' contacts'
-   end function solved_text
 
 end module amontons_reduced_study

@@ -9,8 +9,8 @@ module amontons_single_study
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing_parts, only: closed_text
-   use amontons_listing_text, only: scientific, short_text
-   use amontons_outcome, only: method_numbers, outcome_t
+   use amontons_listing_text, only: short_text
+   use amontons_outcome, only: method_numbers, outcome_t, solution_line
    use amontons_quantity, only: value_of
    use amontons_reduced_file, only: write_reduced_file
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
@@ -19,7 +19,6 @@ module amontons_single_study
    use amontons_solve_case, only: cache_t, solve_case
    use amontons_study, only: study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_text, only: counted
    use amontons_timings, only: phase_solve, phase_write
    use amontons_units, only: with_unit
    implicit none (type, external)
@@ -136,8 +135,7 @@ contains
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
-      text = name//': '//trim(merge('solved       ', 'NOT CONVERGED', result%solution%is_converged))//', '// &
-         counted(result%solution%n_iterations, 'iteration')//', residual '//scientific(result%solution%residual)
+      text = solution_line(name, result%solution)
       if (size(result%solution%status) == 0) then
          text = text//'; no contact set, largest von Mises stress '// &
             number('max_von_mises', 'F/L^2')//', displacement '//number('max_displacement', 'L')

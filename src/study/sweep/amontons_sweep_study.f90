@@ -6,7 +6,7 @@ module amontons_sweep_study
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_listing_text, only: scientific
-   use amontons_outcome, only: outcome_t, status_interrupted
+   use amontons_outcome, only: outcome_t
    use amontons_quantity, only: quantity_t
    use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t
@@ -60,10 +60,8 @@ contains
       call solve_sweep(cache, self%config, options%directory, monitor, result, error)
       if (allocated(error)) return
       if (result%is_interrupted) then
-         outcome%status = status_interrupted
-         outcome%word = 'interrupted'
-         outcome%message = 'interrupted after '//to_text(result%statistics%n_cases)//' of '// &
-            to_text(self%config%sweep%n_cases())//' cases; the same command goes on from there'
+         call outcome%interrupt(to_text(result%statistics%n_cases)//' of '// &
+            to_text(self%config%sweep%n_cases())//' cases')
          return
       end if
       call write_sweep_report(options%directory, self%config, cache%body, result, error)
