@@ -171,11 +171,11 @@ contains
          call read_integer(value, n_refinements, ok)
          ok = ok .and. n_refinements > 1
          if (ok) call new_setting(setting, 'accuracy.refinements='//value, error)
-         if (ok) call append_setting(command_line%settings, setting)
+         if (ok) command_line%settings = [command_line%settings, setting]
       case ('--set')
          call new_setting(setting, value, error)
          if (allocated(error)) error%message = 'amontons: --set: '//error%message
-         if (.not. allocated(error)) call append_setting(command_line%settings, setting)
+         if (.not. allocated(error)) command_line%settings = [command_line%settings, setting]
          return
       case default
          expected = 'a number of at least 1'
@@ -202,18 +202,6 @@ contains
          text = '; try amontons --help'
       end if
    end function suggestion
-
-   !> Appends a setting to a list.
-   pure subroutine append_setting(list, setting)
-      type(setting_t), allocatable, intent(inout) :: list(:) !! the list
-      type(setting_t), intent(in) :: setting !! the setting
-      type(setting_t), allocatable :: longer(:)
-
-      allocate (longer(size(list) + 1))
-      longer(:size(list)) = list
-      longer(size(longer)) = setting
-      call move_alloc(longer, list)
-   end subroutine append_setting
 
    !> Appends a word to a list.
    pure subroutine append_argument(list, word)

@@ -59,17 +59,12 @@ module amontons_deck_contents
 
 contains
 
-   !> Appends a group to the deck.
+   !> Appends a group to the deck. A full list doubles its length: what stands in the second half means nothing yet.
    subroutine append_group(contents, group)
       type(deck_contents_t), intent(inout) :: contents !! the deck
       type(deck_group_t), intent(in) :: group !! the group
-      type(deck_group_t), allocatable :: longer(:)
 
-      if (contents%n_groups == size(contents%groups)) then
-         allocate (longer(2*contents%n_groups))
-         longer(:contents%n_groups) = contents%groups
-         call move_alloc(longer, contents%groups)
-      end if
+      if (contents%n_groups == size(contents%groups)) contents%groups = [contents%groups, contents%groups]
       contents%n_groups = contents%n_groups + 1
       contents%groups(contents%n_groups) = group
    end subroutine append_group
@@ -78,13 +73,8 @@ contains
    subroutine append_assignment(contents, assignment)
       type(deck_contents_t), intent(inout) :: contents !! the deck
       type(deck_assignment_t), intent(in) :: assignment !! the assignment
-      type(deck_assignment_t), allocatable :: longer(:)
 
-      if (contents%n_assignments == size(contents%assignments)) then
-         allocate (longer(2*contents%n_assignments))
-         longer(:contents%n_assignments) = contents%assignments
-         call move_alloc(longer, contents%assignments)
-      end if
+      if (contents%n_assignments == size(contents%assignments)) contents%assignments = [contents%assignments, contents%assignments]
       contents%n_assignments = contents%n_assignments + 1
       contents%assignments(contents%n_assignments) = assignment
    end subroutine append_assignment
@@ -93,13 +83,8 @@ contains
    subroutine append_value(contents, value)
       type(deck_contents_t), intent(inout) :: contents !! the deck
       type(deck_value_t), intent(in) :: value !! the value
-      type(deck_value_t), allocatable :: longer(:)
 
-      if (contents%n_values == size(contents%values)) then
-         allocate (longer(2*contents%n_values))
-         longer(:contents%n_values) = contents%values
-         call move_alloc(longer, contents%values)
-      end if
+      if (contents%n_values == size(contents%values)) contents%values = [contents%values, contents%values]
       contents%n_values = contents%n_values + 1
       contents%values(contents%n_values) = value
    end subroutine append_value

@@ -61,19 +61,16 @@ contains
       type(setting_t), allocatable, intent(out) :: settings(:) !! the settings
       character(*), intent(in) :: text !! the lines
       type(error_t), allocatable, intent(out) :: error !! one has not the form of a setting
-      type(setting_t), allocatable :: longer(:)
-      integer :: first, last, n
+      type(setting_t) :: setting
+      integer :: first, last
 
       allocate (settings(0))
       first = 1
       do while (first <= len(text))
          last = line_end(text, first)
-         n = size(settings)
-         allocate (longer(n + 1))
-         longer(:n) = settings
-         call new_setting(longer(n + 1), text(first:last), error)
-         call move_alloc(longer, settings)
+         call new_setting(setting, text(first:last), error)
          if (allocated(error)) return
+         settings = [settings, setting]
          first = last + 2
       end do
    end subroutine read_settings

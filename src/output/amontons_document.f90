@@ -53,14 +53,9 @@ contains
       class(document_t), intent(inout) :: document !! the document
       character(*), intent(in) :: text !! its lines
       logical, intent(in) :: is_recorded !! whether only the run that wrote it knows it
-      type(part_t), allocatable :: longer(:)
 
       if (.not. allocated(document%parts)) allocate (document%parts(16))
-      if (document%n == size(document%parts)) then
-         allocate (longer(2*document%n))
-         longer(:document%n) = document%parts
-         call move_alloc(longer, document%parts)
-      end if
+      if (document%n == size(document%parts)) document%parts = [document%parts, document%parts]
       document%n = document%n + 1
       document%parts(document%n)%text = text
       document%parts(document%n)%is_recorded = is_recorded

@@ -138,19 +138,9 @@ contains
       character(*), intent(in) :: name !! name of the file in it
       integer(int64), intent(in) :: n_bytes !! its size
       integer(int64), intent(in) :: checksum !! its checksum
-      type(manifest_file_t), allocatable :: longer(:)
-      integer :: i
 
       if (.not. allocated(self%files)) allocate (self%files(8))
-      if (self%n == size(self%files)) then
-         allocate (longer(2*self%n))
-         do i = 1, self%n
-            longer(i)%n_bytes = self%files(i)%n_bytes
-            longer(i)%checksum = self%files(i)%checksum
-            call move_alloc(self%files(i)%name, longer(i)%name)
-         end do
-         call move_alloc(longer, self%files)
-      end if
+      if (self%n == size(self%files)) self%files = [self%files, self%files]
       self%n = self%n + 1
       self%files(self%n)%name = name
       self%files(self%n)%n_bytes = n_bytes

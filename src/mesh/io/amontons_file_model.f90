@@ -115,14 +115,9 @@ contains
    pure subroutine file_model_add_support(self, support)
       class(file_model_t), intent(inout) :: self !! the model
       type(file_support_t), intent(in) :: support !! the support
-      type(file_support_t), allocatable :: longer(:)
 
       if (.not. allocated(self%supports)) allocate (self%supports(4))
-      if (self%n_supports == size(self%supports)) then
-         allocate (longer(2*self%n_supports))
-         longer(:self%n_supports) = self%supports
-         call move_alloc(longer, self%supports)
-      end if
+      if (self%n_supports == size(self%supports)) self%supports = [self%supports, self%supports]
       self%n_supports = self%n_supports + 1
       self%supports(self%n_supports) = support
    end subroutine file_model_add_support
@@ -131,14 +126,9 @@ contains
    pure subroutine file_model_add_load(self, load)
       class(file_model_t), intent(inout) :: self !! the model
       type(file_load_t), intent(in) :: load !! the load
-      type(file_load_t), allocatable :: longer(:)
 
       if (.not. allocated(self%loads)) allocate (self%loads(4))
-      if (self%n_loads == size(self%loads)) then
-         allocate (longer(2*self%n_loads))
-         longer(:self%n_loads) = self%loads
-         call move_alloc(longer, self%loads)
-      end if
+      if (self%n_loads == size(self%loads)) self%loads = [self%loads, self%loads]
       self%n_loads = self%n_loads + 1
       self%loads(self%n_loads) = load
    end subroutine file_model_add_load
