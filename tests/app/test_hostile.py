@@ -28,7 +28,6 @@ def on_mesh(file):
 
 class HostileTest(ProgramTest):
     """Runs the program under a limit on processor time and memory."""
-    timeout = 200  # seconds, where other programs hold the machine
 
     def refuse(self, name, content, *messages, arguments=None, status=1):
         """Checks that a file is refused with messages, which stand behind its name."""
