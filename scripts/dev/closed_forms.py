@@ -305,10 +305,85 @@ def partial_slip():
                    "max_contact_shear": friction*peak*math.sqrt(1 - (stick/half)**2)}, (4, 5, 6, 7))
 
 
+def quartic():
+    """Half of a block on the crest x^4/400; the pressure is largest at x = 1/sqrt(2) (section 5.3)."""
+    height = 1/400
+    places = (-30, -20, -12, -8, *(i*0.002 - 5 for i in range(5001)), 8, 12, 20, 30)
+    return half_block(1.5*math.pi*MODULUS*height/2, "obstacle = 'polyline'",
+                      {"contact_width": 1.0, "max_contact_pressure": math.sqrt(2)*MODULUS*height},
+                      "".join(f"{x!r}, {-height*x**4!r}\n" for x in places))
+
+
+def tilted_punch():
+    """A block on a flat punch of the half width 1 that is tilted by 1/1000 and touches with all of its width
+    (section 2.8)."""
+    force, tilt = 0.01*MODULUS, 0.001
+    return Rectangle((24.0, 24.0), ("support set = 'left'  ux = 0.0", "support set = 'right'  ux = 0.0",
+                     f"load set = 'top'  pressure = {force/24.0}", "contact set = 'bottom'  obstacle = 'polyline'"),
+                     {"contact_width": 2.0, "contact_centroid_x": math.pi*MODULUS*tilt/(4*force)},
+                     (23, 31, 36, 43, 48), f"-1.001, -9.0\n-1.0, {-tilt}\n1.0, {tilt}\n1.001, -9.0\n", -12.0)
+
+
+def ring():
+    """A quarter of a tube under internal pressure."""
+    inner, outer = 1.0, 2.0
+    ratio = (outer**2 + inner**2)/(outer**2 - inner**2)
+    axial = POISSON*(ratio - 1)
+    vectors = (-1 - ratio, ratio - axial, axial + 1)
+    moved = (1 + POISSON)/YOUNG/(outer**2 - inner**2)*((1 - 2*POISSON)*inner**2 + outer**2)
+    return Mapped(lambda element, n: {"ring": mapped_mesh((n, 5*n), element, sector(inner, outer, math.pi/2))},
+                  ("support set = 'bottom'  uy = 0.0", "support set = 'top'  ux = 0.0",
+                   "load set = 'left'  pressure = 1.0"),
+                  {"max_von_mises": math.sqrt(0.5*sum(x*x for x in vectors)), "max_displacement": moved,
+                   "strain_energy": math.pi/4*moved}, (2, 3, 4, 5))
+
+
+def hole():
+    """A quarter of a plate with a small hole under tension (Kirsch)."""
+    def move(s, t):
+        angle = math.pi/2*(1 - s)
+        far = 60/max(math.cos(angle), math.sin(angle))
+        radius = 1 + (far - 1)*(60.0**t - 1)/59
+        return radius*math.cos(angle), radius*math.sin(angle)
+
+    return Mapped(lambda element, n: {"plate": mapped_mesh((2*n, 2*n + 1), element, move, n)},
+                  ("support set = 'right'  uy = 0.0", "support set = 'left'  ux = 0.0",
+                   "load set = 'pressed'  traction = 0.0, 1.0"), {"max_von_mises": 3.0}, (2, 3, 4, 5),
+                  hypothesis="plane stress")
+
+
+def bending():
+    """A beam in pure bending."""
+    half, length = 0.5, 3.0
+    return Rectangle((length, 2*half), (
+        "support set = 'left'  ux = 0.0", "support point = 0.0, 0.0  uy = 0.0",
+        f"load set = 'right'  traction = {-half}, 0.0  traction_slope = 0.0, 0.0, 1.0, 0.0"),
+                     {"max_displacement": math.hypot(half*length, 0.5*length**2)/YOUNG, "max_von_mises": half,
+                      "strain_energy": half**3*length/(3*YOUNG)}, (6, 8, 10, 14, 18), hypothesis="plane stress")
+
+
+def rings():
+    """A quarter of a tube shrunk on another one (Timoshenko and Goodier, article 28)."""
+    inner, middle, outer, excess = 1.0, 1.5, 2.5, 0.001
+    compliance = sum((b**2 + a**2)/(b**2 - a**2) for a, b in ((inner, middle), (middle, outer)))
+    pressure = excess*YOUNG/(middle*compliance)
+
+    def make(element, n):
+        return {"shaft": mapped_mesh((n, 5*n), element, sector(inner, middle, math.pi/2)),
+                "hub": mapped_mesh((n, 4*n + 1), element, sector(middle, outer, math.pi/2))}
+
+    sides = tuple(f"support set = '{body}.{side} = 0.0" for body in ("shaft", "hub")
+                  for side in ("bottom'  uy", "top'  ux"))
+    return Mapped(make, (*sides, f"contact set = 'shaft.right'  against = 'hub.left'  extra_gap = {-excess}"),
+                  {"max_contact_pressure": pressure}, (2, 3, 4, 5),
+                  hypothesis="plane stress")
+
+
 PROBLEMS = {"wave_08": wave(0.08), "wave_20": wave(0.2), "wave_45": wave(0.45), "wave_80": wave(0.8),
             "wave_150": wave(1.5), "wave_pair_30": wave_pair(0.3), "wave_pair_150": wave_pair(1.5),
             "cylinder": cylinder(), "whole_cylinder": whole_cylinder(), "wedge": wedge(),
             "rounded_punch": rounded_punch(), "sphere": sphere(), "cone": cone(), "tube": tube(), "disc": disc(),
             "spinning_tube": spinning_tube(), "receding_rigid": receding(0.0, ELEMENTS),
             "receding_equal": receding(1.0, ELEMENTS), "receding_soft": receding(4.0, ELEMENTS),
-            "partial_slip": partial_slip()}
+            "partial_slip": partial_slip(), "quartic": quartic(), "tilted_punch": tilted_punch(), "ring": ring(),
+            "hole": hole(), "bending": bending(), "rings": rings()}

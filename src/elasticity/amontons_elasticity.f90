@@ -61,17 +61,34 @@ contains
          do i = 1, geometry%n_nodes
             geometry%position(:, point) = geometry%position(:, point) + geometry%values(i, point)*x(:, i)
          end do
-         if (geometry%kind == tri3 .and. point > 1) then
+         if (geometry%kind /= tri3) then
+            call evaluate_jacobian(geometry, x, point, determinant)
+         else if (point == 1) then
+            call find_triangle_gradients(geometry%gradient(:, :3, 1), determinant, x(:, :3))
+         else
             ! The Jacobian of a straight triangle is the same at every point.
             geometry%gradient(:, :3, point) = geometry%gradient(:, :3, 1)
-         else
-            call evaluate_jacobian(geometry, x, point, determinant)
          end if
          geometry%volume(point) = geometry%weight(point)*determinant*material%depth(geometry%position(1, point))
       end do
       geometry%has_mean_dilatation = material%has_mean_dilatation .and. geometry%kind == quad4
       if (geometry%has_mean_dilatation) call average_dilatation(geometry, mesh, element, material)
    end subroutine new_element_geometry
+
+   !> Evaluates the gradients of the shape functions of a straight triangle, the same at every point.
+   pure subroutine find_triangle_gradients(gradient, determinant, x)
+      real(dp), intent(out) :: gradient(2, 3) !! gradient of the function of each corner [1/L]
+      real(dp), intent(out) :: determinant !! determinant of the Jacobian: twice the area [L^2]
+      real(dp), intent(in) :: x(2, 3) !! coordinates of the corners [L]
+      real(dp) :: a(2), b(2)
+
+      a = x(:, 2) - x(:, 1)
+      b = x(:, 3) - x(:, 1)
+      determinant = a(1)*b(2) - a(2)*b(1)
+      gradient(:, 2) = [b(2), -b(1)]/determinant
+      gradient(:, 3) = [-a(2), a(1)]/determinant
+      gradient(:, 1) = -gradient(:, 2) - gradient(:, 3)
+   end subroutine find_triangle_gradients
 
    !> Evaluates the determinant of the Jacobian at a point, and the gradients of the shape functions.
    pure subroutine evaluate_jacobian(geometry, x, point, determinant)

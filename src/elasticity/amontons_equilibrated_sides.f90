@@ -17,7 +17,7 @@ module amontons_equilibrated_sides
    implicit none (type, external)
    private
 
-   public :: element_forces_t, find_element_forces, find_side_moments, next, outward
+   public :: element_forces_t, find_element_forces, find_side_moments, next
 
    !> The corner after each corner of a triangle.
    integer, parameter :: next(3) = [2, 3, 1]
@@ -25,7 +25,8 @@ module amontons_equilibrated_sides
    !> The forces inside an element: what its sides must balance.
    type :: element_forces_t
       real(dp) :: depth = 1.0_dp !! its depth [L]
-      real(dp) :: stress(3) = 0.0_dp !! mean stress xx, yy, xy times the depth [F/L]
+      real(dp) :: side(2, 3) = 0.0_dp !! force of its mean stress on each side [F]
+      real(dp) :: weight(3) = 1.0_dp !! its area over the square of each side's length [-]
       real(dp) :: load(2) = 0.0_dp !! load in the element, shared by its corners alike [F]
       real(dp) :: solved(3) = 0.0_dp !! mean stress xx, yy, xy of the displacements to be judged [F/L^2]
    end type element_forces_t
@@ -43,12 +44,12 @@ contains
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
       type(element_geometry_t) :: geometry
-      real(dp) :: stress(4)
-      integer :: i
+      real(dp) :: stress(4), along(2)
+      integer :: i, k
 
       allocate (forces(mesh%n_elements))
       !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
-      !$omp firstprivate(geometry) private(stress) &
+      !$omp firstprivate(geometry) private(stress, along, k) &
       !$omp shared(forces, mesh, materials, body_force, displacement, judged, thermal_strain)
       do i = 1, mesh%n_elements
          associate (material => materials%list(materials%of_element(i)))
@@ -57,7 +58,12 @@ contains
                thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
             stress = element_stress(geometry, material, displacement, 1)
             forces(i)%depth = material%thickness
-            forces(i)%stress = material%thickness*stress(:3)
+            do k = 1, 3
+               along = mesh%coordinates(:, geometry%node(next(k))) - mesh%coordinates(:, geometry%node(k))
+               forces(i)%side(:, k) = material%thickness &
+                  *[stress(1)*along(2) - stress(3)*along(1), stress(3)*along(2) - stress(2)*along(1)]
+               forces(i)%weight(k) = geometry%volume(1)/(material%thickness*(along(1)**2 + along(2)**2))
+            end do
             stress = element_stress(geometry, material, judged, 1)
             forces(i)%solved = stress(:3)
             forces(i)%load = geometry%volume(1)*body_force(:, i)
@@ -77,115 +83,125 @@ contains
       type(known_tractions_t), intent(in) :: tractions !! the tractions on the boundary
       type(element_forces_t), intent(in) :: forces(:) !! the forces inside the elements, from `find_element_forces`
       type(incidence_t) :: incidence
-      real(dp) :: missing
+      real(dp) :: squares(2)
       integer :: node
 
       call new_incidence(incidence, mesh)
       allocate (moment(2, 2, 3, mesh%n_elements))
-      missing = 0.0_dp
+      squares = 0.0_dp
       !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
-      !$omp shared(moment, mesh, constraints, tractions, forces, incidence) reduction(+: missing)
+      !$omp shared(moment, mesh, constraints, tractions, forces, incidence) reduction(+: squares)
       do node = 1, mesh%n_nodes
-         call balance_node(moment, missing, mesh, constraints, tractions, forces, &
-            incidence%element(incidence%start(node):incidence%start(node + 1) - 1), node)
+         call balance_node(moment, squares, mesh, constraints, tractions, forces, &
+            incidence%corner(incidence%start(node):incidence%start(node + 1) - 1), &
+            incidence%element(incidence%start(node):incidence%start(node + 1) - 1))
       end do
       !$omp end parallel do
-      imbalance = sqrt(missing/max(sum(moment**2), tiny(1.0_dp)))
+      imbalance = sqrt(squares(1)/max(squares(2), tiny(1.0_dp)))
    end subroutine find_side_moments
 
    !> Finds the moments at a node: of one fan of elements after the other, where several meet there.
-   pure subroutine balance_node(moment, missing, mesh, constraints, tractions, forces, elements, node)
+   pure subroutine balance_node(moment, squares, mesh, constraints, tractions, forces, place, elements)
       real(dp), intent(inout) :: moment(:, :, :, :) !! as in `find_side_moments` [F]
-      real(dp), intent(inout) :: missing !! gains the square of what is missing to equilibrium [F^2]
+      real(dp), intent(inout) :: squares(2) !! gains those of what is missing to equilibrium, and of the moments [F^2]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
       type(known_tractions_t), intent(in) :: tractions !! the tractions on the boundary
       type(element_forces_t), intent(in) :: forces(:) !! the forces inside the elements
-      integer, intent(in) :: elements(:) !! the elements at the node
-      integer, intent(in) :: node !! the node
-      integer :: after(size(elements)), before(size(elements)), fan(size(elements))
+      integer, intent(in) :: place(:) !! the node's place in each of its elements, as in `node` of the mesh
+      integer, intent(in) :: elements(:) !! the elements
+      integer, dimension(size(elements)) :: after, before, corner
+      integer :: fan(2, size(elements))
       logical :: is_left(size(elements))
-      integer :: i, n
+      integer :: begin, i, k, n_left, n
 
       do i = 1, size(elements)
          associate (nodes => mesh%node(mesh%node_start(elements(i)):mesh%node_start(elements(i)) + 2))
-            n = findloc(nodes, node, dim=1)
-            after(i) = nodes(next(n))
-            before(i) = nodes(next(next(n)))
+            corner(i) = place(i) - mesh%node_start(elements(i)) + 1
+            after(i) = nodes(next(corner(i)))
+            before(i) = nodes(next(next(corner(i))))
          end associate
       end do
       is_left = .true.
-      do while (any(is_left))
-         ! A fan at the boundary begins where no element precedes; one around an inner node anywhere.
-         do i = 1, size(elements)
-            if (is_left(i) .and. all(before /= after(i))) exit
-         end do
-         if (i > size(elements)) i = findloc(is_left, .true., dim=1)
+      n_left = size(elements)
+      do while (n_left > 0)
+         begin = first_of_fan(after, before, is_left)
+         i = begin
          n = 0
          do while (i > 0)
             n = n + 1
-            fan(n) = i
+            fan(:, n) = [elements(i), corner(i)]
             is_left(i) = .false.
-            i = findloc(after == before(i) .and. is_left, .true., dim=1)
+            n_left = n_left - 1
+            k = i
+            do i = size(elements), 1, -1
+               if (after(i) == before(k) .and. is_left(i)) exit
+            end do
          end do
-         call balance_fan(moment, missing, mesh, constraints, tractions, forces, elements(fan(:n)), node)
+         call balance_fan(moment, squares, constraints, tractions, forces, fan(:, :n), mesh%node(place(1)), &
+            before(k) == after(begin))
       end do
    end subroutine balance_node
 
+   !> The first element of a fan: one at the boundary begins where no element precedes, one around an inner node
+   !> anywhere.
+   pure integer function first_of_fan(after, before, is_left) result(first)
+      integer, intent(in) :: after(:) !! the corner behind the node in each element
+      integer, intent(in) :: before(:) !! the corner before it
+      logical, intent(in) :: is_left(:) !! which elements are in no fan yet; one at the least is
+      integer :: i, k
+
+      first = 0
+      do i = size(after), 1, -1
+         if (.not. is_left(i)) cycle
+         first = i
+         do k = 1, size(after)
+            if (before(k) == after(i)) exit
+         end do
+         if (k > size(after)) return
+      end do
+   end function first_of_fan
+
    !> Finds the moments at the node of a fan of elements, which follow each other counter-clockwise.
-   pure subroutine balance_fan(moment, missing, mesh, constraints, tractions, forces, elements, node)
+   pure subroutine balance_fan(moment, squares, constraints, tractions, forces, fan, node, is_closed)
       real(dp), intent(inout) :: moment(:, :, :, :) !! as in `find_side_moments` [F]
-      real(dp), intent(inout) :: missing !! gains the square of what is missing to equilibrium [F^2]
-      type(mesh_t), intent(in) :: mesh !! the mesh
+      real(dp), intent(inout) :: squares(2) !! gains those of what is missing to equilibrium, and of the moments [F^2]
       type(constraints_t), intent(in) :: constraints !! the supports
       type(known_tractions_t), intent(in) :: tractions !! the tractions on the boundary
       type(element_forces_t), intent(in) :: forces(:) !! the forces inside the elements
-      integer, intent(in) :: elements(:) !! the elements
+      integer, intent(in) :: fan(:, :) !! the elements, and which corner of each the node is (2, elements)
       integer, intent(in) :: node !! the node
-      real(dp) :: sum_to(2, 0:size(elements)), wanted(2, 0:size(elements)), weight(0:size(elements))
-      real(dp) :: x(2, 3), first(2), area
-      integer :: corner(size(elements)), nodes(3, size(elements)), i, n
-      logical :: is_closed
+      logical, intent(in) :: is_closed !! whether the last element meets the first
+      real(dp) :: sum_to(2, 0:size(fan, 2)), missed(2), first(2), weight, of_weights
+      integer :: i, n
 
-      n = size(elements)
+      n = size(fan, 2)
       sum_to(:, 0) = 0.0_dp
-      weight = 0.0_dp
+      missed = 0.0_dp
+      of_weights = 0.0_dp
+      ! Each element asks for the moments of its own stress on the side behind it and on the one before it.
       do i = 1, n
-         nodes(:, i) = mesh%node(mesh%node_start(elements(i)):mesh%node_start(elements(i)) + 2)
-         corner(i) = findloc(nodes(:, i), node, dim=1)
-         x = mesh%coordinates(:, nodes(:, i))
-         associate (element => elements(i), a => next(corner(i)), b => next(next(corner(i))))
-            sum_to(:, i) = sum_to(:, i - 1) + 0.5_dp*stress_times(forces(element)%stress, outward(x(:, a) - x(:, b))) &
-               - forces(element)%load/3.0_dp
-            ! What the element's own stress makes of the side behind it and of the one before it.
-            wanted(:, i) = 0.5_dp*stress_times(forces(element)%stress, outward(x(:, corner(i)) - x(:, b)))
-            first = -0.5_dp*stress_times(forces(element)%stress, outward(x(:, a) - x(:, corner(i))))
-            area = dot_product(x(:, a) - x(:, corner(i)), outward(x(:, b) - x(:, corner(i))))
-            weight(i - 1) = weight(i - 1) + area/sum((x(:, a) - x(:, corner(i)))**2)
-            weight(i) = area/sum((x(:, b) - x(:, corner(i)))**2)
+         associate (own => forces(fan(1, i)), c => fan(2, i), a => next(fan(2, i)), b => next(next(fan(2, i))))
+            sum_to(:, i) = sum_to(:, i - 1) - 0.5_dp*own%side(:, a) - own%load/3.0_dp
+            weight = own%weight(c)
+            missed = missed - weight*(0.5_dp*own%side(:, c) + sum_to(:, i - 1))
+            of_weights = of_weights + weight
+            weight = own%weight(b)
+            missed = missed + weight*(0.5_dp*own%side(:, b) - sum_to(:, i))
+            of_weights = of_weights + weight
          end associate
-         if (i == 1) then
-            wanted(:, 0) = first
-         else
-            wanted(:, i - 1) = 0.5_dp*(wanted(:, i - 1) + first)
-         end if
       end do
-      is_closed = nodes(next(next(corner(n))), n) == nodes(next(corner(1)), 1)
+      first = missed/of_weights
       if (is_closed) then
-         wanted(:, n) = 0.5_dp*(wanted(:, n) + wanted(:, 0))
-         weight(n) = weight(n) + weight(0)
-         weight(0) = 0.0_dp
-      end if
-      first = matmul(wanted - sum_to, weight)/sum(weight)
-      if (is_closed) then
-         missing = missing + sum(sum_to(:, n)**2)
+         squares(1) = squares(1) + sum(sum_to(:, n)**2)
       else
-         call keep_boundary(first, missing, constraints, forces, sum_to(:, n), node, &
-            tractions%at(elements(1), corner(1)), tractions%at(elements(n), next(next(corner(n)))))
+         call keep_boundary(first, squares(1), constraints, forces, sum_to(:, n), node, &
+            tractions%at(fan(1, 1), fan(2, 1)), tractions%at(fan(1, n), next(next(fan(2, n)))))
       end if
       do i = 1, n
-         moment(:, 1, corner(i), elements(i)) = -first - sum_to(:, i - 1)
-         moment(:, 2, next(next(corner(i))), elements(i)) = first + sum_to(:, i)
+         moment(:, 1, fan(2, i), fan(1, i)) = -first - sum_to(:, i - 1)
+         moment(:, 2, next(next(fan(2, i))), fan(1, i)) = first + sum_to(:, i)
+         squares(2) = squares(2) + sum((first + sum_to(:, i - 1))**2) + sum((first + sum_to(:, i))**2)
       end do
    end subroutine balance_fan
 
@@ -262,15 +278,6 @@ contains
       moment = depth*norm2(side%position(:, 3) - side%position(:, 1))/6.0_dp* &
          (2.0_dp*side%traction(:, here) + side%traction(:, there))
    end function applied_moment
-
-   !> A stress times a vector.
-   pure function stress_times(stress, vector)
-      real(dp), intent(in) :: stress(3) !! xx, yy, xy
-      real(dp), intent(in) :: vector(2) !! the vector
-      real(dp) :: stress_times(2)
-
-      stress_times = [stress(1)*vector(1) + stress(3)*vector(2), stress(3)*vector(1) + stress(2)*vector(2)]
-   end function stress_times
 
    !> The outward normal of a side, times its length.
    pure function outward(along)

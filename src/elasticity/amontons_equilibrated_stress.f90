@@ -7,7 +7,7 @@
 module amontons_equilibrated_stress
    use amontons_coloring, only: worth_threads
    use amontons_elasticity, only: element_geometry_t, element_stress, new_element_geometry, set_thermal_strain
-   use amontons_equilibrated_sides, only: element_forces_t, next, outward
+   use amontons_equilibrated_sides, only: element_forces_t, next
    use amontons_kinds, only: dp
    use amontons_material, only: material_t, materials_t
    use amontons_mesh, only: mesh_t
@@ -15,6 +15,9 @@ module amontons_equilibrated_stress
    private
 
    public :: stress_distance
+
+   !> Products of two of three numbers.
+   integer, parameter :: n_products = 6
 
 contains
 
@@ -31,14 +34,14 @@ contains
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
       type(element_geometry_t) :: geometry
-      real(dp) :: form(3, size(materials%list)), stress(3, 3)
+      real(dp) :: form(3, size(materials%list)), stress(3, 3), x(2, 3)
       real(dp), allocatable :: squared(:)
-      integer :: i
+      integer :: i, k
 
       form = squared_norms(materials)
       allocate (squared(mesh%n_elements))
       !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
-      !$omp firstprivate(geometry) private(stress) &
+      !$omp firstprivate(geometry) private(stress, x, k) &
       !$omp shared(mesh, materials, moment, body_force, forces, displacement, thermal_strain, form, squared)
       do i = 1, mesh%n_elements
          associate (material => materials%list(materials%of_element(i)), first => mesh%node_start(i))
@@ -46,11 +49,15 @@ contains
                call new_element_geometry(geometry, mesh, i, material, 1)
                call find_corner_stresses(stress, geometry, material, displacement, thermal_strain(first:first + 2))
             else
-               stress = spread(forces(i)%solved, 2, 3)
+               do k = 1, 3
+                  stress(:, k) = forces(i)%solved
+               end do
             end if
-            squared(i) = material%thickness*element_distance(form(:, materials%of_element(i)), &
-               mesh%coordinates(:, mesh%node(first:first + 2)), moment(:, :, :, i)/material%thickness, &
-               body_force(:, i), stress)
+            do k = 1, 3
+               x(:, k) = mesh%coordinates(:, mesh%node(first - 1 + k))
+            end do
+            squared(i) = material%thickness*element_distance(form(:, materials%of_element(i)), x, &
+               moment(:, :, :, i)/material%thickness, body_force(:, i), stress)
          end associate
       end do
       !$omp end parallel do
@@ -92,6 +99,10 @@ contains
    end subroutine find_corner_stresses
 
    !> The square of the norm of an element's stresses less those in equilibrium, for a depth of 1 [F].
+   !>
+   !> Stresses are sums s_k t_k t_k^T of the vectors t_k along the sides. A stress puts the force
+   !> 2 A (s_(k-1) t_(k-1) - s_(k+1) t_(k+1)) on side k, so that tractions and equilibrium are relations of the numbers
+   !> s_k alone, the same in all triangles; only their squares know the shape.
    pure real(dp) function element_distance(form, x, moment, body_force, stress) result(distance)
       real(dp), intent(in) :: form(3) !! its material's, from `squared_norms` [L^2/F]
       real(dp), intent(in) :: x(2, 3) !! its corners [L]
@@ -99,131 +110,174 @@ contains
          !! moments of the tractions at the first and second corner of each side, over the depth [F/L]
       real(dp), intent(in) :: body_force(2) !! force per volume, x and y [F/L^3]
       real(dp), intent(in) :: stress(3, 3) !! its stresses at the corners, linear between them [F/L^2]
-      real(dp) :: at_corner(3, 2, 3), at_center(3), area, missing(3, 3), middle(3)
-      integer :: part, i
+      real(dp), dimension(3, 3) :: at_first, at_second, of_stress
+      real(dp) :: along(2, 3), at_center(3), products(n_products), area
+      integer :: k
 
-      area = 0.5_dp*dot_product(x(:, 2) - x(:, 1), outward(x(:, 3) - x(:, 1)))
-      call find_stress(at_corner, at_center, x, area, moment, body_force)
-      distance = 0.0_dp
-      missing(:, 3) = at_center - (stress(:, 1) + stress(:, 2) + stress(:, 3))/3.0_dp
-      do part = 1, 3
-         missing(:, 1) = at_corner(:, 1, part) - stress(:, part)
-         missing(:, 2) = at_corner(:, 2, part) - stress(:, next(part))
-         ! The middles of the sides of a part integrate squares of what is linear there.
-         do i = 1, 3
-            middle = missing(:, i) + missing(:, next(i))
-            distance = distance + form(1)*(middle(1)**2 + middle(2)**2) + form(2)*middle(1)*middle(2) &
-               + form(3)*middle(3)**2
-         end do
+      along(:, 1) = x(:, 2) - x(:, 1)
+      along(:, 2) = x(:, 3) - x(:, 2)
+      along(:, 3) = x(:, 1) - x(:, 3)
+      area = 0.5_dp*cross(along(:, 1), along(:, 2))
+      call find_stress(at_first, at_second, at_center, along, area, moment, body_force)
+      do k = 1, 3
+         of_stress(:, k) = along_sides(stress(:, k), along, area)
       end do
+      at_center = at_center - (of_stress(:, 1) + of_stress(:, 2) + of_stress(:, 3))/3.0_dp
+      at_first = at_first - of_stress
+      do k = 1, 3
+         at_second(:, k) = at_second(:, k) - of_stress(:, next(k))
+      end do
+      products = 0.0_dp
+      do k = 1, 3
+         ! The middles of the sides of a part integrate squares of what is linear there.
+         call add_products(products, at_first(:, k) + at_second(:, k))
+         call add_products(products, at_second(:, k) + at_center)
+         call add_products(products, at_center + at_first(:, k))
+      end do
+      distance = products(1)*side_product(form, along(:, 1), along(:, 1)) &
+         + products(2)*side_product(form, along(:, 2), along(:, 2)) &
+         + products(3)*side_product(form, along(:, 3), along(:, 3)) &
+         + 2.0_dp*(products(4)*side_product(form, along(:, 1), along(:, 2)) &
+         + products(5)*side_product(form, along(:, 2), along(:, 3)) &
+         + products(6)*side_product(form, along(:, 3), along(:, 1)))
       distance = area/36.0_dp*distance
    end function element_distance
 
-   !> Finds the stress in equilibrium with the tractions and the load of an element.
-   pure subroutine find_stress(at_corner, at_center, x, area, moment, body_force)
-      real(dp), intent(out) :: at_corner(3, 2, 3)
-         !! xx, yy, xy at the two corners of the side of each part; the parts are those of the sides [F/L^2]
-      real(dp), intent(out) :: at_center(3) !! xx, yy, xy in the center, of all parts [F/L^2]
-      real(dp), intent(in) :: x(2, 3) !! the corners [L]
+   !> Adds the products of three numbers: squares, and those of first and second, second and third, third and first.
+   pure subroutine add_products(products, s)
+      real(dp), intent(inout) :: products(n_products) !! the products
+      real(dp), intent(in) :: s(3) !! the numbers
+
+      products(:3) = products(:3) + s**2
+      products(4) = products(4) + s(1)*s(2)
+      products(5) = products(5) + s(2)*s(3)
+      products(6) = products(6) + s(3)*s(1)
+   end subroutine add_products
+
+   !> Finds the stress in equilibrium with the tractions and the load of an element. Written out for each side: loops
+   !> over them take five times as long.
+   pure subroutine find_stress(a, b, center, along, area, moment, body_force)
+      real(dp), intent(out) :: a(3, 3)
+         !! s_1, s_2, s_3 at the first corner of the side of each part; the parts are those of the sides [F/L^4]
+      real(dp), intent(out) :: b(3, 3) !! s_1, s_2, s_3 at its second corner [F/L^4]
+      real(dp), intent(out) :: center(3) !! s_1, s_2, s_3 in the center, of all parts [F/L^4]
+      real(dp), intent(in) :: along(2, 3) !! the sides [L]
       real(dp), intent(in) :: area !! the area [L^2]
       real(dp), intent(in) :: moment(2, 2, 3) !! as in `element_distance` [F/L]
       real(dp), intent(in) :: body_force(2) !! force per volume, x and y [F/L^3]
-      real(dp) :: center(2), to_center(2, 3), along(2, 3), force(2, 2, 3), by_load(2, 3), inverse
-      integer :: k
+      real(dp) :: by_load(3, 3), inverse, jump(3), rise(3)
+      logical :: is_loaded
 
-      center = (x(:, 1) + x(:, 2) + x(:, 3))/3.0_dp
-      do k = 1, 3
-         along(:, k) = x(:, next(k)) - x(:, k)
-         to_center(:, k) = center - x(:, k)
-         ! A stress that balances the load: xx is -f_x (x - x_c), yy is -f_y (y - y_c).
-         by_load(:, k) = body_force*to_center(:, k)
-      end do
-      do k = 1, 3
-         associate (normal => [along(2, k), -along(1, k)])
-            force(:, 1, k) = 2.0_dp*(2.0_dp*moment(:, 1, k) - moment(:, 2, k)) - by_load(:, k)*normal
-            force(:, 2, k) = 2.0_dp*(2.0_dp*moment(:, 2, k) - moment(:, 1, k)) - by_load(:, next(k))*normal
-         end associate
-         inverse = 1.0_dp/(along(1, k)**2 + along(2, k)**2)
-         at_corner(:, 1, k) = with_force(force(:, 1, k), along(:, k), inverse)
-         at_corner(:, 2, k) = with_force(force(:, 2, k), along(:, k), inverse)
-      end do
-      inverse = 0.75_dp/area**2
-      do k = 1, 3
-         call join_corner(at_corner(:, 2, k), at_corner(:, 1, next(k)), along(:, k), along(:, next(k)), &
-            to_center(:, next(k)), inverse)
-      end do
-      call balance_parts(at_center, at_corner, along, to_center, area, force)
-      do k = 1, 3
-         at_corner(:2, 1, k) = at_corner(:2, 1, k) + by_load(:, k)
-         at_corner(:2, 2, k) = at_corner(:2, 2, k) + by_load(:, next(k))
-      end do
+      inverse = 0.5_dp/area**2
+      is_loaded = abs(body_force(1)) + abs(body_force(2)) > 0.0_dp
+      call find_ends(a(3, 1), b(3, 1), along(:, 2), moment(:, :, 1), inverse)
+      call find_ends(a(2, 1), b(2, 1), along(:, 3), moment(:, :, 1), inverse)
+      call find_ends(a(1, 2), b(1, 2), along(:, 3), moment(:, :, 2), inverse)
+      call find_ends(a(3, 2), b(3, 2), along(:, 1), moment(:, :, 2), inverse)
+      call find_ends(a(2, 3), b(2, 3), along(:, 1), moment(:, :, 3), inverse)
+      call find_ends(a(1, 3), b(1, 3), along(:, 2), moment(:, :, 3), inverse)
+      if (is_loaded) then
+         call find_load_stress(by_load, along, area, body_force)
+         call remove_load(a, b, by_load)
+      end if
+      ! Two parts that meet at a corner have one traction along the line to the center.
+      jump = 2.0_dp*[b(3, 1) - a(3, 2), b(1, 2) - a(1, 3), b(2, 3) - a(2, 1)]
+      b(1, 1) = a(1, 2) - jump(1)
+      a(2, 2) = b(2, 1) + jump(1)
+      b(2, 2) = a(2, 3) - jump(2)
+      a(3, 3) = b(3, 2) + jump(2)
+      b(3, 3) = a(3, 1) - jump(3)
+      a(1, 1) = b(1, 3) + jump(3)
+      ! Each part is in equilibrium for two of the three numbers in the center; the mean of what two parts say.
+      rise = [b(1, 1) - a(1, 1), b(2, 2) - a(2, 2), b(3, 3) - a(3, 3)]
+      center(1) = 2.0_dp*(a(1, 2) + b(1, 3)) + b(1, 2) + a(1, 3) + rise(3) - rise(2)
+      center(2) = 2.0_dp*(a(2, 3) + b(2, 1)) + b(2, 3) + a(2, 1) + rise(1) - rise(3)
+      center(3) = 2.0_dp*(a(3, 1) + b(3, 2)) + b(3, 1) + a(3, 2) + rise(2) - rise(1)
+      center = center/6.0_dp
+      if (.not. is_loaded) return
+      a = a + by_load
+      b = b + by_load(:, next)
    end subroutine find_stress
 
-   !> Gives the stresses of the two parts that meet at a corner one traction along the line to the center; each keeps
-   !> that of its side. All parts have the same area, a third of the triangle's.
-   pure subroutine join_corner(stress_a, stress_b, along_a, along_b, to_center, inverse)
-      real(dp), intent(inout) :: stress_a(3) !! stress of the part whose side ends there: xx, yy, xy [F/L^2]
-      real(dp), intent(inout) :: stress_b(3) !! stress of the part whose side begins there: xx, yy, xy [F/L^2]
-      real(dp), intent(in) :: along_a(2) !! the side that ends there [L]
-      real(dp), intent(in) :: along_b(2) !! the side that begins there [L]
-      real(dp), intent(in) :: to_center(2) !! the way to the center [L]
-      real(dp), intent(in) :: inverse !! three quarters of the inverse square of the triangle's area [1/L^4]
-      real(dp) :: difference(3), jump(2)
+   !> Takes the stress that balances the load from the numbers that the tractions determine.
+   pure subroutine remove_load(a, b, by_load)
+      real(dp), intent(inout) :: a(3, 3) !! as in `find_stress` [F/L^4]
+      real(dp), intent(inout) :: b(3, 3) !! as in `find_stress` [F/L^4]
+      real(dp), intent(in) :: by_load(3, 3) !! s_1, s_2, s_3 at each corner [F/L^4]
+      integer :: k, l
 
-      difference = stress_b - stress_a
-      jump = [difference(1)*to_center(2) - difference(3)*to_center(1), &
-         difference(3)*to_center(2) - difference(2)*to_center(1)]
-      stress_a = stress_a + inverse*cross(jump, along_b)*square(along_a)
-      stress_b = stress_b + inverse*cross(jump, along_a)*square(along_b)
-   end subroutine join_corner
-
-   !> Finds the stress in the center, with which each part is in equilibrium.
-   pure subroutine balance_parts(at_center, at_corner, along, to_center, area, force)
-      real(dp), intent(out) :: at_center(3) !! xx, yy, xy [F/L^2]
-      real(dp), intent(in) :: at_corner(3, 2, 3) !! as in `find_stress` [F/L^2]
-      real(dp), intent(in) :: along(2, 3) !! the sides [L]
-      real(dp), intent(in) :: to_center(2, 3) !! the ways from the corners to the center [L]
-      real(dp), intent(in) :: area !! the area [L^2]
-      real(dp), intent(in) :: force(2, 2, 3)
-         !! tractions at the first and second corner of each side, times its length [F/L]
-      real(dp) :: inner(2), arm(2)
-      integer :: k
-
-      at_center = 0.0_dp
       do k = 1, 3
-         ! Twice the force that the stress in the center has to put on the sides of the part within the triangle.
-         associate (a => to_center(:, next(k)), b => to_center(:, k), s => at_corner(:, 2, k), r => at_corner(:, 1, k))
-            inner(1) = force(1, 1, k) + force(1, 2, k) + s(1)*a(2) - s(3)*a(1) - r(1)*b(2) + r(3)*b(1)
-            inner(2) = force(2, 1, k) + force(2, 2, k) + s(3)*a(2) - s(2)*a(1) - r(3)*b(2) + r(2)*b(1)
-         end associate
-         ! A stress is the sum of the moments of the forces that it puts on the sides, over the area.
-         arm = 0.5_dp*along(:, k) - to_center(:, k)
-         at_center = at_center + [inner(1)*arm(1), inner(2)*arm(2), 0.5_dp*(inner(1)*arm(2) + inner(2)*arm(1))]
+         do l = 1, 3
+            if (l == k) cycle
+            a(l, k) = a(l, k) - by_load(l, k)
+            b(l, k) = b(l, k) - by_load(l, next(k))
+         end do
       end do
-      at_center = at_center/area
-   end subroutine balance_parts
+   end subroutine remove_load
 
-   !> The stress that puts a force on a side and has no part along the side alone: xx, yy, xy [F/L^2].
-   pure function with_force(force, along, inverse) result(stress)
-      real(dp), intent(in) :: force(2) !! the traction, times the length of the side [F/L]
-      real(dp), intent(in) :: along(2) !! the side, the body on its left [L]
-      real(dp), intent(in) :: inverse !! the inverse square of its length [1/L^2]
-      real(dp) :: stress(3)
-      real(dp) :: normal(2), push
+   !> The number s of one neighbor of a side at both its ends, by the traction there: its force is twice its moment
+   !> there less that at the other end.
+   pure subroutine find_ends(first, second, other, moment, inverse)
+      real(dp), intent(out) :: first !! s at the first corner of the side [F/L^4]
+      real(dp), intent(out) :: second !! s at its second corner [F/L^4]
+      real(dp), intent(in) :: other(2) !! the other neighbor [L]
+      real(dp), intent(in) :: moment(2, 2) !! moments of the traction at both corners, over the depth [F/L]
+      real(dp), intent(in) :: inverse !! half of the inverse square of the area [1/L^4]
+      real(dp) :: at(2)
 
-      normal = inverse*[along(2), -along(1)]
-      push = force(1)*normal(1) + force(2)*normal(2)
-      stress = [normal(1)*(2.0_dp*force(1) - push*along(2)), normal(2)*(2.0_dp*force(2) + push*along(1)), &
-         force(1)*normal(2) + force(2)*normal(1) + push*along(1)*normal(1)]
-   end function with_force
+      at(1) = inverse*cross(other, moment(:, 1))
+      at(2) = inverse*cross(other, moment(:, 2))
+      first = 2.0_dp*at(1) - at(2)
+      second = 2.0_dp*at(2) - at(1)
+   end subroutine find_ends
 
-   !> The square of a vector as a stress: xx, yy, xy.
-   pure function square(vector)
-      real(dp), intent(in) :: vector(2) !! the vector
-      real(dp) :: square(3)
+   !> A stress that balances a uniform load and vanishes in the center, linear between its values at the corners
+   !> (component, corner) [F/L^4].
+   pure subroutine find_load_stress(by_load, along, area, body_force)
+      real(dp), intent(out) :: by_load(3, 3) !! s_1, s_2, s_3 at each corner [F/L^4]
+      real(dp), intent(in) :: along(2, 3) !! the sides [L]
+      real(dp), intent(in) :: area !! the area [L^2]
+      real(dp), intent(in) :: body_force(2) !! force per volume, x and y [F/L^3]
+      real(dp) :: half(2)
 
-      square = [vector(1)**2, vector(2)**2, vector(1)*vector(2)]
-   end function square
+      by_load = 0.0_dp
+      ! The force is a sum of t_1 and t_2; s_1 falls along t_1, s_2 along t_2.
+      half = [-cross(along(:, 2), body_force), cross(along(:, 1), body_force)]/(4.0_dp*area)
+      by_load(1, :2) = [half(1), -half(1)]
+      by_load(2, 2:) = [half(2), -half(2)]
+   end subroutine find_load_stress
+
+   !> The numbers s_1, s_2, s_3 of a stress [F/L^4].
+   pure function along_sides(stress, along, area) result(s)
+      real(dp), intent(in) :: stress(3) !! xx, yy, xy [F/L^2]
+      real(dp), intent(in) :: along(2, 3) !! the sides [L]
+      real(dp), intent(in) :: area !! the area of the triangle [L^2]
+      real(dp) :: s(3)
+
+      s(1) = across(stress, along(:, 2), along(:, 3))
+      s(2) = across(stress, along(:, 3), along(:, 1))
+      s(3) = across(stress, along(:, 1), along(:, 2))
+      s = 0.25_dp/area**2*s
+   end function along_sides
+
+   !> What a stress makes of two sides turned by a right angle, negative [F].
+   pure real(dp) function across(stress, a, b)
+      real(dp), intent(in) :: stress(3) !! xx, yy, xy [F/L^2]
+      real(dp), intent(in) :: a(2) !! one side [L]
+      real(dp), intent(in) :: b(2) !! the other side [L]
+
+      across = stress(3)*(a(1)*b(2) + a(2)*b(1)) - stress(1)*a(2)*b(2) - stress(2)*a(1)*b(1)
+   end function across
+
+   !> The product of two stresses a a^T and b b^T whose squares are those of `squared_norms` [L^6/F].
+   pure real(dp) function side_product(form, a, b) result(product)
+      real(dp), intent(in) :: form(3) !! the material's, from `squared_norms` [L^2/F]
+      real(dp), intent(in) :: a(2) !! a vector [L]
+      real(dp), intent(in) :: b(2) !! another one [L]
+
+      product = form(1)*((a(1)*b(1))**2 + (a(2)*b(2))**2) + 0.5_dp*form(2)*((a(1)*b(2))**2 + (a(2)*b(1))**2) &
+         + form(3)*a(1)*b(1)*a(2)*b(2)
+   end function side_product
 
    !> The vector product of two vectors.
    pure real(dp) function cross(a, b)

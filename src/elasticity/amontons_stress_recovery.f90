@@ -15,7 +15,8 @@ module amontons_stress_recovery
    use amontons_known_traction, only: known_traction_t
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_stress_patch, only: fit_polynomial, n_kind_terms, patch_t, samples_t, spread_patch
+   use amontons_stress_patch, only: add_stresses, fit_polynomial, frame_t, n_kind_terms, patch_t, samples_t, &
+      spread_patch
    implicit none (type, external)
    private
 
@@ -25,8 +26,9 @@ module amontons_stress_recovery
    !> take more memory than anything else but a factor.
    type :: recovered_stress_t
       private
-      type(patch_t), allocatable :: patch(:) !! the patches at hand
-      integer, allocatable :: place(:) !! where each patch is in `patch`, 0 if it is not at hand (patches)
+      type(frame_t), allocatable :: frame(:) !! coordinates of the patches at hand
+      real(dp), allocatable :: coefficient(:, :, :) !! their polynomials (component, term, patch at hand) [F/L^2]
+      integer, allocatable :: place(:) !! where each patch is in `frame`, 0 if it is not at hand (patches)
       integer, allocatable :: of_corner(:) !! patch of each corner of the elements, placed as `node` of the mesh
       integer, allocatable :: node(:) !! node of each patch
       integer, allocatable :: element(:) !! first element of each patch
@@ -37,6 +39,7 @@ module amontons_stress_recovery
    contains
       procedure, public :: fit => recovered_stress_fit
       procedure, public :: find => recovered_stress_find
+      procedure, public :: sample => recovered_stress_sample
    end type recovered_stress_t
 
 contains
@@ -82,13 +85,14 @@ contains
             end associate
          end do
       end do
-      if (allocated(self%patch)) deallocate (self%patch)
-      allocate (self%patch(list%n))
+      if (allocated(self%frame)) deallocate (self%frame, self%coefficient)
+      allocate (self%frame(list%n), self%coefficient(4, maxval(n_kind_terms(mesh%element_kind(first:last))), list%n))
       !$omp parallel do default(none) schedule(dynamic, 256) if (mesh%n_elements >= worth_threads) &
       !$omp shared(self, mesh, materials, list) firstprivate(elements) private(patch)
       do i = 1, list%n
          call fit_patch(patch, self, mesh, materials, list%item(i), elements)
-         self%patch(i) = patch
+         self%frame(i) = patch%frame
+         self%coefficient(:, :, i) = patch%coefficient(:, :size(self%coefficient, 2))
       end do
       !$omp end parallel do
    end subroutine recovered_stress_fit
@@ -137,7 +141,6 @@ contains
       integer :: n, i, k, same
 
       allocate (of_corner(size(mesh%node)), source=0)
-      allocate (node(size(incidence%element)), element(size(incidence%element)))
       n = 0
       do i = 1, mesh%n_nodes
          do k = incidence%start(i), incidence%start(i + 1) - 1
@@ -147,16 +150,21 @@ contains
             end do
             if (same == k) then
                n = n + 1
-               node(n) = i
-               element(n) = incidence%element(k)
                of_corner(incidence%corner(k)) = n
             else
                of_corner(incidence%corner(k)) = of_corner(incidence%corner(same))
             end if
          end do
       end do
-      node = node(:n)
-      element = element(:n)
+      allocate (node(n), element(n))
+      do i = mesh%n_nodes, 1, -1
+         do k = incidence%start(i + 1) - 1, incidence%start(i), -1
+            associate (patch => of_corner(incidence%corner(k)))
+               node(patch) = i
+               element(patch) = incidence%element(k)
+            end associate
+         end do
+      end do
    end subroutine number_patches
 
    !> Sorts the sides of known tractions by the patches of the corners that they begin and end at.
@@ -206,18 +214,18 @@ contains
 
       associate (node => recovered%node(number), first => recovered%element(number), samples => recovered%samples, &
          tractions => recovered%tractions(recovered%side_start(number):recovered%side_start(number + 1) - 1))
-         patch%n_terms = n_kind_terms(mesh%element_kind(first))
+         patch%frame%n_terms = n_kind_terms(mesh%element_kind(first))
          elements%n = 0
          call add_elements_at(elements, node, materials, recovered%incidence, materials%of_element(first))
          n_near = elements%n
          do growth = 0, most_growths
             if (growth > 0) call grow_patch(elements, mesh, materials, recovered%incidence)
-            call spread_patch(patch, mesh, elements%item(:elements%n))
+            call spread_patch(patch%frame, mesh, elements%item(:elements%n))
             call fit_polynomial(patch, samples, elements%item(:elements%n), n_near, tractions, node, is_determined)
             if (is_determined) exit
          end do
          do while (.not. is_determined)
-            patch%n_terms = merge(1, patch%n_terms - 3, patch%n_terms == 3)
+            patch%frame%n_terms = merge(1, patch%frame%n_terms - 3, patch%frame%n_terms == 3)
             call fit_polynomial(patch, samples, elements%item(:elements%n), n_near, tractions, node, is_determined)
          end do
       end associate
@@ -260,25 +268,33 @@ contains
       end do
    end subroutine grow_patch
 
-   !> The recovered stresses at points of an element, one of those that `fit` was called for: xx, yy, xy, zz (4, points)
-   !> [F/L^2].
-   pure subroutine recovered_stress_find(self, mesh, element, position, weights, stress)
+   !> The recovered stresses at points of an element, one of those that `fit` was called for: xx, yy, xy, zz [F/L^2].
+   pure subroutine recovered_stress_find(self, mesh, element, n_points, position, weights, stress)
       class(recovered_stress_t), intent(in) :: self !! the recovered stress field
       type(mesh_t), intent(in) :: mesh !! its mesh
       integer, intent(in) :: element !! the element
-      real(dp), contiguous, intent(in) :: position(:, :) !! the points (2, points) [L]
-      real(dp), intent(in) :: weights(:, :) !! linear shape functions of the corners there (corners, points) [-]
-      real(dp), contiguous, intent(out) :: stress(:, :) !! the stresses (4, points) [F/L^2]
-      integer :: i, point
+      integer, intent(in) :: n_points !! number of points
+      real(dp), intent(in) :: position(2, n_points) !! the points [L]
+      real(dp), contiguous, intent(in) :: weights(:, :)
+         !! linear shape functions of the corners there (points, corners) [-]
+      real(dp), intent(out) :: stress(4, n_points) !! the stresses [F/L^2]
+      integer :: i, patch
 
       stress = 0.0_dp
-      do i = 1, size(weights, 1)
-         associate (patch => self%patch(self%place(self%of_corner(mesh%node_start(element) - 1 + i))))
-            do point = 1, size(position, 2)
-               call patch%add_stress(position(:, point), weights(i, point), stress(:, point))
-            end do
-         end associate
+      do i = 1, size(weights, 2)
+         patch = self%place(self%of_corner(mesh%node_start(element) - 1 + i))
+         call add_stresses(self%frame(patch), self%coefficient(:, :, patch), n_points, position, weights(:, i), stress)
       end do
    end subroutine recovered_stress_find
+
+   !> The stress of an element where it is most accurate, at the first point of them: that of all of it, where it is
+   !> uniform. xx, yy, xy, zz [F/L^2].
+   pure function recovered_stress_sample(self, element) result(stress)
+      class(recovered_stress_t), intent(in) :: self !! the recovered stress field
+      integer, intent(in) :: element !! the element
+      real(dp) :: stress(4)
+
+      stress = self%samples%stress(:, self%samples%start(element))
+   end function recovered_stress_sample
 
 end module amontons_stress_recovery

@@ -15,14 +15,14 @@ module amontons_error_bound
    use amontons_equilibrated_sides, only: element_forces_t, find_element_forces, find_side_moments
    use amontons_equilibrated_stress, only: stress_distance
    use amontons_kinds, only: dp
-   use amontons_known_traction, only: known_tractions_t, new_known_tractions
+   use amontons_known_traction, only: known_tractions_t
    use amontons_load_case, only: load_case_t, recover_displacement
    use amontons_loads, only: sum_body_force
    use amontons_quantity, only: quantity_t
    implicit none (type, external)
    private
 
-   public :: error_bound_t, find_error_bound
+   public :: error_bound_t, find_error_bound, has_error_bound
 
    !> The error in the constitutive relation.
    type :: error_bound_t
@@ -43,24 +43,24 @@ module amontons_error_bound
 
 contains
 
-   !> Finds the error; not for every body, nor with a rotation or forces on single nodes.
-   subroutine find_error_bound(bound, body, problem, load_case, solution, displacement)
+   !> Finds the error of a body that `has_error_bound`; not with a rotation or forces on single nodes.
+   subroutine find_error_bound(bound, body, problem, load_case, solution, displacement, tractions)
       type(error_bound_t), allocatable, intent(out) :: bound !! the error; not allocated where there is none
       type(body_t), intent(in) :: body !! the body, condensed
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       type(load_case_t), intent(in) :: load_case !! the load case, condensed
       type(contact_solution_t), intent(in) :: solution !! the solution of the contact problem
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      type(known_tractions_t), intent(inout) :: tractions
+         !! tractions that are known but for those of contact, which they gain
       ! What residuals of the contact problem leave, and far below any force on a single node.
       real(dp), parameter :: negligible = 1.0e-7_dp
-      type(known_tractions_t) :: tractions
       type(element_forces_t), allocatable :: inside(:)
       type(contact_side_t), allocatable :: sides(:)
       real(dp), allocatable :: body_force(:, :), balanced(:, :), change(:), force(:, :), moment(:, :, :, :)
       real(dp) :: distance, imbalance
       logical :: is_uniform
 
-      if (.not. suits(body)) return
       call sum_body_force(body_force, is_uniform, body%mesh, body%materials, load_case%loads)
       if (.not. is_uniform) return
       call find_sides(sides, body, load_case, solution%force)
@@ -68,9 +68,8 @@ contains
       call balance_rigid_motions(force, body, sides)
       change = solution%force - nodal_forces(sides, body, force)
       where (body%zone%is_tangent_fixed) change(body%zone%n_points + 1:) = 0.0_dp
-      call solve_stiffness(problem, change)
+      call solve_stiffness(problem, norm2(solution%force), change)
       call recover_displacement(balanced, body, load_case, solution%displacement + change)
-      call new_known_tractions(tractions, body%mesh, body%constraints, body%springs, load_case%loads)
       call add_tractions(tractions, sides, body, force)
       call find_element_forces(inside, body%mesh, body%materials, body_force, balanced, displacement, &
          load_case%thermal_strain)
@@ -85,12 +84,12 @@ contains
    end subroutine find_error_bound
 
    !> Whether a body is a plane one of three-node triangles, without springs, its contact points nodes of its own.
-   pure logical function suits(body)
+   pure logical function has_error_bound(body)
       type(body_t), intent(in) :: body !! the body
 
-      suits = all(body%mesh%element_kind == tri3) .and. .not. (body%is_axisymmetric .or. size(body%springs) > 0 &
-         .or. any(body%zone%is_cell)) .and. size(body%zone%rows%node) == body%zone%n_points
-   end function suits
+      has_error_bound = all(body%mesh%element_kind == tri3) .and. .not. (body%is_axisymmetric &
+         .or. size(body%springs) > 0 .or. any(body%zone%is_cell)) .and. size(body%zone%rows%node) == body%zone%n_points
+   end function has_error_bound
 
    !> Lists the sides of the contact sets, and which share of the force of a point is on each.
    pure subroutine find_sides(sides, body, load_case, force)
@@ -266,13 +265,14 @@ contains
    end subroutine add_tractions
 
    !> Solves S x = b by conjugate gradients. S may be singular, if b does no work on its kernel.
-   subroutine solve_stiffness(problem, x)
+   subroutine solve_stiffness(problem, scale, x)
       type(contact_problem_t), intent(in) :: problem !! the contact problem
+      real(dp), intent(in) :: scale !! norm of the contact forces, which b changes [F]
       real(dp), intent(inout) :: x(:) !! b on entry, the solution on return (2m)
-      ! Of forces that are themselves a part of the contact forces: far below what is negligible.
+      ! What is left is far below what is negligible.
       real(dp), parameter :: small = 1.0e-9_dp
       real(dp), allocatable :: rest(:), direction(:), product(:)
-      real(dp) :: square, before, first
+      real(dp) :: square, before
       integer :: i
 
       allocate (product(size(x)))
@@ -280,9 +280,8 @@ contains
       direction = x
       x = 0.0_dp
       square = dot_product(rest, rest)
-      first = square
       do i = 1, 10*size(x)
-         if (.not. square > small**2*first) return
+         if (.not. square > (small*scale)**2) return
          call problem%multiply_stiffness(direction, product)
          associate (step => square/dot_product(direction, product))
             x = x + step*direction

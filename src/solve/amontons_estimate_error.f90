@@ -18,16 +18,18 @@ module amontons_estimate_error
 contains
 
    !> Estimates the error of the stresses of a load case's solution.
-   subroutine estimate_error(estimate, body, load_case, displacement, force)
+   subroutine estimate_error(estimate, body, load_case, displacement, force, tractions)
       type(error_estimate_t), intent(out) :: estimate !! the estimate
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      type(known_tractions_t), intent(out), optional :: tractions
+         !! what is known of the tractions but for those of contact
       type(known_traction_t), allocatable :: sides(:)
       type(recovered_stress_t) :: recovered
 
-      call find_tractions(sides, body, load_case, force)
+      call find_tractions(sides, body, load_case, force, tractions)
       call new_recovered_stress(recovered, body%mesh, body%materials, sides, displacement, load_case%thermal_strain)
       call new_error_estimate(estimate, body%mesh, body%materials, displacement, recovered, &
          load_case%thermal_strain)
@@ -35,15 +37,17 @@ contains
 
    !> Finds what is known of the tractions on the sides of the boundary; the tables that it takes are as large as the
    !> mesh, and only the sides are left of them.
-   subroutine find_tractions(sides, body, load_case, force)
+   subroutine find_tractions(sides, body, load_case, force, without_contact)
       type(known_traction_t), allocatable, intent(out) :: sides(:) !! the sides
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      type(known_tractions_t), intent(out), optional :: without_contact !! what is known but for those of contact
       type(known_tractions_t) :: tractions
 
       call new_known_tractions(tractions, body%mesh, body%constraints, body%springs, load_case%loads, &
          load_case%factor)
+      if (present(without_contact)) without_contact = tractions
       call set_contact_tractions(tractions, body, load_case, force)
       call move_alloc(tractions%side, sides)
    end subroutine find_tractions
