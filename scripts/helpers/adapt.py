@@ -13,6 +13,7 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,7 +24,28 @@ from amontons.grid import read_grid
 SIDES = {"bottom": 1, "right": 2, "top": 3, "left": 4}
 COLUMNS = ("mesh", "nodes", "elements", "error_norm", "relative_error")
 MOST_DRAWN = 20000  # elements of a mesh in the picture of all
-MESH_GROUP = re.compile(r"^&mesh\b(?:'[^']*'|![^\n]*|[^/'!])*/", re.MULTILINE | re.IGNORECASE)
+# What the geometry says about sizes counts on the first mesh only.
+SIZES = """Mesh.MeshSizeFromPoints = 0;
+Mesh.MeshSizeExtendFromBoundary = 0;
+Mesh.MeshSizeFromCurvature = 0;
+Mesh.MeshSizeFactor = 1;
+Mesh.MeshSizeMin = 0;
+Mesh.MeshSizeMax = 1e22;
+number = newf;
+Field[number] = PostView;
+Field[number].ViewIndex = PostProcessing.NbViews - 1;
+Background Field = number;
+"""
+
+
+# Keys of &mesh that the new meshes have too.
+NAME = r"\bname\s*=\s*'[^']*'"
+ORIGIN = r"\borigin\s*=\s*([^\s,]+)[\s,]+([^\s,/]+)"
+
+
+def group(name):
+    """The pattern of a group of a deck."""
+    return re.compile(r"^&" + name + r"\b(?:'[^']*'|![^\n]*|[^/'!])*/", re.MULTILINE | re.IGNORECASE)
 
 
 class Fault(Exception):
@@ -33,8 +55,8 @@ class Fault(Exception):
 def main():
     """Adapts meshes; prints a row for each."""
     options = read_options()
+    deck = read_deck(options.deck)
     options.output.mkdir(parents=True, exist_ok=True)
-    deck = options.deck.read_text(encoding="utf-8")
     geometry, order = find_geometry(options, deck)
     rows, pictures = [], []
     field = None
@@ -98,7 +120,7 @@ def read_options():
     parser.add_argument("--error", type=percentage, default=0.02, help="relative error of the stresses to reach (2%%)")
     parser.add_argument("--key", dest="keys", action="append", default=[], metavar="NAME",
                         help="reach it instead in this key result, by its changes from mesh to mesh; may be repeated")
-    parser.add_argument("--steps", type=int, default=10, help="most meshes (10)")
+    parser.add_argument("--steps", type=count, default=10, help="most meshes (10)")
     parser.add_argument("--output", type=Path, default=Path("adapt"),
                         help="directory of the meshes and results (adapt)")
     return parser.parse_args()
@@ -106,28 +128,46 @@ def read_options():
 
 def percentage(text):
     """A positive number, or a percentage."""
-    value = float(text.rstrip("%"))/(100 if text.endswith("%") else 1)
+    try:
+        value = float(text.rstrip("%"))/(100 if text.endswith("%") else 1)
+    except ValueError:
+        value = 0.0
     if not 0 < value < 1:
-        raise ValueError(text)
+        raise argparse.ArgumentTypeError(f"expected a percentage below 100%, as 2%, or a share below 1, found '{text}'")
     return value
+
+
+def count(text):
+    """A whole number, at least 1."""
+    if not (text.isdecimal() and int(text) > 0):
+        raise argparse.ArgumentTypeError(f"expected a whole number, at least 1, found '{text}'")
+    return int(text)
+
+
+def read_deck(path):
+    """The text of the deck, without its &accuracy: every mesh is solved once, and its error estimated."""
+    try:
+        deck = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise Fault(f"{path}: cannot be read: {getattr(error, 'strerror', None) or 'not UTF-8'}") from error
+    if group("sweep").search(deck):
+        raise Fault(f"{path}: the cases of a &sweep need a mesh each; adapt one of them alone")
+    return group("accuracy").sub("", deck)
 
 
 def find_geometry(options, deck):
     """The geometry file, and the order of its elements."""
-    group = MESH_GROUP.search(deck)
-    if not group:
-        raise Fault(f"{options.deck}: expected a &mesh group")
-    if len(MESH_GROUP.findall(deck)) > 1:
-        raise Fault(f"{options.deck}: expected one &mesh group; put all bodies into one geometry")
-    element = re.search(r"element\s*=\s*'(\w+)'", group[0])
+    meshes = group("mesh").findall(deck)
+    if len(meshes) != 1:
+        raise Fault(f"{options.deck}: expected one &mesh group, found {len(meshes)}; put all bodies into one geometry")
+    mesh = meshes[0]
+    element = re.search(r"element\s*=\s*'(\w+)'", mesh)
     if str(options.part) == "-":
-        size = re.search(r"size\s*=\s*([^\s,]+)[\s,]+([^\s,/]+)", group[0])
+        size = re.search(r"size\s*=\s*([^\s,]+)[\s,]+([^\s,/]+)", mesh)
         if not size:
             raise Fault(f"{options.deck}: expected a rectangle, with size, in &mesh; or name its geometry")
         path = options.output/"rectangle.geo"
-        origin = re.search(r"origin\s*=\s*([^\s,]+)[\s,]+([^\s,/]+)", group[0])
-        path.write_text(rectangle(float(size[1]), float(size[2]), *map(float, origin.groups() if origin else (0, 0))),
-                        encoding="utf-8")
+        path.write_text(rectangle(float(size[1]), float(size[2])), encoding="utf-8")
         return path, 2 if element and element[1] in ("tri6", "quad8", "quad9") else 1
     path = options.part.with_suffix(".geo")
     if not path.exists():
@@ -139,12 +179,10 @@ def find_geometry(options, deck):
     return path, int(found[1]) if found else 1
 
 
-def rectangle(width, height, left, bottom):
+def rectangle(width, height):
     """The geometry of a generated rectangle, its sides named as the program names them."""
-    right, top = left + width, bottom + height
-    lines = [f"Point(1) = {{{left!r}, {bottom!r}, 0, {0.25*min(width, height)!r}}};",
-             f"Point(2) = {{{right!r}, {bottom!r}, 0}};", f"Point(3) = {{{right!r}, {top!r}, 0}};",
-             f"Point(4) = {{{left!r}, {top!r}, 0}};",
+    lines = [f"Point(1) = {{0, 0, 0, {0.25*min(width, height)!r}}};", f"Point(2) = {{{width!r}, 0, 0}};",
+             f"Point(3) = {{{width!r}, {height!r}, 0}};", f"Point(4) = {{0, {height!r}, 0}};",
              *(f"Line({i}) = {{{i}, {i % 4 + 1}}};" for i in range(1, 5)),
              "Curve Loop(1) = {1:4};", "Plane Surface(1) = {1};",
              *(f'Physical Curve("{name}") = {{{line}}};' for name, line in SIDES.items()),
@@ -156,25 +194,32 @@ def make_mesh(geometry, order, field, folder):
     """Meshes the geometry; with the sizes of a field, if there is one, in the place of those of the geometry."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    command = ["gmsh", "-2", "-format", "msh41", "-order", str(order), str(geometry), "-o", str(folder/"part.msh")]
+    source = geometry
     if field:
         (folder/"size.pos").write_text(field, encoding="utf-8")
-        command += ["-bgm", str(folder/"size.pos")]
-        for source in ("FromPoints", "ExtendFromBoundary", "FromCurvature"):
-            command += ["-setnumber", f"Mesh.MeshSize{source}", "0"]
-    run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+        source = folder/"part.geo"
+        source.write_text(f'Include "{geometry.resolve()}";\nMerge "size.pos";\n{SIZES}', encoding="utf-8")
+    command = ["gmsh", "-2", "-format", "msh41", "-order", str(order), str(source), "-o", str(folder/"part.msh")]
+    try:
+        run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    except FileNotFoundError as error:
+        raise Fault("gmsh is not installed; it makes the meshes (Debian's package gmsh)") from error
     if run.returncode != 0 or not (folder/"part.msh").exists():
         errors = [line.partition(":")[2].strip() for line in run.stdout.splitlines() if line.startswith("Error")]
         raise Fault(f"gmsh cannot mesh {geometry}: {(errors + [run.stdout.strip()])[0]}")
+    if "$PhysicalNames" not in (folder/"part.msh").read_text(encoding="utf-8"):
+        raise Fault(f"{geometry}: no physical groups; name boundaries by Physical Curve, the body by Physical Surface")
 
 
 def solve(options, deck, folder):
     """Solves the deck on the mesh of a folder; returns its summary and grid."""
-    mesh = f"&mesh kind = 'file'  file = '{(folder/'part.msh').resolve()}' /"
+    old = group("mesh").search(deck)[0]
+    kept = [found[0] for found in map(lambda key: re.search(key, old, re.IGNORECASE), (NAME, ORIGIN)) if found]
+    mesh = f"&mesh kind = 'file'  file = '{(folder/'part.msh').resolve()}'  {'  '.join(kept)} /"
     # Files that the deck names are beside it.
     run = subprocess.run([os.environ["AMONTONS"], "--quiet", "--set", f"case.name={options.deck.stem}", "--output",
                           str(folder.resolve()), "-"], cwd=options.deck.resolve().parent, text=True, check=False,
-                         input=MESH_GROUP.sub(lambda _: mesh, deck, count=1), capture_output=True)
+                         input=deck.replace(old, mesh, 1), capture_output=True)
     if run.returncode != 0:
         raise Fault((run.stdout + run.stderr).strip())
     stem = str(folder/options.deck.stem)
@@ -182,7 +227,13 @@ def solve(options, deck, folder):
     unknown = [key for key in options.keys if key not in summary["key_results"]]
     if unknown:
         raise Fault(f"'{unknown[0]}' is not a key result (they are {', '.join(summary['key_results'])})")
-    return summary, read_grid(stem + ".vtu")
+    grid = read_grid(stem + ".vtu")
+    origin = re.search(ORIGIN, old, re.IGNORECASE)
+    if origin:
+        # Sizes belong to the geometry, wherever the deck puts it.
+        shift = [float(value.lower().replace("d", "e")) for value in origin.groups()]
+        grid = replace(grid, points=grid.points - np.array([*shift, 0.0]))
+    return summary, grid
 
 
 def size_field(grid, order, target, norm):

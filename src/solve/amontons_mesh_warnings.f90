@@ -2,7 +2,6 @@
 !> of the estimated error comes from.
 module amontons_mesh_warnings
    use amontons_body, only: body_t
-   use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: n_corners, n_element_nodes
    use amontons_error_estimate, only: error_estimate_t
    use amontons_friction_law, only: open_point, stick_point
@@ -12,11 +11,10 @@ module amontons_mesh_warnings
    use amontons_model_warnings, only: percent
    use amontons_result, only: result_t
    use amontons_text, only: to_text
-   use amontons_warning_list, only: warning_list_t
    implicit none (type, external)
    private
 
-   public :: add_mesh_warnings
+   public :: add_mesh_warnings, error_clause
 
 contains
 
@@ -31,54 +29,60 @@ contains
       associate (zone => body%zone, status => result%solution%status, kind => body%mesh%element_kind)
          n_per_side = merge(2, 1, any(n_element_nodes(kind) > n_corners(kind)) .and. .not. any(zone%is_cell))
          is_end = .false.
-         call add_short_zones(result%warnings, is_end, zone, 'contact', status /= open_point, n_per_side)
-         call add_short_zones(result%warnings, is_end, zone, 'stick', status == stick_point, n_per_side)
+         call add_short_zones(result, body, is_end, 'contact', status /= open_point, n_per_side)
+         call add_short_zones(result, body, is_end, 'stick', status == stick_point, n_per_side)
       end associate
       if (result%warnings%n() == n_before) call add_uncertain_ends(result, body, is_end)
    end subroutine add_mesh_warnings
 
    !> Warns of the first zone of a kind that ends within the line, if it has fewer than four sides. One point alone,
    !> as where a line of symmetry meets the line, is no zone.
-   pure subroutine add_short_zones(warnings, is_end, zone, name, is_inside, n_per_side)
-      type(warning_list_t), intent(inout) :: warnings !! gains the warning
+   pure subroutine add_short_zones(result, body, is_end, name, is_inside, n_per_side)
+      type(result_t), intent(inout) :: result !! the result; gains the warning
+      type(body_t), intent(in) :: body !! the body
       logical, intent(inout) :: is_end(:) !! which points are beside an end of a zone; gains those of this kind (m)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
       character(*), intent(in) :: name !! name of the kind
       logical, intent(in) :: is_inside(:) !! which points belong to such a zone (m)
       integer, intent(in) :: n_per_side !! number of points for each side
       integer, parameter :: enough_sides = 4
-      integer :: before(zone%n_points), first, last, n, p
+      integer :: before(body%zone%n_points), first, last, n, p
+      logical :: is_zone(body%zone%n_points)
 
       before = 0
-      do p = 1, zone%n_points
-         if (zone%next(p) > 0) before(zone%next(p)) = p
+      do p = 1, body%zone%n_points
+         if (body%zone%next(p) > 0) before(body%zone%next(p)) = p
       end do
-      do first = 1, zone%n_points
-         if (.not. is_inside(first) .or. is_in(is_inside, before(first))) cycle
-         call follow_zone(last, n, first, zone%next, is_inside)
-         if (before(first) > 0) is_end([before(first), first]) = .true.
-         if (zone%next(last) > 0) is_end([last, zone%next(last)]) = .true.
-         if (max(before(first), zone%next(last)) == 0 .or. n < 2 .or. (n - 1)/n_per_side >= enough_sides) cycle
-         call warnings%add('the '//name//' zone from '//pair_text(zone%position(:, first))//' to '// &
-            warnings%place(zone%position(:, last))//' has fewer than '//to_text(enough_sides)// &
-            ' sides: its ends are known to a side only; refine the mesh there, or see the error bars of --refine 2')
-         return
-      end do
+      associate (zone => body%zone)
+         do first = 1, zone%n_points
+            if (.not. is_inside(first) .or. is_in(is_inside, before(first))) cycle
+            call follow_zone(is_zone, last, first, zone%next, is_inside)
+            n = count(is_zone)
+            if (before(first) > 0) is_end([before(first), first]) = .true.
+            if (zone%next(last) > 0) is_end([last, zone%next(last)]) = .true.
+            if (max(before(first), zone%next(last)) == 0 .or. n < 2 .or. (n - 1)/n_per_side >= enough_sides) cycle
+            call result%warnings%add('the '//name//' zone from '//pair_text(zone%position(:, first))//' to '// &
+               result%warnings%place(zone%position(:, last))//' has fewer than '//to_text(enough_sides)// &
+               ' sides: its ends are known to a side only'//error_clause(result, body, is_zone)// &
+               '; refine the mesh there, or see the error bars of --refine 2')
+            return
+         end do
+      end associate
    end subroutine add_short_zones
 
    !> Follows a zone along the line.
-   pure subroutine follow_zone(last, n, first, next, is_inside)
+   pure subroutine follow_zone(is_zone, last, first, next, is_inside)
+      logical, intent(out) :: is_zone(:) !! which points are its (m)
       integer, intent(out) :: last !! its last point
-      integer, intent(out) :: n !! number of its points
       integer, intent(in) :: first !! its first point
       integer, intent(in) :: next(:) !! the point that follows each, 0 for none (m)
       logical, intent(in) :: is_inside(:) !! which points belong to the zone (m)
 
+      is_zone = .false.
       last = first
-      n = 1
+      is_zone(last) = .true.
       do while (is_in(is_inside, next(last)))
          last = next(last)
-         n = n + 1
+         is_zone(last) = .true.
       end do
    end subroutine follow_zone
 
@@ -97,22 +101,51 @@ contains
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_end(:) !! which points are beside an end of a zone (m)
       real(dp), parameter :: large_error = 0.05_dp, most_of_it = 2.0_dp/3.0_dp
-      logical, allocatable :: is_near(:)
       real(dp) :: share
       integer :: p
 
-      if (.not. allocated(result%error_estimate) .or. any(body%zone%is_cell) .or. .not. any(is_end)) return
+      if (.not. any(is_end)) return
+      share = share_at(result, body, is_end)
+      if (share <= most_of_it) return
       if (result%error_estimate%relative < large_error) return
+      p = findloc(is_end, .true., dim=1)
+      call result%warnings%add(percent(share)//' of the estimated error is in the elements at the ends of the '// &
+         'contact and stick zones, the first at '//result%warnings%place(body%zone%position(:, p))// &
+         ': refine the mesh there')
+   end subroutine add_uncertain_ends
+
+   !> What the estimated error says of some contact points, as a clause behind a sentence; nothing without an estimate.
+   pure function error_clause(result, body, is_there) result(clause)
+      type(result_t), intent(in) :: result !! the result
+      type(body_t), intent(in) :: body !! the body
+      logical, intent(in) :: is_there(:) !! which points (m)
+      character(:), allocatable :: clause
+      real(dp) :: share
+
+      clause = ''
+      share = share_at(result, body, is_there)
+      if (share > 0.0_dp) clause = '; '//percent(share)//' of the estimated error, '// &
+         percent(result%error_estimate%relative)//', is in the elements there'
+   end function error_clause
+
+   !> The share of the elements at some contact points in the square of the estimated error; 0 where there is no
+   !> estimate, and for cells, whose ends are no nodes [-].
+   pure real(dp) function share_at(result, body, is_there) result(share)
+      type(result_t), intent(in) :: result !! the result
+      type(body_t), intent(in) :: body !! the body
+      logical, intent(in) :: is_there(:) !! which points (m)
+      logical, allocatable :: is_near(:)
+      integer :: p
+
+      share = 0.0_dp
+      if (.not. allocated(result%error_estimate) .or. any(body%zone%is_cell)) return
+      if (result%error_estimate%norm <= 0.0_dp) return
       allocate (is_near(body%mesh%n_nodes), source=.false.)
       do p = 1, body%zone%n_points
-         if (is_end(p)) is_near(body%zone%rows%node(body%zone%rows%start(p))) = .true.
+         if (is_there(p)) is_near(body%zone%rows%node(body%zone%rows%start(p))) = .true.
       end do
       share = share_near(result%error_estimate, body%mesh, is_near)
-      p = findloc(is_end, .true., dim=1)
-      if (share > most_of_it) call result%warnings%add(percent(share)//' of the estimated error is in the '// &
-         'elements at the ends of the contact and stick zones, the first at '// &
-         result%warnings%place(body%zone%position(:, p))//': refine the mesh there')
-   end subroutine add_uncertain_ends
+   end function share_at
 
    !> The share of the elements at some nodes in the square of the estimated error [-].
    pure real(dp) function share_near(estimate, mesh, is_near) result(share)

@@ -10,7 +10,7 @@ module amontons_result_warnings
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    use amontons_mesh, only: mesh_t
-   use amontons_mesh_warnings, only: add_mesh_warnings
+   use amontons_mesh_warnings, only: add_mesh_warnings, error_clause
    use amontons_model_warnings, only: body_size, percent
    use amontons_result, only: result_t
    use amontons_text, only: counted, to_text
@@ -53,11 +53,12 @@ contains
             call add_no_contact(result, zone)
          else if (lacks(2)) then
             call result%warnings%add('only '//counted(count(is_closed), 'contact point')// &
-               ' closed: the mesh is too coarse for the pressure there')
+               ' closed: the mesh is too coarse for the pressure there'//error_clause(result, body, is_closed)// &
+               '; refine it there, or see with --refine 2 what converges')
          else if (zone%n_points > 2) then
             associate (pressure => result%solution%force(:zone%n_points)/zone%area)
                if (jump_at(zone, pressure) > 0) then
-                  call add_pressure_jump(result%warnings, zone, pressure)
+                  call add_pressure_jump(result, body, pressure)
                else
                   call add_mesh_warnings(result, body)
                end if
@@ -237,17 +238,18 @@ contains
    end subroutine find_strain
 
    !> Warns of a largest pressure that is more than twice that of each of its neighbors.
-   pure subroutine add_pressure_jump(warnings, zone, pressure)
-      type(warning_list_t), intent(inout) :: warnings !! gains the warning
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      real(dp), intent(in) :: pressure(:) !! their pressures (m) [F/L^2]
-      integer :: peak
+   pure subroutine add_pressure_jump(result, body, pressure)
+      type(result_t), intent(inout) :: result !! the result; gains the warning
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: pressure(:) !! pressures of the contact points (m) [F/L^2]
+      integer :: i, peak
 
-      peak = jump_at(zone, pressure)
-      call warnings%add('the largest pressure '// &
-         warnings%number(pressure(peak), 'F/L^2')//' at '//warnings%place(zone%position(:, peak))// &
-         ' is more than twice that of the points '// &
-         'beside it: the mesh is too coarse for it, or it grows without bound at an edge; refine it there, or see '// &
+      peak = jump_at(body%zone, pressure)
+      call result%warnings%add('the largest pressure '// &
+         result%warnings%number(pressure(peak), 'F/L^2')//' at '// &
+         result%warnings%place(body%zone%position(:, peak))//' is more than twice that of the points '// &
+         'beside it: the mesh is too coarse for it, or it grows without bound at an edge'// &
+         error_clause(result, body, [(i == peak, i=1, size(pressure))])//'; refine it there, or see '// &
          'with --refine 2 whether it converges')
    end subroutine add_pressure_jump
 

@@ -12,12 +12,28 @@ import unittest
 import unittest.mock
 from pathlib import Path
 
-from harness import PROGRAM, ProgramTest, block
+from harness import PROGRAM, ProgramTest, block, read_vtu
 
 HERE = Path(__file__).resolve().parents[2]
 CASE = block("support set = 'left'  ux = 0.0", "load set = 'top'  pressure = 0.2",
              "contact set = 'bottom'  obstacle = 'circle'  radius = 1.0", mesh="size = 4.0, 2.0  cells = 8, 4  "
              "element = 'tri6'")
+# The same rectangle.
+GEOMETRY = """Point(1) = {0, 0, 0, 1};
+Point(2) = {4, 0, 0, 1};
+Point(3) = {4, 2, 0, 1};
+Point(4) = {0, 2, 0, 1};
+Line(1) = {1, 2};
+Line(2) = {2, 3};
+Line(3) = {3, 4};
+Line(4) = {4, 1};
+Curve Loop(1) = {1:4};
+Plane Surface(1) = {1};
+Physical Curve("bottom") = {1};
+Physical Curve("top") = {3};
+Physical Curve("left") = {4};
+Physical Surface("block") = {1};
+"""
 
 
 @unittest.skipIf(shutil.which("gmsh") is None or importlib.util.find_spec("numpy") is None,
@@ -84,22 +100,55 @@ class Adapt(ProgramTest):
         self.write("part.nml", CASE.replace("8, 4", "8, 4  origin = -2.0, 1.0").replace(
             "radius", "point = 0.0, 1.0  radius"))
         self.adapt("-", "part.nml", "--error", "20%")
-        self.assertIn("Point(1) = {-2.0, 1.0, 0,", (self.directory/"adapt"/"rectangle.geo").read_text())
+        for mesh in sorted((self.directory/"adapt").glob("mesh_*/part.vtu")):
+            points = read_vtu(mesh.read_bytes())[0]["points"]
+            self.assertEqual((min(points)[0], max(points)[0]), (-2.0, 2.0))
+        # The sizes follow the rectangle: as many elements as where its corner is the origin.
+        here = (self.directory/"adapt"/"adapt.csv").read_text()
+        self.write("part.nml", CASE.replace("radius", "point = 2.0, 0.0  radius"))
+        self.adapt("-", "part.nml", "--error", "20%")
+        there = (self.directory/"adapt"/"adapt.csv").read_text()
+        self.assertEqual([row.split(",")[:3] for row in here.splitlines()],
+                         [row.split(",")[:3] for row in there.splitlines()])
+
+    def test_sizes_of_the_geometry_give_way(self):
+        self.write("part.geo", GEOMETRY + 'Field[1] = MathEval;\nField[1].F = "0.5";\nBackground Field = 1;\n'
+                   "Mesh.MeshSizeMin = 0.4;\n")
+        self.write("part.nml", CASE.replace("size =", "name = 'block'  size =").replace("set = '", "set = 'block.")
+                   + "&accuracy estimate = 'none' /\n")
+        self.adapt("part.geo", "part.nml", "--error", "4%")
+        with open(self.directory/"adapt"/"adapt.csv", encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertGreater(float(rows[0]["relative_error"]), 0.04)
+        self.assertLessEqual(float(rows[-1]["relative_error"]), 0.04)
 
     def test_what_is_refused(self):
         self.write("part.nml", CASE)
         self.write("fixed.geo", "Transfinite Curve {1} = 10;\n")
         self.write("odd.geo", "Point(1) = {0, 0};\n")
+        self.write("bare.geo", GEOMETRY.partition("Physical")[0])
+        self.write("many.nml", CASE + "&sweep contact = 'bottom'  friction = 0.1, 0.2 /\n")
+        (self.directory/"odd.nml").write_bytes(b"\xff")
         self.write("bare.nml", "&material young = 1.0 /\n")
         self.write("two.nml", "&mesh size = 1.0, 1.0  cells = 2, 2 /\n"*2)
         for arguments, message in ((("none.geo", "part.nml"), "none.geo: no such geometry"),
                                    (("fixed.geo", "part.nml"), "fixed.geo: Transfinite fixes the mesh"),
                                    (("odd.geo", "part.nml"), "gmsh cannot mesh odd.geo: "),
-                                   (("-", "bare.nml"), "bare.nml: expected a &mesh group"),
-                                   (("-", "two.nml"), "two.nml: expected one &mesh group"),
+                                   (("bare.geo", "part.nml"), "bare.geo: no physical groups"),
+                                   (("-", "none.nml"), "none.nml: cannot be read: No such file"),
+                                   (("-", "odd.nml"), "odd.nml: cannot be read: not UTF-8"),
+                                   (("-", "many.nml"), "many.nml: the cases of a &sweep need a mesh each"),
+                                   (("-", "bare.nml"), "bare.nml: expected one &mesh group, found 0"),
+                                   (("-", "two.nml"), "two.nml: expected one &mesh group, found 2"),
                                    (("-", "part.nml", "--key", "peak"), "'peak' is not a key result"),
                                    (("-", "part.nml", "--error", "1e-5", "--steps", "2"), "after 2 meshes")):
-            self.assertIn(message, self.adapt(*arguments, status=1))
+            found = self.adapt(*arguments, status=1)
+            self.assertIn(message, found)
+            self.assertNotIn("Traceback", found)
+        for option, value in (("--steps", "0"), ("--error", "200"), ("--error", "few")):
+            self.assertIn(f"found '{value}'", self.adapt("-", "part.nml", option, value, status=2))
+        with unittest.mock.patch.dict(os.environ, {"PATH": str(self.directory)}):
+            self.assertIn("adapt.sh: gmsh is not installed", self.adapt("-", "part.nml", status=1))
 
 
 if __name__ == "__main__":

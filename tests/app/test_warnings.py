@@ -2,6 +2,7 @@
 """Warnings: what a deck can describe and a result cannot carry is said on screen, in the listing and in the summary,
 and checked by --verify."""
 import json
+import re
 import unittest
 
 from disc import disc_mesh
@@ -124,6 +125,21 @@ class Warnings(ProgramTest):
         for name, (groups, changes, expected) in CASES.items():
             with self.subTest(name=name):
                 self.assert_warnings(block(*groups, **changes), *expected, name=name)
+
+    def test_coarse_places_come_with_their_error(self):
+        clause = r"; ([0-9.]+) % of the estimated error, ([0-9.]+) %, is in the elements there; refine "
+        for name in ("short", "corner"):
+            groups, changes, _ = CASES[name]
+            sentence, = self.warnings_of(block(*groups, **changes), name, 0)
+            share, error = map(float, re.search(clause, sentence).groups())
+            summary = json.loads((self.directory/"results"/f"{name}.summary.json").read_text(encoding="utf-8"))
+            # Three digits of it are printed.
+            self.assertAlmostEqual(error, 100*summary["accuracy"]["relative_error"], delta=0.006*error)
+            self.assertGreater(share, 0.0)
+            self.assertLessEqual(share, 100.0)
+            sentence, = self.warnings_of(block(*groups, "accuracy estimate = 'none'", **changes), name, 0)
+            self.assertNotIn("estimated error", sentence)
+            self.assertIn("; refine ", sentence)
 
     def test_points_inside_that_face_away(self):
         # The floor is just above the middle of the ball: the nodes beside the middle are below it and face along it.
