@@ -12,6 +12,10 @@ module amontons_command_line
    character(16), parameter :: option_names(*) = [character(16) :: '--output', '--set', '--refine', '--check', &
       '--quiet', '--progress', '--threads', '--skip-unchanged', '--reduced', '--write-reduced', '--all-solutions', &
       '--verify', '--reference', '--help', '--version']
+   !> What other programs call each of them, blanks between the words.
+   character(24), parameter :: other_names(*) = [character(24) :: '--outdir --dir -d', '--param --define -D', '', &
+      '--dry-run --validate', '--silent -s', '--verbose', '--nthreads --jobs -j -n', '', '', '', '', '', '--keys', '', &
+      '-v -V']
 
    !> A word of the command line.
    type :: argument_t
@@ -186,14 +190,19 @@ contains
          value//"'")
    end subroutine read_value
 
-   !> What the message about an unknown option adds: the option that is near, or the only one that begins like it.
+   !> What the message about an unknown option adds: the option that other programs call so, one that is near, or the
+   !> only one that begins like it.
    pure function suggestion(name) result(text)
       character(*), intent(in) :: name !! the unknown option
       character(:), allocatable :: text
       logical :: begins(size(option_names))
       integer :: i
 
-      text = nearest_word(name, option_names)
+      text = ''
+      do i = 1, size(option_names)
+         if (index(' '//trim(other_names(i))//' ', ' '//name//' ') > 0) text = trim(option_names(i))
+      end do
+      if (text == '') text = nearest_word(name, option_names)
       begins = [(index(option_names(i), '--'//trim(name(verify(name//'.', '-'):))) == 1, i=1, size(option_names))]
       if (len(text) == 0 .and. count(begins) == 1) text = trim(option_names(findloc(begins, .true., dim=1)))
       if (len(text) > 0) then

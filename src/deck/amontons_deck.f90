@@ -203,9 +203,10 @@ contains
    end function deck_count_values
 
    !> Records the groups that are unknown, and those that stand more often than they may.
-   subroutine deck_refuse_unknown_groups(self, known_names, repeatable_names)
+   subroutine deck_refuse_unknown_groups(self, known_names, also, repeatable_names)
       class(deck_t), intent(inout) :: self !! the deck, gains the faults
       character(*), intent(in) :: known_names(:) !! names of all groups a deck may have, in lower case, blank padded
+      character(*), intent(in) :: also(:) !! what other programs call each of them, blanks between the words
       character(*), intent(in) :: repeatable_names(:) !! those of them that may stand more than once
       integer :: i, first_line(size(known_names)), known
 
@@ -216,7 +217,7 @@ contains
             if (known == 0) then
                self%contents%hides_groups = .true.
                call self%contents%faults%add(group%line, 'unknown group &'//excerpt(group%name)// &
-                  suggestion(group%name, known_names, '&', 'groups'))
+                  suggestion(group%name, known_names, also, '&', 'groups'))
             else if (first_line(known) == 0) then
                first_line(known) = group%line
             else if (all(repeatable_names /= group%name)) then

@@ -219,26 +219,11 @@ contains
                group%has_unknown_key = .true.
                call contents%faults%add(assignment%line, "unknown key '"//excerpt(contents%text( &
                   assignment%first:assignment%first + len(assignment%key) - 1))//"' in &"//group%name// &
-                  key_suggestion(assignment%key, self%keys))
+                  suggestion(assignment%key, self%keys%name, self%keys%also, '', 'keys'))
             end associate
          end do
       end associate
    end subroutine reader_refuse_unknown_keys
-
-   !> What the message about an unknown key adds: the key that other programs call so, or one that is near, or all keys.
-   pure function key_suggestion(word, keys) result(text)
-      character(*), intent(in) :: word !! the unknown key
-      type(key_t), intent(in) :: keys(:) !! the keys of the group
-      character(:), allocatable :: text
-      integer :: i
-
-      do i = 1, size(keys)
-         if (index(' '//trim(keys(i)%also)//' ', ' '//word//' ') == 0) cycle
-         text = '; did you mean '//trim(keys(i)%name)//'?'
-         return
-      end do
-      text = suggestion(word, keys%name, '', 'keys')
-   end function key_suggestion
 
    !> What a message adds where a word has the form of a number, but one too large or too small.
    pure function limit_of(word, is_whole) result(text)

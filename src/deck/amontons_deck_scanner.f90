@@ -210,21 +210,53 @@ contains
       beginning = text(:length)//'...'
    end function excerpt
 
-   !> What a message about an unknown word adds: the known word that is near, or all known words where none is.
-   pure function suggestion(word, words, before, noun) result(text)
+   !> What a message about an unknown word adds: the known word that other programs call so, one that is near or begins
+   !> alike, or all known words.
+   pure function suggestion(word, words, also, before, noun) result(text)
       character(*), intent(in) :: word !! the word found, in lower case
       character(*), intent(in) :: words(:) !! the words known
+      character(*), intent(in) :: also(:) !! what other programs call each of them, blanks between the words
       character(*), intent(in) :: before !! what the message puts before a word
       character(*), intent(in) :: noun !! what the words are
       character(:), allocatable :: text
+      integer :: i
 
-      text = nearest_word(word, words)
+      text = ''
+      do i = 1, size(words)
+         if (len(word) == 0 .or. index(' '//trim(also(i))//' ', ' '//word//' ') == 0) cycle
+         text = trim(words(i))
+         exit
+      end do
+      if (text == '') text = nearest_word(word, words)
+      if (text == '') text = word_that_begins_alike(word, words)
       if (text /= '') then
          text = '; did you mean '//before//text//'?'
       else
          text = ' ('//noun//': '//joined(words, before, '')//')'
       end if
    end function suggestion
+
+   !> The only known word that begins with the whole of another, or is the first part of it, before an underscore; empty
+   !> where there is none or more than one.
+   pure function word_that_begins_alike(word, words) result(alike)
+      character(*), intent(in) :: word !! the other word
+      character(*), intent(in) :: words(:) !! the words known
+      character(:), allocatable :: alike
+      ! A shorter beginning says little.
+      integer, parameter :: shortest = 4
+      integer :: i
+
+      alike = ''
+      if (len(word) < shortest) return
+      do i = 1, size(words)
+         if (index(words(i), word) /= 1 .and. index(word, trim(words(i))//'_') /= 1) cycle
+         if (alike /= '') then
+            alike = ''
+            return
+         end if
+         alike = trim(words(i))
+      end do
+   end function word_that_begins_alike
 
    !> Words separated by commas.
    pure function joined(words, before, behind) result(text)

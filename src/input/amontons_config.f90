@@ -49,6 +49,10 @@ module amontons_config
       tie_group, sweep_group, history_group, steps_group, accuracy_group]
    !> All groups of a deck.
    type(group_t), parameter :: groups(*) = [case_group, problem_group, body_groups, solver_group, output_group]
+   !> What other programs call each of them, blanks between the words.
+   character(32), parameter :: other_names(size(groups)) = [character(32) :: 'job heading', '', &
+      'node nodes element elements part', 'elastic section', 'boundary bc constraint fix', 'cload dload', &
+      'interaction obstacle', '', 'parameter study', '', 'amplitude', '', 'static analysis', '']
 
    !> Everything that defines a case.
    type, extends(case_label_t) :: config_t
@@ -123,7 +127,7 @@ contains
 
       config%file = reader%deck%file
       if (present(settings)) call apply_settings(reader%deck, settings)
-      call reader%deck%refuse_unknown_groups(groups%name, pack(groups%name, groups%is_repeatable))
+      call reader%deck%refuse_unknown_groups(groups%name, other_names, pack(groups%name, groups%is_repeatable))
       call describe_config(reader, config)
       call reader%deck%finish(error)
    end subroutine read_groups
@@ -178,7 +182,7 @@ contains
       call describe_config(documenter, config)
       text = documenter%written
       if (len(text) == 0) call new_error(error, input_refused, 'unknown group &'//documenter%wanted// &
-         suggestion(documenter%wanted, groups%name, '&', 'groups'))
+         suggestion(documenter%wanted, groups%name, other_names, '&', 'groups'))
    end subroutine reference_text
 
    !> Describes all groups of a deck: of a reduced problem, or of a body.
@@ -316,7 +320,7 @@ contains
          call visitor%real(key_t('tolerance', 'residual that counts as solved, free of units', above=0.0_dp, &
             below=1.0_dp, also='tol eps'), method%tolerance)
          call visitor%whole(key_t('max_iterations', 'most iterations, of all stages together with `auto`', &
-            at_least=1.0_dp, also='maxit max_iter itmax iterations'), method%max_iterations)
+            at_least=1.0_dp, also='maxit maxiter max_iter itmax iterations'), method%max_iterations)
          call visitor%word(key_t('factorization', 'Cholesky factorization of the stiffness: band, multifrontal '// &
             "(formerly `'substructured'`), that of SuiteSparse, distributed over the ranks of an MPI run, or the "// &
             'one that suits', is_shared=.true.), config%condensation%factorization, factorization_names)

@@ -90,9 +90,9 @@ contains
       call visitor%reals(key_t('size', 'of the rectangle: width and height', 'L', above=0.0_dp, &
          is_required=needs_size, also='length lengths dimensions'), rectangle%size, has_size)
       call visitor%wholes(key_t('cells', 'of the rectangle: number of cells along x and y', at_least=1.0_dp, &
-         is_required=needs_size, also='elements divisions n'), rectangle%cells, has_cells)
+         is_required=needs_size, also='elements divisions n nx ny h'), rectangle%cells, has_cells)
       call visitor%word(key_t('element', 'a quadrilateral, or two triangles in each cell; linear or quadratic', &
-         also='type etype'), rectangle%element, element_names, has_element)
+         also='type etype order'), rectangle%element, element_names, has_element)
       call visitor%word(key_t('diagonal', 'how triangles halve a cell: `/`, `\`, or by turns; no effect on'// &
          ' quadrilaterals'), rectangle%diagonal, diagonal_names, has_diagonal)
       call visitor%real(key_t('grading', 'height of the top row of cells over that of the bottom row; the rows'// &
@@ -110,13 +110,13 @@ contains
       has_region = is_filled(material%region)
       call visitor%open_group(material_group)
       call visitor%real(key_t('young', "Young's modulus", 'F/L²', above=0.0_dp, is_required=.true., &
-         also='e modulus youngs_modulus'), material%young)
+         also='e modulus e_modulus youngs_modulus'), material%young)
       call visitor%real(key_t('poisson', "Poisson's ratio", above=-1.0_dp, below=0.5_dp, is_required=.true., &
          also='nu poissons_ratio'), material%poisson)
       call visitor%real(key_t('thickness', 'thickness of a plane body; it multiplies stiffness and loads, so that'// &
          ' forces are in [F]', 'L', above=0.0_dp, also='t depth'), material%thickness)
       call visitor%word(key_t('hypothesis', 'how the body is reduced to the plane; the same for all materials', &
-         also='plane model state'), material%hypothesis, hypothesis_names)
+         also='type plane model state plane_stress plane_strain'), material%hypothesis, hypothesis_names)
       call visitor%word(key_t('formulation', "of `quad4` elements: `'b-bar'` does not lock where the material is"// &
          " nearly incompressible; `'auto'` is `'b-bar'` for a Poisson's ratio of 0.49 or more"), material%formulation, &
          formulation_names)
@@ -162,7 +162,8 @@ contains
             also=component_words(k), is_free=.true.), support%displacement(k), support%is_held(k))
       end do
       call visitor%real(key_t('spring_n', 'elastic foundation: stress per displacement along the normal; with `set`'// &
-         ' only', 'F/L³', default='`0.0`', at_least=0.0_dp), support%spring(1), has_spring(1))
+         ' only', 'F/L³', default='`0.0`', at_least=0.0_dp, also='k stiffness foundation'), &
+         support%spring(1), has_spring(1))
       call visitor%real(key_t('spring_t', 'elastic foundation: stress per displacement along the tangent; with'// &
          ' `set` only', 'F/L³', default='`0.0`', at_least=0.0_dp), support%spring(2), has_spring(2))
       call visitor%close_group()
@@ -197,7 +198,7 @@ contains
          also='elset'), load%region, has_region)
       call describe_tractions(visitor, load, is_given(load_on_sides))
       call visitor%reals(key_t('force', 'a force on the node at `point`, or on every node of `set`', 'F', &
-         also='f cload'), load%force, on_nodes)
+         also='f fx fy cload'), load%force, on_nodes)
       is_given(load_on_nodes) = on_nodes
       call describe_body_force(visitor, load, is_given(load_on_region))
       call describe_temperature(visitor, load, is_given(load_by_temperature))
@@ -218,7 +219,7 @@ contains
       has = load%target == load_on_sides
       slopes = reshape(load%traction_slope, [4])
       call visitor%reals(key_t('traction', 'force per area along x and y, at the origin of the coordinates', 'F/L²', &
-         also='t trac'), load%traction, has(1))
+         also='t trac stress shear'), load%traction, has(1))
       call visitor%reals(key_t('traction_slope', 'its change: of the x component along x, of the y component along'// &
          ' x, of the x component along y, of the y component along y', 'F/L³'), slopes, has(2))
       call visitor%real(key_t('pressure', 'force per area against the outward normal, at the origin: a positive one'// &

@@ -18,7 +18,8 @@ module amontons_config_contact
    type(group_t), parameter, public :: tie_group = group_t('tie', is_repeatable=.true., is_shared=.true.)
    !> Keys of Coulomb's coefficient: its value, slope and table.
    type(key_t), parameter :: friction_keys(3) = [ &
-      key_t('friction', "Coulomb's coefficient; 0 is frictionless contact", at_least=0.0_dp, also='mu f coefficient'), &
+      key_t('friction', "Coulomb's coefficient; 0 is frictionless contact", at_least=0.0_dp, &
+      also='mu mu_s f cof coefficient'), &
       key_t('friction_slope', 'change of the coefficient along x and y; `friction` is then its value at the origin', &
       '1/L'), &
       key_t('friction_table', 'file with the coefficient over the length of the contact line, instead', is_file=.true.)]

@@ -86,7 +86,7 @@ contains
       call visitor%text(key_t('name', 'what the pseudo-time is called in tables: letters, digits and `_`'), &
          history%name)
       call visitor%whole(key_t('substeps', 'number of equal steps from one of the `times` to the next', &
-         at_least=1.0_dp, also='n nsteps increments'), history%n_substeps)
+         at_least=1.0_dp, also='n steps nsteps increments dt'), history%n_substeps)
       call visitor%real(key_t('step_tolerance', 'a step whose energy error is a larger part of its energies is'// &
          ' halved', default='no step is halved for this', above=0.0_dp, also='tolerance tol'), &
          history%step_tolerance, has_tolerance)

@@ -63,6 +63,8 @@ class Options(ProgramTest):
         for word, hint in (("--outptu", "did you mean --output?"), ("--Quiet", "did you mean --quiet?"),
                            ("--ouput=x", "did you mean --output?"), ("--out", "did you mean --output?"),
                            ("-c", "did you mean --check?"), ("-output", "did you mean --output?"),
+                           ("-j", "did you mean --threads?"), ("--dry-run", "did you mean --check?"),
+                           ("-D", "did you mean --set?"), ("-v", "did you mean --version?"),
                            ("-x", "try amontons --help"), ("--ver", "try amontons --help"),
                            ("---", "try amontons --help")):
             self.refuse(f"unknown option '{word.removesuffix('=x')}'; {hint}", word, "case.nml")

@@ -224,7 +224,7 @@ class Output(ReducedTest):
         self.write("free.nml", block(SUPPORT, PRESSURE, CONTACT))
         run = self.run_program("--write-reduced", "free.nml", status=1)
         self.assertEqual(run.stderr, "free.nml: this case has no reduced problem u = W r + q to write: only contact "
-                                     "holds the body against a rigid motion, so that W would be infinite; add a "
+                                     "holds a rigid-body mode, so that W would be infinite; add a "
                                      "support\n")
         self.assertFalse([name for name in self.files() if name.startswith("free.") and name != "free.nml"])
 

@@ -185,7 +185,7 @@ contains
       m = problem%n_points
       if (.not. problem%is_held) then
          call new_error(error, input_refused, 'this case has no reduced problem u = W r + q to write: only contact '// &
-            'holds the body against a rigid motion, so that W would be infinite; add a support')
+            'holds a rigid-body mode, so that W would be infinite; add a support')
       else if (any(problem%slip_bound > 0.0_dp)) then
          call new_error(error, input_refused, 'this case has no reduced problem u = W r + q to write: it '// &
             'knows only the bound mu r of the friction, no given slip_bound')
