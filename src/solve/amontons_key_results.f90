@@ -56,15 +56,17 @@ contains
    end function contact_peaks
 
    !> Finds the parts of the contact line that are closed, and those that stick.
-   pure subroutine find_zones(closed, stuck, body, force, status, friction, slip_bound, motion)
+   pure subroutine find_zones(closed, stuck, body, force, status, bound, motion, displacement)
       type(interval_t), allocatable, intent(out) :: closed(:) !! the closed parts
       type(interval_t), allocatable, intent(out) :: stuck(:) !! the parts that stick
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
       integer, intent(in) :: status(:) !! statuses of the points (m)
-      real(dp), intent(in) :: friction(:) !! Coulomb coefficients (m) [-]
-      real(dp), intent(in) :: slip_bound(:) !! given bounds of the tangential force (m) [F]
+      real(dp), intent(in) :: bound(:) !! slip bounds g + phi lambda_N of the tangential forces (m) [F]
       real(dp), intent(in) :: motion(:) !! gaps and slips of the points (2m) [L]
+      real(dp), intent(in) :: displacement(:) !! displacements of the points, normal and tangential (2m) [L]
+      ! Slips that are as small beside the displacements are what rounding leaves of none.
+      real(dp), parameter :: rounding = 1.0e-12_dp
       type(trace_t) :: trace
       logical :: has_middles
       integer :: m
@@ -75,12 +77,13 @@ contains
       trace%gap = merge(motion(:m), 0.0_dp, status == open_point)
       trace%slip = 0.0_dp*motion(:m)
       call find_edges(closed, body%zone, status /= open_point, trace)
-      trace%force = slip_bound + friction*force(:m) - abs(force(m + 1:))
+      trace%force = bound - abs(force(m + 1:))
       has_middles = any(n_element_nodes(body%mesh%element_kind) > n_corners(body%mesh%element_kind))
       ! Of quadratic sides a corner and a middle together.
       trace%n_summed = merge(2, 1, has_middles)
       trace%gap = 0.0_dp*motion(:m)
-      if (has_middles) trace%slip = merge(motion(m + 1:), 0.0_dp, status == slip_plus .or. status == slip_minus)
+      if (has_middles) trace%slip = merge(motion(m + 1:), 0.0_dp, (status == slip_plus .or. status == slip_minus) &
+         .and. abs(motion(m + 1:)) > rounding*maxval(abs(displacement)))
       call find_edges(stuck, body%zone, status == stick_point, trace)
    end subroutine find_zones
 

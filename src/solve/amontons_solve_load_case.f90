@@ -208,8 +208,8 @@ contains
          deallocate (result%stress%force)
          call new_lengths(result%lengths, body%zone, solution%status)
          call find_zones(result%closed, result%stuck, body, solution%force, solution%status, &
-            result%load_case%friction, result%load_case%slip_bound, &
-            [result%load_case%free_gap - solution%displacement(:m), slip])
+            result%load_case%slip_bound + result%load_case%friction*solution%force(:m), &
+            [result%load_case%free_gap - solution%displacement(:m), slip], solution%displacement)
          result%key_results = [contact_peaks(body, slip, solution%force, solution%status, &
             maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, result%stress), &
             set_results(body, solution%force, result%closed, result%stuck)]

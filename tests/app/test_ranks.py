@@ -272,7 +272,9 @@ class Kills(RanksTest):
                 os.kill(ranks[number], signal.SIGKILL)
             told = b"".join(run.communicate(timeout=self.timeout))
         if run.returncode != 0:
-            self.assertEqual(len(re.findall(rb"process rank %d .* exited on signal 9" % number, told)), 1, told)
+            # Where the job is ending already, mpiexec has a shorter sentence.
+            self.assertRegex(told, rb"process rank %d .* exited on signal 9|1 process returned\na non-zero exit code"
+                             % number)
         # The kernel may still be taking down what mpiexec has killed.
         while any(is_running(process) for process in ranks.values()):
             time.sleep(0.01)

@@ -83,7 +83,8 @@ contains
       call new_lengths(lengths, body%zone, solution%status)
       associate (gap => free_gap - solution%displacement(:size(solution%status)), &
          slip => solution%displacement(size(solution%status) + 1:))
-         call find_zones(closed, stuck, body, solution%force, solution%status, friction, slip_bound, [gap, slip])
+         call find_zones(closed, stuck, body, solution%force, solution%status, &
+            slip_bound + friction*solution%force(:size(friction)), [gap, slip], solution%displacement)
          list = [lengths%quantities(), resultants(solution%force), contact_peaks(body, slip, solution%force, &
             solution%status, maxval(abs(solution%displacement))), &
             set_results(body, solution%force, closed, stuck), peaks]
