@@ -32,6 +32,8 @@ module amontons_cholesky
       procedure :: schur_complement => cholesky_schur_complement
       procedure :: condense => cholesky_condense
       procedure :: expand => cholesky_expand
+      procedure :: expand_all => cholesky_expand_all
+      procedure :: substitute_backward_all => cholesky_substitute_backward_all
       procedure :: set_order => cholesky_set_order
       procedure :: take_values => cholesky_take_values
       procedure :: check_pivots => cholesky_check_pivots
@@ -190,6 +192,35 @@ contains
       call self%substitute_backward(n_interior, work)
       x(self%order) = work
    end subroutine cholesky_expand
+
+   !> All unknowns from the Schur variables under several loads.
+   subroutine cholesky_expand_all(self, partial, v, x)
+      class(cholesky_t), intent(in) :: self !! the factorization
+      real(dp), contiguous, intent(in) :: partial(:, :) !! what `condense` made of the loads (n, loads)
+      real(dp), contiguous, intent(in) :: v(:, :) !! the Schur variables in matrix order (n_schur, loads)
+      real(dp), contiguous, intent(out) :: x(:, :) !! all unknowns (n, loads)
+      real(dp), allocatable :: work(:, :)
+      integer :: n_interior
+
+      n_interior = self%n - self%n_schur
+      allocate (work, source=partial)
+      work(n_interior + 1:, :) = v(self%schur_order, :)
+      call self%substitute_backward_all(n_interior, work)
+      x(self%order, :) = work
+   end subroutine cholesky_expand_all
+
+   !> Does the backward steps of the first columns for several vectors. What keeps its columns in blocks overrides this,
+   !> to read them once.
+   subroutine cholesky_substitute_backward_all(self, n_steps, y)
+      class(cholesky_t), intent(in) :: self !! the factorization
+      integer, intent(in) :: n_steps !! how many columns, at least those of the interior
+      real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
+      integer :: k
+
+      do k = 1, size(y, 2)
+         call self%substitute_backward(n_steps, y(:, k))
+      end do
+   end subroutine cholesky_substitute_backward_all
 
    !> Refuses a factor whose pivots have shrunk to rounding errors: its matrix is singular.
    pure subroutine cholesky_check_pivots(self, pivots, error)

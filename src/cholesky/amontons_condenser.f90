@@ -32,6 +32,7 @@ module amontons_condenser
       procedure(condense), deferred :: condense
       procedure(expand), deferred :: expand
       procedure(solve), deferred :: solve
+      procedure :: expand_all => condenser_expand_all
       procedure :: check_memory => condenser_check_memory
       procedure :: memory_mb => condenser_memory_mb
       procedure :: condition => condenser_condition
@@ -87,6 +88,20 @@ module amontons_condenser
    end interface
 
 contains
+
+   !> All unknowns from the Schur variables under several loads. What can share its passes over the factor between them
+   !> overrides this.
+   subroutine condenser_expand_all(self, partial, v, x)
+      class(condenser_t), intent(in) :: self !! the condenser
+      real(dp), contiguous, intent(in) :: partial(:, :) !! what `condense` made of the loads (n, loads)
+      real(dp), contiguous, intent(in) :: v(:, :) !! the Schur variables in matrix order (n_schur, loads)
+      real(dp), contiguous, intent(out) :: x(:, :) !! all unknowns (n, loads)
+      integer :: k
+
+      do k = 1, size(v, 2)
+         call self%expand(partial(:, k), v(:, k), x(:, k))
+      end do
+   end subroutine condenser_expand_all
 
    !> The memory that `complete` takes [MB].
    pure real(dp) function condenser_memory_mb(self)

@@ -6,7 +6,7 @@
 module amontons_front_substitution
    use amontons_fronts, only: fronts_t
    use amontons_kinds, only: dp, int64
-   use amontons_supernode, only: backward_columns, forward_columns
+   use amontons_supernode, only: backward_columns_all, forward_columns
    implicit none (type, external)
    private
 
@@ -79,29 +79,29 @@ contains
       end associate
    end subroutine forward_front
 
-   !> Does the backward steps of a front, and then those of its descendants.
+   !> Does the backward steps of a front, and then those of its descendants, for several vectors at once.
    recursive subroutine backward_subtree(fronts, value, k, n_steps, y, known)
       type(fronts_t), intent(in) :: fronts !! the fronts
       real(dp), contiguous, intent(in) :: value(:) !! their blocks
       integer, intent(in) :: k !! number of the front
       integer, intent(in) :: n_steps !! how many columns
-      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position
-      real(dp), contiguous, intent(in) :: known(:) !! the vector on the row structure (n_structure)
-      real(dp) :: stack(fronts%stack_size(k))
+      real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
+      real(dp), contiguous, intent(in) :: known(:, :) !! the vectors on the row structure (vectors, n_structure)
+      real(dp) :: stack(size(y, 2), fronts%stack_size(k))
       integer :: i, middle, top
 
-      top = size(known)
-      stack(:top) = known
+      top = size(known, 2)
+      stack(:, :top) = known
       call backward_front(fronts, value, k, n_steps, y, stack, top)
       if (fronts%is_large(k)) then
          associate (child => fronts%child(:, k))
             middle = fronts%n_structure(child(1))
             if (child(1) > 0) then
                !$omp task default(none) shared(fronts, value, n_steps, y, stack, k, middle)
-               call backward_subtree(fronts, value, fronts%child(1, k), n_steps, y, stack(:middle))
+               call backward_subtree(fronts, value, fronts%child(1, k), n_steps, y, stack(:, :middle))
                !$omp end task
             end if
-            if (child(2) > 0) call backward_subtree(fronts, value, child(2), n_steps, y, stack(middle + 1:top))
+            if (child(2) > 0) call backward_subtree(fronts, value, child(2), n_steps, y, stack(:, middle + 1:top))
             !$omp taskwait
          end associate
       else
@@ -117,24 +117,30 @@ contains
       real(dp), contiguous, intent(in) :: value(:) !! their blocks
       integer, intent(in) :: k !! number of the front
       integer, intent(in) :: n_steps !! how many columns
-      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position
-      real(dp), intent(inout) :: stack(:) !! the vector on row structures: its own is replaced by those of its children
+      real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
+      real(dp), intent(inout) :: stack(:, :)
+         !! the vectors on row structures: its own is replaced by those of its children (vectors, any)
       integer, intent(inout) :: top !! how much of the stack is in use
-      real(dp) :: x(fronts%n_rows(k))
+      real(dp) :: x(fronts%n_rows(k), size(y, 2))
       integer(int64) :: at
-      integer :: i
+      integer :: i, v
 
       associate (n_pivots => fronts%n_pivots(k), first => fronts%first(k), child => fronts%child(:, k))
-         top = top - (size(x) - n_pivots)
-         x(:n_pivots) = y(first:first + n_pivots - 1)
-         x(n_pivots + 1:) = stack(top + 1:top + size(x) - n_pivots)
-         call backward_columns(size(x), min(n_pivots, n_steps - first + 1), value(fronts%block_start(k):), x)
-         y(first:first + n_pivots - 1) = x(:n_pivots)
+         top = top - (size(x, 1) - n_pivots)
+         do v = 1, size(y, 2)
+            x(:n_pivots, v) = y(first:first + n_pivots - 1, v)
+            x(n_pivots + 1:, v) = stack(v, top + 1:top + size(x, 1) - n_pivots)
+         end do
+         call backward_columns_all(size(x, 1), min(n_pivots, n_steps - first + 1), size(y, 2), &
+            value(fronts%block_start(k):), x)
+         do v = 1, size(y, 2)
+            y(first:first + n_pivots - 1, v) = x(:n_pivots, v)
+         end do
          do i = 1, 2
             if (child(i) == 0) cycle
             do at = fronts%structure_start(child(i)), fronts%structure_start(child(i) + 1) - 1
                top = top + 1
-               stack(top) = x(fronts%parent_row(at))
+               stack(:, top) = x(fronts%parent_row(at), :)
             end do
          end do
       end associate

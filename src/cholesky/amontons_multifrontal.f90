@@ -43,6 +43,7 @@ module amontons_multifrontal
       procedure, public :: complete => multifrontal_complete
       procedure, public :: substitute_forward => multifrontal_substitute_forward
       procedure, public :: substitute_backward => multifrontal_substitute_backward
+      procedure, public :: substitute_backward_all => multifrontal_substitute_backward_all
       procedure, public :: schur_factor => multifrontal_schur_factor
    end type multifrontal_t
 
@@ -241,7 +242,7 @@ contains
       integer, intent(in) :: n_steps !! how many columns, at least those of the interior
       real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
 
-      call substitute(self, .true., n_steps, y)
+      call substitute(self, .true., n_steps, 1, y)
    end subroutine multifrontal_substitute_forward
 
    !> Does the backward steps of the first columns.
@@ -250,16 +251,26 @@ contains
       integer, intent(in) :: n_steps !! how many columns, at least those of the interior
       real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
 
-      call substitute(self, .false., n_steps, y)
+      call substitute(self, .false., n_steps, 1, y)
    end subroutine multifrontal_substitute_backward
 
-   !> Does the steps of the first columns, forward or backward, large subtrees on threads of their own.
-   subroutine substitute(self, is_forward, n_steps, y)
-      type(multifrontal_t), intent(in) :: self !! the factorization
-      logical, intent(in) :: is_forward !! whether the steps are those with L, not those with its transpose
+   !> Does the backward steps of the first columns for several vectors, with one pass over the factor.
+   subroutine multifrontal_substitute_backward_all(self, n_steps, y)
+      class(multifrontal_t), intent(in) :: self !! the factorization
       integer, intent(in) :: n_steps !! how many columns, at least those of the interior
-      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
-      real(dp) :: none(0)
+      real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
+
+      call substitute(self, .false., n_steps, size(y, 2), y)
+   end subroutine multifrontal_substitute_backward_all
+
+   !> Does the steps of the first columns, forward or backward, large subtrees on threads of their own.
+   subroutine substitute(self, is_forward, n_steps, n_vectors, y)
+      type(multifrontal_t), intent(in) :: self !! the factorization
+      logical, intent(in) :: is_forward !! whether the steps are those with L, of one vector, not those with its transpose
+      integer, intent(in) :: n_steps !! how many columns, at least those of the interior
+      integer, intent(in) :: n_vectors !! how many vectors
+      real(dp), intent(inout) :: y(self%n, n_vectors) !! the vectors by position
+      real(dp) :: none(n_vectors, 0)
       type(thread_state_t) :: threads
 
       ! The root has no row structure.
@@ -267,7 +278,7 @@ contains
       !$omp parallel default(none) num_threads(n_threads()) shared(self, is_forward, n_steps, y, none)
       !$omp single
       if (is_forward) then
-         call forward_subtree(self%fronts, self%value, self%fronts%n, n_steps, y, none)
+         call forward_subtree(self%fronts, self%value, self%fronts%n, n_steps, y(:, 1), none(1, :))
       else
          call backward_subtree(self%fronts, self%value, self%fronts%n, n_steps, y, none)
       end if

@@ -9,7 +9,7 @@ module amontons_elasticity
    private
 
    public :: add_point_forces, elastic_strain, element_forces, element_geometry_t, element_stiffness, element_stress, &
-      new_element_geometry, set_thermal_strain
+      find_elastic_strains, new_element_geometry, set_thermal_strain
 
    !> Shape functions and their gradients at the quadrature points of one element.
    type :: element_geometry_t
@@ -274,27 +274,64 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
       integer, intent(in) :: point !! number of the quadrature point
       real(dp) :: strain(4)
+
+      strain = strain_at(geometry, material, nodal_values(geometry, displacement), point)
+   end function elastic_strain
+
+   !> Elastic strains at all quadrature points, each as `elastic_strain` has it.
+   pure subroutine find_elastic_strains(geometry, material, displacement, strain)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      type(material_t), intent(in) :: material !! its material
+      real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
+      real(dp), intent(inout) :: strain(4, max_points) !! the strains; unchanged past the last point [-]
+      real(dp) :: u(2, max_nodes)
+      integer :: point
+
+      u = nodal_values(geometry, displacement)
+      do point = 1, geometry%n_points
+         strain(:, point) = strain_at(geometry, material, u, point)
+      end do
+   end subroutine find_elastic_strains
+
+   !> The displacements of the nodes of an element; nothing past the last [L].
+   pure function nodal_values(geometry, displacement) result(u)
+      type(element_geometry_t), intent(in) :: geometry !! the element's nodes
+      real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
+      real(dp) :: u(2, max_nodes)
+      integer :: i
+
+      do i = 1, geometry%n_nodes
+         u(:, i) = displacement(:, geometry%node(i))
+      end do
+   end function nodal_values
+
+   !> Elastic strain at a quadrature point from the displacements of the nodes of the element [-].
+   pure function strain_at(geometry, material, u, point) result(strain)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      type(material_t), intent(in) :: material !! its material
+      real(dp), intent(in) :: u(2, max_nodes) !! displacements of its nodes [L]
+      integer, intent(in) :: point !! number of the quadrature point
+      real(dp) :: strain(4)
       real(dp) :: mean
       integer :: i
 
       strain = 0.0_dp
       do i = 1, geometry%n_nodes
-         associate (g => geometry%gradient(:, i, point), u => displacement(:, geometry%node(i)))
-            strain(1) = strain(1) + g(1)*u(1)
-            strain(2) = strain(2) + g(2)*u(2)
-            strain(3) = strain(3) + (g(2)*u(1) + g(1)*u(2))
+         associate (g => geometry%gradient(:, i, point))
+            strain(1) = strain(1) + g(1)*u(1, i)
+            strain(2) = strain(2) + g(2)*u(2, i)
+            strain(3) = strain(3) + (g(2)*u(1, i) + g(1)*u(2, i))
          end associate
       end do
       if (material%is_axisymmetric) then
          do i = 1, geometry%n_nodes
-            strain(4) = strain(4) &
-               + geometry%values(i, point)*displacement(1, geometry%node(i))/geometry%position(1, point)
+            strain(4) = strain(4) + geometry%values(i, point)*u(1, i)/geometry%position(1, point)
          end do
       end if
       if (geometry%has_mean_dilatation) then
          mean = 0.0_dp
          do i = 1, geometry%n_nodes
-            mean = mean + dot_product(geometry%mean_dilatation(:, i), displacement(:, geometry%node(i)))
+            mean = mean + dot_product(geometry%mean_dilatation(:, i), u(:, i))
          end do
          mean = (mean - strain(1) - strain(2) - strain(4))/3.0_dp
          strain(1:2) = strain(1:2) + mean
@@ -302,7 +339,7 @@ contains
       end if
       strain(1:2) = strain(1:2) - geometry%thermal_strain(point)
       if (.not. material%is_plane_stress) strain(4) = strain(4) - geometry%thermal_strain(point)
-   end function elastic_strain
+   end function strain_at
 
    !> Nodal forces that the stress of an element amounts to: integral of B^T stress. The pressure of a mean dilatation
    !> does not vary over the element, so that B does as well as B-bar (2, nodes) [F].

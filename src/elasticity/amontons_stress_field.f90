@@ -3,7 +3,7 @@
 module amontons_stress_field
    use amontons_coloring, only: coloring_t, worth_threads
    use amontons_dense, only: cholesky_factor, cholesky_solve
-   use amontons_elasticity, only: add_point_forces, elastic_strain, element_geometry_t, new_element_geometry, &
+   use amontons_elasticity, only: add_point_forces, element_geometry_t, find_elastic_strains, new_element_geometry, &
       set_thermal_strain
    use amontons_element, only: element_names, is_triangle, max_nodes, max_points, n_element_nodes, n_element_points, &
       node_coordinates, quadrature_point
@@ -13,7 +13,7 @@ module amontons_stress_field
    implicit none (type, external)
    private
 
-   public :: new_stress_field, stress_field_t, von_mises
+   public :: find_node_stresses, new_stress_field, stress_field_t, von_mises
 
    !> Stresses xx, yy, xy, zz; in a body of revolution radial, axial, shear, hoop.
    type :: stress_field_t
@@ -40,11 +40,9 @@ contains
       real(dp) :: to_nodes(max_nodes, max_points, size(element_names)), at_nodes(4, max_nodes), &
          force(2, max_nodes)
       integer, allocatable :: n_elements(:)
-      integer :: color, element, i, k, kind
+      integer :: color, element, i, k
 
-      do kind = 1, size(element_names)
-         to_nodes(:, :, kind) = extrapolation(kind, n_element_points(kind, materials%list(1)%is_axisymmetric))
-      end do
+      to_nodes = extrapolations(materials%list(1)%is_axisymmetric)
       allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements))
       allocate (field%node(4, mesh%n_nodes), source=0.0_dp)
       allocate (field%force(2, mesh%n_nodes), source=0.0_dp)
@@ -75,6 +73,56 @@ contains
       end do
    end subroutine new_stress_field
 
+   !> Evaluates the stresses at the nodes alone, as `new_stress_field` does, of several displacement fields: the shape
+   !> functions of each element serve all of them.
+   subroutine find_node_stresses(node, mesh, materials, coloring, displacement, thermal_strain)
+      real(dp), allocatable, intent(out) :: node(:, :, :) !! stress at each node (4, n_nodes, fields) [F/L^2]
+      type(mesh_t), intent(in) :: mesh !! a checked mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      type(coloring_t), intent(in) :: coloring !! colors of the elements
+      real(dp), contiguous, intent(in) :: displacement(:, :, :) !! displacement of the nodes (2, n_nodes, fields) [L]
+      real(dp), intent(in), optional :: thermal_strain(:, :)
+         !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` (any, fields) [-]
+      type(element_geometry_t) :: geometry
+      real(dp) :: to_nodes(max_nodes, max_points, size(element_names)), at_nodes(4, max_nodes)
+      real(dp), dimension(4, max_points) :: strain, stress
+      integer, allocatable :: n_elements(:)
+      integer :: color, element, field, i, k
+
+      to_nodes = extrapolations(materials%list(1)%is_axisymmetric)
+      allocate (node(4, mesh%n_nodes, size(displacement, 3)), source=0.0_dp)
+      allocate (n_elements(mesh%n_nodes), source=0)
+      do color = 1, coloring%n_colors
+         !$omp parallel do default(none) schedule(static) firstprivate(geometry) if (mesh%n_elements >= worth_threads) &
+         !$omp private(element, field, at_nodes, strain, stress, k) &
+         !$omp shared(node, mesh, materials, coloring, displacement, thermal_strain, to_nodes, n_elements, color)
+         do i = coloring%start(color), coloring%start(color + 1) - 1
+            element = coloring%element(i)
+            associate (material => materials%list(materials%of_element(element)))
+               call new_element_geometry(geometry, mesh, element, material)
+               do field = 1, size(displacement, 3)
+                  if (present(thermal_strain)) call set_thermal_strain(geometry, &
+                     thermal_strain(mesh%node_start(element):mesh%node_start(element + 1) - 1, field))
+                  call evaluate_points(geometry, material, displacement(:, :, field), strain, stress)
+                  call carry_to_nodes(geometry, stress, to_nodes(:, :, mesh%element_kind(element)), at_nodes)
+                  do k = 1, geometry%n_nodes
+                     node(:, geometry%node(k), field) = node(:, geometry%node(k), field) + at_nodes(:, k)
+                  end do
+               end do
+            end associate
+            do k = 1, geometry%n_nodes
+               n_elements(geometry%node(k)) = n_elements(geometry%node(k)) + 1
+            end do
+         end do
+         !$omp end parallel do
+      end do
+      do field = 1, size(node, 3)
+         do i = 1, mesh%n_nodes
+            node(:, i, field) = node(:, i, field)/max(1, n_elements(i))
+         end do
+      end do
+   end subroutine find_node_stresses
+
    !> Evaluates one element: means over its volume, stresses and forces at its nodes.
    pure subroutine evaluate_element(geometry, material, displacement, to_nodes, mean, energy_density, at_nodes, force)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
@@ -84,29 +132,72 @@ contains
          !! weights of the quadrature points at each node (node, point) [-]
       real(dp), intent(out) :: mean(4) !! mean stress [F/L^2]
       real(dp), intent(out) :: energy_density !! mean strain energy density [F/L^2]
-      real(dp), intent(out) :: at_nodes(4, max_nodes) !! stress at the element's nodes [F/L^2]
+      real(dp), intent(inout) :: at_nodes(4, max_nodes)
+         !! stress at the element's nodes; unchanged past the last node [F/L^2]
       real(dp), intent(out) :: force(2, max_nodes) !! nodal forces that its stresses amount to [F]
-      real(dp) :: strain(4), stress(4), volume
-      integer :: i, point
+      real(dp), dimension(4, max_points) :: strain, stress
+      real(dp) :: volume
+      integer :: point
 
+      call evaluate_points(geometry, material, displacement, strain, stress)
+      call carry_to_nodes(geometry, stress, to_nodes, at_nodes)
       mean = 0.0_dp
       energy_density = 0.0_dp
-      at_nodes = 0.0_dp
       force = 0.0_dp
       do point = 1, geometry%n_points
-         strain = elastic_strain(geometry, material, displacement, point)
-         stress = material%stress(strain)
-         call add_point_forces(force, geometry, material, stress, point)
-         mean = mean + geometry%volume(point)*stress
-         energy_density = energy_density + 0.5_dp*geometry%volume(point)*dot_product(strain, stress)
-         do i = 1, geometry%n_nodes
-            at_nodes(:, i) = at_nodes(:, i) + to_nodes(i, point)*stress
-         end do
+         call add_point_forces(force, geometry, material, stress(:, point), point)
+         mean = mean + geometry%volume(point)*stress(:, point)
+         energy_density = energy_density &
+            + 0.5_dp*geometry%volume(point)*dot_product(strain(:, point), stress(:, point))
       end do
       volume = sum(geometry%volume(:geometry%n_points))
       mean = mean/volume
       energy_density = energy_density/volume
    end subroutine evaluate_element
+
+   !> Elastic strain and stress at the quadrature points of one element.
+   pure subroutine evaluate_points(geometry, material, displacement, strain, stress)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      type(material_t), intent(in) :: material !! its material
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(inout) :: strain(4, max_points) !! the strains; unchanged past the last point [-]
+      real(dp), intent(inout) :: stress(4, max_points) !! the stresses; unchanged past the last point [F/L^2]
+      integer :: point
+
+      call find_elastic_strains(geometry, material, displacement, strain)
+      do point = 1, geometry%n_points
+         stress(:, point) = material%stress(strain(:, point))
+      end do
+   end subroutine evaluate_points
+
+   !> Carries the stresses of an element from its quadrature points to its nodes.
+   pure subroutine carry_to_nodes(geometry, stress, to_nodes, at_nodes)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      real(dp), intent(in) :: stress(4, max_points) !! the stresses at the points [F/L^2]
+      real(dp), intent(in) :: to_nodes(max_nodes, max_points)
+         !! weights of the quadrature points at each node (node, point) [-]
+      real(dp), intent(inout) :: at_nodes(4, max_nodes)
+         !! stress at the element's nodes; unchanged past the last node [F/L^2]
+      integer :: i, point
+
+      do i = 1, geometry%n_nodes
+         at_nodes(:, i) = 0.0_dp
+         do point = 1, geometry%n_points
+            at_nodes(:, i) = at_nodes(:, i) + to_nodes(i, point)*stress(:, point)
+         end do
+      end do
+   end subroutine carry_to_nodes
+
+   !> The weights of `extrapolation` for every kind of element (node, point, kind) [-].
+   pure function extrapolations(is_axisymmetric) result(weights)
+      logical, intent(in) :: is_axisymmetric !! whether the elements belong to a body of revolution
+      real(dp) :: weights(max_nodes, max_points, size(element_names))
+      integer :: kind
+
+      do kind = 1, size(element_names)
+         weights(:, :, kind) = extrapolation(kind, n_element_points(kind, is_axisymmetric))
+      end do
+   end function extrapolations
 
    !> Weights that carry values from the quadrature points of a kind of element to its nodes: through the polynomial
    !> 1, x, y (and x y in a quadrilateral) that fits them with least squares (node, point) [-].

@@ -7,7 +7,7 @@ module amontons_key_results
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
    use amontons_quantity, only: at_place, quantity_t
-   use amontons_stress_field, only: stress_field_t, von_mises
+   use amontons_stress_field, only: von_mises
    use amontons_zone_edges, only: find_edges, interval_t, trace_t
    implicit none (type, external)
    private
@@ -157,14 +157,14 @@ contains
    pure function body_peaks(mesh, displacement, stress) result(list)
       type(mesh_t), intent(in) :: mesh !! the mesh
       real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
-      type(stress_field_t), intent(in) :: stress !! stresses of the body
+      real(dp), intent(in) :: stress(:, :) !! stress at each node (4, n_nodes) [F/L^2]
       type(quantity_t) :: list(2)
       real(dp), allocatable :: mises(:)
       integer :: i
 
       allocate (mises(mesh%n_nodes))
       do i = 1, mesh%n_nodes
-         mises(i) = von_mises(stress%node(:, i))
+         mises(i) = von_mises(stress(:, i))
       end do
       list = body_peaks_at_rest()
       call find_peak(list(1), mises, mesh%coordinates)

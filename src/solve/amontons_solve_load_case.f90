@@ -211,7 +211,7 @@ contains
             result%load_case%slip_bound + result%load_case%friction*solution%force(:m), &
             [result%load_case%free_gap - solution%displacement(:m), slip], solution%displacement)
          result%key_results = [contact_peaks(body, slip, solution%force, solution%status, &
-            maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, result%stress), &
+            maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, result%stress%node), &
             set_results(body, solution%force, result%closed, result%stuck)]
       end associate
       if (result%wants_error_estimate) then

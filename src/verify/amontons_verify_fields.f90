@@ -181,7 +181,7 @@ contains
 
       computed = case%result
       allocate (peaks(0))
-      if (config%sweep%has_body_results) peaks = body_peaks(body%mesh, result%displacement, result%stress)
+      if (config%sweep%has_body_results) peaks = body_peaks(body%mesh, result%displacement, result%stress%node)
       list = case_quantities(body, result%solution, result%load_case%friction, result%load_case%slip_bound, &
          result%load_case%free_gap, peaks)
       numbers = expanded(list)

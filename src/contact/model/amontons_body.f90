@@ -1,9 +1,10 @@
 !> A body made ready for loads: mesh, supports, contact zone, factorized and condensed stiffness.
 module amontons_body
    use amontons_assembly, only: assemble_stiffness, forces_of_stress => internal_forces
+   use amontons_band_order, only: find_band_order, may_suit_band
    use amontons_coloring, only: coloring_t, new_coloring
-   use amontons_condensation, only: condensation_options_t, condensation_t, find_band_order, may_suit_band, &
-      new_condensation, new_distributed_condensation
+   use amontons_condensation, only: condensation_options_t, condensation_t, new_condensation, &
+      new_distributed_condensation
    use amontons_condenser, only: condenser_t
    use amontons_conditioning, only: conditioning_text, rounded
    use amontons_constraints, only: constraints_t, new_constraints, support_t

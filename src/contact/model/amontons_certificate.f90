@@ -7,6 +7,7 @@ module amontons_certificate
    use amontons_contact_rows, only: contact_rows_t, turned
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
+   use amontons_node_sums, only: node_sums_t, norm_of, sum_nodes
    use amontons_quantity, only: quantity_t
    implicit none (type, external)
    private
@@ -65,43 +66,63 @@ contains
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
       real(dp), intent(in), optional :: of_stresses(:, :)
          !! nodal forces that the stresses amount to, from `new_stress_field`, if they are at hand (2, n_nodes) [F]
-      real(dp), allocatable :: internal(:, :), contact(:, :), reaction(:, :), springs(:, :)
+      real(dp), allocatable :: internal(:, :), springs(:, :)
+
+      springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
+      if (.not. present(of_stresses)) then
+         call body%internal_forces(internal, displacement, load_case%thermal_strain)
+         call check_forces(certificate, body, load_case, displacement, force, internal, springs)
+      else if (size(body%springs) > 0) then
+         internal = of_stresses + springs
+         call check_forces(certificate, body, load_case, displacement, force, internal, springs)
+      else
+         call check_forces(certificate, body, load_case, displacement, force, of_stresses, springs)
+      end if
+   end subroutine new_certificate
+
+   !> Computes the certificate from the forces on the nodes.
+   subroutine check_forces(certificate, body, load_case, displacement, force, internal, springs)
+      type(certificate_t), intent(inout) :: certificate !! gains all of it
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
+      real(dp), intent(in) :: internal(:, :) !! nodal forces of stresses and springs (2, n_nodes) [F]
+      real(dp), intent(in) :: springs(:, :) !! those of the springs (2, n_nodes) [F]
+      real(dp), allocatable :: contact(:, :), reaction(:, :)
+      type(node_sums_t) :: sums
       real(dp) :: force_size, least_scale, work
 
+      contact = body%zone%rows%forces(force, body%mesh%n_nodes)
+      ! What ties transmit cancels.
+      reaction = internal - load_case%force - contact
+      if (allocated(body%dof_map%substitution%start)) reaction = body%dof_map%substitution%forces(reaction)
+      call split_imbalance(body%constraints, reaction, certificate%equilibrium)
       associate (loads => load_case%force, prescribed => load_case%prescribed)
-         springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
-         if (present(of_stresses)) then
-            internal = of_stresses + springs
-         else
-            call body%internal_forces(internal, displacement, load_case%thermal_strain)
-         end if
-         contact = body%zone%rows%forces(force, body%mesh%n_nodes)
-         ! What ties transmit cancels.
-         reaction = body%dof_map%substitution%forces(internal - loads - contact)
-         call split_imbalance(body%constraints, reaction, certificate%equilibrium)
-         force_size = max(norm2(loads), norm2(reaction), norm2(contact))
+         call sum_nodes(sums, loads, contact, reaction, internal, springs, displacement, prescribed)
+         force_size = max(norm_of(loads, sums%largest_load), norm_of(reaction, sums%largest_reaction), &
+            norm_of(contact, sums%largest_contact))
          least_scale = 0.0_dp
-         if (.not. any(abs(loads) > 0.0_dp)) least_scale = unstrained_scale(body, displacement, force_size, &
+         if (.not. sums%largest_load > 0.0_dp) least_scale = unstrained_scale(body, displacement, force_size, &
             allocated(load_case%thermal_strain))
-         certificate%force_scale = max(maxval(abs(loads)), maxval(abs(reaction)), maxval(abs(contact)), least_scale)
+         certificate%force_scale = max(sums%largest_load, sums%largest_reaction, sums%largest_contact, least_scale)
          call check_points(certificate, body, load_case, displacement, force)
          call check_pairs(certificate, body, contact, force)
-         call check_resultants(certificate, body, max(least_scale, sum(abs(springs))), loads, reaction - springs, &
-            contact)
+         call check_resultants(certificate, body, max(least_scale, sums%springs), sums, loads, contact, reaction, &
+            springs)
          certificate%imbalance = relative(certificate%equilibrium, force_size)
          certificate%equilibrium = relative_imbalance(certificate%equilibrium, body, displacement, force_size)
-         certificate%strain_energy = 0.5_dp*sum(internal*displacement)
+         certificate%strain_energy = 0.5_dp*sums%internal_work
          if (allocated(load_case%thermal_strain)) certificate%strain_energy = certificate%strain_energy &
             - 0.5_dp*thermal_work(body%mesh, body%materials, displacement, load_case%thermal_strain)
          ! Where a load acts on what a support moves, both do work that strains nothing.
          ! Heat strains a body although no force does work on it.
-         work = max(sum(abs(internal*displacement)), least_scale*norm2(displacement), certificate%strain_energy, &
-            sum(abs(loads*displacement)) + sum(abs(contact*displacement)) + sum(abs(reaction*prescribed)))
-         certificate%energy = relative(abs(sum(internal*displacement) - sum((loads + contact)*displacement) &
-            - sum(reaction*prescribed)), work)
+         work = max(sums%internal_size, certificate%strain_energy, sums%external_size)
+         if (least_scale > 0.0_dp) work = max(work, least_scale*norm2(displacement))
+         certificate%energy = relative(abs(sums%internal_work - sums%external_work - sums%support_work), work)
          certificate%duality_gap = relative(certificate%duality_gap, work)
       end associate
-   end subroutine new_certificate
+   end subroutine check_forces
 
    !> What the forces on a body that nothing loads are measured by at the least: if they are all rounding errors of
    !> |K| |u|, and no element is strained, a share of it, otherwise nothing. Forces of a strained soft part may be as
@@ -257,20 +278,22 @@ contains
    end function lever_rows
 
    !> Checks that all forces on the body balance. In a body of revolution only those along the axis need to.
-   pure subroutine check_resultants(certificate, body, least_scale, loads, reaction, contact)
+   pure subroutine check_resultants(certificate, body, least_scale, sums, loads, contact, reaction, springs)
       type(certificate_t), intent(inout) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: least_scale !! what the forces are measured by at the least [F]
+      type(node_sums_t), intent(in) :: sums !! sums of the forces
       real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
-      real(dp), intent(in) :: reaction(:, :) !! nodal reactions of supports and springs (2, n_nodes) [F]
       real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (2, n_nodes) [F]
-      real(dp) :: norm, radius, center(2), moment, resultant(2)
+      real(dp), intent(in) :: reaction(:, :) !! nodal reactions (2, n_nodes) [F]
+      real(dp), intent(in) :: springs(:, :) !! nodal forces of the springs (2, n_nodes) [F]
+      real(dp) :: norm, radius, center(2), moment, resultant(2), forces(2), arm(2)
       integer :: node
 
-      certificate%load = sum(loads, dim=2)
-      certificate%reaction = sum(reaction, dim=2)
-      certificate%contact = sum(contact, dim=2)
-      norm = max(force_norm(loads, reaction, contact), least_scale)
+      certificate%load = sums%load
+      certificate%reaction = sums%reaction
+      certificate%contact = sums%contact
+      norm = max(sums%forces, least_scale)
       resultant = certificate%load + certificate%reaction + certificate%contact
       if (body%is_axisymmetric) resultant(1) = 0.0_dp
       certificate%resultant = relative(norm2(resultant), norm)
@@ -279,22 +302,12 @@ contains
       radius = maxval(maxval(body%mesh%coordinates, dim=2) - center)
       moment = 0.0_dp
       do node = 1, body%mesh%n_nodes
-         associate (f => loads(:, node) + reaction(:, node) + contact(:, node), &
-            arm => body%mesh%coordinates(:, node) - center)
-            moment = moment + arm(1)*f(2) - arm(2)*f(1)
-         end associate
+         forces = loads(:, node) + (reaction(:, node) - springs(:, node)) + contact(:, node)
+         arm = body%mesh%coordinates(:, node) - center
+         moment = moment + arm(1)*forces(2) - arm(2)*forces(1)
       end do
       certificate%moment = relative(abs(moment), norm*radius)
    end subroutine check_resultants
-
-   !> The sum of all nodal forces' magnitudes, components taken singly: the scale of resultants [F].
-   pure real(dp) function force_norm(loads, reaction, contact)
-      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (2, n_nodes) [F]
-      real(dp), intent(in) :: reaction(:, :) !! nodal reactions (2, n_nodes) [F]
-      real(dp), intent(in) :: contact(:, :) !! nodal contact forces (2, n_nodes) [F]
-
-      force_norm = sum(abs(loads)) + sum(abs(reaction)) + sum(abs(contact))
-   end function force_norm
 
    !> A ratio; 0 where there is nothing to compare.
    elemental real(dp) function relative(value, scale)

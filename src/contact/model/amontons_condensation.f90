@@ -11,6 +11,7 @@
 !> matrix of the whole body then.
 module amontons_condensation
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use amontons_band_order, only: find_band_order
    use amontons_band_stiffness, only: band_stiffness_t, new_band_stiffness
    use amontons_condenser, only: condenser_t
    use amontons_constraints, only: constraints_t
@@ -19,20 +20,16 @@ module amontons_condensation
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_new_cholesky, only: new_condenser
-   use amontons_ordering, only: half_bandwidth, reverse_cuthill_mckee
    use amontons_row_condensation, only: new_row_condensation, row_condensation_t
    use amontons_sparse_matrix, only: sparse_matrix_t
    implicit none (type, external)
    private
 
-   public :: condensation_names, condensation_options_t, condensation_t, condensed_load_t, find_band_order, &
-      may_suit_band, new_condensation, new_distributed_condensation
+   public :: condensation_names, condensation_options_t, condensation_t, condensed_load_t, &
+      new_condensation, new_distributed_condensation
 
    !> Forms of the condensed stiffness, as a deck writes them; the first stands for the quicker one.
    character(5), parameter :: condensation_names(*) = [character(5) :: 'auto', 'dense', 'band']
-
-   !> How many times slower an operation on a band is than one on a dense matrix; a round number.
-   real(dp), parameter :: slowness = 50.0_dp
 
    !> How a body is condensed.
    type :: condensation_options_t
@@ -67,6 +64,7 @@ module amontons_condensation
       procedure :: condense_load => condensation_condense_load
       procedure :: condense_stiffness => condensation_condense_stiffness
       procedure :: recover => condensation_recover
+      procedure :: recover_all => condensation_recover_all
    end type condensation_t
 
 contains
@@ -159,40 +157,6 @@ contains
       allocate (condensation%band)
       call new_band_stiffness(condensation%band, stiffness, order, condensation%unknown, condensation%map, error)
    end subroutine keep_band
-
-   !> Finds an order that makes K a narrow band, if S should stay a band matrix of the whole body: asked for, or quicker
-   !> by far in Newton's method. A step takes about 4 n w^2 operations of n rows of half width w, against 2/3 m^3 faster
-   !> ones, or a few times as many, with a dense S; w is about the number of unknowns that there are for each point, or
-   !> more. Of few points the bound of friction is to be found, which takes a dense S anyway; a cell of constant
-   !> multipliers has no place in a band.
-   pure subroutine find_band_order(matrix, form, zone, order)
-      type(sparse_matrix_t), intent(in) :: matrix !! K [F/L]
-      character(*), intent(in) :: form !! which form of S, one of `condensation_names`
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      integer, allocatable, intent(out) :: order(:) !! position k holds unknown order(k); allocated if it suits (n)
-
-      if (.not. may_suit_band(matrix%n, form, zone)) return
-      allocate (order(matrix%n))
-      call reverse_cuthill_mckee(matrix, 0, order)
-      if (form == 'band') return
-      associate (half_width => real(half_bandwidth(matrix, order), dp))
-         if (slowness*matrix%n*half_width**2 > real(zone%n_points, dp)**3) deallocate (order)
-      end associate
-   end subroutine find_band_order
-
-   !> Whether the number of unknowns leaves it possible that a band suits.
-   pure logical function may_suit_band(n_unknowns, form, zone)
-      integer, intent(in) :: n_unknowns !! number of unknowns
-      character(*), intent(in) :: form !! which form of S, one of `condensation_names`
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      integer, parameter :: least_points = 501
-
-      may_suit_band = form /= 'dense' .and. zone%is_nodal
-      associate (n => real(n_unknowns, dp), m => real(zone%n_points, dp))
-         if (form == 'auto') may_suit_band = may_suit_band .and. zone%n_points >= least_points &
-            .and. .not. slowness*n*(n/m)**2 > m**3
-      end associate
-   end function may_suit_band
 
    !> Makes the rows of C on the contact unknowns. A slip that a support prevents has no row.
    pure subroutine map_rows(condensation, zone, constraints, dof_map)
@@ -366,15 +330,8 @@ contains
       real(dp), intent(in) :: displacement(:) !! (u_N; u_T) without prescribed parts (2m) [L]
       real(dp), allocatable, intent(out) :: unknowns(:) !! all unknowns (n) [L]
       real(dp), allocatable :: v(:)
-      integer :: p, m, n
 
-      m = size(self%unknown, 2)
-      allocate (v(count(self%unknown > 0)))
-      do p = 1, m
-         n = count(self%unknown(:, p) > 0)
-         v(self%unknown(:n, p)) = matmul(self%map(:n, :, p), displacement([p, p + m]))
-      end do
-      if (allocated(self%rows)) v = self%to_rows%expand(condensed%contact_load, v)
+      v = contact_unknowns(self, condensed, displacement)
       if (allocated(self%band)) then
          associate (interior_load => condensed%partial(:size(condensed%partial) - self%n_unknowns))
             unknowns = [self%band%interior_displacement(interior_load, displacement), v]
@@ -384,5 +341,49 @@ contains
          call self%condenser%expand(condensed%partial, v, unknowns)
       end if
    end subroutine condensation_recover
+
+   !> All unknowns from the displacements of the contact points under several loads, with one pass over the factor.
+   subroutine condensation_recover_all(self, condensed, displacement, unknowns)
+      class(condensation_t), intent(in) :: self !! the factorized body
+      type(condensed_load_t), intent(in) :: condensed(:) !! the condensed loads
+      real(dp), intent(in) :: displacement(:, :) !! (u_N; u_T) without prescribed parts (2m, loads) [L]
+      real(dp), allocatable, intent(out) :: unknowns(:, :) !! all unknowns (n, loads) [L]
+      real(dp), allocatable :: one(:), partial(:, :), v(:, :)
+      integer :: k
+
+      allocate (unknowns(self%condenser%n, size(condensed)))
+      if (allocated(self%band)) then
+         do k = 1, size(condensed)
+            call self%recover(condensed(k), displacement(:, k), one)
+            unknowns(:, k) = one
+         end do
+      else
+         allocate (partial(self%condenser%n, size(condensed)), v(self%n_unknowns, size(condensed)))
+         do k = 1, size(condensed)
+            partial(:, k) = condensed(k)%partial
+            v(:, k) = contact_unknowns(self, condensed(k), displacement(:, k))
+         end do
+         call self%condenser%expand_all(partial, v, unknowns)
+      end if
+   end subroutine condensation_recover_all
+
+   !> The contact unknowns of given displacements of the points (n_unknowns) [L].
+   pure function contact_unknowns(condensation, condensed, displacement) result(v)
+      type(condensation_t), intent(in) :: condensation !! the factorized body
+      type(condensed_load_t), intent(in) :: condensed !! the condensed load
+      real(dp), intent(in) :: displacement(:) !! (u_N; u_T) without prescribed parts (2m) [L]
+      real(dp), allocatable :: v(:)
+      integer :: p, m, n
+
+      associate (unknown => condensation%unknown)
+         m = size(unknown, 2)
+         allocate (v(count(unknown > 0)))
+         do p = 1, m
+            n = count(unknown(:, p) > 0)
+            v(unknown(:n, p)) = matmul(condensation%map(:n, :, p), displacement([p, p + m]))
+         end do
+      end associate
+      if (allocated(condensation%rows)) v = condensation%to_rows%expand(condensed%contact_load, v)
+   end function contact_unknowns
 
 end module amontons_condensation

@@ -18,7 +18,7 @@ module amontons_load_case
    private
 
    public :: check_shear, condense_load_case, condensed_force, free_expansion, load_case_t, new_load_case, &
-      pose_problem, recover_displacement, set_obstacles
+      pose_problem, recover_displacement, recover_displacements, set_obstacles
 
    !> Loads, prescribed displacements, obstacles and friction.
    type :: load_case_t
@@ -270,6 +270,28 @@ contains
       call body%condensation%recover(load_case%condensed, v, unknowns)
       displacement = from_unknowns(unknowns, load_case%prescribed, body%constraints, body%dof_map)
    end subroutine recover_displacement
+
+   !> Computes the displacements of all nodes from the solutions of several contact problems, with one pass over the
+   !> factor. They differ in their loads only.
+   subroutine recover_displacements(displacement, body, load_case, condensed, solution)
+      real(dp), allocatable, intent(out) :: displacement(:, :, :)
+         !! displacements of all nodes (2, n_nodes, problems) [L]
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! what the load cases share
+      type(condensed_load_t), intent(in) :: condensed(:) !! the condensed loads
+      real(dp), intent(in) :: solution(:, :) !! displacements v of the contact problems (2m, problems) [L]
+      real(dp), allocatable :: unknowns(:, :), v(:, :)
+      integer :: k, m
+
+      m = body%zone%n_points
+      v = solution
+      v(m + 1:, :) = v(m + 1:, :) - spread(prescribed_slip(body, load_case), 2, size(condensed))
+      call body%condensation%recover_all(condensed, v, unknowns)
+      allocate (displacement(2, body%mesh%n_nodes, size(condensed)))
+      do k = 1, size(condensed)
+         displacement(:, :, k) = from_unknowns(unknowns(:, k), load_case%prescribed, body%constraints, body%dof_map)
+      end do
+   end subroutine recover_displacements
 
    !> The work that nodal forces do while the contact displacements v change and the rest follows by equilibrium, as a
    !> vector on v (2m) [F].

@@ -17,7 +17,7 @@ module amontons_solve_sweep
    use amontons_solve_case, only: cache_t, condense_case, prepare_case
    use amontons_solve_load_case, only: certify, set_factor
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, set_method, solve_chunk, sweep_task_t
+   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, set_method, solve_again, sweep_task_t
    use amontons_sweep_fields, only: write_sweep_fields
    use amontons_sweep_model, only: new_sweep_model, sweep_model_t
    use amontons_sweep_ranks, only: end_sharing, share_sweep, solve_on_ranks
@@ -195,12 +195,13 @@ contains
       type(contact_problem_t) :: problem
       type(contact_solution_t) :: solutions(chunk_length)
       type(chunk_t) :: chunk
+      integer :: i
 
       associate (number => result%statistics%worst_case, certified => result%certified)
          problem = task%model%problem
          call new_chunk(chunk, number - 1 - mod(number - 1, chunk_length), number)
-         call solve_chunk(task, body, problem, chunk, solutions)
-         certified%solution = solutions(chunk%last - chunk%first + 1)
+         call solve_again(task, body, problem, chunk, [(i == number, i=chunk%first, number)], solutions)
+         certified%solution = solutions(number - chunk%first + 1)
          call task%model%load_case(task%sweep%values(number), certified%load_case)
          call certify(certified, body, error)
          if (.not. allocated(error)) call add_conditioning(certified, body)

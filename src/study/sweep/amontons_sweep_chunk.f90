@@ -10,25 +10,25 @@ module amontons_sweep_chunk
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
-   use amontons_key_results, only: body_peaks, body_peaks_at_rest
+   use amontons_key_results, only: body_peaks_at_rest
    use amontons_kinds, only: dp
-   use amontons_load_case, only: load_case_t, recover_displacement
+   use amontons_load_case, only: load_case_t
    use amontons_methods, only: method_options_t, new_contact_method
    use amontons_newton, only: newton_t
    use amontons_quantity, only: quantity_t
    use amontons_result_warnings, only: find_case_warnings
    use amontons_row_text, only: status_runs
    use amontons_spin, only: find_spin
-   use amontons_stress_field, only: new_stress_field, stress_field_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep, only: sweep_t
    use amontons_sweep_model, only: sweep_model_t
-   use amontons_sweep_statistics, only: case_no_equilibrium, case_result_t, new_case_result
+   use amontons_sweep_peaks, only: find_peaks
+   use amontons_sweep_statistics, only: case_converged, case_no_equilibrium, case_result_t, set_numbers
    use amontons_sweep_table, only: append_row
    implicit none (type, external)
    private
 
-   public :: chunk_length, chunk_t, new_chunk, set_method, solve_chunk, solve_chunks, sweep_task_t
+   public :: chunk_length, chunk_t, new_chunk, set_method, solve_again, solve_chunk, solve_chunks, sweep_task_t
 
    !> Number of cases of a chunk: few enough that an interrupt need not wait, many enough that the one which begins at
    !> rest does not count.
@@ -82,14 +82,15 @@ contains
       chunk%last = n_before + min(chunk_length, n_cases - n_before)
    end subroutine new_chunk
 
-   !> Solves chunks on all threads, as many as are begun before the monitor stops the sweep.
+   !> Solves chunks on all threads, as many as are begun before the monitor stops the sweep. A single chunk leaves the
+   !> threads to the loops within it.
    subroutine solve_chunks(task, body, monitor, chunks)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
       class(study_monitor_t), intent(in) :: monitor !! may stop the sweep
       type(chunk_t), intent(inout) :: chunks(:) !! the chunks
 
-      !$omp parallel default(none) shared(task, body, monitor, chunks)
+      !$omp parallel default(none) if (size(chunks) > 1) shared(task, body, monitor, chunks)
       call share_chunks(task, body, monitor, chunks)
       !$omp end parallel
    end subroutine solve_chunks
@@ -120,22 +121,112 @@ contains
       type(chunk_t), intent(inout) :: chunk !! the chunk
       type(contact_solution_t), intent(out) :: solutions(chunk_length) !! the solutions of its cases
       character(:), allocatable :: runs
-      integer :: i, number, neighbor
+      integer :: i
 
+      call solve_cases(task, body, problem, chunk, spread(.true., 1, chunk_length), solutions)
+      call find_numbers(task, body, chunk, solutions)
       chunk%rows = ''
       do i = 1, chunk%last - chunk%first + 1
-         number = chunk%first + i - 1
-         neighbor = task%sweep%neighbor(number) - chunk%first + 1
-         call task%model%set_case(problem, task%sweep%values(number))
-         associate (solution => solutions(i), kept => chunk%results(i))
-            if (neighbor >= 1) solution = solutions(neighbor)
-            call solve_one(task, body, number, problem, solution, kept)
-            call status_runs(runs, solution%status, body%zone%set)
-            call append_row(chunk%rows, task%sweep, number, kept, runs)
-         end associate
+         call status_runs(runs, solutions(i)%status, body%zone%set)
+         call append_row(chunk%rows, task%sweep, chunk%first + i - 1, chunk%results(i), runs)
       end do
       chunk%is_done = .true.
    end subroutine solve_chunk
+
+   !> Solves some cases of a chunk again, and those whose solutions they start from, without their numbers.
+   subroutine solve_again(task, body, problem, chunk, is_wanted, solutions)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! a copy of the model's; left as that of the last case
+      type(chunk_t), intent(inout) :: chunk !! the chunk; gains what became of these cases, and no rows
+      logical, intent(in) :: is_wanted(:) !! which of its cases are asked for (cases of the chunk)
+      type(contact_solution_t), intent(out) :: solutions(chunk_length) !! the solutions of these cases
+      logical :: is_needed(chunk_length)
+      integer :: i, neighbor
+
+      is_needed = .false.
+      is_needed(:size(is_wanted)) = is_wanted
+      do i = size(is_wanted), 1, -1
+         neighbor = task%sweep%neighbor(chunk%first + i - 1) - chunk%first + 1
+         if (is_needed(i) .and. neighbor >= 1) is_needed(neighbor) = .true.
+      end do
+      call solve_cases(task, body, problem, chunk, is_needed, solutions)
+   end subroutine solve_again
+
+   !> Solves cases of a chunk, each from its neighbor.
+   subroutine solve_cases(task, body, problem, chunk, is_needed, solutions)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(inout) :: problem !! a copy of the model's; left as that of the last case
+      type(chunk_t), intent(inout) :: chunk !! the chunk; gains what became of the cases
+      logical, intent(in) :: is_needed(chunk_length) !! which cases are solved
+      type(contact_solution_t), intent(inout) :: solutions(chunk_length) !! their solutions
+      integer :: i, number, neighbor
+
+      do i = 1, chunk%last - chunk%first + 1
+         if (.not. is_needed(i)) cycle
+         number = chunk%first + i - 1
+         neighbor = task%sweep%neighbor(number) - chunk%first + 1
+         call task%model%set_case(problem, task%sweep%values(number))
+         if (neighbor >= 1) solutions(i) = solutions(neighbor)
+         call solve_one(task, body, number, problem, solutions(i), chunk%results(i))
+      end do
+   end subroutine solve_cases
+
+   !> Finds the numbers of all cases of a chunk.
+   subroutine find_numbers(task, body, chunk, solutions)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      type(chunk_t), intent(inout) :: chunk !! the chunk, its cases solved; their results gain the numbers
+      type(contact_solution_t), intent(in) :: solutions(chunk_length) !! their solutions
+      type(quantity_t), allocatable :: peaks(:, :)
+      integer :: i
+
+      call find_body_results(peaks, task, body, chunk, solutions)
+      do i = 1, chunk%last - chunk%first + 1
+         associate (kept => chunk%results(i), model => task%model)
+            if (kept%outcome == case_no_equilibrium) then
+               kept%quantity = spread(0.0_dp, 1, task%n_quantities)
+            else
+               call set_numbers(kept, body, solutions(i), model%fixed%friction + matmul(model%friction, &
+                  task%sweep%values(chunk%first + i - 1)), model%fixed%slip_bound, model%problem%gap, peaks(:, i))
+            end if
+         end associate
+      end do
+   end subroutine find_numbers
+
+   !> Finds the key results of the whole body, if the deck asks for them, of all cases of a chunk.
+   subroutine find_body_results(peaks, task, body, chunk, solutions)
+      type(quantity_t), allocatable, intent(out) :: peaks(:, :)
+         !! `body_peaks` of each case, of one without displacements at rest; none unless asked for (any, cases)
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      type(chunk_t), intent(in) :: chunk !! the chunk, its cases solved
+      type(contact_solution_t), intent(in) :: solutions(chunk_length) !! their solutions
+      type(quantity_t), allocatable :: found(:, :)
+      real(dp), allocatable :: values(:, :), displacement(:, :)
+      integer, allocatable :: cases(:)
+      integer :: i, n
+
+      n = chunk%last - chunk%first + 1
+      peaks = spread(body_peaks_at_rest(), 2, n)
+      if (.not. task%sweep%has_body_results) then
+         peaks = peaks(:0, :)
+         return
+      end if
+      cases = [(i, i=1, n)]
+      cases = pack(cases, chunk%results(:n)%outcome /= case_no_equilibrium .and. &
+         solutions(:n)%residual < huge(1.0_dp))
+      allocate (values(size(task%sweep%axes), size(cases)), displacement(2*body%zone%n_points, size(cases)))
+      do i = 1, size(cases)
+         values(:, i) = task%sweep%values(chunk%first + cases(i) - 1)
+         displacement(:, i) = solutions(cases(i))%displacement
+      end do
+      call find_peaks(found, body, task%model, values, displacement)
+      do i = 1, size(cases)
+         peaks(:, cases(i)) = found(:, i)
+      end do
+   end subroutine find_body_results
 
    !> Solves one case: where the deck leaves the method to the program, by Newton from the neighbor's solution, whose
    !> statuses are nearly right; otherwise, and where that fails, from rest as the deck by itself would be.
@@ -168,17 +259,14 @@ contains
       if (.not. has_equilibrium) then
          solution%is_converged = .false.
          kept%outcome = case_no_equilibrium
-         kept%quantity = spread(0.0_dp, 1, task%n_quantities)
          kept%n_iterations = n_iterations
          return
       end if
-      associate (model => task%model)
-         call new_case_result(kept, body, solution, model%fixed%friction + matmul(model%friction, &
-            task%sweep%values(number)), model%fixed%slip_bound, problem%gap, peaks_of(task, body, number, solution))
-      end associate
+      if (solution%is_converged) kept%outcome = case_converged
+      kept%residual = solution%residual
       kept%error_estimate = error_estimate(problem, solution, &
-         maxval(abs(task%model%case_forces(task%sweep%values(number)))))
-      kept%n_iterations = kept%n_iterations + merge(0, n_iterations, is_solved)
+         task%model%largest_force(task%sweep%values(number)))
+      kept%n_iterations = solution%n_iterations + merge(0, n_iterations, is_solved)
       if (solution%is_converged) call find_case_warnings(kept%is_warned, body%zone, &
          task%model%size_of_body, maxval(body%materials%list%young), solution)
    end subroutine solve_one
@@ -215,26 +303,6 @@ contains
       call find_spin(amounts, body, task%model%fixed%is_in_reach, problem, solution)
       spins = allocated(amounts)
    end function spins
-
-   !> The key results of the whole body, if the deck asks for them.
-   function peaks_of(task, body, number, solution) result(peaks)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
-      integer, intent(in) :: number !! number of the case
-      type(contact_solution_t), intent(in) :: solution !! its solution
-      type(quantity_t), allocatable :: peaks(:)
-      type(load_case_t) :: load_case
-      type(stress_field_t) :: stress
-      real(dp), allocatable :: displacement(:, :)
-
-      peaks = body_peaks_at_rest()
-      if (.not. task%sweep%has_body_results) peaks = peaks(:0)
-      if (size(peaks) == 0 .or. .not. solution%residual < huge(1.0_dp)) return
-      call task%model%load_case(task%sweep%values(number), load_case)
-      call recover_displacement(displacement, body, load_case, solution%displacement)
-      call new_stress_field(stress, body%mesh, body%materials, body%coloring, displacement, load_case%thermal_strain)
-      peaks = body_peaks(body%mesh, displacement, stress)
-   end function peaks_of
 
    !> What residual and rounding errors, as forces, are of the largest force that acts in a case [-].
    pure real(dp) function error_estimate(problem, solution, largest_load)

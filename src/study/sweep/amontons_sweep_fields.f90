@@ -16,7 +16,7 @@ module amontons_sweep_fields
    use amontons_result, only: result_t
    use amontons_stress_field, only: new_stress_field
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunk, sweep_task_t
+   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_again, sweep_task_t
    use amontons_sweep_statistics, only: case_converged
    use amontons_system, only: make_directory
    use amontons_temporary_file, only: remove_temporaries
@@ -85,7 +85,8 @@ contains
       type(result_t) :: result
       integer :: number, i
 
-      call solve_chunk(task, body, problem, chunk, solutions)
+      call solve_again(task, body, problem, chunk, [(task%sweep%has_fields(number, number), &
+         number=chunk%first, chunk%last)], solutions)
       do number = chunk%first, chunk%last
          i = number - chunk%first + 1
          if (.not. task%sweep%has_fields(number, number) .or. chunk%results(i)%outcome /= case_converged) cycle

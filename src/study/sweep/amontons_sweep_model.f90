@@ -5,6 +5,7 @@
 module amontons_sweep_model
    use amontons_body, only: body_t
    use amontons_checksum, only: checksum_t
+   use amontons_condensation, only: condensed_load_t
    use amontons_config, only: config_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_error, only: error_t
@@ -34,9 +35,12 @@ module amontons_sweep_model
          !! what each quantity adds to it at 1: forces and thermal strain, of loads only (quantities)
    contains
       procedure :: case_forces => sweep_model_case_forces
+      procedure :: condense => sweep_model_condense
+      procedure :: largest_force => sweep_model_largest_force
       procedure :: load_case => sweep_model_load_case
       procedure :: fingerprint => sweep_model_fingerprint
       procedure :: set_case => sweep_model_set_case
+      procedure :: sum_thermal_strain => sweep_model_sum_thermal_strain
    end type sweep_model_t
 
 contains
@@ -172,16 +176,41 @@ contains
       load_case%force = self%case_forces(values)
       load_case%factor = [(merge(1.0_dp, values(max(1, self%axis(k))), self%axis(k) == 0), k=1, size(self%axis))]
       load_case%friction = self%fixed%friction + matmul(self%friction, values)
+      call self%condense(values, load_case%condensed)
+      call self%sum_thermal_strain(values, load_case%thermal_strain)
+   end subroutine sweep_model_load_case
+
+   !> The condensed load of a case, if the model's loads are condensed.
+   pure subroutine sweep_model_condense(self, values, condensed)
+      class(sweep_model_t), intent(in) :: self !! the model
+      real(dp), intent(in) :: values(:) !! value of each quantity [-]
+      type(condensed_load_t), intent(out) :: condensed !! the condensed load
+      integer :: k
+
+      condensed = self%fixed%condensed
       do k = 1, size(values)
-         if (allocated(self%parts(k)%condensed%load)) call load_case%condensed%add(values(k), self%parts(k)%condensed)
+         if (allocated(self%parts(k)%condensed%load)) call condensed%add(values(k), self%parts(k)%condensed)
+      end do
+   end subroutine sweep_model_condense
+
+   !> The thermal strain of a case, if there is any.
+   pure subroutine sweep_model_sum_thermal_strain(self, values, strain)
+      class(sweep_model_t), intent(in) :: self !! the model
+      real(dp), intent(in) :: values(:) !! value of each quantity [-]
+      real(dp), allocatable, intent(out) :: strain(:)
+         !! strain of free thermal expansion at the nodes of each element, as in `load_case_t` [-]
+      integer :: k
+
+      if (allocated(self%fixed%thermal_strain)) strain = self%fixed%thermal_strain
+      do k = 1, size(values)
          if (.not. allocated(self%parts(k)%thermal_strain)) cycle
-         if (allocated(load_case%thermal_strain)) then
-            load_case%thermal_strain = load_case%thermal_strain + values(k)*self%parts(k)%thermal_strain
+         if (allocated(strain)) then
+            strain = strain + values(k)*self%parts(k)%thermal_strain
          else
-            load_case%thermal_strain = values(k)*self%parts(k)%thermal_strain
+            strain = values(k)*self%parts(k)%thermal_strain
          end if
       end do
-   end subroutine sweep_model_load_case
+   end subroutine sweep_model_sum_thermal_strain
 
    !> The nodal forces of a case (2, n_nodes) [F].
    pure function sweep_model_case_forces(self, values) result(forces)
@@ -195,6 +224,26 @@ contains
          if (allocated(self%parts(k)%force)) forces = forces + values(k)*self%parts(k)%force
       end do
    end function sweep_model_case_forces
+
+   !> The largest component of the nodal forces of a case, of some nodes at a time, which stay in the cache [F].
+   pure real(dp) function sweep_model_largest_force(self, values) result(largest)
+      class(sweep_model_t), intent(in) :: self !! the model
+      real(dp), intent(in) :: values(:) !! value of each quantity [-]
+      integer, parameter :: n_together = 512
+      real(dp) :: forces(2, n_together)
+      integer :: first, k, n
+
+      largest = 0.0_dp
+      do first = 1, size(self%fixed%force, 2), n_together
+         n = min(n_together, size(self%fixed%force, 2) - first + 1)
+         forces(:, :n) = self%fixed%force(:, first:first + n - 1)
+         do k = 1, size(values)
+            if (allocated(self%parts(k)%force)) forces(:, :n) = forces(:, :n) &
+               + values(k)*self%parts(k)%force(:, first:first + n - 1)
+         end do
+         largest = max(largest, maxval(abs(forces(:, :n))))
+      end do
+   end function sweep_model_largest_force
 
    !> A text that tells whether two models are the same to the last bit: files that a deck names may have changed
    !> although the deck has not.

@@ -16,8 +16,8 @@ module amontons_sweep_statistics
    implicit none (type, external)
    private
 
-   public :: case_keys, case_quantities, case_result_t, new_case_result, outcome_labels, outcome_names, &
-      ranked_quantities, sweep_statistics_t
+   public :: case_keys, case_quantities, case_result_t, outcome_labels, outcome_names, &
+      ranked_quantities, set_numbers, sweep_statistics_t
 
    !> Outcome of a case that converged.
    integer, parameter, public :: case_converged = 1
@@ -118,9 +118,9 @@ contains
       list = case_quantities(body, solution, zeros, zeros, zeros, peaks)
    end function ranked_quantities
 
-   !> Takes what is kept of a solved case from its solution.
-   pure subroutine new_case_result(result, body, solution, friction, slip_bound, free_gap, peaks)
-      type(case_result_t), intent(out) :: result !! what is kept
+   !> Sets the numbers of a case from its solution.
+   pure subroutine set_numbers(result, body, solution, friction, slip_bound, free_gap, peaks)
+      type(case_result_t), intent(inout) :: result !! what is kept; gains the numbers
       type(body_t), intent(in) :: body !! the body
       type(contact_solution_t), intent(in) :: solution !! the solution
       real(dp), intent(in) :: friction(:) !! Coulomb coefficients of the points (m) [-]
@@ -131,11 +131,8 @@ contains
 
       list = expanded(case_quantities(body, solution, friction, slip_bound, free_gap, peaks))
       result%quantity = list%value
-      result%residual = solution%residual
-      result%n_iterations = solution%n_iterations
       result%has_solution = all(abs(result%quantity) <= huge(1.0_dp)) .and. result%residual < huge(1.0_dp)
-      if (solution%is_converged) result%outcome = case_converged
-   end subroutine new_case_result
+   end subroutine set_numbers
 
    !> Adds the next case.
    pure subroutine sweep_statistics_add(self, result)
