@@ -266,7 +266,7 @@ contains
    !> Does the steps of the first columns, forward or backward, large subtrees on threads of their own.
    subroutine substitute(self, is_forward, n_steps, n_vectors, y)
       type(multifrontal_t), intent(in) :: self !! the factorization
-      logical, intent(in) :: is_forward !! whether the steps are those with L, of one vector, not those with its transpose
+      logical, intent(in) :: is_forward !! whether the steps are those with L, of one vector; else with its transpose
       integer, intent(in) :: n_steps !! how many columns, at least those of the interior
       integer, intent(in) :: n_vectors !! how many vectors
       real(dp), intent(inout) :: y(self%n, n_vectors) !! the vectors by position
