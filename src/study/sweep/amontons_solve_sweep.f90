@@ -36,8 +36,8 @@ module amontons_solve_sweep
    !> The result of a sweep. Its rows and its fields are on the disk.
    type :: sweep_result_t
       type(result_t) :: certified
-         !! the converged case with the largest error estimate, certified on the full model; its times are those of the
-         !! sweep
+         !! the converged case with the largest error estimate of its forces, certified on the full model, with that of
+         !! its stresses if it is asked for; its times are those of the sweep
       type(sweep_statistics_t) :: statistics !! counts and extremes
       type(checkpoint_t) :: checkpoint !! the table, still under its temporary name
       type(output_file_t), allocatable :: collection
@@ -203,6 +203,7 @@ contains
          call solve_again(task, body, problem, chunk, [(i == number, i=chunk%first, number)], solutions)
          certified%solution = solutions(number - chunk%first + 1)
          call task%model%load_case(task%sweep%values(number), certified%load_case)
+         certified%wants_error_estimate = task%wants_error_estimate
          call certify(certified, body, error)
          if (.not. allocated(error)) call add_conditioning(certified, body)
       end associate

@@ -6,7 +6,7 @@ module amontons_sweep_listing
    use amontons_kinds, only: dp
    use amontons_listing, only: certificate_text, factorization_text, listed_phases
    use amontons_listing_model, only: model_text
-   use amontons_listing_parts, only: head_text, method_text, times_text, warnings_text
+   use amontons_listing_parts, only: head_text, method_text, quantities_text, times_text, warnings_text
    use amontons_listing_text, only: flush_right, heading, labeled, scientific, short_text
    use amontons_quantity, only: quantity_t
    use amontons_solve_sweep, only: sweep_result_t
@@ -36,20 +36,23 @@ contains
          call listing%record(solution_text(config, result))
          if (statistics%residual_case > 0) then
             call listing%add(extremes_text(ranked_quantities(body, config%sweep), statistics, config%units))
-            call add_certificate(listing, result)
+            call add_certificate(listing, result, config%units)
          end if
          call listing%record(times_text(certified%timings, listed_phases))
       end associate
    end subroutine new_sweep_listing
 
-   !> Adds the certificate of the case with the largest error estimate.
-   subroutine add_certificate(listing, result)
+   !> Adds the certificate of the case with the largest error estimate, and how accurate its stresses are.
+   subroutine add_certificate(listing, result, units)
       type(document_t), intent(inout) :: listing !! the listing
       type(sweep_result_t), intent(in) :: result !! the result
+      character(*), intent(in) :: units !! names of the units
       character(:), allocatable :: text
 
       text = certificate_text(result%certified%certificate, result%certified%method%tolerance)// &
          labeled('Worst case', to_text(result%statistics%worst_case)//', by the estimated error of its forces')
+      if (allocated(result%certified%error_estimate)) text = text//heading('Accuracy of the worst case '// &
+         '(energy norm of the stress error)')//quantities_text(result%certified%error_estimate%quantities(), units)
       if (result%has_certificate) then
          call listing%add(text, [1.0_dp])
       else

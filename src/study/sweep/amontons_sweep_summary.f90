@@ -8,7 +8,8 @@ module amontons_sweep_summary
    use amontons_quantity, only: quantity_t, scales
    use amontons_result, only: certificate_limit
    use amontons_solve_sweep, only: sweep_result_t
-   use amontons_summary_members, only: add_head, certificate_member, last_members, member, size_counts
+   use amontons_summary_members, only: add_head, certificate_member, last_members, member, quantities_member, &
+      size_counts
    use amontons_sweep, only: sweep_t
    use amontons_sweep_statistics, only: outcome_names, ranked_quantities, sweep_statistics_t
    use amontons_text, only: to_text
@@ -45,7 +46,7 @@ contains
       end associate
    end subroutine new_sweep_summary
 
-   !> Adds the certificate of the case with the largest error estimate.
+   !> Adds the certificate of the case with the largest error estimate, and how accurate its stresses are.
    subroutine add_certificate(summary, result)
       type(document_t), intent(inout) :: summary !! the summary
       type(sweep_result_t), intent(in) :: result !! the result
@@ -59,6 +60,14 @@ contains
          else
             call summary%record(text)
          end if
+         if (.not. allocated(result%certified%error_estimate)) return
+         associate (accuracy => result%certified%error_estimate%quantities())
+            if (result%has_certificate) then
+               call summary%add(quantities_member('accuracy', accuracy))
+            else
+               call summary%record(quantities_member('accuracy', accuracy))
+            end if
+         end associate
       end associate
    end subroutine add_certificate
 
