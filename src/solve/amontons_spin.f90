@@ -73,6 +73,8 @@ contains
       real(dp), allocatable :: on_round(:, :), spins(:, :), force(:)
 
       if (size(body%rigid_modes, 2) == 0 .or. .not. has_nodal_points(body%zone)) return
+      ! Loads drive a spin: without any, all that forces leave is rounding errors.
+      if (.not. any(abs(problem%load) > 0.0_dp)) return
       on_round = on_round_line(body%zone, body%motions)
       call new_spins(spins, on_round, body, is_in_reach)
       if (size(spins, 2) == 0) return

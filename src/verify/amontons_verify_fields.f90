@@ -69,6 +69,7 @@ contains
          call check_case(summary, result, body, config, stem, cases(i))
          if (cases(i)%number /= sweep%statistics%worst_case .or. .not. allocated(result%displacement)) cycle
          sweep%certified%certificate = result%certificate
+         if (allocated(result%error_estimate)) sweep%certified%error_estimate = result%error_estimate
          sweep%has_certificate = .true.
       end do
       longest = entry_of(maxval(cases%number))

@@ -55,8 +55,20 @@ class Accuracy(ProgramTest):
             self.run_program("--verify", "results")
             self.solve("none", clamp, press, "contact set = 'bottom'", *groups, "accuracy estimate = 'none'")
             self.assertNotIn(b'"error_norm"', (self.directory/"results"/f"none.{folder}"/"1.vtu").read_bytes())
-            if folder == "history":
-                self.assertAlmostEqual(summary["accuracy"]["relative_error"], single["relative_error"], delta=1e-8)
+            # Of the last step, or of the case certified.
+            self.assertAlmostEqual(summary["accuracy"]["relative_error"], single["relative_error"], delta=1e-8)
+            self.assertNotIn("accuracy", json.loads((self.directory/"results"/"none.summary.json").read_text()))
+
+    def test_case_certified_of_a_sweep_has_an_estimate(self):
+        groups = (SUPPORT + "  uy = 0.0", "contact set = 'bottom'  extra_gap = -0.01",
+                  "load name = 'p'  set = 'top'  pressure = 1.0")
+        summary = self.solve("rows", *groups, "sweep load = 'p'  factor = 0.5, 1.0, 2.0")
+        self.assertIn("Accuracy of the worst case", (self.directory/"results"/"rows.lst").read_text(encoding="utf-8"))
+        factor = (0.5, 1.0, 2.0)[summary["certificate"]["case"] - 1]
+        single = self.solve("single", *groups[:2], f"load set = 'top'  pressure = {factor}")
+        for key, value in single["accuracy"].items():
+            self.assertAlmostEqual(summary["accuracy"][key], value, delta=1e-8*value)
+        self.assertEqual(self.run_program("--verify", "results").stdout.count(": verified"), 2)
 
     def test_refine_is_an_option(self):
         named = self.solve("block", *GROUPS, "accuracy refinements = 2", mesh=COARSE)["convergence"]

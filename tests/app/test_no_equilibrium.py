@@ -112,6 +112,16 @@ class NoEquilibrium(ProgramTest):
             run = self.run_program("--output", "results", "sweep.nml")
             self.assertIn("2 cases, 1 solved, 1 without equilibrium", run.stdout)
 
+    def test_body_without_loads_does_not_spin(self):
+        # On a round obstacle without friction; forces of 1e-15 would turn it.
+        for cells, normal, gap in ((2, 0.0, -1e-5), (3, 0.002, 0.0), (7, 0.002, 0.0)):
+            self.write("rest.nml", block(
+                "load name = 'p'  set = 'top'  pressure = 0.01", "contact set = 'bottom'  obstacle = 'circle'  "
+                f"radius = 200.0  point = 2.0, 0.0  normal = {normal}, 1.0  extra_gap = {gap}",
+                "history times = 0.0, 1.0", "steps load = 'p'  factor = 0.0, 1.0",
+                mesh=f"size = 4.0, 2.0  cells = {cells}, 3  element = 'quad9'"))
+            self.run_program("--quiet", "--output", "results", "rest.nml")
+
     def test_results_of_an_earlier_run_are_replaced(self):
         self.run_program("--output", "results", self.write("free.nml", SOUND))
         self.run_program("--output", "results", self.write("free.nml", LIFTED), status=2)
