@@ -61,8 +61,9 @@ contains
       result%certified%timings%seconds(phase_solve) = summary%number('seconds', 'solve')
       call find_certified(summary, has_converged, result%statistics%worst_case)
       ! As the certificate, it takes the whole model and is only recorded.
-      if (config%accuracy%wants_estimate() .and. result%statistics%worst_case > 0) &
+      if (config%accuracy%wants_estimate() .and. result%statistics%worst_case > 0) then
          allocate (result%certified%error_estimate)
+      end if
       call verify_fields(summary, result, cache%body, config, stem, cases)
       call check_texts(summary, config, cache%body, result, stem)
       is_certified = result%statistics%is_answered() .and. (result%statistics%residual_case == 0 .or. &

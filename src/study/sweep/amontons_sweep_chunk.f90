@@ -43,7 +43,7 @@ module amontons_sweep_chunk
       character(:), allocatable :: units !! names of the units of the case
       integer :: n_quantities = 0 !! numbers that are kept of a case
       logical :: is_auto = .false. !! whether the deck leaves the method to the program
-      logical :: wants_error_estimate = .false. 
+      logical :: wants_error_estimate = .false.
          !! whether the error of stresses is to be estimated, of fields and of the case certified
    end type sweep_task_t
 
