@@ -74,8 +74,9 @@ contains
       type(deck_contents_t), intent(inout) :: contents !! the deck
       type(deck_assignment_t), intent(in) :: assignment !! the assignment
 
-      if (contents%n_assignments == size(contents%assignments)) &
+      if (contents%n_assignments == size(contents%assignments)) then
          contents%assignments = [contents%assignments, contents%assignments]
+      end if
       contents%n_assignments = contents%n_assignments + 1
       contents%assignments(contents%n_assignments) = assignment
    end subroutine append_assignment
