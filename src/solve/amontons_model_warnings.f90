@@ -6,7 +6,7 @@ module amontons_model_warnings
    use amontons_kinds, only: dp
    use amontons_listing_text, only: short_text
    use amontons_load_case, only: load_case_t
-   use amontons_loads, only: load_on_nodes
+   use amontons_loads, only: load_by_temperature, load_on_nodes
    use amontons_pair_warnings, only: add_gap_warnings, add_idle_sides, add_pair_warnings
    use amontons_sweep, only: quantity_names, sweep_axis_t, sweep_t, swept_friction, swept_friction_factor
    use amontons_text, only: counted, to_text
@@ -55,6 +55,9 @@ contains
          call warnings%add(body%mesh%warnings%item(i))
       end do
       call add_material_warnings(warnings, body)
+      if (any(load_case%loads%target == load_by_temperature) .and. .not. &
+         any(abs(body%materials%list%expansion) > 0.0_dp)) call warnings%add( &
+         'temperature has no effect: no material has a coefficient of thermal expansion')
       associate (stated => body%mesh%hypothesis, hypothesis => body%materials%list(1)%hypothesis)
          if (stated /= '' .and. stated /= hypothesis) call warnings%add('the elements of the mesh file are of type '// &
             trim(stated)//', the deck computes '//trim(hypothesis))
