@@ -54,10 +54,7 @@ contains
       do i = 1, body%mesh%warnings%n()
          call warnings%add(body%mesh%warnings%item(i))
       end do
-      call add_material_warnings(warnings, body)
-      if (any(load_case%loads%target == load_by_temperature) .and. .not. &
-         any(abs(body%materials%list%expansion) > 0.0_dp)) call warnings%add( &
-         'temperature has no effect: no material has a coefficient of thermal expansion')
+      call add_material_warnings(warnings, body, load_case)
       associate (stated => body%mesh%hypothesis, hypothesis => body%materials%list(1)%hypothesis)
          if (stated /= '' .and. stated /= hypothesis) call warnings%add('the elements of the mesh file are of type '// &
             trim(stated)//', the deck computes '//trim(hypothesis))
@@ -77,9 +74,10 @@ contains
    end subroutine add_model_warnings
 
    !> Adds the warnings on the materials of a body.
-   pure subroutine add_material_warnings(warnings, body)
+   pure subroutine add_material_warnings(warnings, body, load_case)
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case
 
       call add_locking(warnings, body)
       associate (poisson => minval(body%materials%list%poisson))
@@ -88,6 +86,9 @@ contains
       end associate
       if (any(body%materials%list%has_chosen_b_bar()) .and. all(body%mesh%element_kind /= quad4)) call warnings%add( &
          "formulation = 'b-bar' has no effect: the mesh has no quad4 elements")
+      if (any(load_case%loads%target == load_by_temperature) .and. .not. &
+         any(abs(body%materials%list%expansion) > 0.0_dp)) call warnings%add( &
+         'temperature has no effect: no material has a coefficient of thermal expansion')
    end subroutine add_material_warnings
 
    !> Warns of supports and loads at points where bodies that are not joined have nodes.
