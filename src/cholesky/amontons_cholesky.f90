@@ -183,14 +183,8 @@ contains
       real(dp), intent(in) :: partial(:) !! what `condense` made of the load (n)
       real(dp), intent(in) :: v(:) !! the Schur variables in matrix order (n_schur)
       real(dp), intent(out) :: x(:) !! all unknowns (n), the last ones equal to v
-      real(dp), allocatable :: work(:)
-      integer :: n_interior
 
-      n_interior = self%n - self%n_schur
-      allocate (work, source=partial)
-      work(n_interior + 1:) = v(self%schur_order)
-      call self%substitute_backward(n_interior, work)
-      x(self%order) = work
+      call expand_loads(self, 1, partial, v, x)
    end subroutine cholesky_expand
 
    !> All unknowns from the Schur variables under several loads.
@@ -199,15 +193,26 @@ contains
       real(dp), contiguous, intent(in) :: partial(:, :) !! what `condense` made of the loads (n, loads)
       real(dp), contiguous, intent(in) :: v(:, :) !! the Schur variables in matrix order (n_schur, loads)
       real(dp), contiguous, intent(out) :: x(:, :) !! all unknowns (n, loads)
-      real(dp), allocatable :: work(:, :)
-      integer :: n_interior
 
-      n_interior = self%n - self%n_schur
-      allocate (work, source=partial)
-      work(n_interior + 1:, :) = v(self%schur_order, :)
-      call self%substitute_backward_all(n_interior, work)
-      x(self%order, :) = work
+      call expand_loads(self, size(v, 2), partial, v, x)
    end subroutine cholesky_expand_all
+
+   !> Does it for some loads, with one pass over the factor.
+   subroutine expand_loads(cholesky, n_loads, partial, v, x)
+      class(cholesky_t), intent(in) :: cholesky !! the factorization
+      integer, intent(in) :: n_loads !! number of loads
+      real(dp), intent(in) :: partial(cholesky%n, n_loads) !! what `condense` made of them
+      real(dp), intent(in) :: v(cholesky%n_schur, n_loads) !! the Schur variables in matrix order
+      real(dp), intent(out) :: x(cholesky%n, n_loads) !! all unknowns
+      real(dp), allocatable :: work(:, :)
+
+      associate (n_interior => cholesky%n - cholesky%n_schur)
+         allocate (work, source=partial)
+         work(n_interior + 1:, :) = v(cholesky%schur_order, :)
+         call cholesky%substitute_backward_all(n_interior, work)
+      end associate
+      x(cholesky%order, :) = work
+   end subroutine expand_loads
 
    !> Does the backward steps of the first columns for several vectors. What keeps its columns in blocks overrides this,
    !> to read them once.

@@ -47,12 +47,11 @@ module amontons_sweep
    contains
       procedure :: has_fields => sweep_has_fields
       procedure :: is_given => sweep_is_given
-      procedure :: lower_friction => sweep_lower_friction
       procedure :: n_cases => sweep_n_cases
       procedure :: n_fields => sweep_n_fields
       procedure :: neighbor => sweep_neighbor
       procedure :: places => sweep_places
-      procedure :: raise_friction => sweep_raise_friction
+      procedure :: set_friction => sweep_set_friction
       procedure :: values => sweep_values
    end type sweep_t
 
@@ -83,24 +82,8 @@ contains
       if (allocated(self%axes)) sweep_is_given = size(self%axes) > 0
    end function sweep_is_given
 
-   !> Gives contact sets whose coefficient varies the least value that it takes.
-   pure subroutine sweep_lower_friction(self, contacts)
-      class(sweep_t), intent(in) :: self !! the sweep
-      type(contact_t), intent(inout) :: contacts(:) !! the contact sets
-
-      call set_friction(self, contacts, is_least=.true.)
-   end subroutine sweep_lower_friction
-
-   !> Gives contact sets whose coefficient varies the largest value that it takes.
-   pure subroutine sweep_raise_friction(self, contacts)
-      class(sweep_t), intent(in) :: self !! the sweep
-      type(contact_t), intent(inout) :: contacts(:) !! the contact sets
-
-      call set_friction(self, contacts, is_least=.false.)
-   end subroutine sweep_raise_friction
-
    !> Gives contact sets whose coefficient varies an end of the range that it takes.
-   pure subroutine set_friction(self, contacts, is_least)
+   pure subroutine sweep_set_friction(self, contacts, is_least)
       class(sweep_t), intent(in) :: self !! the sweep
       type(contact_t), intent(inout) :: contacts(:) !! the contact sets
       logical, intent(in) :: is_least !! whether the least value is meant, or the largest one
@@ -114,7 +97,7 @@ contains
                minval(self%axes(i)%values), maxval(self%axes(i)%values), is_least)
          end do
       end do
-   end subroutine set_friction
+   end subroutine sweep_set_friction
 
    !> Number of cases; of more than `largest_n_cases`, some number above it.
    pure integer(int64) function sweep_n_cases(self) result(n_cases)

@@ -65,7 +65,7 @@ contains
             load_case%slip_bound, zone%shear_area), 0.0_dp, .true.)
          if (has_pairs(zone)) call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
          if (has_pairs(zone)) call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
-         slip_scales = scales_of_slips(length, [force, force(:m)/zone%area])
+         slip_scales = scales_of_slips(length, maxval(abs(force)), maxval(abs(force(:m)/zone%area)))
       end associate
       do i = 1, n_slip_columns(result)
          call add(trim(slip_keys(i)), '', trim(slip_dimensions(i)), result%slip_record(:, i), &
@@ -94,16 +94,14 @@ contains
 
    !> What rounding errors of the columns of a load history are measured by. Works and integrals have those of forces,
    !> which are known to about 1e-10 of the largest one, where numbers agree to 1e-8 of their scale.
-   pure function scales_of_slips(length, forces) result(scales)
+   pure function scales_of_slips(length, force, pressure) result(scales)
       real(dp), intent(in) :: length !! the scale of displacements [L]
-      real(dp), intent(in) :: forces(:) !! forces on the points, then their pressures (3m) [F], [F/L^2]
+      real(dp), intent(in) :: force !! the largest force on a point [F]
+      real(dp), intent(in) :: pressure !! the largest pressure [F/L^2]
       real(dp) :: scales(size(slip_keys))
       real(dp), parameter :: known_share = 1.0e-2_dp
 
-      associate (n => size(forces)/3*2)
-         scales = [length, length, known_share*length*[maxval(abs(forces(:n))), maxval(abs(forces(n + 1:)))], &
-            spread(0.0_dp, 1, size(slip_keys) - 4)]
-      end associate
+      scales = [length, length, known_share*length*[force, pressure], spread(0.0_dp, 1, size(slip_keys) - 4)]
    end function scales_of_slips
 
    !> How many columns a load history adds.

@@ -135,7 +135,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_there(:) !! which points (m)
       logical, allocatable :: is_near(:)
-      integer :: p
+      integer :: i, p
 
       share = 0.0_dp
       if (.not. allocated(result%error_estimate) .or. any(body%zone%is_cell)) return
@@ -144,21 +144,12 @@ contains
       do p = 1, body%zone%n_points
          if (is_there(p)) is_near(body%zone%rows%node(body%zone%rows%start(p))) = .true.
       end do
-      share = share_near(result%error_estimate, body%mesh, is_near)
+      associate (estimate => result%error_estimate, mesh => body%mesh)
+         do i = 1, mesh%n_elements
+            if (.not. any(is_near(mesh%node(mesh%node_start(i):mesh%node_start(i + 1) - 1)))) cycle
+            share = share + (estimate%element(i)/estimate%norm)**2
+         end do
+      end associate
    end function share_at
-
-   !> The share of the elements at some nodes in the square of the estimated error [-].
-   pure real(dp) function share_near(estimate, mesh, is_near) result(share)
-      type(error_estimate_t), intent(in) :: estimate !! the estimated error
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      logical, intent(in) :: is_near(:) !! the nodes (n_nodes)
-      integer :: i
-
-      share = 0.0_dp
-      do i = 1, mesh%n_elements
-         if (.not. any(is_near(mesh%node(mesh%node_start(i):mesh%node_start(i + 1) - 1)))) cycle
-         share = share + (estimate%element(i)/estimate%norm)**2
-      end do
-   end function share_near
 
 end module amontons_mesh_warnings

@@ -47,7 +47,7 @@ contains
 
       call new_timings(result%timings)
       result%warnings%units = config%units
-      ! Of the cases of a sweep those have an estimate whose fields are written.
+      ! Of a sweep the case certified has an estimate, and those whose fields are written.
       result%wants_error_estimate = config%accuracy%wants_estimate() .and. .not. config%sweep%is_given()
       if (has_body(cache, config)) then
          call check_names(config, cache%body%mesh, error)
@@ -57,10 +57,10 @@ contains
       if (allocated(error)) return
       ! No case of a sweep may have a friction that cannot act, or a negative one.
       contacts = config%contacts
-      call config%sweep%raise_friction(contacts)
+      call config%sweep%set_friction(contacts, is_least=.false.)
       call check_shear(cache%body%zone, contacts, error)
       if (allocated(error)) return
-      call config%sweep%lower_friction(contacts)
+      call config%sweep%set_friction(contacts, is_least=.true.)
       call new_load_case(result%load_case, cache%body, config%supports, contacts, config%loads, error)
       if (allocated(error)) return
       ! What is told is the deck's.

@@ -18,7 +18,7 @@ module amontons_spin
    use amontons_equilibrium, only: has_nodal_points, round_normals
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
-   use amontons_rigid_modes, only: find_modes_at_points, largest_motion
+   use amontons_rigid_modes, only: find_rigid_modes, largest_motion
    use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
    private
@@ -144,7 +144,7 @@ contains
 
       m = zone%n_points
       normals = round_normals(zone)
-      call find_modes_at_points(modes, zone, motions)
+      call find_rigid_modes(modes, zone, motions)
       allocate (on_round, mold=modes)
       do p = 1, m
          along = dot_product(normals(:, p), zone%normal(:, p))

@@ -8,47 +8,18 @@ module amontons_rigid_modes
    implicit none (type, external)
    private
 
-   public :: check_common_motion, find_modes_at_points, find_rigid_modes, largest_motion
+   public :: check_common_motion, find_rigid_modes, largest_motion
 
 contains
 
-   !> The displacements of the points under each free rigid motion of each piece.
-   subroutine find_rigid_modes(modes, zone, motions, coordinates)
+   !> The displacements of the points under each free rigid motion of each piece. Without coordinates all nodes that a
+   !> point is made of lie where the point is: of a pair, as if the bodies met there. What rotations do along the
+   !> normals then no longer depends on the facets of the master, nor on the gap, which is along the normal.
+   pure subroutine find_rigid_modes(modes, zone, motions, coordinates)
       real(dp), allocatable, intent(out) :: modes(:, :) !! (u_N; u_T) of the points under each motion (2m, motions) [-]
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
-      real(dp), allocatable :: field(:, :, :)
-      real(dp) :: at_node(2, 3)
-      integer :: i, j, k, m
-
-      m = zone%n_points
-      allocate (modes(2*m, sum(motions%n_free)), field(2, size(coordinates, 2), 3))
-      k = 0
-      do i = 1, size(motions)
-         associate (motion => motions(i))
-            field = 0.0_dp
-            do j = 1, size(motion%node)
-               at_node(:, :motion%n_free) = motion%displacement(coordinates(:, motion%node(j)))
-               field(:, motion%node(j), :motion%n_free) = at_node(:, :motion%n_free)
-            end do
-            do j = 1, motion%n_free
-               k = k + 1
-               modes(:, k) = zone%rows%displacement(field(:, :, j))
-               ! The contact problem does not know the slip that a support prevents.
-               modes(m + 1:, k) = merge(0.0_dp, modes(m + 1:, k), zone%is_tangent_fixed)
-            end do
-         end associate
-      end do
-   end subroutine find_rigid_modes
-
-   !> The same as if all nodes that a point is made of lay where the point is: of a pair, as if the bodies met there.
-   !> What rotations then do along the normals no longer depends on the facets of the master, nor on the gap, which is
-   !> along the normal.
-   pure subroutine find_modes_at_points(modes, zone, motions)
-      real(dp), allocatable, intent(out) :: modes(:, :) !! (u_N; u_T) of the points under each motion (2m, motions) [-]
-      type(contact_zone_t), intent(in) :: zone !! the contact points, each of a node
-      type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
+      real(dp), intent(in), optional :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
       logical, allocatable :: is_inside(:)
       integer :: i, j, k, p
 
@@ -59,19 +30,41 @@ contains
          is_inside = .false.
          is_inside(pack(motions(j)%node, motions(j)%node <= size(is_inside))) = .true.
          do p = 1, zone%n_points
-            associate (motion => motions(j)%displacement(zone%position(:, p)), m => zone%n_points, &
-               last => k + motions(j)%n_free)
-               do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
-                  if (.not. is_inside(zone%rows%node(i))) cycle
-                  modes(p, k + 1:last) = modes(p, k + 1:last) + matmul(zone%rows%part(:, i), motion)
-                  if (.not. zone%is_tangent_fixed(p)) modes(m + p, k + 1:last) = modes(m + p, k + 1:last) &
-                     + matmul(zone%rows%along(i), motion)
-               end do
-            end associate
+            do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+               if (.not. is_inside(zone%rows%node(i))) cycle
+               if (present(coordinates)) then
+                  call add_motion(modes, k, motions(j), coordinates(:, zone%rows%node(i)), zone, p, i)
+               else
+                  call add_motion(modes, k, motions(j), zone%position(:, p), zone, p, i)
+               end if
+            end do
          end do
          k = k + motions(j)%n_free
       end do
-   end subroutine find_modes_at_points
+   end subroutine find_rigid_modes
+
+   !> Adds the part that the motion of a node has in that of a point.
+   pure subroutine add_motion(modes, n_before, motions, position, zone, point, part)
+      real(dp), intent(inout) :: modes(:, :) !! (u_N; u_T) of the points under each motion (2m, motions) [-]
+      integer, intent(in) :: n_before !! how many motions other pieces have before
+      type(rigid_motions_t), intent(in) :: motions !! the free motions of the node's piece
+      real(dp), intent(in) :: position(2) !! where the node is [L]
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer, intent(in) :: point !! the point
+      integer, intent(in) :: part !! which part of the zone's rows is that of the node
+      real(dp) :: motion(2, motions%n_free)
+      integer :: i
+
+      motion = motions%displacement(position)
+      do i = 1, motions%n_free
+         associate (mode => modes(:, n_before + i), m => zone%n_points)
+            mode(point) = mode(point) + dot_product(zone%rows%part(:, part), motion(:, i))
+            ! The contact problem does not know the slip that a support prevents.
+            if (.not. zone%is_tangent_fixed(point)) mode(m + point) = mode(m + point) &
+               + dot_product(zone%rows%along(part), motion(:, i))
+         end associate
+      end do
+   end subroutine add_motion
 
    !> Refuses pieces that can move together so that no contact point notices.
    subroutine check_common_motion(motions, modes, error)

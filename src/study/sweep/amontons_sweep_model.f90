@@ -34,7 +34,6 @@ module amontons_sweep_model
       type(load_case_t), allocatable :: parts(:)
          !! what each quantity adds to it at 1: forces and thermal strain, of loads only (quantities)
    contains
-      procedure :: case_forces => sweep_model_case_forces
       procedure :: condense => sweep_model_condense
       procedure :: largest_force => sweep_model_largest_force
       procedure :: load_case => sweep_model_load_case
@@ -173,7 +172,7 @@ contains
       integer :: k
 
       load_case = self%fixed
-      load_case%force = self%case_forces(values)
+      load_case%force = case_forces(self, values, 1, size(self%fixed%force, 2))
       load_case%factor = [(merge(1.0_dp, values(max(1, self%axis(k))), self%axis(k) == 0), k=1, size(self%axis))]
       load_case%friction = self%fixed%friction + matmul(self%friction, values)
       call self%condense(values, load_case%condensed)
@@ -212,37 +211,34 @@ contains
       end do
    end subroutine sweep_model_sum_thermal_strain
 
-   !> The nodal forces of a case (2, n_nodes) [F].
-   pure function sweep_model_case_forces(self, values) result(forces)
-      class(sweep_model_t), intent(in) :: self !! the model
+   !> The nodal forces of a case on some nodes that follow each other (2, nodes) [F].
+   pure function case_forces(model, values, first, last) result(forces)
+      class(sweep_model_t), intent(in) :: model !! the model
       real(dp), intent(in) :: values(:) !! value of each quantity [-]
-      real(dp), allocatable :: forces(:, :)
+      integer, intent(in) :: first !! the first node
+      integer, intent(in) :: last !! the last node
+      real(dp) :: forces(2, last - first + 1)
       integer :: k
 
-      forces = self%fixed%force
+      forces = model%fixed%force(:, first:last)
       do k = 1, size(values)
-         if (allocated(self%parts(k)%force)) forces = forces + values(k)*self%parts(k)%force
+         if (allocated(model%parts(k)%force)) forces = forces + values(k)*model%parts(k)%force(:, first:last)
       end do
-   end function sweep_model_case_forces
+   end function case_forces
 
    !> The largest component of the nodal forces of a case, of some nodes at a time, which stay in the cache [F].
    pure real(dp) function sweep_model_largest_force(self, values) result(largest)
       class(sweep_model_t), intent(in) :: self !! the model
       real(dp), intent(in) :: values(:) !! value of each quantity [-]
       integer, parameter :: n_together = 512
-      real(dp) :: forces(2, n_together)
-      integer :: first, k, n
+      integer :: first
 
       largest = 0.0_dp
-      do first = 1, size(self%fixed%force, 2), n_together
-         n = min(n_together, size(self%fixed%force, 2) - first + 1)
-         forces(:, :n) = self%fixed%force(:, first:first + n - 1)
-         do k = 1, size(values)
-            if (allocated(self%parts(k)%force)) forces(:, :n) = forces(:, :n) &
-               + values(k)*self%parts(k)%force(:, first:first + n - 1)
+      associate (n => size(self%fixed%force, 2))
+         do first = 1, n, n_together
+            largest = max(largest, maxval(abs(case_forces(self, values, first, min(n, first + n_together - 1)))))
          end do
-         largest = max(largest, maxval(abs(forces(:, :n))))
-      end do
+      end associate
    end function sweep_model_largest_force
 
    !> A text that tells whether two models are the same to the last bit: files that a deck names may have changed
