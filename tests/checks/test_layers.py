@@ -31,6 +31,11 @@ class Layers(CheckerTest):
         self.assert_finds("src/contact/methods/amontons_high.f90:2: contact/methods may not use amontons_body of "
                           "contact/model")
 
+    def test_right_that_no_module_uses_is_refused(self):
+        self.write("src/contact/problem/amontons_waist.f90", module("amontons_waist"))
+        self.assert_finds("src/contact/methods:1: no module here uses contact/problem: "
+                          "take it from the list of what contact/methods may use")
+
     def test_unknown_module_is_refused(self):
         self.write("src/contact/methods/amontons_high.f90", module("amontons_high", "use :: amontons_none, only: b"))
         self.assert_finds("src/contact/methods/amontons_high.f90:2: there is no module amontons_none in src/")
