@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that a file is a module, a folder of src/ is a room, and a room uses those rooms that it may, no more, no less.
+"""Checks that a file is a module, a folder of src/ is a room, and a room uses all rooms that it may, and no others.
 
 Usage: check_layers.py [ROOT]
 """
@@ -34,7 +34,8 @@ MAY_USE = {
     "study": ["solve", "input", "contact/model", "contact/problem"],
     "study/reduced": ["study", "output", "solve", "input", "contact/problem", "contact/methods", "contact/uniqueness",
                       "linalg", "system"],
-    "study/single": ["study", "study/reduced", "output", "solve", "input", "contact/uniqueness", "elasticity", "system"],
+    "study/single": ["study", "study/reduced", "output", "solve", "input", "contact/uniqueness", "elasticity",
+                     "system"],
     "study/refinement": ["study", "study/single", "solve", "input", "contact/model"],
     "study/sweep": ["study", "output", "solve", "input", "contact/model", "contact/problem", "contact/methods",
                     "distributed", "elasticity", "linalg", "system"],
