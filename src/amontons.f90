@@ -17,8 +17,8 @@ module amontons
    use amontons_constraints, only: new_support, support_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem, new_reduced_problem
+   use amontons_contact_set, only: contact_t, new_contact, new_tie, tie_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_contact_zone, only: contact_t, new_contact
    use amontons_dense_system, only: new_dense_system
    use amontons_directory, only: file_name_t
    use amontons_error, only: error_t, input_refused, numerical_failure, system_failure
@@ -34,15 +34,14 @@ module amontons
    use amontons_methods, only: method_names, method_options_t, new_contact_method
    use amontons_new_study, only: new_study
    use amontons_outcome, only: outcome_t
-   use amontons_pairing, only: new_tie, tie_t
    use amontons_rectangle, only: new_rectangle_mesh, rectangle_t
    use amontons_reduced_file, only: read_reduced_file, write_reduced_file
    use amontons_reduced_report, only: write_reduced_report
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_report, only: write_report
    use amontons_result, only: result_t
-   use amontons_solve_body, only: solve_body
    use amontons_solve_case, only: cache_t, prepare_case, solve_case
+   use amontons_solve_load_case, only: solve_body
    use amontons_solve_reduced, only: find_reduced_solutions, reduced_result_t, solve_reduced, solve_reduced_system
    use amontons_solve_sweep, only: solve_sweep, sweep_result_t
    use amontons_study, only: check_study, solve_study, study_options_t, study_t

@@ -14,7 +14,7 @@ module amontons_config
    use amontons_config_reduced, only: describe_problem, problem_group, reduced_source_t
    use amontons_config_sweep, only: describe_sweep, sweep_group
    use amontons_constraints, only: support_t
-   use amontons_contact_zone, only: contact_t
+   use amontons_contact_set, only: contact_t, tie_t
    use amontons_deck, only: deck_t, read_deck, read_deck_text
    use amontons_deck_documenter, only: deck_documenter_t
    use amontons_deck_reader, only: deck_reader_t
@@ -32,7 +32,6 @@ module amontons_config
    use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
       space_names, variant_names
    use amontons_new_cholesky, only: factorization_names
-   use amontons_pairing, only: tie_t
    use amontons_sweep, only: sweep_t
    use amontons_system, only: absolute_path
    use amontons_text, only: lower_case, quoted, to_text

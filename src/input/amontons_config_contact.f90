@@ -1,12 +1,10 @@
 !> What a deck says of contact sets.
 module amontons_config_contact
-   use amontons_cell_partition, only: cell_partition_t, multiplier_names
-   use amontons_contact_zone, only: contact_t
+   use amontons_contact_set, only: cell_partition_t, contact_t, gap_names, line_field_t, multiplier_names, pairing_t, &
+      tie_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_kinds, only: dp
-   use amontons_line_field, only: line_field_t
    use amontons_obstacle, only: obstacle_names, obstacle_t
-   use amontons_pairing, only: gap_names, pairing_t, tie_t
    implicit none (type, external)
    private
 

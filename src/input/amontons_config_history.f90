@@ -1,7 +1,7 @@
 !> What a deck says of a load history.
 module amontons_config_history
    use amontons_constraints, only: support_t
-   use amontons_contact_zone, only: contact_t
+   use amontons_contact_set, only: contact_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_history, only: history_t, moved_things, steps_t, stepped_friction, stepped_load, stepped_obstacle, &
       stepped_support

@@ -1,6 +1,6 @@
 !> What a deck says of a sweep.
 module amontons_config_sweep
-   use amontons_contact_zone, only: contact_t
+   use amontons_contact_set, only: contact_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t, most_values
    use amontons_kinds, only: dp
    use amontons_loads, only: load_t

@@ -2,7 +2,7 @@
 !>
 !> Between the times of the history everything changes linearly; of a table, between its own times.
 module amontons_history
-   use amontons_contact_zone, only: contact_t
+   use amontons_contact_set, only: contact_t
    use amontons_kinds, only: dp
    implicit none (type, external)
    private

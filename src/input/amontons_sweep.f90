@@ -3,7 +3,7 @@
 !> Each quantity has a list of values. A quantity that is paired goes along with the one before it, value by value; the
 !> others are combined in full, the last one varying fastest. Cases count from 1.
 module amontons_sweep
-   use amontons_contact_zone, only: contact_t
+   use amontons_contact_set, only: contact_t
    use amontons_kinds, only: dp, int64
    implicit none (type, external)
    private

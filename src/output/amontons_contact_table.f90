@@ -2,7 +2,8 @@
 !> those that are for them.
 module amontons_contact_table
    use amontons_body, only: body_t
-   use amontons_contact_zone, only: contact_t, contact_zone_t
+   use amontons_contact_set, only: contact_t
+   use amontons_contact_zone, only: contact_zone_t
    use amontons_document, only: document_t
    use amontons_friction_law, only: status_names
    use amontons_kinds, only: dp

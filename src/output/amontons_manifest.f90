@@ -3,7 +3,7 @@
 !> even where no number follows from the others. `cksum FILE` prints the same numbers.
 module amontons_manifest
    use amontons_checksum, only: checksum_t, file_checksum, text_checksum
-   use amontons_contact_zone, only: contact_t
+   use amontons_contact_set, only: contact_t
    use amontons_error, only: error_t
    use amontons_json, only: json_string
    use amontons_kinds, only: int64

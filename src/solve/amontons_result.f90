@@ -6,8 +6,8 @@ module amontons_result
    use amontons_convergence, only: refined_quantity_t
    use amontons_error_bound, only: error_bound_t
    use amontons_error_estimate, only: error_estimate_t
+   use amontons_key_results, only: lengths_t
    use amontons_kinds, only: dp, int64
-   use amontons_lengths, only: lengths_t
    use amontons_load_case, only: load_case_t
    use amontons_methods, only: method_options_t
    use amontons_quantity, only: quantity_t

@@ -1,13 +1,16 @@
-!> The way of a case from its configuration to its result. Cases that share a body share its factorization.
+!> The way of a case from its configuration to its result. Cases that share a body share its factorization, and
+!> one hands the state of its contact points to the next, one mesh to a finer one.
 module amontons_solve_case
    use amontons_body, only: body_t, condense_body, new_body
    use amontons_config, only: body_text, config_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_solution, only: new_contact_solution
-   use amontons_contact_zone, only: contact_t
+   use amontons_contact_set, only: contact_t
+   use amontons_contact_solution, only: contact_solution_t, new_contact_solution
+   use amontons_contact_zone, only: contact_zone_t
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
+   use amontons_kinds, only: dp
    use amontons_load_case, only: check_shear, new_load_case
    use amontons_mesh, only: mesh_t
    use amontons_mesh_part, only: new_mesh
@@ -16,12 +19,22 @@ module amontons_solve_case
    use amontons_name_check, only: check_names
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_load_case
-   use amontons_state, only: new_state, state_t
    use amontons_timings, only: new_timings
    implicit none (type, external)
    private
 
    public :: cache_t, condense_case, prepare_case, solve_case
+
+   !> Where a case ended: where the next case of the same body starts.
+   type :: state_t
+      character(:), allocatable :: case_name !! name of the case whose state it is
+      type(contact_solution_t) :: solution !! its solution
+      integer, allocatable :: set(:) !! which contact set each point belongs to (m)
+      real(dp), allocatable :: position(:, :) !! coordinates of the points (2, m) [L]
+      real(dp), allocatable :: area(:) !! their tributary areas (m) [L^2]
+   contains
+      procedure :: prolong => state_prolong
+   end type state_t
 
    !> The body at hand, for the cases of a run that share it.
    type :: cache_t
@@ -128,7 +141,13 @@ contains
       if (allocated(error)) return
       if (.not. result%solution%is_converged) return
       if (.not. allocated(cache%state)) allocate (cache%state)
-      call new_state(cache%state, config%name, result%solution, cache%body%zone)
+      associate (state => cache%state, zone => cache%body%zone)
+         state%case_name = config%name
+         state%solution = result%solution
+         state%set = zone%set
+         state%position = zone%position
+         state%area = zone%area
+      end associate
    end subroutine solve_case
 
    !> Factorizes and condenses the body, unless an earlier case has done so.
@@ -154,11 +173,46 @@ contains
       if (cache%is_refining .and. allocated(cache%state)) then
          call cache%state%prolong(result%solution, cache%body%zone)
       else if (allocated(cache%state)) then
-         call cache%state%start(result%solution)
+         result%solution = cache%state%solution
          result%started_from = cache%state%case_name
       else
          call new_contact_solution(result%solution, cache%body%zone%n_points)
       end if
    end subroutine start_solution
+
+   !> A solution that starts from this state on another mesh of the same body: stresses and displacements of a point are
+   !> linear between the two points of the state that are nearest in its set.
+   pure subroutine state_prolong(self, solution, zone)
+      class(state_t), intent(in) :: self !! the state
+      type(contact_solution_t), intent(out) :: solution !! the solution
+      type(contact_zone_t), intent(in) :: zone !! the contact points of the other mesh
+      real(dp) :: distance(size(self%set)), share(2)
+      integer :: nearest(2), m, n, p, k
+
+      m = size(self%set)
+      n = zone%n_points
+      call new_contact_solution(solution, n)
+      do p = 1, n
+         distance = merge(hypot(self%position(1, :) - zone%position(1, p), self%position(2, :) - zone%position(2, p)), &
+            huge(1.0_dp), self%set == zone%set(p))
+         if (.not. any(self%set == zone%set(p))) cycle
+         do k = 1, 2
+            nearest(k) = minloc(distance, dim=1)
+            share(3 - k) = distance(nearest(k))
+            distance(nearest(k)) = huge(1.0_dp)
+         end do
+         ! A state of one point alone has no second one: its distance is that of other sets.
+         share = share/sum(share)
+         do k = 1, 2
+            associate (q => nearest(k))
+               solution%displacement([p, n + p]) = solution%displacement([p, n + p]) &
+                  + share(k)*self%solution%displacement([q, m + q])
+               if (self%area(q) > 0.0_dp) solution%force([p, n + p]) = solution%force([p, n + p]) &
+                  + share(k)*zone%area(p)/self%area(q)*self%solution%force([q, m + q])
+            end associate
+         end do
+         solution%status(p) = self%solution%status(nearest(1))
+      end do
+   end subroutine state_prolong
 
 end module amontons_solve_case

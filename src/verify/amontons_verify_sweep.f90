@@ -8,8 +8,8 @@ module amontons_verify_sweep
    use amontons_document, only: document_t
    use amontons_document_check, only: compare_document, compare_line
    use amontons_error, only: error_t
+   use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
-   use amontons_lengths, only: lengths_t, new_lengths
    use amontons_quantity, only: quantity_t
    use amontons_result_warnings, only: add_conditioning, lacks_points
    use amontons_row_text, only: read_status_runs, status_runs

@@ -5,8 +5,8 @@ module sample_contacts
    use amontons_condensation, only: condensation_options_t
    use amontons_constraints, only: support_t
    use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
-   use amontons_contact_zone, only: contact_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_load_case, only: condense_load_case, load_case_t, new_load_case, pose_problem, recover_displacement

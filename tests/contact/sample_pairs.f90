@@ -1,7 +1,7 @@
 !> Pairs of blocks on unequal meshes, one on the other.
 module sample_pairs
    use amontons_constraints, only: support_t
-   use amontons_contact_zone, only: contact_t, new_contact
+   use amontons_contact_set, only: contact_t, new_contact
    use amontons_error, only: error_t
    use amontons_joined_mesh, only: append_mesh, name_mesh
    use amontons_kinds, only: dp

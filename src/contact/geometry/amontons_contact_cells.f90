@@ -5,9 +5,8 @@
 !> multiplier is then the force on the cell, stress times area.
 module amontons_contact_cells
    use amontons_boundary, only: boundary_line_t
-   use amontons_cell_partition, only: cell_partition_t
-   use amontons_contact_quadrature, only: contact_quadrature_t
-   use amontons_contact_rows, only: contact_rows_t
+   use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t
+   use amontons_contact_set, only: cell_partition_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t

@@ -5,13 +5,15 @@
 !> the share of the node; the tangential one the same sum with the parts turned by a right angle, unless it has shares
 !> of its own. A node that is a contact point itself has one part, its normal; a cell of constant multipliers has one
 !> for each node of its sides.
+!>
+!> Beside them is where gap, friction and slip bound of the points are measured: a node at itself, a cell at its
+!> quadrature points. In both lists each point has a range: that of point p goes from `start(p)` to `start(p + 1) - 1`.
 module amontons_contact_rows
    use amontons_kinds, only: dp
-   use amontons_point_ranges, only: picked_places, picked_start
    implicit none (type, external)
    private
 
-   public :: contact_rows_t, turned
+   public :: contact_quadrature_t, contact_rows_t, turned
 
    !> The parts of all points, those of point p from `start(p)` to `start(p + 1) - 1`; a node may occur more than once.
    type :: contact_rows_t
@@ -29,6 +31,22 @@ module amontons_contact_rows
       procedure :: displacement => contact_rows_displacement
       procedure :: forces => contact_rows_forces
    end type contact_rows_t
+
+   !> The quadrature points of all points, those of point p from `start(p)` to `start(p + 1) - 1`.
+   type :: contact_quadrature_t
+      integer, allocatable :: start(:) !! first quadrature point of each point, and one beyond the last (m + 1)
+      real(dp), allocatable :: position(:, :) !! coordinates (2, quadrature points) [L]
+      real(dp), allocatable :: normal(:, :) !! unit normal n towards the obstacle (2, quadrature points) [-]
+      real(dp), allocatable :: outward(:)
+         !! cosine of the angle between n and the body's outward normal: 1 unless n is given (quadrature points) [-]
+      real(dp), allocatable :: arc_length(:) !! length along the line from its first node (quadrature points) [L]
+      real(dp), allocatable :: gap(:)
+         !! distance to the other body of a pair, along n; of no meaning with a rigid obstacle (quadrature points) [L]
+      real(dp), allocatable :: share(:) !! share of the point's area; they sum to 1 over a point (quadrature points) [-]
+   contains
+      procedure :: add => contact_quadrature_add
+      procedure :: picked => contact_quadrature_picked
+   end type contact_quadrature_t
 
 contains
 
@@ -152,5 +170,61 @@ contains
          end do
       end do
    end function contact_rows_forces
+
+   !> Adds those of other points behind those that are there.
+   pure subroutine contact_quadrature_add(self, others)
+      class(contact_quadrature_t), intent(inout) :: self !! the quadrature points
+      type(contact_quadrature_t), intent(in) :: others !! the quadrature points to add
+      integer :: n
+
+      self%start = [self%start, size(self%share) + others%start(2:)]
+      n = size(self%share) + size(others%share)
+      self%position = reshape([self%position, others%position], [2, n])
+      self%normal = reshape([self%normal, others%normal], [2, n])
+      self%outward = [self%outward, others%outward]
+      self%arc_length = [self%arc_length, others%arc_length]
+      self%gap = [self%gap, others%gap]
+      self%share = [self%share, others%share]
+   end subroutine contact_quadrature_add
+
+   !> The quadrature points of some of the points.
+   pure function contact_quadrature_picked(self, points) result(picked)
+      class(contact_quadrature_t), intent(in) :: self !! the quadrature points
+      integer, intent(in) :: points(:) !! the points to pick
+      type(contact_quadrature_t) :: picked
+      integer, allocatable :: places(:)
+
+      places = picked_places(self%start, points)
+      picked%start = picked_start(self%start, points)
+      picked%position = self%position(:, places)
+      picked%normal = self%normal(:, places)
+      picked%outward = self%outward(places)
+      picked%arc_length = self%arc_length(places)
+      picked%gap = self%gap(places)
+      picked%share = self%share(places)
+   end function contact_quadrature_picked
+
+   !> Where the ranges of some of the points begin when they alone follow each other, and one beyond the last.
+   pure function picked_start(start, points) result(picked)
+      integer, intent(in) :: start(:) !! beginning of each range, and one beyond the last (m + 1)
+      integer, intent(in) :: points(:) !! the points to pick
+      integer :: picked(size(points) + 1)
+      integer :: k
+
+      picked(1) = 1
+      do k = 1, size(points)
+         picked(k + 1) = picked(k) + start(points(k) + 1) - start(points(k))
+      end do
+   end function picked_start
+
+   !> The places in the list of all that belongs to some of the points.
+   pure function picked_places(start, points) result(places)
+      integer, intent(in) :: start(:) !! beginning of each range, and one beyond the last (m + 1)
+      integer, intent(in) :: points(:) !! the points to pick
+      integer, allocatable :: places(:)
+      integer :: i, k
+
+      places = [([(i, i=start(points(k)), start(points(k) + 1) - 1)], k=1, size(points))]
+   end function picked_places
 
 end module amontons_contact_rows

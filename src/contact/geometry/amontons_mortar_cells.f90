@@ -1,8 +1,8 @@
 !> The cells of constant multipliers of a pair.
 module amontons_mortar_cells
-   use amontons_cell_partition, only: cell_partition_t
    use amontons_constraints, only: constraints_t
    use amontons_contact_cells, only: contact_cells_t, new_contact_cells
+   use amontons_contact_set, only: cell_partition_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t

@@ -3,6 +3,7 @@
 module amontons_mortar_pair
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_constraints, only: constraints_t
+   use amontons_contact_set, only: pairing_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_listing_text, only: place_text, short_text
@@ -11,7 +12,6 @@ module amontons_mortar_pair
    use amontons_mortar_points, only: cell_pieces, corner_pieces, integrate_pieces, mortar_piece_t, mortar_points_t, &
       place_on
    use amontons_mortar_segments, only: find_segments, meet_side, mortar_segment_t
-   use amontons_pairing, only: pairing_t
    use amontons_surface, only: new_surface, surface_place_t, surface_t
    implicit none (type, external)
    private

@@ -12,8 +12,7 @@
 !> symmetry, the tangential function of its neighbor on the side is 1, so that constant shear stays among the
 !> multipliers; D_p of the tangent is then another one than that of the normal.
 module amontons_mortar_points
-   use amontons_contact_quadrature, only: contact_quadrature_t
-   use amontons_contact_rows, only: contact_rows_t, turned
+   use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t, turned
    use amontons_kinds, only: dp
    use amontons_mortar_segments, only: meet_side, mortar_segment_t
    use amontons_surface, only: surface_place_t, surface_t

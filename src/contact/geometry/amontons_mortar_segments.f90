@@ -5,8 +5,8 @@
 !> is within reach; of several the nearest counts. Segments end where a ray meets a corner of the master, so that
 !> integrals over them are those of smooth functions.
 module amontons_mortar_segments
-   use amontons_counter_body, only: steepest_cosine
    use amontons_kinds, only: dp
+   use amontons_obstacle, only: steepest_cosine
    use amontons_surface, only: cross_product, surface_place_t, surface_t
    implicit none (type, external)
    private

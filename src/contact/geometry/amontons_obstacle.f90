@@ -2,13 +2,15 @@
 !>
 !> In the frame of an obstacle h counts along its normal, towards the body, and s along (n_y, -n_x). A positive radius
 !> bulges towards the body (a punch), a negative one is hollow (a seat).
+!>
+!> An obstacle is solid behind its surface and free in front of it. All that contact asks of one is where a line
+!> enters it and where it leaves it again; the rule that makes a gap of this is the same for every kind.
 module amontons_obstacle
-   use amontons_counter_body, only: counter_body_t, crossing_t
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
 
-   public :: obstacle_names, obstacle_t
+   public :: obstacle_names, obstacle_t, steepest_cosine
 
    !> Kinds of obstacles, as a deck writes them.
    character(8), parameter :: obstacle_names(*) = [character(8) :: 'plane', 'circle', 'parabola', 'polyline']
@@ -17,7 +19,7 @@ module amontons_obstacle
    real(dp), parameter :: rounding = 1.0e-12_dp
 
    !> A rigid obstacle.
-   type, extends(counter_body_t) :: obstacle_t
+   type :: obstacle_t
       character(8) :: kind = 'plane' !! one of `obstacle_names`
       real(dp) :: point(2) = 0.0_dp !! origin of its frame: a point of its surface, or where 0, 0 of a polyline is [L]
       real(dp) :: normal(2) = [0.0_dp, 1.0_dp] !! direction of its outward normal there; any length but zero [-]
@@ -25,10 +27,22 @@ module amontons_obstacle
       real(dp), allocatable :: line(:, :) !! points (s, h) of a polyline, the free side on the left (2, points) [L]
       character(:), allocatable :: file !! the file of the polyline; empty or not allocated without one
    contains
-      procedure :: crossings => obstacle_crossings
+      procedure, private :: crossings => obstacle_crossings
       procedure :: depth => obstacle_depth
       procedure :: has_radius => obstacle_has_radius
+      procedure :: measure => obstacle_measure
    end type obstacle_t
+
+   !> Where a line meets a surface at a smaller cosine than this, no gap is measured: the way along the line is more
+   !> than ten times the distance, and a slip changes it about ten times as much as an approach of the same length.
+   real(dp), parameter :: steepest_cosine = 0.1_dp
+
+   !> A place where a line crosses the surface of a obstacle.
+   type :: crossing_t
+      real(dp) :: way = 0.0_dp !! the way to it along the line, negative behind the start [L]
+      real(dp) :: cosine = 0.0_dp
+         !! of the angle between the line's way back and the outward normal: positive where the line enters [-]
+   end type crossing_t
 
 contains
 
@@ -156,5 +170,53 @@ contains
          crossings = [crossings, crossing_t((to_start(1)*along(2) - to_start(2)*along(1))/cross, cross/norm2(along))]
       end do
    end function polyline_crossings
+
+   !> The gap from a point along a direction. In free space it is the way to the first place ahead where the line
+   !> enters; inside it is the way back, negative, to the place where the line entered last. A line that does not enter,
+   !> or enters too aslant, meets nothing.
+   pure subroutine obstacle_measure(self, position, direction, gap, is_met, cosine)
+      class(obstacle_t), intent(in) :: self !! the obstacle
+      real(dp), intent(in) :: position(2) !! the point [L]
+      real(dp), intent(in) :: direction(2) !! the direction, a unit vector [-]
+      real(dp), intent(out) :: gap !! the gap [L]
+      logical, intent(out) :: is_met !! whether there is one
+      real(dp), intent(out) :: cosine !! of the angle between the direction and the way into the surface there [-]
+      type(crossing_t), allocatable :: crossings(:)
+      integer :: found
+
+      crossings = self%crossings(position, direction)
+      found = find_entry(crossings)
+      gap = 0.0_dp
+      cosine = 0.0_dp
+      if (found > 0) then
+         gap = crossings(found)%way
+         cosine = crossings(found)%cosine
+      end if
+      is_met = cosine >= steepest_cosine
+   end subroutine obstacle_measure
+
+   !> The place where a line entered the obstacle that its start is in, or where it enters next; 0 if it does not.
+   pure integer function find_entry(crossings) result(found)
+      type(crossing_t), intent(in) :: crossings(:) !! where the line crosses the surface
+      ! A point this near to a surface that it faces away from lies on it, as a share of the lengths at hand.
+      real(dp), parameter :: rounding = 1.0e-9_dp
+      real(dp) :: near, last_exit, next_exit
+      integer :: last, next
+
+      associate (way => crossings%way, enters => crossings%cosine > 0.0_dp)
+         near = rounding*maxval(abs(way))
+         last_exit = maxval(way, mask=.not. enters .and. way <= near)
+         next_exit = minval(way, mask=.not. enters .and. way > near)
+         last = maxloc(way, dim=1, mask=enters .and. way <= 0.0_dp)
+         next = minloc(way, dim=1, mask=enters .and. way > 0.0_dp)
+      end associate
+      found = 0
+      if (next > 0) then
+         if (crossings(next)%way <= next_exit) found = next
+      end if
+      if (last > 0) then
+         if (crossings(last)%way > last_exit) found = last
+      end if
+   end function find_entry
 
 end module amontons_obstacle

@@ -1,13 +1,13 @@
 !> The pairs of surfaces that are bonded.
 module amontons_tied_pairs
    use amontons_constraints, only: constraints_t
+   use amontons_contact_set, only: pairing_t, tie_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mortar_pair, only: mortar_pair_t, new_mortar_pair
    use amontons_pair_checks, only: check_ends
-   use amontons_pairing, only: pairing_t, tie_t
    use amontons_taken_sides, only: take_facing_sides
    implicit none (type, external)
    private

@@ -10,10 +10,9 @@ module amontons_relaxation
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_effort, only: effort_t
-   use amontons_friction_law, only: bounded
+   use amontons_friction_law, only: bounded, solve_point
    use amontons_kinds, only: dp
    use amontons_lapack, only: daxpy
-   use amontons_point_problem, only: solve_point
    implicit none (type, external)
    private
 

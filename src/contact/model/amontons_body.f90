@@ -10,7 +10,8 @@ module amontons_body
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t, new_band_problem, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t
-   use amontons_contact_zone, only: contact_t, contact_zone_t, new_contact_zone
+   use amontons_contact_set, only: contact_t, tie_t
+   use amontons_contact_zone, only: contact_zone_t, new_contact_zone
    use amontons_distributed, only: n_ranks, new_distributed_condenser
    use amontons_dof_map, only: dof_map_t, new_dof_map
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
@@ -24,7 +25,6 @@ module amontons_body
    use amontons_ordering, only: half_bandwidth
    use amontons_pair_check, only: recompute_pairs
    use amontons_pair_substitution, only: new_pair_substitution
-   use amontons_pairing, only: tie_t
    use amontons_rigid_modes, only: check_common_motion, find_rigid_modes
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t

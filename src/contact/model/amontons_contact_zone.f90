@@ -2,43 +2,23 @@
 !> multipliers.
 module amontons_contact_zone
    use amontons_boundary, only: boundary_line_t, new_boundary_line
-   use amontons_cell_partition, only: cell_partition_t
    use amontons_constraints, only: constraints_t
    use amontons_contact_cells, only: contact_cells_t, new_contact_cells
-   use amontons_contact_quadrature, only: contact_quadrature_t
-   use amontons_contact_rows, only: contact_rows_t
+   use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t
+   use amontons_contact_set, only: contact_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_line_field, only: line_field_t
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mortar_cells, only: choose_cells
    use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
    use amontons_mortar_points, only: mortar_points_t
-   use amontons_obstacle, only: obstacle_t
    use amontons_pair_checks, only: check_ends, check_overlap
-   use amontons_pairing, only: pairing_t
    use amontons_taken_sides, only: take_facing_sides, take_line
    implicit none (type, external)
    private
 
-   public :: contact_t, contact_zone_t, new_contact, new_contact_zone
-
-   !> A boundary set that may touch a rigid obstacle or another body, and the friction there: |lambda_T| <= g + phi
-   !> lambda_N.
-   type :: contact_t
-      character(:), allocatable :: name
-         !! its name, by which a load history knows it besides its set; empty or not allocated without one
-      character(:), allocatable :: set !! name of the boundary set
-      type(obstacle_t) :: obstacle !! the rigid obstacle, if the set is not paired
-      type(pairing_t) :: pairing !! the other body, if the set is paired
-      real(dp) :: direction(2) = 0.0_dp !! along which gaps count, towards the obstacle; 0, 0 for the body's normal [-]
-      real(dp) :: extra_gap = 0.0_dp !! added to every gap; negative for an interference [L]
-      type(line_field_t) :: friction !! Coulomb's coefficient phi, at least 0 [-]
-      type(line_field_t) :: slip_bound !! given (Tresca) bound g of the shear stress, at least 0 [F/L^2]
-      type(cell_partition_t) :: partition !! whether multipliers are nodal or constant on cells, and on which cells
-      character(:), allocatable :: origin !! where the contact was specified, for messages: 'deck.nml:12: '
-   end type contact_t
+   public :: contact_zone_t, new_contact_zone
 
    !> The contact points of all contact sets, each set in the order of its line, body on the left.
    type :: contact_zone_t
@@ -71,17 +51,6 @@ module amontons_contact_zone
    end type contact_zone_t
 
 contains
-
-   !> Makes a contact set on the floor y = 0.
-   pure subroutine new_contact(contact, set, friction)
-      type(contact_t), intent(out) :: contact !! the contact set
-      character(*), intent(in) :: set !! name of the boundary set
-      real(dp), intent(in) :: friction !! Coulomb's coefficient phi, at least 0 [-]
-
-      contact%set = set
-      contact%friction%value = friction
-      contact%origin = ''
-   end subroutine new_contact
 
    !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point; nor
    !> is a corner of a quadratic side on the axis of revolution: its area is 0, so that no pressure acts on it. A corner

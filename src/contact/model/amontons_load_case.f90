@@ -5,13 +5,14 @@ module amontons_load_case
    use amontons_condensation, only: condensed_load_t
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_zone, only: contact_t, contact_zone_t
-   use amontons_counter_body, only: steepest_cosine
+   use amontons_contact_set, only: contact_t
+   use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_listing_text, only: place_text
    use amontons_loads, only: load_t, load_vector
    use amontons_mesh, only: mesh_t
+   use amontons_obstacle, only: steepest_cosine
    use amontons_text, only: to_text
    use amontons_thermal_strain, only: sum_thermal_strain
    implicit none (type, external)

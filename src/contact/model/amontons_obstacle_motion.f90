@@ -1,7 +1,8 @@
 !> The motion of rigid obstacles in a load history: a shift and a turn about a pivot.
 module amontons_obstacle_motion
    use amontons_contact_rows, only: turned
-   use amontons_contact_zone, only: contact_t, contact_zone_t
+   use amontons_contact_set, only: contact_t
+   use amontons_contact_zone, only: contact_zone_t
    use amontons_kinds, only: dp
    use amontons_obstacle, only: obstacle_t
    implicit none (type, external)

@@ -5,7 +5,8 @@
 !> factors of the parts and in the contact displacements, so that a step needs no displacements of other nodes.
 module amontons_surface_stress
    use amontons_body, only: body_t
-   use amontons_contact_zone, only: contact_t, contact_zone_t
+   use amontons_contact_set, only: contact_t
+   use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_load_case, only: condensed_force, load_case_t

@@ -8,7 +8,7 @@ module amontons_history_model
    use amontons_config, only: config_t
    use amontons_constraints, only: constraints_t, new_constraints, support_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_zone, only: contact_t
+   use amontons_contact_set, only: contact_t
    use amontons_energy_form, only: energy_form_t, new_energy_form
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_history, only: history_t, stepped_friction, stepped_load, stepped_obstacle, stepped_support

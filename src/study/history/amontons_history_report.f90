@@ -6,8 +6,8 @@ module amontons_history_report
    use amontons_history, only: history_t, moved_things, steps_t
    use amontons_history_walk, only: history_walk_t
    use amontons_json, only: json_logical, json_number, json_string
+   use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
-   use amontons_lengths, only: lengths_t, new_lengths
    use amontons_listing_text, only: columns, flush_right, heading, labeled, scientific, short_text
    use amontons_solve_history, only: history_result_t, worst_step_t
    use amontons_stepper, only: step_state_t

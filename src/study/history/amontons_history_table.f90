@@ -9,8 +9,8 @@ module amontons_history_table
    use amontons_history, only: history_t
    use amontons_history_model, only: history_model_t
    use amontons_history_walk, only: history_walk_t
+   use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
-   use amontons_lengths, only: lengths_t, new_lengths
    use amontons_row_text, only: field, status_runs
    use amontons_stepper, only: step_state_t
    use amontons_text, only: comma_separated, newline, put_decimals, to_text

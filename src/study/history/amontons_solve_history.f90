@@ -11,8 +11,8 @@ module amontons_solve_history
    use amontons_history_milestone, only: history_milestone_t, read_start
    use amontons_history_model, only: history_model_t, new_history_model
    use amontons_history_walk, only: history_walk_t, new_history_walk
+   use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
-   use amontons_lengths, only: lengths_t, new_lengths
    use amontons_listing_text, only: scientific
    use amontons_load_case, only: condense_load_case
    use amontons_manifest, only: manifest_t

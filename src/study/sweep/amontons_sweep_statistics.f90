@@ -4,9 +4,9 @@ module amontons_sweep_statistics
    use amontons_checkpoint, only: milestone_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_key_results, only: body_peaks_at_rest, contact_peaks, find_zones, resultants, set_results
+   use amontons_key_results, only: body_peaks_at_rest, contact_peaks, find_zones, lengths_t, new_lengths, resultants, &
+      set_results
    use amontons_kinds, only: dp, int64
-   use amontons_lengths, only: lengths_t, new_lengths
    use amontons_quantity, only: expanded, quantity_t
    use amontons_result_warnings, only: case_warning_names, case_warning_sentence
    use amontons_sweep, only: sweep_t

@@ -1,0 +1,194 @@
+!> What a deck says of a boundary set that may come into contact: obstacle or other body, friction along the line, and
+!> multipliers, nodal or constant on the cells of a partition (the paper's Lambda_H); and of one that is bonded.
+module amontons_contact_set
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_kinds, only: dp
+   use amontons_obstacle, only: obstacle_t
+   use amontons_text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: cell_partition_t, contact_t, gap_names, line_field_t, multiplier_names, new_contact, new_tie, pairing_t, &
+      tie_t
+
+   !> Where the gaps of a pair come from, as a deck writes it: from the meshes, or 0 where the bodies face each other.
+   character(8), parameter :: gap_names(*) = [character(8) :: 'mesh', 'touching']
+
+   !> The other body of a contact set. The set is the slave, which carries the multipliers; the other body's boundary is
+   !> the master.
+   type :: pairing_t
+      character(:), allocatable :: against
+         !! name of the master's boundary set; empty or not allocated for a rigid obstacle
+      real(dp) :: search = 0.0_dp
+         !! how far the master may be along the slave's normal, either way; 0 for twice the longest side [L]
+      character(8) :: gap = 'mesh' !! where gaps come from, one of `gap_names`
+      logical :: is_tied = .false. !! whether the surfaces are bonded
+   contains
+      procedure :: has_mesh_gap => pairing_has_mesh_gap
+      procedure :: is_pair => pairing_is_pair
+      procedure :: label => pairing_label
+   end type pairing_t
+
+   !> A boundary set bonded to that of another body: no gap, no slip.
+   type :: tie_t
+      character(:), allocatable :: set !! name of the slave's boundary set
+      character(:), allocatable :: to !! name of the master's boundary set
+      real(dp) :: search = 0.0_dp
+         !! how far the master may be along the slave's normal, either way; 0 for twice the longest side [L]
+      character(:), allocatable :: origin !! where the tie was specified, for messages: 'deck.nml:12: '
+   end type tie_t
+
+   !> A quantity along a contact line: constant, linear in the coordinates, or given by a table over the length.
+   type :: line_field_t
+      real(dp) :: value = 0.0_dp !! its value at the origin of the coordinates; everywhere if nothing else is set
+      real(dp) :: slope(2) = 0.0_dp !! its change along x and y [per L]
+      real(dp), allocatable :: table(:, :) !! arc lengths and values, the arc lengths ascending (2, entries) [L, any]
+      character(:), allocatable :: file !! the file of the table; empty or not allocated without one
+   contains
+      procedure :: at => line_field_at
+      procedure :: vanishes => line_field_vanishes
+   end type line_field_t
+
+   !> Kinds of multipliers, as a deck writes them: at the nodes, constant on cells, or at the corners of a pair's slave.
+   character(8), parameter :: multiplier_names(*) = [character(8) :: 'nodal', 'constant', 'mortar']
+
+   !> The multipliers of a contact set. Constant ones have equal cells, cells with given ends or, without either, a
+   !> cell for every two sides.
+   type :: cell_partition_t
+      logical :: is_constant = .false. !! whether the multipliers are constant on cells; nodal otherwise
+      integer :: n_cells = 0 !! number of equal cells on each piece of the line; 0 for none asked for
+      real(dp), allocatable :: ends(:)
+         !! where one cell ends and the next begins, ascending: lengths along the line; not allocated without [L]
+   contains
+      procedure :: cell_ends => cell_partition_cell_ends
+   end type cell_partition_t
+
+   !> A boundary set that may touch a rigid obstacle or another body, and the friction there: |lambda_T| <= g + phi
+   !> lambda_N.
+   type :: contact_t
+      character(:), allocatable :: name
+         !! its name, by which a load history knows it besides its set; empty or not allocated without one
+      character(:), allocatable :: set !! name of the boundary set
+      type(obstacle_t) :: obstacle !! the rigid obstacle, if the set is not paired
+      type(pairing_t) :: pairing !! the other body, if the set is paired
+      real(dp) :: direction(2) = 0.0_dp !! along which gaps count, towards the obstacle; 0, 0 for the body's normal [-]
+      real(dp) :: extra_gap = 0.0_dp !! added to every gap; negative for an interference [L]
+      type(line_field_t) :: friction !! Coulomb's coefficient phi, at least 0 [-]
+      type(line_field_t) :: slip_bound !! given (Tresca) bound g of the shear stress, at least 0 [F/L^2]
+      type(cell_partition_t) :: partition !! whether multipliers are nodal or constant on cells, and on which cells
+      character(:), allocatable :: origin !! where the contact was specified, for messages: 'deck.nml:12: '
+   end type contact_t
+
+contains
+
+   !> Makes a contact set on the floor y = 0.
+   pure subroutine new_contact(contact, set, friction)
+      type(contact_t), intent(out) :: contact !! the contact set
+      character(*), intent(in) :: set !! name of the boundary set
+      real(dp), intent(in) :: friction !! Coulomb's coefficient phi, at least 0 [-]
+
+      contact%set = set
+      contact%friction%value = friction
+      contact%origin = ''
+   end subroutine new_contact
+
+   !> Makes a tie.
+   pure subroutine new_tie(tie, set, to)
+      type(tie_t), intent(out) :: tie !! the tie
+      character(*), intent(in) :: set !! name of the slave's boundary set
+      character(*), intent(in) :: to !! name of the master's boundary set
+
+      tie%set = set
+      tie%to = to
+      tie%origin = ''
+   end subroutine new_tie
+
+   !> What a contact set is called together with what it is paired with: SLAVE/MASTER, and SET without another body.
+   pure function pairing_label(self, set) result(label)
+      class(pairing_t), intent(in) :: self !! the pairing
+      character(*), intent(in) :: set !! name of the contact set
+      character(:), allocatable :: label
+
+      label = set
+      if (self%is_pair()) label = label//'/'//self%against
+   end function pairing_label
+
+   !> Whether there is another deformable body.
+   elemental logical function pairing_is_pair(self) result(is_pair)
+      class(pairing_t), intent(in) :: self !! the pairing
+
+      is_pair = .false.
+      if (allocated(self%against)) is_pair = len(self%against) > 0
+   end function pairing_is_pair
+
+   !> Whether gaps come from the meshes of two deformable bodies.
+   elemental logical function pairing_has_mesh_gap(self) result(has_mesh_gap)
+      class(pairing_t), intent(in) :: self !! the pairing
+
+      has_mesh_gap = self%is_pair() .and. self%gap == gap_names(1)
+   end function pairing_has_mesh_gap
+
+   !> Whether the quantity is 0 everywhere.
+   pure logical function line_field_vanishes(self) result(vanishes)
+      class(line_field_t), intent(in) :: self !! the quantity
+
+      vanishes = .not. (abs(self%value) > 0.0_dp .or. any(abs(self%slope) > 0.0_dp) .or. allocated(self%table))
+   end function line_field_vanishes
+
+   !> The quantity at a point of the line; a table is interpolated, and constant beyond its ends.
+   pure real(dp) function line_field_at(self, position, arc_length) result(value)
+      class(line_field_t), intent(in) :: self !! the quantity
+      real(dp), intent(in) :: position(2) !! coordinates of the point [L]
+      real(dp), intent(in) :: arc_length !! length along the line from its first node [L]
+      real(dp) :: share
+      integer :: i
+
+      value = self%value + dot_product(self%slope, position)
+      if (.not. allocated(self%table)) return
+      associate (arc_lengths => self%table(1, :), values => self%table(2, :))
+         i = count(arc_lengths <= arc_length)
+         if (i == 0) then
+            value = values(1)
+         else if (i == size(values)) then
+            value = values(i)
+         else
+            share = (arc_length - arc_lengths(i))/(arc_lengths(i + 1) - arc_lengths(i))
+            value = values(i) + share*(values(i + 1) - values(i))
+         end if
+      end associate
+   end function line_field_at
+
+   !> The ends of all cells of a piece of the line, from its beginning on.
+   pure subroutine cell_partition_cell_ends(self, side_lengths, ends, error)
+      class(cell_partition_t), intent(in) :: self !! the partition
+      real(dp), intent(in) :: side_lengths(:) !! lengths of the sides of the piece, in order [L]
+      real(dp), allocatable, intent(out) :: ends(:) !! 0 and the end of each cell (cells + 1) [L]
+      type(error_t), allocatable, intent(out) :: error !! a given end lies beyond the line, or the cells are too many
+      real(dp) :: length
+      integer :: i, n
+
+      length = sum(side_lengths)
+      n = size(side_lengths)
+      ! A quadratic side has two nodes of its own; more cells than nodes are never independent.
+      if (self%n_cells > 2*n + 1) then
+         call new_error(error, input_refused, 'cells must be at least two sides long, found '//to_text(self%n_cells)// &
+            ' cells on '//to_text(n)//' sides')
+         return
+      end if
+      if (allocated(self%ends)) then
+         if (self%ends(size(self%ends)) >= length) then
+            call new_error(error, input_refused, 'cell_ends must lie before the end of the contact line, which '// &
+               'ends the last cell: its length is '//to_text(length)//', found '//to_text(self%ends(size(self%ends))))
+            return
+         end if
+         ends = [0.0_dp, self%ends, length]
+      else if (self%n_cells > 0) then
+         ends = [(length*i/self%n_cells, i=0, self%n_cells)]
+      else
+         ends = [0.0_dp, (sum(side_lengths(:2*i)), i=1, n/2)]
+         if (n == 1) ends = [0.0_dp, 0.0_dp]
+         ends(size(ends)) = length
+      end if
+   end subroutine cell_partition_cell_ends
+
+end module amontons_contact_set
