@@ -20,7 +20,6 @@ module amontons
    use amontons_contact_set, only: contact_t, new_contact, new_tie, tie_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_dense_system, only: new_dense_system
-   use amontons_directory, only: file_name_t
    use amontons_error, only: error_t, input_refused, numerical_failure, system_failure
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, status_names, stick_point
    use amontons_joined_mesh, only: append_mesh, name_mesh
@@ -48,6 +47,7 @@ module amontons
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep_report, only: write_sweep_report
    use amontons_symmetric_matrix, only: new_dense_matrix, new_sparse_matrix, symmetric_matrix_t
+   use amontons_system, only: file_name_t
    use amontons_threads, only: set_threads
    use amontons_uniqueness, only: new_uniqueness, uniqueness_t
    use amontons_verify, only: find_cases, verdict_t, verify_files

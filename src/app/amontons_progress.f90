@@ -1,10 +1,9 @@
 !> The progress of a sweep or history on the status line, and the signals that interrupt it.
 module amontons_progress
    use amontons_kinds, only: dp
-   use amontons_status_line, only: note_work
    use amontons_study_monitor, only: study_monitor_t
    use amontons_system, only: wall_seconds
-   use amontons_terminal, only: hold_interrupts, is_interrupted, release_interrupts
+   use amontons_terminal, only: hold_interrupts, is_interrupted, note_work, release_interrupts
    use amontons_text, only: to_text
    implicit none (type, external)
    private

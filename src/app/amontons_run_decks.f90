@@ -14,9 +14,9 @@ module amontons_run_decks
    use amontons_quantity, only: quantity_t
    use amontons_reservations, only: reservation_t, reserve_files
    use amontons_solve_case, only: cache_t
-   use amontons_status_line, only: close_status_line, open_status_line
    use amontons_study, only: check_study, solve_study, study_options_t, study_t
    use amontons_system, only: wall_seconds
+   use amontons_terminal, only: close_status_line, open_status_line
    use amontons_text, only: newline, to_text
    use amontons_unchanged, only: find_unchanged
    use amontons_warning_list, only: warning_list_t

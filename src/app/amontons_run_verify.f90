@@ -2,12 +2,12 @@
 module amontons_run_verify
    use amontons_collection_check, only: check_collection
    use amontons_command_line, only: command_line_t
-   use amontons_directory, only: file_name_t
    use amontons_error, only: error_t
    use amontons_fault_list, only: fault_list_t
    use amontons_messages, only: print_error, print_info
    use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t
+   use amontons_system, only: file_name_t
    use amontons_text, only: newline
    use amontons_verify, only: find_cases, verdict_t, verify_files
    implicit none (type, external)

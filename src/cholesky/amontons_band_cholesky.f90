@@ -2,9 +2,9 @@
 module amontons_band_cholesky
    use amontons_cholesky, only: cholesky_t
    use amontons_error, only: error_t, new_error, system_failure
+   use amontons_graph, only: half_bandwidth, reverse_cuthill_mckee
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dpbtrf, dtbsv
-   use amontons_ordering, only: half_bandwidth, reverse_cuthill_mckee
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_text, only: to_text
    implicit none (type, external)

@@ -15,9 +15,8 @@ module amontons_multifrontal
    use amontons_frontal_matrix, only: add_to_contribution, add_to_pivots, contribution_size, eliminate_pivots, &
       fill_pivots
    use amontons_fronts, only: fronts_t, new_fronts
-   use amontons_graph, only: graph_t, new_graph
+   use amontons_graph, only: graph_places, graph_t, new_graph
    use amontons_kinds, only: dp, int64
-   use amontons_ordering, only: graph_places
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_text, only: to_text
    use amontons_threads, only: limit_nested_threads, n_threads, restore_nested_threads, thread_state_t

@@ -4,9 +4,9 @@ module amontons_new_cholesky
    use amontons_cholesky, only: cholesky_t
    use amontons_condenser, only: condenser_t
    use amontons_error, only: error_t
+   use amontons_graph, only: half_bandwidth, reverse_cuthill_mckee
    use amontons_kinds, only: dp
    use amontons_multifrontal, only: multifrontal_t
-   use amontons_ordering, only: half_bandwidth, reverse_cuthill_mckee
    use amontons_sparse_matrix, only: sparse_matrix_t
    use amontons_suitesparse, only: new_sparse_cholesky
    implicit none (type, external)

@@ -4,9 +4,9 @@ module amontons_deck_reader
    use amontons_deck_scanner, only: excerpt, joined, suggestion
    use amontons_deck_visitor, only: deck_visitor_t, group_t, key_t, most_values, set_default
    use amontons_kinds, only: dp
-   use amontons_number_table, only: beside
    use amontons_system, only: absolute_path
    use amontons_text, only: lower_case, nearest_word, quoted, read_integer, read_real, to_text
+   use amontons_text_file, only: beside
    implicit none (type, external)
    private
 

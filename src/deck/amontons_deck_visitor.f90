@@ -13,8 +13,8 @@ module amontons_deck_visitor
    use amontons_deck, only: deck_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_number_table, only: read_number_table
    use amontons_text, only: newline, to_text
+   use amontons_text_file, only: read_number_table
    implicit none (type, external)
    private
 

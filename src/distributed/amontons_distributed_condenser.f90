@@ -6,11 +6,10 @@
 module amontons_distributed_condenser
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use amontons_condenser, only: condenser_t
-   use amontons_constraints, only: constraints_t
+   use amontons_constraints, only: constraints_t, spring_side_t
    use amontons_dof_map, only: dof_map_t
    use amontons_elimination_order, only: find_positions
    use amontons_error, only: error_t
-   use amontons_foundation, only: spring_side_t
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dpotrf, dpotrs
    use amontons_material, only: materials_t

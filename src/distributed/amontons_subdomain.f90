@@ -1,14 +1,12 @@
 !> Subdomains: the elements of a body that one rank owns, and what assembly needs of them.
 module amontons_subdomain
    use amontons_coloring, only: coloring_t, new_coloring
-   use amontons_constraints, only: constraints_t
-   use amontons_dof_map, only: dof_map_t
-   use amontons_foundation, only: spring_side_t
+   use amontons_constraints, only: constraints_t, spring_side_t
+   use amontons_dof_map, only: dof_map_t, substitution_t
    use amontons_kinds, only: dp, int64
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_ranks, only: line_t
-   use amontons_substitution, only: substitution_t
    implicit none (type, external)
    private
 

@@ -1,13 +1,12 @@
 !> The stiffness matrix of the unknowns, assembled from the elements, and the nodal forces of a displacement.
 module amontons_assembly
    use amontons_coloring, only: coloring_t, worth_threads
-   use amontons_constraints, only: constraints_t
+   use amontons_constraints, only: constraints_t, spring_side_t
    use amontons_dof_map, only: dof_map_t
    use amontons_elasticity, only: element_forces, element_geometry_t, element_stiffness, element_stress, &
       new_element_geometry, set_thermal_strain
    use amontons_element, only: max_nodes
    use amontons_error, only: error_t
-   use amontons_foundation, only: spring_side_t
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t

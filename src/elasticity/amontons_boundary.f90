@@ -1,10 +1,10 @@
 !> Boundary lines: the sides of a set in the order in which they follow each other, with normals and weights.
 module amontons_boundary
+   use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_side, only: new_side_geometry, side_geometry_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private

@@ -1,8 +1,8 @@
 !> What can make the stiffness of a body ill-conditioned: flat elements, materials and springs far apart,
 !> incompressibility.
 module amontons_conditioning
+   use amontons_constraints, only: spring_side_t
    use amontons_element, only: n_corners
-   use amontons_foundation, only: spring_side_t
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t

@@ -1,8 +1,7 @@
 !> The tractions on the boundary of a body that are known before its stresses are: those of the loads, none on free
 !> sides and along directions that supports leave free.
 module amontons_known_traction
-   use amontons_constraints, only: constraints_t
-   use amontons_foundation, only: spring_side_t
+   use amontons_constraints, only: constraints_t, spring_side_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_sides, load_t
    use amontons_mesh, only: mesh_t

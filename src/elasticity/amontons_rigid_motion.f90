@@ -1,8 +1,7 @@
 !> Rigid motions of the pieces of a body, and those that its supports leave free.
 module amontons_rigid_motion
-   use amontons_constraints, only: constraints_t
+   use amontons_constraints, only: constraints_t, spring_side_t
    use amontons_dense, only: symmetric_eigenvectors
-   use amontons_foundation, only: spring_side_t
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
    use amontons_pieces, only: number_pieces

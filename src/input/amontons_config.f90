@@ -28,7 +28,7 @@ module amontons_config
    use amontons_kinds, only: dp
    use amontons_loads, only: load_by_temperature, load_t
    use amontons_material, only: material_t
-   use amontons_mesh_part, only: mesh_part_t
+   use amontons_mesh_file, only: mesh_part_t
    use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
       space_names, variant_names
    use amontons_new_cholesky, only: factorization_names

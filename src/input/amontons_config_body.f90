@@ -8,7 +8,7 @@ module amontons_config_body
    use amontons_kinds, only: dp
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_on_sides, load_t
    use amontons_material, only: formulation_names, hypothesis_names, material_t, new_material
-   use amontons_mesh_part, only: mesh_part_t
+   use amontons_mesh_file, only: mesh_part_t
    use amontons_rectangle, only: diagonal_names, rectangle_t
    implicit none (type, external)
    private

@@ -6,8 +6,7 @@ module amontons_config_file
    use amontons_kinds, only: dp
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_t, new_load
    use amontons_material, only: material_t, new_material
-   use amontons_mesh_file, only: read_file_model
-   use amontons_mesh_part, only: mesh_part_t
+   use amontons_mesh_file, only: mesh_part_t, read_file_model
    use amontons_text, only: to_text
    implicit none (type, external)
    private

@@ -1,4 +1,5 @@
-!> Reference elements: shape functions, sides and quadrature of triangles and quadrilaterals, linear and quadratic.
+!> Reference elements: shape functions, sides and quadrature of triangles and quadrilaterals, linear and quadratic; and
+!> sides of a mesh with shape functions and tangents at their quadrature points, straight or curved.
 !>
 !> Nodes are numbered corners first, counter-clockwise, then the middles of the sides, then the center.
 module amontons_element
@@ -7,8 +8,9 @@ module amontons_element
    private
 
    public :: element_names, is_triangle, max_nodes, max_points, n_corners, n_element_nodes, n_element_points, &
-      n_fine_points, n_sampling_points, node_coordinates, quad4, quad8, quad9, quadrature_point, shape_functions, &
-      side_nodes, tri3, tri6
+      n_fine_points, n_sampling_points, n_side_points, new_side_geometry, node_coordinates, quad4, quad8, quad9, &
+      quadrature_point, shape_functions, side_abscissa, side_geometry_t, side_nodes, side_shapes, side_weight, tri3, &
+      tri6
 
    !> Kind of the three-node triangle.
    integer, parameter :: tri3 = 1
@@ -43,6 +45,20 @@ module amontons_element
    !> Reference coordinates of the nodes of the six-node triangle, which begin with those of the other.
    real(dp), parameter :: triangle_nodes(2, n_element_nodes(tri6)) = reshape([0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, &
       0.0_dp, 1.0_dp, 0.5_dp, 0.0_dp, 0.5_dp, 0.5_dp, 0.0_dp, 0.5_dp], [2, n_element_nodes(tri6)])
+
+   !> Number of Gauss points of a side.
+   integer, parameter :: n_side_points = 3
+   !> Where they are, from -1 to 1.
+   real(dp), parameter :: side_abscissa(n_side_points) = [-sqrt(0.6_dp), 0.0_dp, sqrt(0.6_dp)]
+   !> Their weights.
+   real(dp), parameter :: side_weight(n_side_points) = [5.0_dp, 8.0_dp, 5.0_dp]/9.0_dp
+
+   !> A side at three Gauss points, exact for products of quadratic functions.
+   type :: side_geometry_t
+      real(dp) :: values(3, 3) = 0.0_dp !! shape functions of first corner, second corner, middle (node, point) [-]
+      real(dp) :: position(2, 3) = 0.0_dp !! coordinates of the points [L]
+      real(dp) :: along(2, 3) = 0.0_dp !! tangent times quadrature weight: they sum to the chord (x and y, point) [L]
+   end type side_geometry_t
 
 contains
 
@@ -258,5 +274,43 @@ contains
          derivatives(:, i) = slope*lagrange([2, 1])
       end do
    end subroutine shape_quad9
+
+   !> Evaluates a side, or a part of it.
+   pure subroutine new_side_geometry(geometry, side, coordinates, range)
+      type(side_geometry_t), intent(out) :: geometry !! the side at its quadrature points
+      integer, intent(in) :: side(3) !! first corner, second corner, middle node or 0
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      real(dp), intent(in), optional :: range(2) !! where the part begins and ends; the whole side is -1, 1 [-]
+      real(dp) :: ends(2), slope(3), nodes(2, 3)
+      integer :: point
+
+      nodes = 0.0_dp
+      nodes(:, :2) = coordinates(:, side(:2))
+      if (side(3) > 0) nodes(:, 3) = coordinates(:, side(3))
+      ends = [-1.0_dp, 1.0_dp]
+      if (present(range)) ends = range
+      do point = 1, n_side_points
+         call side_shapes(side(3) > 0, 0.5_dp*(sum(ends) + (ends(2) - ends(1))*side_abscissa(point)), &
+            geometry%values(:, point), slope)
+         geometry%position(:, point) = matmul(nodes, geometry%values(:, point))
+         geometry%along(:, point) = 0.5_dp*(ends(2) - ends(1))*side_weight(point)*matmul(nodes, slope)
+      end do
+   end subroutine new_side_geometry
+
+   !> Shape functions of a side and their derivatives: of first corner, second corner, middle.
+   pure subroutine side_shapes(has_middle, xi, values, slopes)
+      logical, intent(in) :: has_middle !! whether the side has a node in its middle
+      real(dp), intent(in) :: xi !! the place on it, from -1 to 1 [-]
+      real(dp), intent(out) :: values(3) !! shape functions [-]
+      real(dp), intent(out) :: slopes(3) !! their derivatives by the place [-]
+
+      if (has_middle) then
+         values = [0.5_dp*xi*(xi - 1.0_dp), 0.5_dp*xi*(xi + 1.0_dp), 1.0_dp - xi**2]
+         slopes = [xi - 0.5_dp, xi + 0.5_dp, -2.0_dp*xi]
+      else
+         values = [0.5_dp*(1.0_dp - xi), 0.5_dp*(1.0_dp + xi), 0.0_dp]
+         slopes = [-0.5_dp, 0.5_dp, 0.0_dp]
+      end if
+   end subroutine side_shapes
 
 end module amontons_element

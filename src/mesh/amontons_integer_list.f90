@@ -1,9 +1,10 @@
-!> Lists of integers that grow at their end.
+!> Lists of integers that grow at their end, and maps from the numbers that a file gives its things, in any order and
+!> with gaps, to their places in a list.
 module amontons_integer_list
    implicit none (type, external)
    private
 
-   public :: integer_list_t
+   public :: integer_list_t, new_tag_map, tag_map_t
 
    !> A list of integers.
    type :: integer_list_t
@@ -15,6 +16,16 @@ module amontons_integer_list
       procedure :: items => integer_list_items
       procedure :: make_room => integer_list_make_room
    end type integer_list_t
+
+   !> The tags of a list in ascending order, and which items of the list have them.
+   type :: tag_map_t
+      integer, allocatable :: tag(:) !! the tags, ascending
+      integer, allocatable :: item(:) !! place of each in the list; equal tags in the order of the list
+   contains
+      procedure :: find => tag_map_find
+      procedure :: first => tag_map_first
+      procedure :: repeated => tag_map_repeated
+   end type tag_map_t
 
 contains
 
@@ -70,5 +81,114 @@ contains
          allocate (self%item(max(n_more, least_room)))
       end if
    end subroutine integer_list_make_room
+
+   !> Makes the map of a list of tags, in a time that grows with their number only.
+   pure subroutine new_tag_map(map, tags)
+      type(tag_map_t), intent(out) :: map !! the map
+      integer, intent(in) :: tags(:) !! the tags, not negative
+      integer, parameter :: n_bits = 11
+      integer :: i, n, shift
+
+      n = size(tags)
+      allocate (map%tag(n), map%item(n))
+      map%tag = tags
+      map%item = [(i, i=1, n)]
+      do shift = 0, bit_size(n) - 1, n_bits
+         if (is_ascending(map%tag)) exit
+         call sort_by_bits(map, shift, n_bits)
+      end do
+   end subroutine new_tag_map
+
+   !> Whether no tag is smaller than the one before.
+   pure logical function is_ascending(tags)
+      integer, intent(in) :: tags(:) !! the tags
+      integer :: i
+
+      is_ascending = .true.
+      do i = 2, size(tags)
+         if (tags(i) < tags(i - 1)) is_ascending = .false.
+      end do
+   end function is_ascending
+
+   !> Sorts by some bits of the tags; equal ones keep their order.
+   pure subroutine sort_by_bits(map, shift, n_bits)
+      type(tag_map_t), intent(inout) :: map !! the map, sorted by the bits below
+      integer, intent(in) :: shift !! number of bits below
+      integer, intent(in) :: n_bits !! number of bits to sort by
+      integer, allocatable :: tag(:), item(:)
+      integer :: start(0:2**n_bits), i, key
+
+      allocate (tag(size(map%tag)), item(size(map%tag)))
+      start = 0
+      do i = 1, size(map%tag)
+         key = ibits(ishft(map%tag(i), -shift), 0, n_bits)
+         start(key + 1) = start(key + 1) + 1
+      end do
+      start(0) = 1
+      do key = 1, 2**n_bits
+         start(key) = start(key) + start(key - 1)
+      end do
+      do i = 1, size(map%tag)
+         key = ibits(ishft(map%tag(i), -shift), 0, n_bits)
+         tag(start(key)) = map%tag(i)
+         item(start(key)) = map%item(i)
+         start(key) = start(key) + 1
+      end do
+      call move_alloc(tag, map%tag)
+      call move_alloc(item, map%item)
+   end subroutine sort_by_bits
+
+   !> The first of the list's items with a tag, 0 where none has it.
+   pure integer function tag_map_find(self, tag) result(item)
+      class(tag_map_t), intent(in) :: self !! the map
+      integer, intent(in) :: tag !! the tag
+      integer :: place
+
+      item = 0
+      place = self%first(tag)
+      if (place <= size(self%tag)) then
+         if (self%tag(place) == tag) item = self%item(place)
+      end if
+   end function tag_map_find
+
+   !> Place in the map of the first tag that is not smaller than a given one, past the last place where all are.
+   pure integer function tag_map_first(self, tag) result(place)
+      class(tag_map_t), intent(in) :: self !! the map
+      integer, intent(in) :: tag !! the tag
+      integer :: low, high, middle
+
+      low = 0
+      high = size(self%tag) + 1
+      if (high > 1) then
+         ! Tags without gaps are found at once.
+         place = max(tag, 1) - max(self%tag(1), 1) + 1
+         if (place > 1 .and. place < high) then
+            if (self%tag(place) >= tag) high = place
+            if (self%tag(place - 1) < tag) low = place - 1
+         end if
+      end if
+      do while (high - low > 1)
+         middle = low + (high - low)/2
+         if (self%tag(middle) < tag) then
+            low = middle
+         else
+            high = middle
+         end if
+      end do
+      place = high
+   end function tag_map_first
+
+   !> The first item of the list whose tag an item before it has, 0 where all tags differ.
+   pure integer function tag_map_repeated(self) result(repeated)
+      class(tag_map_t), intent(in) :: self !! the map
+      integer :: place
+
+      repeated = 0
+      do place = 2, size(self%tag)
+         if (self%tag(place) /= self%tag(place - 1)) cycle
+         if (repeated == 0) repeated = self%item(place)
+         repeated = min(repeated, self%item(place))
+      end do
+   end function tag_map_repeated
 
 end module amontons_integer_list

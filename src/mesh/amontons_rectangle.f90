@@ -5,7 +5,7 @@ module amontons_rectangle
    use amontons_kinds, only: dp, int64
    use amontons_listing_text, only: short_text
    use amontons_mesh, only: boundary_set_t, mesh_t
-   use amontons_quadratic_mesh, only: raise_order
+   use amontons_refined_mesh, only: raise_order
    use amontons_system, only: available_memory_mb
    use amontons_text, only: to_text
    implicit none (type, external)

@@ -3,11 +3,10 @@ module amontons_accuracy_text
    use amontons_convergence, only: refined_quantity_t, verdict_names
    use amontons_json, only: json_numbers, json_string, quantity_members
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: flush_right, heading, scientific, short_text
+   use amontons_listing_text, only: flush_right, heading, scientific, short_text, unit_of
    use amontons_quantity, only: quantity_t
    use amontons_summary_members, only: member
    use amontons_text, only: as_lines, comma_separated, newline, to_text
-   use amontons_units, only: unit_of
    implicit none (type, external)
    private
 

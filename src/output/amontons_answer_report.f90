@@ -3,7 +3,6 @@
 module amontons_answer_report
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
-   use amontons_directory, only: file_name_t
    use amontons_document, only: document_t
    use amontons_earlier_files, only: find_earlier_files
    use amontons_error, only: error_t
@@ -15,7 +14,7 @@ module amontons_answer_report
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_result, only: outcome_word, result_t
    use amontons_summary_members, only: add_head, last_members, member, size_counts
-   use amontons_system, only: make_directory
+   use amontons_system, only: file_name_t, make_directory
    use amontons_text, only: newline
    implicit none (type, external)
    private

@@ -6,10 +6,9 @@
 !> file that is no longer the one that was written, or that the new run has read.
 module amontons_earlier_files
    use amontons_checksum, only: checksum_t, file_checksum
-   use amontons_directory, only: file_name_t
    use amontons_error, only: error_t
    use amontons_manifest, only: read_summary, manifest_t, manifest_file_t, manifest_list_t
-   use amontons_system, only: absolute_path
+   use amontons_system, only: absolute_path, file_name_t
    implicit none (type, external)
    private
 

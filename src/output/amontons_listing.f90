@@ -11,12 +11,11 @@ module amontons_listing
    use amontons_listing_model, only: model_text
    use amontons_listing_parts, only: head_text, method_text, outcome_text, quantities_text, residual_text, &
       status_counts, times_text, violations_text, warnings_text
-   use amontons_listing_text, only: heading, labeled, pair_text, scientific, short_text
+   use amontons_listing_text, only: heading, labeled, pair_text, scientific, short_text, with_unit
    use amontons_result, only: certificate_limit, result_t
    use amontons_solutions_report, only: solutions_text, uniqueness_text
    use amontons_text, only: to_text
    use amontons_timings, only: phase_assemble, phase_condense, phase_factorize, phase_read, phase_recover, phase_solve
-   use amontons_units, only: with_unit
    use amontons_zone_edges, only: interval_t
    implicit none (type, external)
    private

@@ -6,14 +6,13 @@ module amontons_listing_model
    use amontons_contact_set, only: contact_t, gap_names, line_field_t
    use amontons_element, only: quad4
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: heading, labeled, pair_text, short_text
+   use amontons_listing_text, only: heading, labeled, pair_text, short_text, with_unit
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_sides, load_t
    use amontons_material, only: material_t
    use amontons_model_warnings, only: mean_length
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_text, only: counted, line_end, to_text
-   use amontons_units, only: with_unit
    implicit none (type, external)
    private
 

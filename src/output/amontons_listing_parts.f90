@@ -5,12 +5,11 @@ module amontons_listing_parts
    use amontons_contact_solution, only: contact_solution_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: flush_right, heading, labeled, pair_text, scientific, short_text
+   use amontons_listing_text, only: flush_right, heading, labeled, pair_text, scientific, short_text, with_unit
    use amontons_methods, only: method_options_t
    use amontons_quantity, only: quantity_t
    use amontons_text, only: counted, newline, to_text
    use amontons_timings, only: phase_names, timings_t
-   use amontons_units, only: with_unit
    use amontons_version, only: version
    use amontons_warning_list, only: warning_list_t
    implicit none (type, external)

@@ -5,7 +5,6 @@ module amontons_report
    use amontons_case_label, only: case_label_t
    use amontons_contact_table, only: add_point_table, column_t, contact_columns, pair_names
    use amontons_contact_vtu, only: write_contact_vtu
-   use amontons_directory, only: file_name_t
    use amontons_document, only: document_t
    use amontons_earlier_files, only: find_earlier_files
    use amontons_error, only: error_t
@@ -15,7 +14,7 @@ module amontons_report
    use amontons_result, only: result_t
    use amontons_solutions_report, only: solutions_table_text
    use amontons_summary, only: new_summary
-   use amontons_system, only: make_directory
+   use amontons_system, only: file_name_t, make_directory
    use amontons_timings, only: phase_write
    use amontons_vtu, only: write_vtu
    implicit none (type, external)

@@ -5,9 +5,9 @@ module amontons_vtk_file
    use amontons_base64, only: encode_base64
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp, int32, int64
+   use amontons_listing_text, only: unit_of
    use amontons_output_file, only: new_output_file, output_file_t
    use amontons_text, only: newline, to_text, xml_escaped
-   use amontons_units, only: unit_of
    implicit none (type, external)
    private
 

@@ -5,10 +5,9 @@
 !> file, whatever name it is given by.
 module amontons_batch_table
    use amontons_error, only: error_t
-   use amontons_file_lock, only: file_lock_t, lock_directory
    use amontons_listing_text, only: scientific
    use amontons_outcome, only: outcome_t
-   use amontons_output_file, only: output_file_t, write_text_file
+   use amontons_output_file, only: file_lock_t, lock_directory, output_file_t, write_text_file
    use amontons_quantity, only: value_of
    use amontons_row_text, only: field
    use amontons_system, only: absolute_path, make_directory

@@ -13,7 +13,7 @@ module amontons_solve_case
    use amontons_kinds, only: dp
    use amontons_load_case, only: check_shear, new_load_case
    use amontons_mesh, only: mesh_t
-   use amontons_mesh_part, only: new_mesh
+   use amontons_mesh_file, only: new_mesh
    use amontons_methods, only: new_contact_method
    use amontons_model_warnings, only: add_model_warnings, add_sweep_warnings
    use amontons_name_check, only: check_names

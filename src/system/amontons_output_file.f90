@@ -1,17 +1,16 @@
-!> Files that appear whole or not at all: written under a temporary name, renamed when complete.
+!> Files that appear whole or not at all: written under a temporary name that no signal leaves behind, renamed when
+!> complete; and locks that keep two runs from working on the same files. They end with the process at the latest.
 module amontons_output_file
-   use, intrinsic :: iso_c_binding, only: c_int
-   use amontons_directory, only: file_name_t
-   use amontons_error, only: error_t, new_error, system_failure
-   use amontons_file_lock, only: file_lock_t, lock_directory
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
+   use amontons_error, only: error_t, input_refused, new_error, system_failure
    use amontons_kinds, only: int64
-   use amontons_system, only: remove_directory, remove_file, rename_file
-   use amontons_temporary_file, only: create_temporary, forget_temporary, hold_signals, release_signals
+   use amontons_system, only: error_text, file_name_t, list_directory, remove_directory, remove_file, rename_file
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: adopt_file, commit_files, new_output_file, output_file_t, write_text_file
+   public :: adopt_file, commit_files, file_lock_t, hold_signals, lock_directory, lock_file, new_output_file, &
+      output_file_t, release_signals, remove_temporaries, write_text_file
 
    !> A file being written. Until `commit` the final name is untouched.
    type :: output_file_t
@@ -26,6 +25,70 @@ module amontons_output_file
       procedure, public :: discard => output_file_discard
       procedure, public :: finish => output_file_finish
    end type output_file_t
+
+   !> A lock, or none.
+   type :: file_lock_t
+      private
+      integer(c_int), public :: file = -1 !! the system's number of the open file; -1 for none
+   contains
+      procedure, public :: release => file_lock_release
+   end type file_lock_t
+
+   ! allow(assumed-size): C takes an address and knows no shape
+   interface
+      !> From here to `release_signals` no signal ends the program: files change hands together. Pairs may be nested.
+      subroutine hold_signals() bind(c, name='amontons_hold_signals')
+         implicit none (type, external)
+      end subroutine hold_signals
+
+      !> Ends what `hold_signals` began; a signal that came meanwhile now ends the program.
+      subroutine release_signals() bind(c, name='amontons_release_signals')
+         implicit none (type, external)
+      end subroutine release_signals
+
+      function c_create_temporary(path, text, size) bind(c, name='amontons_create_temporary') result(code)
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(c_char), intent(in) :: path(*)
+         ! allow(assumed-size-character-intent): C writes here
+         character(c_char), intent(out) :: text(*)
+         integer(c_int), value :: size
+         integer(c_int) :: code
+      end function c_create_temporary
+
+      subroutine c_forget_temporary(name) bind(c, name='amontons_forget_temporary')
+         import :: c_char
+         implicit none (type, external)
+         character(c_char), intent(in) :: name(*)
+      end subroutine c_forget_temporary
+
+      function c_lock_path(path, lock) bind(c, name='amontons_lock_path') result(code)
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(c_char), intent(in) :: path(*)
+         integer(c_int), intent(inout) :: lock
+         integer(c_int) :: code
+      end function c_lock_path
+
+      function c_lock_directory(path) bind(c, name='amontons_lock_directory') result(lock)
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(c_char), intent(in) :: path(*)
+         integer(c_int) :: lock
+      end function c_lock_directory
+
+      function c_would_block() bind(c, name='amontons_would_block') result(code)
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int) :: code
+      end function c_would_block
+
+      subroutine c_unlock(lock) bind(c, name='amontons_unlock')
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: lock
+      end subroutine c_unlock
+   end interface
 
 contains
 
@@ -180,5 +243,89 @@ contains
       call forget_temporary(self%temporary_path)
       deallocate (self%temporary_path)
    end subroutine output_file_discard
+
+   !> Makes an empty file beside a final name. A signal that ends the program removes it, until it is forgotten.
+   subroutine create_temporary(path, name, error)
+      character(*), intent(in) :: path !! the final name
+      character(:), allocatable, intent(out) :: name !! name of the file, not to be foreseen; not allocated on failure
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be made
+      character(4096) :: buffer
+      integer :: code
+
+      code = int(c_create_temporary(path//c_null_char, buffer, len(buffer, c_int)))
+      if (code == 0) then
+         name = buffer(:index(buffer, c_null_char) - 1)
+      else
+         call new_error(error, system_failure, path//': cannot write this file: '//error_text(code))
+      end if
+   end subroutine create_temporary
+
+   !> Leaves a file alone that has been renamed or removed.
+   subroutine forget_temporary(name)
+      character(*), intent(in) :: name !! name of the file
+
+      call c_forget_temporary(name//c_null_char)
+   end subroutine forget_temporary
+
+   !> Removes the temporary grids that a run which was killed has left in its folder.
+   subroutine remove_temporaries(folder)
+      character(*), intent(in) :: folder !! the folder, a slash behind it; nobody else writes grids into it
+      type(file_name_t), allocatable :: names(:)
+      type(error_t), allocatable :: error
+      integer :: i
+
+      call list_directory(names, folder, error)
+      if (allocated(error)) return
+      do i = 1, size(names)
+         if (is_temporary_grid(names(i)%text)) call remove_file(folder//names(i)%text)
+      end do
+   end subroutine remove_temporaries
+
+   !> Whether a file has the name of a temporary grid: 12.vtu.0a1b2c3d.tmp or 12.contact.vtu.0a1b2c3d.tmp.
+   pure logical function is_temporary_grid(name)
+      character(*), intent(in) :: name !! name of the file
+      integer, parameter :: n_behind = len('.0a1b2c3d.tmp')
+      integer :: point, first
+
+      point = index(name, '.')
+      first = len(name) - n_behind + 1
+      is_temporary_grid = .false.
+      if (point < 2 .or. first <= point) return
+      if (name(point:first - 1) /= '.vtu' .and. name(point:first - 1) /= '.contact.vtu') return
+      is_temporary_grid = verify(name(:point - 1), '0123456789') == 0 .and. name(first:first) == '.' .and. &
+         verify(name(first + 1:len(name) - 4), '0123456789abcdef') == 0 .and. name(len(name) - 3:) == '.tmp'
+   end function is_temporary_grid
+
+   !> Locks a file, which is made if it is not there; it must keep its name and never be replaced while it is locked.
+   subroutine lock_file(lock, path, error)
+      type(file_lock_t), intent(out) :: lock !! the lock
+      character(*), intent(in) :: path !! name of the file
+      type(error_t), allocatable, intent(out) :: error !! another run has it, or the file cannot be made
+      integer(c_int) :: code
+
+      code = c_lock_path(path//c_null_char, lock%file)
+      if (code == c_would_block()) then
+         call new_error(error, input_refused, path//': another run is writing this file; wait until it ends, or '// &
+            'choose another directory with --output')
+      else if (code /= 0) then
+         call new_error(error, system_failure, path//': cannot write this file: '//error_text(int(code)))
+      end if
+   end subroutine lock_file
+
+   !> Locks a directory for the short time that files in it change hands; goes without where that cannot be.
+   subroutine lock_directory(lock, path)
+      type(file_lock_t), intent(out) :: lock !! the lock
+      character(*), intent(in) :: path !! name of the directory
+
+      lock%file = c_lock_directory(path//c_null_char)
+   end subroutine lock_directory
+
+   !> Ends the lock.
+   subroutine file_lock_release(self)
+      class(file_lock_t), intent(inout) :: self !! the lock, none on return
+
+      call c_unlock(self%file)
+      self%file = -1
+   end subroutine file_lock_release
 
 end module amontons_output_file

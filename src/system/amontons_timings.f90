@@ -1,8 +1,8 @@
 !> Where the time of a case goes, phase by phase.
 module amontons_timings
    use amontons_kinds, only: dp
-   use amontons_status_line, only: note_work
    use amontons_system, only: wall_seconds
+   use amontons_terminal, only: note_work
    implicit none (type, external)
    private
 

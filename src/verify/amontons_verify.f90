@@ -7,13 +7,13 @@
 module amontons_verify
    use amontons_checksum, only: checksum_t, file_checksum
    use amontons_config, only: config_t, read_config
-   use amontons_directory, only: file_name_t, list_directory
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_fault_list, only: fault_list_t
    use amontons_json, only: json_string
    use amontons_manifest, only: read_summary, manifest_t, manifest_file_t
    use amontons_solve_case, only: cache_t
    use amontons_summary_file, only: summary_file_t
+   use amontons_system, only: file_name_t, list_directory
    use amontons_text, only: to_text
    use amontons_verify_case, only: verify_case
    use amontons_verify_history, only: verify_history

@@ -7,7 +7,6 @@ module amontons_verify_fields
    use amontons_config, only: config_t
    use amontons_contact_solution, only: new_contact_solution
    use amontons_contact_vtu, only: n_line_points
-   use amontons_directory, only: file_name_t, list_directory
    use amontons_document_check, only: compare_line
    use amontons_error, only: error_t
    use amontons_key_results, only: body_peaks
@@ -21,6 +20,7 @@ module amontons_verify_fields
    use amontons_sweep_model, only: new_sweep_loads, sweep_model_t
    use amontons_sweep_statistics, only: case_keys, case_quantities, case_result_t
    use amontons_sweep_table, only: append_row, sweep_header
+   use amontons_system, only: file_name_t, list_directory
    use amontons_text, only: as_lines, read_integer, to_text
    use amontons_verify_case, only: check_grids, check_law, restore_displacement
    use amontons_vtk_check, only: read_array

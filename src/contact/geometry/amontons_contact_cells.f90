@@ -7,11 +7,11 @@ module amontons_contact_cells
    use amontons_boundary, only: boundary_line_t
    use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t
    use amontons_contact_set, only: cell_partition_t
+   use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_side, only: new_side_geometry, side_geometry_t
    use amontons_surface, only: side_order
    use amontons_text, only: to_text
    implicit none (type, external)

@@ -2,6 +2,7 @@
 module amontons_pair_checks
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: turned
+   use amontons_element, only: side_shapes
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_listing_text, only: place_text, short_text
@@ -9,7 +10,6 @@ module amontons_pair_checks
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_mortar_points, only: mortar_points_t
    use amontons_mortar_segments, only: meet_side
-   use amontons_side, only: side_shapes
    use amontons_side_table, only: new_side_table, side_element, side_place, side_table_t
    use amontons_surface, only: cross_product
    implicit none (type, external)

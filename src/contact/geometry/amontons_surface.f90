@@ -7,11 +7,11 @@
 module amontons_surface
    use amontons_boundary, only: boundary_line_t
    use amontons_constraints, only: constraints_t
+   use amontons_element, only: side_shapes
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_material, only: material_t, materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_side, only: side_shapes
    implicit none (type, external)
    private
 

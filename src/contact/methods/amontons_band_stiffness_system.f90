@@ -6,7 +6,7 @@
 module amontons_band_stiffness_system
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_active_set, only: active_set_t
-   use amontons_band_lu, only: band_lu_t, new_band_matrix
+   use amontons_band_matrix, only: band_lu_t, new_band_matrix
    use amontons_contact_problem, only: contact_problem_t
    use amontons_kinds, only: dp
    use amontons_newton_system, only: newton_system_t

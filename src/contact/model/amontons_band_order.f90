@@ -1,8 +1,8 @@
 !> Whether the condensed stiffness of a body stays a band matrix of the whole body, and the order that makes it one.
 module amontons_band_order
    use amontons_contact_zone, only: contact_zone_t
+   use amontons_graph, only: half_bandwidth, reverse_cuthill_mckee
    use amontons_kinds, only: dp
-   use amontons_ordering, only: half_bandwidth, reverse_cuthill_mckee
    use amontons_sparse_matrix, only: sparse_matrix_t
    implicit none (type, external)
    private

@@ -7,28 +7,26 @@ module amontons_body
       new_distributed_condensation
    use amontons_condenser, only: condenser_t
    use amontons_conditioning, only: conditioning_text, rounded
-   use amontons_constraints, only: constraints_t, new_constraints, support_t
+   use amontons_constraints, only: constraints_t, new_constraints, new_foundation, spring_side_t, support_t
    use amontons_contact_problem, only: contact_problem_t, new_band_problem, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_set, only: contact_t, tie_t
    use amontons_contact_zone, only: contact_zone_t, new_contact_zone
    use amontons_distributed, only: n_ranks, new_distributed_condenser
-   use amontons_dof_map, only: dof_map_t, new_dof_map
+   use amontons_dof_map, only: dof_map_t, new_dof_map, substitution_t
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
-   use amontons_foundation, only: new_foundation, spring_side_t
+   use amontons_graph, only: half_bandwidth
    use amontons_inf_sup, only: inf_sup_constant
    use amontons_kinds, only: dp, int64
    use amontons_material, only: material_t, materials_t, new_materials
    use amontons_mesh, only: mesh_t
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_new_cholesky, only: new_condenser
-   use amontons_ordering, only: half_bandwidth
    use amontons_pair_check, only: recompute_pairs
    use amontons_pair_substitution, only: new_pair_substitution
    use amontons_rigid_modes, only: check_common_motion, find_rigid_modes
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
-   use amontons_substitution, only: substitution_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
    use amontons_text, only: to_text
    use amontons_tied_pairs, only: new_tied_pairs

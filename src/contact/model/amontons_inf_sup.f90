@@ -7,11 +7,11 @@ module amontons_inf_sup
    use amontons_constraints, only: constraints_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: cholesky_factor, cholesky_solve
+   use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_side, only: new_side_geometry, side_geometry_t
    implicit none (type, external)
    private
 

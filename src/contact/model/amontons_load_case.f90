@@ -10,11 +10,10 @@ module amontons_load_case
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_listing_text, only: place_text
-   use amontons_loads, only: load_t, load_vector
+   use amontons_loads, only: load_t, load_vector, sum_thermal_strain
    use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: steepest_cosine
    use amontons_text, only: to_text
-   use amontons_thermal_strain, only: sum_thermal_strain
    implicit none (type, external)
    private
 

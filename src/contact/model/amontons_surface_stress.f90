@@ -7,11 +7,11 @@ module amontons_surface_stress
    use amontons_body, only: body_t
    use amontons_contact_set, only: contact_t
    use amontons_contact_zone, only: contact_zone_t
+   use amontons_element, only: n_side_points, side_abscissa, side_shapes, side_weight
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_load_case, only: condensed_force, load_case_t
    use amontons_material, only: material_t
-   use amontons_side, only: n_side_points, side_abscissa, side_shapes, side_weight
    implicit none (type, external)
    private
 

@@ -4,10 +4,10 @@
 !> The unknowns are in an order that makes the matrix a narrow band, those of a contact point in its normal and
 !> tangential direction. Everything takes time and memory in proportion to the length of the body.
 module amontons_band_stiffness
+   use amontons_band_matrix, only: new_symmetric_band, symmetric_band_t
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp, int64
    use amontons_sparse_matrix, only: positions, sparse_matrix_t
-   use amontons_symmetric_band, only: new_symmetric_band, symmetric_band_t
    implicit none (type, external)
    private
 

@@ -1,22 +1,58 @@
 !> Meshes in the input format of Abaqus and CalculiX: nodes, plane elements and sets, and on demand materials, supports
-!> and loads; everything else is ignored.
+!> and loads; everything else is ignored, with a warning where it matters.
 module amontons_abaqus
-   use amontons_abaqus_keywords, only: ignored_keywords_t
    use amontons_abaqus_line, only: find_parameter, is_at_line_end, next_data_line, next_keyword, take_comma
-   use amontons_abaqus_material, only: finish_materials
+   use amontons_abaqus_material, only: finish_materials, finish_temperatures
    use amontons_abaqus_model, only: read_model_keyword
    use amontons_abaqus_sets, only: abaqus_scope_t, get_set, read_set, read_surface, resolve_elements
-   use amontons_abaqus_temperature, only: finish_temperatures
    use amontons_element, only: quad4, quad8, tri3, tri6
-   use amontons_file_model, only: use_materials
-   use amontons_input_file, only: input_file_t
+   use amontons_file_model, only: use_loads, use_materials, use_names, use_supports
+   use amontons_input_file, only: input_file_t, printable
    use amontons_kinds, only: dp
-   use amontons_raw_mesh, only: line2, line3, raw_mesh_t, n_cell_nodes, no_cell
-   use amontons_text, only: lower_case
+   use amontons_raw_mesh, only: line2, line3, n_cell_nodes, no_cell, raw_mesh_t
+   use amontons_text, only: counted, lower_case
    implicit none (type, external)
    private
 
-   public :: read_abaqus
+   public :: ignored_keywords_t, read_abaqus
+
+   !> Keywords that say what the body is made of.
+   character(12), parameter :: material_keywords(*) = [character(12) :: 'material', 'elastic', 'density', 'expansion', &
+      'solidsection']
+   !> Keywords that hold nodes.
+   character(12), parameter :: support_keywords(*) = [character(12) :: 'boundary']
+   !> Keywords of loads.
+   character(12), parameter :: load_keywords(*) = [character(12) :: 'cload', 'dload', 'dsload', 'temperature']
+   !> Other keywords that change what a computation gives.
+   character(33), parameter :: other_keywords(*) = [character(33) :: 'step', 'amplitude', 'transform', 'plastic', &
+      'hyperelastic', 'hyperfoam', 'creep', 'viscoelastic', 'damping', 'contactpair', 'contact', 'contactinclusions', &
+      'surfaceinteraction', 'surfacebehavior', 'friction', 'clearance', 'contactinterference', 'tie', 'equation', &
+      'mpc', 'coupling', 'kinematic', 'distributing', 'rigidbody', 'spring', 'gap', 'mass', 'initialconditions', &
+      'foundation', 'orientation', 'modelchange', 'pre-tensionsection', &
+      'cflux', 'dflux', 'film', 'radiate', 'inertiarelief', 'basemotion', 'field', 'nodalthickness', 'usermaterial', &
+      'deformationplasticity', 'cyclichardening', 'druckerprager', 'mohrcoulomb', 'concretedamagedplasticity', &
+      'nocompression', 'notension', 'swelling', 'submodel', 'dashpot', 'embeddedelement', 'changefriction', &
+      'changesurfacebehavior', 'changematerial', 'changesolidsection', 'cyclicsymmetrymodel', 'dynamic', 'frequency', &
+      'complexfrequency', 'buckle', 'visco', 'modaldynamic', 'steadystatedynamics', 'heattransfer', &
+      'coupledtemperature-displacement', 'uncoupledtemperature-displacement']
+   !> Names of keywords are cut in messages.
+   integer, parameter :: longest_name = 40
+   !> Most keywords that are named.
+   integer, parameter :: most_named = 40
+
+   !> The keywords that are ignored.
+   type :: ignored_keywords_t
+      private
+      integer :: n = 0 !! how many there are
+      integer :: n_named = 0 !! how many different ones
+      character(:), allocatable :: keys !! the different ones in small letters, each between line ends
+      character(:), allocatable :: names !! the same as messages name them, ', ' before each
+      character(:), allocatable :: warned !! those of them that matter
+      logical :: is_readable(size(use_names)) = .false. !! whether some of them could be read
+   contains
+      procedure :: add => ignored_keywords_add
+      procedure :: tell => ignored_keywords_tell
+   end type ignored_keywords_t
 
 contains
 
@@ -260,5 +296,71 @@ contains
             'the same of CPS and CAX', input%position - 1)
       end if
    end subroutine find_kind
+
+   !> Adds a keyword.
+   pure subroutine ignored_keywords_add(self, keyword, line)
+      class(ignored_keywords_t), intent(inout) :: self !! the keywords
+      character(*), intent(in) :: keyword !! the keyword in small letters, without blanks
+      character(*), intent(in) :: line !! the keyword line
+      character(:), allocatable :: name
+      integer :: last
+
+      if (.not. allocated(self%keys)) then
+         self%keys = achar(10)
+         self%names = ''
+         self%warned = ''
+      end if
+      self%n = self%n + 1
+      if (index(self%keys, achar(10)//keyword//achar(10)) > 0 .or. self%n_named == most_named) return
+      self%n_named = self%n_named + 1
+      self%keys = self%keys//keyword//achar(10)
+      last = index(line//',', ',') - 1
+      ! What kind of step it is may matter, and of what the initial conditions are.
+      if (keyword == 'step' .or. keyword == 'initialconditions') last = len(line)
+      name = ', *'//capitals(printable(trim(line(:min(longest_name, last)))))
+      self%names = self%names//name
+      self%is_readable(use_materials) = self%is_readable(use_materials) .or. any(material_keywords == keyword)
+      self%is_readable(use_supports) = self%is_readable(use_supports) .or. any(support_keywords == keyword)
+      self%is_readable(use_loads) = self%is_readable(use_loads) .or. any(load_keywords == keyword)
+      if (carries_physics(keyword)) self%warned = self%warned//name
+   end subroutine ignored_keywords_add
+
+   !> Whether a keyword changes what a computation gives.
+   pure logical function carries_physics(keyword)
+      character(*), intent(in) :: keyword !! the keyword in small letters, without blanks
+
+      carries_physics = any(material_keywords == keyword) .or. any(support_keywords == keyword) .or. &
+         any(load_keywords == keyword) .or. any(other_keywords == keyword)
+   end function carries_physics
+
+   !> Adds a note on what is ignored to a raw mesh, and a warning on what matters.
+   pure subroutine ignored_keywords_tell(self, raw)
+      class(ignored_keywords_t), intent(in) :: self !! the keywords
+      type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
+      character(:), allocatable :: words
+      integer :: i
+
+      if (self%n == 0) return
+      call raw%add_note(counted(self%n, 'keyword')//' ignored (not mesh data): '//self%names(3:))
+      if (self%warned == '') return
+      raw%warning = 'not read from the mesh file: '//self%warned(3:)
+      words = ''
+      do i = 1, size(use_names)
+         if (self%is_readable(i)) words = words//", '"//trim(use_names(i))//"'"
+      end do
+      if (words /= '') raw%warning = raw%warning//'; give them in the deck, or &mesh use = '//words(3:)
+   end subroutine ignored_keywords_tell
+
+   !> A text with capital letters in the place of small ones.
+   pure function capitals(text) result(upper)
+      character(*), intent(in) :: text !! the text
+      character(len(text)) :: upper
+      integer :: i
+
+      upper = text
+      do i = 1, len(text)
+         if (text(i:i) >= 'a' .and. text(i:i) <= 'z') upper(i:i) = achar(iachar(text(i:i)) - 32)
+      end do
+   end function capitals
 
 end module amontons_abaqus

@@ -1,9 +1,8 @@
 !> Supports and loads in the input format of Abaqus and CalculiX.
 module amontons_abaqus_model
    use amontons_abaqus_line, only: find_parameter, next_data_line, refuse_parameters, take_fields, take_number
-   use amontons_abaqus_material, only: read_material_keyword
+   use amontons_abaqus_material, only: read_material_keyword, read_temperatures
    use amontons_abaqus_sets, only: named_group
-   use amontons_abaqus_temperature, only: read_temperatures
    use amontons_file_model, only: file_body_force, file_force, file_gravity, file_load_t, file_rotation, &
       file_support_t, longest_name, use_loads, use_materials, use_supports
    use amontons_input_file, only: input_file_t

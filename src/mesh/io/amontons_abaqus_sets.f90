@@ -3,9 +3,8 @@ module amontons_abaqus_sets
    use amontons_abaqus_line, only: find_parameter, is_at_line_end, next_data_line, take_comma, take_field
    use amontons_element, only: n_corners
    use amontons_input_file, only: input_file_t
-   use amontons_integer_list, only: integer_list_t
+   use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_raw_mesh, only: raw_group_t, raw_mesh_t
-   use amontons_tag_map, only: new_tag_map, tag_map_t
    use amontons_text, only: lower_case, read_integer, to_text
    implicit none (type, external)
    private

@@ -1,7 +1,7 @@
 !> What a mesh file says of the body beside its mesh: materials, supports, loads.
 module amontons_file_model
+   use amontons_integer_list, only: tag_map_t
    use amontons_kinds, only: dp
-   use amontons_tag_map, only: tag_map_t
    implicit none (type, external)
    private
 

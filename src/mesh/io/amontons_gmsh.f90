@@ -4,10 +4,10 @@ module amontons_gmsh
    use amontons_gmsh_4, only: read_elements_4, read_entities_4, read_nodes_4
    use amontons_gmsh_groups, only: gmsh_groups_t
    use amontons_input_file, only: input_file_t
+   use amontons_integer_list, only: new_tag_map, tag_map_t
    use amontons_kinds, only: dp
    use amontons_numeral, only: ends_word
    use amontons_raw_mesh, only: raw_mesh_t
-   use amontons_tag_map, only: new_tag_map, tag_map_t
    use amontons_text, only: to_text
    implicit none (type, external)
    private

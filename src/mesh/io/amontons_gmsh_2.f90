@@ -1,7 +1,6 @@
 !> Nodes and elements of Gmsh's MSH format, version 2.2, text and binary.
 module amontons_gmsh_2
-   use amontons_gmsh_cell, only: dimension_of, take_cell_kind
-   use amontons_gmsh_groups, only: gmsh_groups_t
+   use amontons_gmsh_groups, only: dimension_of, gmsh_groups_t, take_cell_kind
    use amontons_input_file, only: input_file_t
    use amontons_kinds, only: dp
    use amontons_raw_mesh, only: raw_mesh_t, n_cell_nodes

@@ -1,17 +1,34 @@
-!> Meshes from files: Gmsh's MSH and the input format of Abaqus and CalculiX, told apart by their first character.
+!> The parts of a mesh, a body each: a generated rectangle or a file, where it is put and how its sets are named. Files
+!> are Gmsh's MSH or in the input format of Abaqus and CalculiX, told apart by their first character.
 module amontons_mesh_file
    use amontons_abaqus, only: read_abaqus
    use amontons_error, only: error_t
    use amontons_file_model, only: file_model_t, use_names
    use amontons_gmsh, only: read_gmsh
    use amontons_input_file, only: input_file_t, new_input_file
+   use amontons_joined_mesh, only: append_mesh, name_mesh
+   use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
    use amontons_mesh_cleanup, only: new_clean_mesh
    use amontons_raw_mesh, only: raw_mesh_t
+   use amontons_rectangle, only: new_rectangle_mesh, rectangle_t
+   use amontons_refined_mesh, only: refine_mesh
+   use amontons_text, only: newline
    implicit none (type, external)
    private
 
-   public :: read_file_model, read_mesh_file, read_used_mesh
+   public :: mesh_part_t, new_mesh, read_file_model, read_mesh_file, read_used_mesh
+
+   !> A part of a mesh.
+   type :: mesh_part_t
+      character(:), allocatable :: name !! its name; empty where its sets keep theirs
+      character(:), allocatable :: file !! name of the mesh file from the root on; empty for a rectangle
+      logical :: is_used(size(use_names)) = .false. !! which of `use_names` are taken from the file, too
+      type(rectangle_t) :: rectangle !! the rectangle that it is where there is no file
+      real(dp) :: origin(2) = 0.0_dp !! where the origin of its own coordinates is put [L]
+      integer :: n_refinements = 0 !! how often every element is cut in four
+      character(:), allocatable :: place !! where it was specified, for messages: 'deck.nml:12: '
+   end type mesh_part_t
 
 contains
 
@@ -88,5 +105,64 @@ contains
             'with a keyword such as *NODE; a .geo file is to be meshed first: gmsh -2')
       end select
    end subroutine read_raw_mesh
+
+   !> Makes or reads the parts of a mesh. Refinements that all have in common come last, so that a mesh that is refined
+   !> once more keeps the numbers of its nodes.
+   subroutine new_mesh(mesh, parts, notes, error)
+      type(mesh_t), intent(out) :: mesh !! the mesh
+      type(mesh_part_t), intent(in) :: parts(:) !! its parts, one at the least
+      character(:), allocatable, intent(out) :: notes !! what was put right in files, a line of text for each
+      type(error_t), allocatable, intent(out) :: error !! a file or a rectangle is at fault
+      type(mesh_t) :: other
+      character(:), allocatable :: more
+      integer :: i, n_common
+
+      n_common = minval(parts%n_refinements)
+      call new_part(mesh, parts(1), n_common, notes, error)
+      do i = 2, size(parts)
+         if (.not. allocated(error)) call new_part(other, parts(i), n_common, more, error)
+         if (allocated(error)) return
+         call append_mesh(mesh, other, error)
+         if (allocated(error)) error%message = parts(i)%place//error%message
+         if (len(notes) > 0 .and. len(more) > 0) notes = notes//newline
+         notes = notes//more
+      end do
+      if (.not. allocated(error)) call refine(mesh, n_common, parts(1), error)
+   end subroutine new_mesh
+
+   !> Makes or reads one part of a mesh.
+   subroutine new_part(mesh, part, n_common, notes, error)
+      type(mesh_t), intent(out) :: mesh !! the mesh
+      type(mesh_part_t), intent(in) :: part !! the part
+      integer, intent(in) :: n_common !! how often it will be refined together with the others
+      character(:), allocatable, intent(out) :: notes !! what was put right in a file, a line of text for each
+      type(error_t), allocatable, intent(out) :: error !! the file or the rectangle is at fault
+      integer :: node
+
+      notes = ''
+      if (len(part%file) > 0) then
+         call read_used_mesh(mesh, part%file, part%is_used, notes, error)
+      else
+         call new_rectangle_mesh(mesh, part%rectangle, error)
+      end if
+      if (allocated(error)) error%message = part%place//error%message
+      if (allocated(error)) return
+      do node = 1, mesh%n_nodes
+         mesh%coordinates(:, node) = part%origin + mesh%coordinates(:, node)
+      end do
+      if (len(part%name) > 0) call name_mesh(mesh, part%name)
+      call refine(mesh, part%n_refinements - n_common, part, error)
+   end subroutine new_part
+
+   !> Refines a mesh.
+   subroutine refine(mesh, n_times, part, error)
+      type(mesh_t), intent(inout) :: mesh !! the mesh
+      integer, intent(in) :: n_times !! how often
+      type(mesh_part_t), intent(in) :: part !! the part that messages name
+      type(error_t), allocatable, intent(out) :: error !! more nodes than numbers or memory allow
+
+      call refine_mesh(mesh, n_times, error)
+      if (allocated(error)) error%message = part%place//error%message
+   end subroutine refine
 
 end module amontons_mesh_file

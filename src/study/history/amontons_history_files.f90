@@ -15,10 +15,9 @@ module amontons_history_files
       points_rows, states_header, states_row
    use amontons_history_walk, only: history_walk_t
    use amontons_manifest, only: manifest_t
-   use amontons_output_file, only: output_file_t
+   use amontons_output_file, only: output_file_t, remove_temporaries
    use amontons_result, only: result_t
    use amontons_system, only: make_directory
-   use amontons_temporary_file, only: remove_temporaries
    use amontons_text, only: to_text
    implicit none (type, external)
    private

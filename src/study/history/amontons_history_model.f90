@@ -14,14 +14,13 @@ module amontons_history_model
    use amontons_history, only: history_t, stepped_friction, stepped_load, stepped_obstacle, stepped_support
    use amontons_kinds, only: dp
    use amontons_load_case, only: condense_load_case, condensed_force, load_case_t, pose_problem, set_obstacles
-   use amontons_loads, only: load_t, load_vector
+   use amontons_loads, only: load_t, load_vector, sum_thermal_strain
    use amontons_model_warnings, only: body_size
    use amontons_obstacle_motion, only: find_feet, obstacle_motion_t, tangential_motion
    use amontons_rigid_modes, only: check_common_motion
    use amontons_spin, only: can_spin
    use amontons_surface_stress, only: new_surface_stress, surface_stress_t
    use amontons_text, only: to_text
-   use amontons_thermal_strain, only: sum_thermal_strain
    implicit none (type, external)
    private
 

@@ -8,12 +8,11 @@ module amontons_history_report
    use amontons_json, only: json_logical, json_number, json_string
    use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: columns, flush_right, heading, labeled, scientific, short_text
+   use amontons_listing_text, only: columns, flush_right, heading, labeled, scientific, short_text, unit_of, with_unit
    use amontons_solve_history, only: history_result_t, worst_step_t
    use amontons_stepper, only: step_state_t
    use amontons_summary_members, only: member
    use amontons_text, only: counted, n_characters, newline, to_text
-   use amontons_units, only: unit_of, with_unit
    implicit none (type, external)
    private
 

@@ -7,7 +7,7 @@ module amontons_history_study
    use amontons_history_report, only: history_listing, history_members
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
-   use amontons_listing_text, only: scientific, short_text
+   use amontons_listing_text, only: scientific, short_text, with_unit
    use amontons_outcome, only: outcome_t
    use amontons_quantity, only: quantity_t
    use amontons_report, only: write_report
@@ -17,7 +17,6 @@ module amontons_history_study
    use amontons_study, only: study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_text, only: to_text
-   use amontons_units, only: with_unit
    implicit none (type, external)
    private
 

@@ -2,7 +2,6 @@
 module amontons_reduced_report
    use amontons_config, only: config_t
    use amontons_contact_table, only: add_point_table, column_t
-   use amontons_directory, only: file_name_t
    use amontons_document, only: document_t
    use amontons_earlier_files, only: find_earlier_files
    use amontons_error, only: error_t
@@ -13,7 +12,7 @@ module amontons_reduced_report
    use amontons_reduced_summary, only: new_reduced_summary
    use amontons_solutions_report, only: solutions_table_text
    use amontons_solve_reduced, only: reduced_result_t
-   use amontons_system, only: make_directory
+   use amontons_system, only: file_name_t, make_directory
    use amontons_timings, only: phase_write
    implicit none (type, external)
    private

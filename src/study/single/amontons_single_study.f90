@@ -9,7 +9,7 @@ module amontons_single_study
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing_parts, only: closed_text
-   use amontons_listing_text, only: short_text
+   use amontons_listing_text, only: short_text, with_unit
    use amontons_outcome, only: method_numbers, outcome_t, solution_line
    use amontons_quantity, only: value_of
    use amontons_reduced_file, only: write_reduced_file
@@ -20,7 +20,6 @@ module amontons_single_study
    use amontons_study, only: study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_timings, only: phase_solve, phase_write
-   use amontons_units, only: with_unit
    implicit none (type, external)
    private
 

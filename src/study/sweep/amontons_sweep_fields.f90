@@ -12,14 +12,13 @@ module amontons_sweep_fields
    use amontons_grids, only: write_grids
    use amontons_load_case, only: recover_displacement
    use amontons_manifest, only: manifest_t
-   use amontons_output_file, only: output_file_t
+   use amontons_output_file, only: output_file_t, remove_temporaries
    use amontons_result, only: result_t
    use amontons_stress_field, only: new_stress_field
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_again, sweep_task_t
    use amontons_sweep_statistics, only: case_converged
    use amontons_system, only: make_directory
-   use amontons_temporary_file, only: remove_temporaries
    use amontons_text, only: to_text
    implicit none (type, external)
    private

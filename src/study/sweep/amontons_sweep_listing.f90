@@ -7,13 +7,12 @@ module amontons_sweep_listing
    use amontons_listing, only: certificate_text, factorization_text, listed_phases
    use amontons_listing_model, only: model_text
    use amontons_listing_parts, only: head_text, method_text, quantities_text, times_text, warnings_text
-   use amontons_listing_text, only: flush_right, heading, labeled, scientific, short_text
+   use amontons_listing_text, only: flush_right, heading, labeled, scientific, short_text, with_unit
    use amontons_quantity, only: quantity_t
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep, only: sweep_axis_t, sweep_t, swept_load
    use amontons_sweep_statistics, only: case_converged, outcome_labels, ranked_quantities, sweep_statistics_t
    use amontons_text, only: counted, newline, to_text
-   use amontons_units, only: with_unit
    implicit none (type, external)
    private
 

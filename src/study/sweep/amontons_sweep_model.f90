@@ -11,11 +11,10 @@ module amontons_sweep_model
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_load_case, only: condense_load_case, free_expansion, load_case_t, pose_problem
-   use amontons_loads, only: load_t, load_vector
+   use amontons_loads, only: load_t, load_vector, sum_thermal_strain
    use amontons_model_warnings, only: body_size
    use amontons_sweep, only: sweep_axis_t, swept_friction, swept_load
    use amontons_text, only: to_text
-   use amontons_thermal_strain, only: sum_thermal_strain
    implicit none (type, external)
    private
 

@@ -2,16 +2,15 @@
 module amontons_sweep_report
    use amontons_body, only: body_t
    use amontons_config, only: config_t
-   use amontons_directory, only: file_name_t
    use amontons_document, only: document_t
    use amontons_earlier_files, only: find_earlier_files
    use amontons_error, only: error_t
    use amontons_manifest, only: manifest_t, with_manifest
-   use amontons_output_file, only: commit_files, output_file_t, write_text_file
+   use amontons_output_file, only: commit_files, hold_signals, output_file_t, release_signals, write_text_file
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep_listing, only: new_sweep_listing
    use amontons_sweep_summary, only: new_sweep_summary
-   use amontons_temporary_file, only: hold_signals, release_signals
+   use amontons_system, only: file_name_t
    use amontons_timings, only: phase_write
    implicit none (type, external)
    private
