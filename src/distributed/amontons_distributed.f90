@@ -3,19 +3,21 @@ module amontons_distributed
    use amontons_condenser, only: condenser_t
    use amontons_constraints, only: constraints_t, spring_side_t
    use amontons_distributed_condenser, only: dismiss_ranks, distributed_condenser_t, first_free_order, follow_order, &
-      order_end, spread_and_analyze => new_distributed_condenser
+      order_end, share_condenser, spread_and_analyze => new_distributed_condenser
    use amontons_dof_map, only: dof_map_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mumps, only: mumps_text
-   use amontons_rank_work, only: check_room, rank_work_t
-   use amontons_ranks, only: all_ranks, begin_ranks, end_ranks, give_order, has_begun, line_t, n_ranks, next_order, rank
+   use amontons_rank_work, only: check_room
+   use amontons_ranks, only: all_ranks, begin_ranks, end_ranks, give_order, has_begun, line_t, n_ranks, next_order, &
+      on_all_ranks, rank
    implicit none (type, external)
    private
 
    public :: all_ranks, begin_ranks, check_room, dismiss_ranks, end_ranks, first_free_order, follow_order, give_order, &
-      line_t, mpi_text, n_ranks, new_distributed_condenser, next_order, order_end, rank, rank_work_t
+      line_t, mpi_text, n_ranks, new_distributed_condenser, next_order, on_all_ranks, order_end, rank, &
+      share_condenser
 
 contains
 

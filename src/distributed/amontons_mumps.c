@@ -168,13 +168,13 @@ void amontons_mumps_drop_matrix(void *opaque)
     mumps->a_loc = mumps->schur = NULL;
 }
 
-/* Forward: rank 0 gives the load on all unknowns and gets it condensed to the Schur variables. Backward, after it: rank
-   0 gives the Schur variables and gets all unknowns in the place of the load. Where there are no Schur variables
+/* Forward: rank 0 gives loads on all unknowns and gets them condensed to the Schur variables. Backward, after it: rank
+   0 gives the Schur variables and gets all unknowns in the place of the loads. Where there are no Schur variables
    backward is both. */
-void amontons_mumps_solve(void *opaque, int is_backward, double *all, double *of_schur, report_t *report)
+void amontons_mumps_solve(void *opaque, int is_backward, int n_loads, double *all, double *of_schur, report_t *report)
 {
     DMUMPS_STRUC_C *mumps = &((instance_t *)opaque)->mumps;
-    mumps->nrhs = 1;
+    mumps->nrhs = n_loads;
     mumps->lrhs = mumps->n;
     mumps->lredrhs = mumps->size_schur;
     mumps->rhs = all;

@@ -80,11 +80,12 @@ module amontons_mumps
          type(c_ptr), value, intent(in) :: handle
       end subroutine c_mumps_drop_matrix
 
-      subroutine c_mumps_solve(handle, is_backward, all, of_schur, report) bind(c, name='amontons_mumps_solve')
+      subroutine c_mumps_solve(handle, is_backward, n_loads, all, of_schur, report) &
+         bind(c, name='amontons_mumps_solve')
          import :: c_double, c_int, c_ptr, mumps_report_t
          implicit none (type, external)
          type(c_ptr), value, intent(in) :: handle
-         integer(c_int), value, intent(in) :: is_backward
+         integer(c_int), value, intent(in) :: is_backward, n_loads
          real(c_double), intent(inout) :: all(*), of_schur(*)
          type(mumps_report_t), intent(inout) :: report
       end subroutine c_mumps_solve
@@ -137,15 +138,18 @@ contains
       call c_mumps_drop_matrix(self%handle)
    end subroutine mumps_factorize
 
-   !> Half of a solution: forward, it condenses a load to the Schur variables; backward, after a forward one, it expands
-   !> the Schur variables to all unknowns under that load.
+   !> Half of a solution: forward, it condenses loads to the Schur variables; backward, after a forward one, it expands
+   !> the Schur variables to all unknowns under these loads.
    subroutine mumps_solve(self, is_backward, all_unknowns, of_schur)
       class(mumps_t), intent(inout) :: self !! the instance, the matrix factorized
       logical, intent(in) :: is_backward !! which half
-      real(dp), contiguous, intent(inout) :: all_unknowns(:) !! the load, or all unknowns on return; of rank 0
-      real(dp), contiguous, intent(inout) :: of_schur(:) !! the condensed load, or the Schur variables; of rank 0
+      real(dp), contiguous, intent(inout) :: all_unknowns(:, :)
+         !! the loads, or all unknowns on return; of rank 0 (n, loads)
+      real(dp), contiguous, intent(inout) :: of_schur(:, :)
+         !! the condensed loads, or the Schur variables; of rank 0 (n_schur, loads)
 
-      call c_mumps_solve(self%handle, merge(1_c_int, 0_c_int, is_backward), all_unknowns, of_schur, self%report)
+      call c_mumps_solve(self%handle, merge(1_c_int, 0_c_int, is_backward), size(all_unknowns, 2, kind=c_int), &
+         all_unknowns, of_schur, self%report)
    end subroutine mumps_solve
 
    !> Frees what the instance holds.

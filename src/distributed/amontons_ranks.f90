@@ -9,8 +9,8 @@ module amontons_ranks
    implicit none (type, external)
    private
 
-   public :: agree, all_ranks, begin_ranks, end_ranks, gather_columns, give_order, has_begun, line_t, n_ranks, &
-      next_order, rank, sum_on_machine
+   public :: agree, all_ranks, begin_ranks, broadcast, end_ranks, gather_columns, give_order, has_begun, line_t, &
+      n_ranks, next_order, on_all_ranks, rank, sum_on_machine
 
    !> Whether MPI is in use.
    logical, protected :: has_begun = .false.
@@ -28,15 +28,11 @@ module amontons_ranks
    contains
       procedure, private :: pass_number => line_pass_number
       procedure, private :: pass_real => line_pass_real
-      procedure, private :: pass_flag => line_pass_flag
       procedure, private :: pass_text => line_pass_text
       procedure, private :: pass_numbers => line_pass_numbers
-      procedure, private :: pass_reals => line_pass_reals
-      procedure, private :: pass_flags => line_pass_flags
       procedure, private :: pass_columns => line_pass_columns
       procedure, private :: pass_real_columns => line_pass_real_columns
-      generic :: pass => pass_number, pass_real, pass_flag, pass_text, pass_numbers, pass_reals, pass_flags, &
-         pass_columns, pass_real_columns
+      generic :: pass => pass_number, pass_real, pass_text, pass_numbers, pass_columns, pass_real_columns
    end type line_t
 
    ! allow(assumed-size): C takes an address and knows no shape
@@ -162,6 +158,13 @@ contains
       call move_alloc(first, error)
    end subroutine agree
 
+   !> Whether something is so on all ranks. Every rank calls it.
+   logical function on_all_ranks(is_so)
+      logical, intent(in) :: is_so !! whether it is so on this rank
+
+      on_all_ranks = mpi_least(merge(1_c_int, 0_c_int, is_so)) > 0
+   end function on_all_ranks
+
    !> The sum of a number over the ranks that share the memory of this one.
    real(dp) function sum_on_machine(number) result(total)
       real(dp), intent(in) :: number !! the number of this rank
@@ -186,6 +189,13 @@ contains
       end if
    end subroutine pass_bytes
 
+   !> Gives all ranks numbers of rank 0. Every rank calls it with as many.
+   subroutine broadcast(list)
+      real(dp), contiguous, intent(inout) :: list(:) !! the numbers
+
+      call mpi_broadcast(list, int(real_bytes*size(list), c_int64_t))
+   end subroutine broadcast
+
    !> Passes a number.
    subroutine line_pass_number(self, number)
       class(line_t), intent(in) :: self !! the line
@@ -207,17 +217,6 @@ contains
       call pass_bytes(self, list, real_bytes)
       number = list(1)
    end subroutine line_pass_real
-
-   !> Passes a logical value.
-   subroutine line_pass_flag(self, flag)
-      class(line_t), intent(in) :: self !! the line
-      logical, intent(inout) :: flag !! the value
-      integer :: number
-
-      number = merge(1, 0, flag)
-      call self%pass(number)
-      flag = number > 0
-   end subroutine line_pass_flag
 
    !> Passes a text.
    subroutine line_pass_text(self, text)
@@ -249,28 +248,6 @@ contains
       end if
       call pass_bytes(self, list, integer_bytes*length)
    end subroutine line_pass_numbers
-
-   !> Passes real numbers.
-   subroutine line_pass_reals(self, list)
-      class(line_t), intent(in) :: self !! the line
-      real(dp), allocatable, intent(inout) :: list(:) !! the numbers
-      real(dp), allocatable :: columns(:, :)
-
-      if (self%is_sender) columns = reshape(list, [size(list), 1])
-      call self%pass(columns)
-      if (.not. self%is_sender) list = columns(:, 1)
-   end subroutine line_pass_reals
-
-   !> Passes logical values.
-   subroutine line_pass_flags(self, list)
-      class(line_t), intent(in) :: self !! the line
-      logical, allocatable, intent(inout) :: list(:) !! the values
-      integer, allocatable :: numbers(:)
-
-      if (self%is_sender) numbers = merge(1, 0, list)
-      call self%pass(numbers)
-      if (.not. self%is_sender) list = numbers > 0
-   end subroutine line_pass_flags
 
    !> Passes whole numbers in columns.
    subroutine line_pass_columns(self, columns)

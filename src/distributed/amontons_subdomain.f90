@@ -230,20 +230,30 @@ contains
    subroutine pass_materials(materials, line)
       type(materials_t), intent(inout) :: materials !! the materials
       type(line_t), intent(in) :: line !! the line between the ranks
-      integer :: n_materials, i
+      real(dp), allocatable :: numbers(:, :)
+      integer, allocatable :: is(:, :)
+      integer :: i
 
       call line%pass(materials%of_element)
-      if (line%is_sender) n_materials = size(materials%list)
-      call line%pass(n_materials)
-      if (.not. line%is_sender) allocate (materials%list(n_materials))
-      do i = 1, n_materials
+      if (line%is_sender) then
+         associate (list => materials%list)
+            numbers = reshape([list%thickness, list%lambda, list%mu], [size(list), 3])
+            is = merge(1, 0, reshape([list%has_mean_dilatation, list%is_plane_stress, list%is_axisymmetric], &
+               [size(list), 3]))
+         end associate
+      end if
+      call line%pass(numbers)
+      call line%pass(is)
+      if (line%is_sender) return
+      allocate (materials%list(size(is, 1)))
+      do i = 1, size(is, 1)
          associate (material => materials%list(i))
-            call line%pass(material%thickness)
-            call line%pass(material%lambda)
-            call line%pass(material%mu)
-            call line%pass(material%has_mean_dilatation)
-            call line%pass(material%is_plane_stress)
-            call line%pass(material%is_axisymmetric)
+            material%thickness = numbers(i, 1)
+            material%lambda = numbers(i, 2)
+            material%mu = numbers(i, 3)
+            material%has_mean_dilatation = is(i, 1) > 0
+            material%is_plane_stress = is(i, 2) > 0
+            material%is_axisymmetric = is(i, 3) > 0
          end associate
       end do
    end subroutine pass_materials

@@ -59,6 +59,8 @@ def is_running(process):
 class RanksTest(ProgramTest):
     """The program under mpiexec."""
     timeout = 1800
+    # Addresses that MPI and its libraries take before the program begins [kB].
+    begun = 450000
 
     def assert_near(self, found, expected, what, scale=()):
         """Checks numbers against the largest of them, and of the scale's."""
@@ -178,8 +180,6 @@ class OneProgram(RanksTest):
 
 class Refusals(RanksTest):
     """What no factorization gets over is said once, with status 2 or 3, and leaves no files."""
-    # Addresses that MPI and its libraries take before the program begins [kB].
-    begun = 450000
 
     def assert_refused(self, run, status, message):
         """Checks the end of a run."""

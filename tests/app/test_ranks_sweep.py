@@ -3,7 +3,9 @@ import itertools
 import math
 import os
 import random
+import re
 import signal
+import subprocess
 import unittest
 
 from harness import CONTACT, PROGRAM, SUPPORT, block
@@ -40,15 +42,36 @@ class SweepRows(RanksTest):
             "&contact set = 'hole'  obstacle = 'circle'  point = 0.0, 0.999  radius = 0.999 /",
             *(f"&{line} /" for line in QUANTITIES), ""])
         quadratic = "size = 4.0, 2.0  cells = 8, 4  element = 'quad8'"
+        strip = "size = 100.0, 1.0  cells = 200, 3"
         return {"held": block(SUPPORT, PRESSED, PUSHED, CONTACT, *QUANTITIES),
+                "strip": block(SUPPORT, PRESSED, PUSHED, CONTACT, *QUANTITIES, mesh=strip),
                 "loose": block(PRESSED, PUSHED, CONTACT, *QUANTITIES),
                 "cells": block(PRESSED, PUSHED, f"{CONTACT}  multipliers = 'constant'", *QUANTITIES, mesh=quadratic),
                 "psor": block(SUPPORT, PRESSED, PUSHED, CONTACT,
                               "solver method = 'psor'  omega = 1.2  tolerance = 1e-8", *QUANTITIES),
                 "stack": stack, "ring": turned}
 
+    def write_decks(self, names=None):
+        """Writes sweeps, each with and without the key results of the whole body, and returns their names."""
+        decks = self.decks()
+        return [self.write(f"{name}{suffix}.nml", decks[name] + output) for name in names or decks
+                for suffix, output in (("", ""), ("_all", "&output key_results = 'all' /\n"))]
+
+    def assert_equal_rows(self, deck, ranks, n_sharing):
+        """Checks that the table of a sweep is that of one rank, and how many ranks have solved its cases."""
+        with self.subTest(deck=deck, ranks=ranks):
+            table = deck.replace(".nml", ".sweep.csv")
+            self.assertEqual(*((self.directory / f"on_{n}" / table).read_bytes() for n in (1, ranks)))
+            self.assert_shared(f"on_{ranks}", deck, n_sharing)
+
+    def assert_shared(self, folder, deck, n_sharing):
+        """Checks how many ranks have solved the cases of a sweep."""
+        found = re.findall(r"Solved by +(\d+) ranks", (self.directory / folder / deck.replace(".nml", ".lst"))
+                           .read_text("utf-8"))
+        self.assertEqual(found, [str(n_sharing)] if n_sharing > 1 else [])
+
     def test_rows_are_those_of_one_rank_to_the_last_byte(self):
-        decks = [self.write(f"{name}.nml", text) for name, text in self.decks().items()]
+        decks = self.write_decks()
         self.run_command([PROGRAM, "--output", "on_1", *decks])
         for name in ("loose", "ring"):
             table = (self.directory / f"on_1/{name}.sweep.csv").read_text("utf-8")
@@ -56,16 +79,40 @@ class SweepRows(RanksTest):
         for ranks in (2, 3, 4):
             self.run_command(launched(ranks, "--output", f"on_{ranks}", *decks))
             for deck in decks:
-                with self.subTest(deck=deck, ranks=ranks):
-                    table = deck.replace(".nml", ".sweep.csv")
-                    self.assertEqual(*((self.directory / f"on_{n}" / table).read_bytes() for n in (1, ranks)))
+                self.assert_equal_rows(deck, ranks, ranks)
 
     def test_rows_of_a_body_that_is_spread(self):
-        deck = self.write("held.nml", self.decks()["held"])
-        self.run_command([PROGRAM, "--output", "on_1", deck])
+        decks = self.write_decks(("held", "cells", "stack"))
+        self.run_command([PROGRAM, "--output", "on_1", *decks])
         for ranks in (2, 3):
-            self.run_command(launched(ranks, "--output", f"on_{ranks}", *SPREAD, deck))
-            self.assert_same_rows("held.sweep.csv", f"on_{ranks}", "on_1")
+            self.run_command(launched(ranks, "--output", f"on_{ranks}", *SPREAD, *decks))
+            for deck in decks:
+                self.assert_same_rows(deck.replace(".nml", ".sweep.csv"), f"on_{ranks}", "on_1")
+                self.assert_shared(f"on_{ranks}", deck, 1 if "_all" in deck else ranks)
+
+    def test_a_rank_without_room_leaves_the_cases_to_rank_0(self):
+        # 258 matrices of 322 rows, where the limit leaves about 144 MB.
+        deck = self.write("strip.nml", block(SUPPORT, PRESSED, PUSHED, CONTACT, "solver condensation = 'dense'",
+                                             *QUANTITIES, mesh="size = 40.0, 1.0  cells = 160, 2"))
+        self.run_command([PROGRAM, "--output", "on_1", deck])
+        self.run_on_second_rank(f'ulimit -v {self.begun}; exec "$@"', "--threads", 64, deck)
+        self.assert_equal_rows(deck, 2, 1)
+
+    @unittest.skipIf(subprocess.run(["unshare", "--mount", "true"], check=False, capture_output=True).returncode,
+                     "may not mount a mesh of its own for a rank")
+    def test_a_rank_that_reads_another_mesh_or_none_leaves_the_cases_to_rank_0(self):
+        deck = self.write("ring.nml", self.decks()["ring"])
+        self.run_command([PROGRAM, "--output", "on_1", deck])
+        for name, text, n_sharing in (("none", "", 1), ("other", ring(0.04), 1), ("same", ring(0.05), 2)):
+            self.write(name, text)
+            way = f"mount --bind {name} ring.msh; exec \"$@\""
+            self.run_on_second_rank(f"exec unshare --mount bash -c '{way}' bash \"$@\"", deck)
+            self.assert_equal_rows(deck, 2, n_sharing)
+
+    def run_on_second_rank(self, way, *arguments):
+        """Runs the program on two ranks, the second one of which is started another way, a command of the shell."""
+        command = launched(1, "--output", "on_2", *arguments)
+        self.run_command([*command, ":", "-n", "1", "bash", "-c", way, "bash", *command[command.index(PROGRAM):]])
 
     def test_key_results_of_the_whole_body_and_fields(self):
         # The displacements of a body that is spread take all ranks, whichever thread asks for them.

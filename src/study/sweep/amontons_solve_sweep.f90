@@ -17,10 +17,10 @@ module amontons_solve_sweep
    use amontons_solve_case, only: cache_t, condense_case, prepare_case
    use amontons_solve_load_case, only: certify, set_factor
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, set_method, solve_again, sweep_task_t
+   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, new_sweep_task, solve_again, sweep_task_t
    use amontons_sweep_fields, only: write_sweep_fields
-   use amontons_sweep_model, only: new_sweep_model, sweep_model_t
-   use amontons_sweep_ranks, only: end_sharing, share_sweep, solve_on_ranks
+   use amontons_sweep_model, only: sweep_model_t
+   use amontons_sweep_ranks, only: end_sharing, prepare_on_ranks, solve_on_ranks
    use amontons_sweep_statistics, only: case_keys, sweep_statistics_t
    use amontons_sweep_table, only: sweep_header
    use amontons_system, only: make_directory, wall_seconds
@@ -44,6 +44,7 @@ module amontons_solve_sweep
          !! the collection of the fields, if there is one, still under its temporary name
       type(manifest_t) :: grids !! the manifest of the fields
       integer :: n_resumed = 0 !! number of cases that an earlier run had done
+      integer :: n_sharing = 1 !! number of ranks that share the others
       logical :: is_interrupted = .false. !! whether cases are left to do
       logical :: has_certificate = .true. !! whether the certificate is known, not only recorded in files
    contains
@@ -62,41 +63,41 @@ contains
       type(sweep_result_t), intent(out) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! the deck, the numbers or the disk are at fault
       type(sweep_task_t) :: task
-      integer :: n_sharing
 
       call prepare_case(cache, config, result%certified, error)
       if (allocated(error)) return
       call condense_case(cache, config, result%certified, error)
       if (allocated(error)) return
       call set_factor(result%certified%factor, cache%body)
-      task%n_quantities = size(case_keys(cache%body, config%sweep))
-      call set_method(task, config%method, error)
+      call new_sweep_task(task, cache%body, result%certified%load_case, config, error)
       if (allocated(error)) return
-      task%sweep = config%sweep
-      task%units = config%units
-      task%wants_error_estimate = config%accuracy%wants_estimate()
-      call new_sweep_model(task%model, cache%body, cache%problem, result%certified%load_case, config, error)
-      if (allocated(error)) return
+      call prepare_on_ranks(result%n_sharing, task, cache, config, error)
+      if (.not. allocated(error)) call open_table(result, task, cache%body, directory, config, error)
+      if (.not. allocated(error)) call solve_batches(task, cache%body, monitor, result, error)
+      call end_sharing(result%n_sharing)
+      if (.not. allocated(error)) call finish_sweep(task, cache%body, directory, config, monitor, result, error)
+      if (allocated(error) .or. result%is_interrupted) call result%checkpoint%close()
+   end subroutine solve_sweep
+
+   !> Opens the table, with the rows of an earlier run if there are any.
+   subroutine open_table(result, task, body, directory, config, error)
+      type(sweep_result_t), intent(inout) :: result !! gains the table, and the statistics of its rows
+      type(sweep_task_t), intent(in) :: task !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      character(*), intent(in) :: directory !! output directory, made if it is not there
+      type(config_t), intent(in) :: config !! the deck
+      type(error_t), allocatable, intent(out) :: error !! the table cannot be written, or another run writes it
 
       call result%certified%timings%begin(phase_solve)
       call make_directory(directory, error)
       if (allocated(error)) return
       associate (stem => directory//'/'//config%name//'.sweep')
          call new_checkpoint(result%checkpoint, stem)
-         call result%checkpoint%add_table(stem//'.part', sweep_header(config%sweep, &
-            case_keys(cache%body, config%sweep)))
+         call result%checkpoint%add_table(stem//'.part', sweep_header(config%sweep, case_keys(body, config%sweep)))
       end associate
       call result%checkpoint%open(sweep_key(config, task%model), result%statistics, error)
-      if (allocated(error)) return
       result%n_resumed = result%statistics%n_cases
-      associate (n_left => int(task%sweep%n_cases()) - result%n_resumed)
-         call share_sweep(n_sharing, task, cache%body, n_left)
-      end associate
-      call solve_batches(task, cache%body, n_sharing, monitor, result, error)
-      call end_sharing(n_sharing)
-      if (.not. allocated(error)) call finish_sweep(task, cache%body, directory, config, monitor, result, error)
-      if (allocated(error) .or. result%is_interrupted) call result%checkpoint%close()
-   end subroutine solve_sweep
+   end subroutine open_table
 
    !> Keeps the fields that are asked for and certifies one case, unless the sweep was interrupted.
    subroutine finish_sweep(task, body, directory, config, monitor, result, error)
@@ -133,10 +134,9 @@ contains
    end function sweep_key
 
    !> Solves batch after batch until all cases are done or the monitor stops the sweep.
-   subroutine solve_batches(task, body, n_sharing, monitor, result, error)
+   subroutine solve_batches(task, body, monitor, result, error)
       type(sweep_task_t), intent(in) :: task !! the sweep
       type(body_t), intent(in) :: body !! the body
-      integer, intent(in) :: n_sharing !! number of ranks that share the cases
       class(study_monitor_t), intent(inout) :: monitor !! is told how far the sweep is, and may stop it
       type(sweep_result_t), intent(inout) :: result !! gains the statistics
       type(error_t), allocatable, intent(out) :: error !! the rows cannot be written
@@ -147,7 +147,7 @@ contains
       integer :: n_cases, n_chunks, i
 
       n_cases = int(task%sweep%n_cases())
-      n_chunks = n_sharing*n_threads()
+      n_chunks = result%n_sharing*n_threads()
       call monitor%report(result%statistics%n_cases, n_cases, 'cases')
       do while (result%statistics%n_cases < n_cases .and. .not. monitor%is_stopped())
          start = wall_seconds()
@@ -155,7 +155,7 @@ contains
          do i = 1, size(chunks)
             call new_chunk(chunks(i), result%statistics%n_cases + (i - 1)*chunk_length, n_cases)
          end do
-         call solve_on_ranks(n_sharing, task, body, monitor, chunks)
+         call solve_on_ranks(result%n_sharing, task, body, monitor, chunks)
          call gather_chunks(chunks, rows, result%statistics)
          deallocate (chunks)
          call result%checkpoint%add_rows(1, rows)
@@ -163,7 +163,7 @@ contains
          if (allocated(error)) return
          call monitor%report(result%statistics%n_cases, n_cases, 'cases')
          growth = min(4.0_dp, batch_seconds/max(wall_seconds() - start, tiny(1.0_dp)))
-         n_chunks = max(n_sharing*n_threads(), int(n_chunks*growth))
+         n_chunks = max(result%n_sharing*n_threads(), int(n_chunks*growth))
       end do
    end subroutine solve_batches
 
@@ -172,7 +172,7 @@ contains
       type(chunk_t), intent(in) :: chunks(:) !! the chunks
       character(:), allocatable, intent(out) :: rows !! their rows
       type(sweep_statistics_t), intent(inout) :: statistics !! gains their cases
-      integer :: n_done, i, k, first
+      integer :: n_done, i, first
 
       n_done = findloc([chunks%is_done, .false.], .false., dim=1) - 1
       allocate (character(sum([(len(chunks(i)%rows), i=1, n_done)])) :: rows)
@@ -180,9 +180,7 @@ contains
       do i = 1, n_done
          rows(first:first + len(chunks(i)%rows) - 1) = chunks(i)%rows
          first = first + len(chunks(i)%rows)
-         do k = 1, chunks(i)%last - chunks(i)%first + 1
-            call statistics%add(chunks(i)%results(k))
-         end do
+         call statistics%append(chunks(i)%statistics)
       end do
    end subroutine gather_chunks
 

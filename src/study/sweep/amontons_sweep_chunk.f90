@@ -3,8 +3,8 @@
 !> A chunk begins at rest; each further case of it starts from its neighbor, if that belongs to the chunk. So no result
 !> depends on the number of threads, nor on where a sweep was interrupted.
 module amontons_sweep_chunk
-   use amontons_auto, only: auto_t
    use amontons_body, only: body_t
+   use amontons_config, only: config_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
@@ -13,7 +13,7 @@ module amontons_sweep_chunk
    use amontons_key_results, only: body_peaks_at_rest
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
-   use amontons_methods, only: method_options_t, new_contact_method
+   use amontons_methods, only: new_contact_method
    use amontons_newton, only: newton_t
    use amontons_quantity, only: quantity_t
    use amontons_result_warnings, only: find_case_warnings
@@ -21,14 +21,15 @@ module amontons_sweep_chunk
    use amontons_spin, only: find_spin
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep, only: sweep_t
-   use amontons_sweep_model, only: sweep_model_t
+   use amontons_sweep_model, only: new_sweep_loads, sweep_model_t
    use amontons_sweep_peaks, only: find_peaks
-   use amontons_sweep_statistics, only: case_converged, case_no_equilibrium, case_result_t, set_numbers
+   use amontons_sweep_statistics, only: case_converged, case_keys, case_no_equilibrium, case_result_t, set_numbers, &
+      sweep_statistics_t
    use amontons_sweep_table, only: append_row
    implicit none (type, external)
    private
 
-   public :: chunk_length, chunk_t, new_chunk, set_method, solve_again, solve_chunk, solve_chunks, sweep_task_t
+   public :: chunk_length, chunk_t, new_chunk, new_sweep_task, solve_again, solve_chunks, sweep_task_t
 
    !> Number of cases of a chunk: few enough that an interrupt need not wait, many enough that the one which begins at
    !> rest does not count.
@@ -38,8 +39,7 @@ module amontons_sweep_chunk
    type :: sweep_task_t
       type(sweep_t) :: sweep !! the cases
       type(sweep_model_t) :: model !! their contact problems
-      type(method_options_t) :: options !! the deck's choice of a method
-      class(contact_method_t), allocatable :: method !! this method
+      class(contact_method_t), allocatable :: method !! the deck's method
       character(:), allocatable :: units !! names of the units of the case
       integer :: n_quantities = 0 !! numbers that are kept of a case
       logical :: is_auto = .false. !! whether the deck leaves the method to the program
@@ -53,25 +53,29 @@ module amontons_sweep_chunk
       integer :: last = 0 !! its last case
       logical :: is_done = .false. !! whether it has been solved
       character(:), allocatable :: rows !! rows of its cases
+      type(sweep_statistics_t) :: statistics !! what is known of them together, numbered from 1
       type(case_result_t) :: results(chunk_length) !! what is kept of its cases
    end type chunk_t
 
 contains
 
-   !> Sets the method of a sweep.
-   subroutine set_method(task, options, error)
-      type(sweep_task_t), intent(inout) :: task !! the sweep
-      type(method_options_t), intent(in) :: options !! the choice of a method
-      type(error_t), allocatable, intent(out) :: error !! there is no such method
+   !> What the cases of a sweep share, but for the contact problem, which takes the condensed body.
+   subroutine new_sweep_task(task, body, prepared, config, error)
+      type(sweep_task_t), intent(out) :: task !! the sweep; its model is to be prepared
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: prepared !! the load case of the deck as it stands
+      type(config_t), intent(in) :: config !! the deck
+      type(error_t), allocatable, intent(out) :: error !! there is no such method, or a load does not fit the mesh
 
-      task%options = options
-      call new_contact_method(task%method, options, error)
+      task%sweep = config%sweep
+      task%units = config%units
+      task%wants_error_estimate = config%accuracy%wants_estimate()
+      task%n_quantities = size(case_keys(body, config%sweep))
+      call new_contact_method(task%method, config%method, error)
       if (allocated(error)) return
-      select type (method => task%method)
-      type is (auto_t)
-         task%is_auto = .true.
-      end select
-   end subroutine set_method
+      task%is_auto = config%method%method == 'auto'
+      call new_sweep_loads(task%model, body, prepared, config, error)
+   end subroutine new_sweep_task
 
    !> The chunk that begins behind a number of cases, as far as there are cases.
    pure subroutine new_chunk(chunk, n_before, n_cases)
@@ -130,6 +134,7 @@ contains
       do i = 1, chunk%last - chunk%first + 1
          call status_runs(runs, solutions(i)%status, body%zone%set)
          call append_row(chunk%rows, task%sweep, chunk%first + i - 1, chunk%results(i), runs)
+         call chunk%statistics%add(chunk%results(i))
       end do
       chunk%is_done = .true.
    end subroutine solve_chunk

@@ -122,6 +122,7 @@ contains
             labeled('Note', 'the rows of an interrupted run are damaged or '// &
             'of another deck or version: all cases were solved again')
          text = text//labeled('Cases per second', short_text(result%cases_per_second()))
+         if (result%n_sharing > 1) text = text//labeled('Solved by', counted(result%n_sharing, 'rank'))
       end associate
    end function solution_text
 

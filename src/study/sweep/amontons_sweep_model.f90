@@ -18,7 +18,7 @@ module amontons_sweep_model
    implicit none (type, external)
    private
 
-   public :: new_sweep_loads, new_sweep_model, sweep_model_t
+   public :: new_sweep_loads, sweep_model_t
 
    !> What all cases share, and the effect of each quantity.
    type :: sweep_model_t
@@ -36,6 +36,7 @@ module amontons_sweep_model
       procedure :: condense => sweep_model_condense
       procedure :: largest_force => sweep_model_largest_force
       procedure :: load_case => sweep_model_load_case
+      procedure :: prepare => sweep_model_prepare
       procedure :: fingerprint => sweep_model_fingerprint
       procedure :: set_case => sweep_model_set_case
       procedure :: sum_thermal_strain => sweep_model_sum_thermal_strain
@@ -43,35 +44,10 @@ module amontons_sweep_model
 
 contains
 
-   !> Separates what varies from what does not.
-   subroutine new_sweep_model(model, body, problem, prepared, config, error)
-      type(sweep_model_t), intent(out) :: model !! the model
-      type(body_t), intent(in) :: body !! the body, condensed
-      type(contact_problem_t), intent(in) :: problem !! its contact problem
-      type(load_case_t), intent(in) :: prepared !! the load case of the deck as it stands
-      type(config_t), intent(in) :: config !! the deck
-      type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh, or S is not positive definite
-      integer :: k
-
-      call new_sweep_loads(model, body, prepared, config, error)
-      if (allocated(error)) return
-      call condense_load_case(model%fixed, body)
-      model%problem = problem
-      call pose_problem(model%problem, body, model%fixed)
-      allocate (model%load(2*body%zone%n_points, size(config%sweep%axes)), source=0.0_dp)
-      allocate (model%expansion(size(config%sweep%axes)), source=0.0_dp)
-      do k = 1, size(config%sweep%axes)
-         if (config%sweep%axes(k)%target /= swept_load) cycle
-         call condense_load_case(model%parts(k), body)
-         model%load(:, k) = model%parts(k)%condensed%load
-         model%expansion(k) = free_expansion(model%parts(k), body%mesh)
-      end do
-      call model%problem%prepare_compliance(error)
-   end subroutine new_sweep_model
-
-   !> Separates loads and friction alone, which takes no condensed body; the contact problems stay undefined.
+   !> Separates loads and friction that vary from what does not, which takes no condensed body; the contact problems
+   !> stay undefined.
    subroutine new_sweep_loads(model, body, prepared, config, error)
-      type(sweep_model_t), intent(out) :: model !! the model, for `load_case`
+      type(sweep_model_t), intent(out) :: model !! the model
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: prepared !! the load case of the deck as it stands
       type(config_t), intent(in) :: config !! the deck
@@ -97,6 +73,28 @@ contains
          end if
       end do
    end subroutine new_sweep_loads
+
+   !> Condenses the loads and makes the contact problem of what does not vary. Where a body is spread over ranks, all
+   !> that share the sweep do so at the same time.
+   subroutine sweep_model_prepare(self, body, problem, error)
+      class(sweep_model_t), intent(inout) :: self !! the model, from `new_sweep_loads`
+      type(body_t), intent(in) :: body !! the body, condensed
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      type(error_t), allocatable, intent(out) :: error !! S is not positive definite
+      integer :: k
+
+      call condense_load_case(self%fixed, body)
+      self%problem = problem
+      call pose_problem(self%problem, body, self%fixed)
+      allocate (self%load(2*body%zone%n_points, size(self%parts)), self%expansion(size(self%parts)), source=0.0_dp)
+      do k = 1, size(self%parts)
+         if (.not. allocated(self%parts(k)%force)) cycle
+         call condense_load_case(self%parts(k), body)
+         self%load(:, k) = self%parts(k)%condensed%load
+         self%expansion(k) = free_expansion(self%parts(k), body%mesh)
+      end do
+      call self%problem%prepare_compliance(error)
+   end subroutine sweep_model_prepare
 
    !> Sums nodal forces and thermal strains of all loads that a quantity multiplies, or of those that none does.
    subroutine sum_loads(load_case, body, config, axis, error)

@@ -1,26 +1,31 @@
 !> A sweep over the ranks of a run in a build without MPI: there is one rank.
 module amontons_sweep_ranks
    use amontons_body, only: body_t
+   use amontons_config, only: config_t
+   use amontons_error, only: error_t
+   use amontons_solve_case, only: cache_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep_chunk, only: chunk_t, solve_chunks, sweep_task_t
    implicit none (type, external)
    private
 
-   public :: end_sharing, serve, share_sweep, solve_on_ranks
+   public :: end_sharing, prepare_on_ranks, serve, solve_on_ranks
 
 contains
 
-   !> Shares a sweep with no one.
-   subroutine share_sweep(n_sharing, task, body, n_left)
+   !> Prepares the contact problem of a sweep, which is shared with no one.
+   subroutine prepare_on_ranks(n_sharing, task, cache, config, error)
       integer, intent(out) :: n_sharing !! 1
-      type(sweep_task_t), intent(inout) :: task !! not used, as all that follow
-      type(body_t), intent(in) :: body !! the body
-      integer, intent(in) :: n_left !! number of cases to solve
+      type(sweep_task_t), intent(inout) :: task !! the sweep; its model gains the contact problem
+      type(cache_t), intent(inout) :: cache !! the body, condensed
+      type(config_t), intent(in) :: config !! not used
+      type(error_t), allocatable, intent(out) :: error !! S is not positive definite
 
       n_sharing = 1
-      associate (unused => task, body => body, n_left => n_left)
+      call task%model%prepare(cache%body, cache%problem, error)
+      associate (unused => config)
       end associate
-   end subroutine share_sweep
+   end subroutine prepare_on_ranks
 
    !> Solves chunks on all threads.
    subroutine solve_on_ranks(n_sharing, task, body, monitor, chunks)

@@ -1,22 +1,27 @@
 !> A sweep over the ranks of a run: each solves chunks of its cases, and rank 0 writes their rows.
 !>
-!> Of the chunks of a batch each rank has those of its number, counted round. A chunk begins at rest wherever it is
-!> solved, and all ranks have the same condensed stiffness: the rows are those that one rank would find.
+!> Every rank prepares the sweep from the deck as rank 0 does. What it cannot have by itself, the condensed stiffness
+!> and the condensed loads of a body that is spread, comes from rank 0. Ranks whose contact problem is that of rank 0 to
+!> the last bit share the cases. Of the chunks of a batch each has those of its number, counted round. A chunk begins at
+!> rest wherever it is solved: the rows are those that one rank would find.
 module amontons_sweep_ranks
    use amontons_body, only: body_t
+   use amontons_config, only: config_t, effective_deck, read_config_text
    use amontons_distributed, only: all_ranks, check_room, first_free_order, follow_order, give_order, line_t, n_ranks, &
-      next_order, order_end, rank, rank_work_t
+      next_order, on_all_ranks, order_end, rank, share_condenser
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
+   use amontons_result, only: result_t
+   use amontons_solve_case, only: cache_t, condense_case, prepare_case
    use amontons_study_monitor, only: study_monitor_t
-   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, solve_chunks, sweep_task_t
-   use amontons_sweep_passing, only: pass_chunk, receive_sweep, send_sweep
+   use amontons_sweep_chunk, only: chunk_length, chunk_t, new_chunk, new_sweep_task, solve_chunks, sweep_task_t
+   use amontons_sweep_model, only: sweep_model_t
    use amontons_system, only: return_memory
    use amontons_threads, only: n_threads
    implicit none (type, external)
    private
 
-   public :: end_sharing, serve, share_sweep, solve_on_ranks
+   public :: end_sharing, prepare_on_ranks, serve, solve_on_ranks
 
    !> Orders of rank 0.
    integer, parameter :: order_take = first_free_order, order_solve = order_take + 1, &
@@ -24,47 +29,137 @@ module amontons_sweep_ranks
 
    !> What another rank has of a sweep.
    type :: share_t
-      type(sweep_task_t), allocatable :: task !! the sweep
-      type(body_t), allocatable :: body !! what its cases need of the body
+      type(config_t) :: config !! the deck
+      type(cache_t) :: cache !! the body
+      type(result_t) :: result !! the load case of the deck as it stands
+      type(sweep_task_t) :: task !! the sweep
       type(chunk_t), allocatable :: chunks(:) !! the chunks of the last batch
    end type share_t
 
 contains
 
-   !> Gives a sweep to the other ranks, if that is worth it and they have room for it. The whole body, for its
-   !> displacements and stresses or as a band matrix, is on rank 0 alone, and so are the surfaces of pairs.
-   subroutine share_sweep(n_sharing, task, body, n_left)
+   !> Prepares the contact problem of a sweep, on the other ranks, too, if these can share its cases. Displacements of a
+   !> whole body that is spread take all ranks, so that one solves the cases where each needs them.
+   subroutine prepare_on_ranks(n_sharing, task, cache, config, error)
       integer, intent(out) :: n_sharing !! number of ranks that share the sweep; 1 if the others do not
-      type(sweep_task_t), intent(inout) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
-      integer, intent(in) :: n_left !! number of cases to solve
+      type(sweep_task_t), intent(inout) :: task !! the sweep; its model gains the contact problem
+      type(cache_t), intent(inout) :: cache !! the body, condensed
+      type(config_t), intent(in) :: config !! the deck
+      type(error_t), allocatable, intent(out) :: error !! S is not positive definite
+      character(:), allocatable :: file, deck
+      logical :: is_shared
+
+      is_shared = n_ranks > 1 .and. task%sweep%n_cases() > chunk_length .and. &
+         .not. (is_spread(cache) .and. task%sweep%has_body_results)
+      if (is_shared) then
+         call give_order(order_take)
+         file = config%file
+         deck = effective_deck(config)
+         call pass_deck(file, deck)
+         is_shared = has_room(memory_mb(cache))
+      end if
+      if (is_shared) is_shared = on_all_ranks(.true.)
+      if (is_shared) call share_condenser(cache%body%condensation%condenser)
+      call task%model%prepare(cache%body, cache%problem, error)
+      if (is_shared) is_shared = is_same(task%model, .not. allocated(error))
+      n_sharing = merge(n_ranks, 1, is_shared)
+   end subroutine prepare_on_ranks
+
+   !> Prepares a sweep of rank 0, and keeps it if all ranks could; for the others.
+   subroutine take_sweep(share)
+      type(share_t), allocatable, intent(out) :: share !! the sweep; not allocated if it is not shared
+      type(share_t), allocatable :: taken
       type(error_t), allocatable :: error
+      character(:), allocatable :: file, deck
 
-      n_sharing = 1
-      if (n_ranks == 1 .or. n_left <= chunk_length .or. task%sweep%has_body_results .or. &
-         allocated(task%model%problem%band) .or. any(body%zone%pairs%is_set())) return
-      call give_order(order_take)
-      call check_matrices(task%model%problem%n_points, error)
+      call pass_deck(file, deck)
+      if (.not. has_room(0.0_dp)) return
+      allocate (taken)
+      call read_sweep(taken, file, deck, error)
+      if (.not. on_all_ranks(.not. allocated(error))) return
+      call condense_case(taken%cache, taken%config, taken%result, error)
+      if (.not. allocated(error)) call taken%task%model%prepare(taken%cache%body, taken%cache%problem, error)
+      if (is_same(taken%task%model, .not. allocated(error))) call move_alloc(taken, share)
+   end subroutine take_sweep
+
+   !> Reads a sweep and makes what it takes no condensed body for.
+   subroutine read_sweep(share, file, deck, error)
+      type(share_t), intent(inout) :: share !! the sweep
+      character(*), intent(in) :: file !! name of its deck
+      character(*), intent(in) :: deck !! the effective deck
+      type(error_t), allocatable, intent(out) :: error !! a file that the deck names cannot be read
+
+      call read_config_text(share%config, file, deck, '', error)
       if (allocated(error)) return
-      n_sharing = n_ranks
-      call send_sweep(task, body)
-   end subroutine share_sweep
+      call prepare_case(share%cache, share%config, share%result, error)
+      if (allocated(error)) return
+      call new_sweep_task(share%task, share%cache%body, share%result%load_case, share%config, error)
+   end subroutine read_sweep
 
-   !> Checks on all ranks that their machines have room for the condensed stiffness and its inverse, once and for each
-   !> thread, and as much again for a method.
-   subroutine check_matrices(n_points, error)
-      integer, intent(in) :: n_points !! number of contact points; of rank 0
-      type(error_t), allocatable, intent(out) :: error !! there is no room on some rank
+   !> Passes a deck from rank 0.
+   subroutine pass_deck(file, deck)
+      character(:), allocatable, intent(inout) :: file !! its name
+      character(:), allocatable, intent(inout) :: deck !! the effective deck
       type(line_t) :: line
-      integer :: n
 
       line = line_t(all_ranks, rank == 0)
-      n = n_points
-      call line%pass(n)
-      ! Rank 0 solves the cases in any case.
-      if (rank == 0) n = 0
-      call check_room('the condensed stiffness', 8.0e-6_dp*(2.0_dp*n)**2*(2 + 4*n_threads()), error)
-   end subroutine check_matrices
+      call line%pass(file)
+      call line%pass(deck)
+   end subroutine pass_deck
+
+   !> Whether a body is spread over the ranks.
+   pure logical function is_spread(cache)
+      type(cache_t), intent(in) :: cache !! the body, condensed
+
+      is_spread = cache%body%condensation%condenser%name == 'distributed'
+   end function is_spread
+
+   !> The memory that another rank would take for a sweep: mesh, loads and numbers of the unknowns, the factor unless
+   !> the body is spread, and the matrix of the contact problem and its inverse, once and for each thread, and as much
+   !> again for a method [MB].
+   real(dp) function memory_mb(cache)
+      type(cache_t), intent(in) :: cache !! the body, condensed
+      ! What the body takes for each unknown, measured.
+      real(dp), parameter :: body_bytes = 300.0_dp
+      real(dp) :: n_entries
+
+      if (allocated(cache%problem%band)) then
+         n_entries = 2.0_dp*size(cache%problem%band%whole%entry)
+      else
+         n_entries = (2.0_dp*cache%problem%n_points)**2
+      end if
+      memory_mb = 1.0e-6_dp*(body_bytes*cache%body%dof_map%n_dofs + 8.0_dp*n_entries*(2 + 4*n_threads()))
+      if (.not. is_spread(cache)) memory_mb = memory_mb + cache%body%condensation%condenser%memory_mb()
+   end function memory_mb
+
+   !> Whether the machines have room for a sweep on the other ranks. Rank 0 solves the cases in any case.
+   logical function has_room(wanted_mb)
+      real(dp), intent(in) :: wanted_mb !! the memory that each would take; of rank 0 [MB]
+      type(error_t), allocatable :: error
+      type(line_t) :: line
+      real(dp) :: megabytes
+
+      line = line_t(all_ranks, rank == 0)
+      megabytes = wanted_mb
+      call line%pass(megabytes)
+      call check_room('the sweep', merge(0.0_dp, megabytes, rank == 0), error)
+      has_room = .not. allocated(error)
+   end function has_room
+
+   !> Whether all ranks have the contact problems of rank 0.
+   logical function is_same(model, is_ready)
+      type(sweep_model_t), intent(in) :: model !! the contact problems of this rank
+      logical, intent(in) :: is_ready !! whether it has them
+      character(:), allocatable :: fingerprint, expected
+      type(line_t) :: line
+
+      fingerprint = ''
+      if (is_ready) fingerprint = model%fingerprint()
+      expected = fingerprint
+      line = line_t(all_ranks, rank == 0)
+      call line%pass(expected)
+      is_same = on_all_ranks(is_ready .and. fingerprint == expected)
+   end function is_same
 
    !> Solves chunks on all threads of all ranks that share the sweep. Of rank 0's own, those are done that were begun
    !> before the monitor stopped the sweep.
@@ -78,22 +173,32 @@ contains
       integer, allocatable :: batch(:)
       integer :: i, k
 
-      if (n_sharing == 1) then
-         call solve_chunks(task, body, monitor, chunks)
-         return
+      if (n_sharing > 1) then
+         call give_order(order_solve)
+         batch = [chunks%first, chunks(size(chunks))%last]
+         line = line_t(all_ranks, .true.)
+         call line%pass(batch)
       end if
-      call give_order(order_solve)
-      batch = [chunks%first, chunks(size(chunks))%last]
-      line = line_t(all_ranks, .true.)
-      call line%pass(batch)
       call solve_chunks(task, body, monitor, chunks(1::n_sharing))
-      call give_order(order_gather)
+      if (n_sharing > 1) call give_order(order_gather)
       do i = 1, n_sharing - 1
          do k = i + 1, size(chunks), n_sharing
             call pass_chunk(line_t(i, .false.), chunks(k))
          end do
       end do
    end subroutine solve_on_ranks
+
+   !> Passes the rows of a chunk, and what is known of its cases together.
+   subroutine pass_chunk(line, chunk)
+      type(line_t), intent(in) :: line !! the line
+      type(chunk_t), intent(inout) :: chunk !! the chunk, solved; of the receiver, not yet
+      character(:), allocatable :: text
+
+      if (line%is_sender) text = chunk%statistics%text()
+      call line%pass(chunk%rows)
+      call line%pass(text)
+      if (.not. line%is_sender) call chunk%statistics%read(text, chunk%is_done)
+   end subroutine pass_chunk
 
    !> Has the other ranks forget the sweep.
    subroutine end_sharing(n_sharing)
@@ -104,46 +209,30 @@ contains
 
    !> Follows the orders of rank 0 until the last one, those of condensers, too; for the other ranks.
    subroutine serve()
-      type(rank_work_t), allocatable :: work
-      type(share_t) :: share
-      integer :: order
+      type(share_t), allocatable :: share
+      integer :: order, i
 
       do
          order = next_order()
-         if (order == order_end) exit
-         if (order < first_free_order) then
-            call follow_order(work, order)
-         else
-            call follow_sweep_order(share, order)
-         end if
+         select case (order)
+         case (order_end)
+            exit
+         case (order_take)
+            call take_sweep(share)
+         case (order_solve)
+            call solve_share(share)
+         case (order_gather)
+            do i = 1, size(share%chunks)
+               call pass_chunk(line_t(0, .true.), share%chunks(i))
+            end do
+         case (order_drop)
+            deallocate (share)
+            call return_memory()
+         case default
+            call follow_order(order)
+         end select
       end do
    end subroutine serve
-
-   !> Follows an order of rank 0 for its sweep.
-   subroutine follow_sweep_order(share, order)
-      type(share_t), intent(inout) :: share !! what this rank has of the sweep
-      integer, intent(in) :: order !! the order
-      type(error_t), allocatable :: error
-      integer :: i
-
-      select case (order)
-      case (order_take)
-         call check_matrices(0, error)
-         if (allocated(error)) return
-         allocate (share%task, share%body)
-         call receive_sweep(share%task, share%body)
-      case (order_solve)
-         call solve_share(share)
-      case (order_gather)
-         do i = 1, size(share%chunks)
-            call pass_chunk(line_t(0, .true.), share%chunks(i))
-         end do
-      case default
-         deallocate (share%task, share%body)
-         if (allocated(share%chunks)) deallocate (share%chunks)
-         call return_memory()
-      end select
-   end subroutine follow_sweep_order
 
    !> Solves this rank's share of a batch.
    subroutine solve_share(share)
@@ -162,7 +251,7 @@ contains
             call new_chunk(share%chunks(i), first(rank + 1 + (i - 1)*n_ranks) - 1, last)
          end do
       end associate
-      call solve_chunks(share%task, share%body, monitor, share%chunks)
+      call solve_chunks(share%task, share%cache%body, monitor, share%chunks)
    end subroutine solve_share
 
 end module amontons_sweep_ranks

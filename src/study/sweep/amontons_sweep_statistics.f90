@@ -59,6 +59,7 @@ module amontons_sweep_statistics
    contains
       procedure :: add => sweep_statistics_add
       procedure :: add_warnings => sweep_statistics_add_warnings
+      procedure :: append => sweep_statistics_append
       procedure :: is_answered => sweep_statistics_is_answered
       procedure :: outcome => sweep_statistics_outcome
       procedure :: read => sweep_statistics_read
@@ -138,44 +139,62 @@ contains
    pure subroutine sweep_statistics_add(self, result)
       class(sweep_statistics_t), intent(inout) :: self !! the statistics
       type(case_result_t), intent(in) :: result !! what is kept of the case
+      type(sweep_statistics_t) :: one
 
-      self%n_cases = self%n_cases + 1
-      self%n_outcomes(result%outcome) = self%n_outcomes(result%outcome) + 1
-      self%n_iterations = self%n_iterations + result%n_iterations
-      if (result%outcome /= case_converged) return
-      if (self%residual_case == 0 .or. result%residual > self%residual) then
-         self%residual = result%residual
-         self%residual_case = self%n_cases
+      one%n_cases = 1
+      one%n_outcomes(result%outcome) = 1
+      one%n_iterations = result%n_iterations
+      if (result%outcome == case_converged) then
+         one%residual = result%residual
+         one%residual_case = 1
+         one%error_estimate = result%error_estimate
+         one%worst_case = 1
+         one%least = result%quantity
+         one%greatest = result%quantity
+         one%least_case = spread(1, 1, size(result%quantity))
+         one%greatest_case = one%least_case
+         one%n_warned = merge(1, 0, result%is_warned)
+         one%warned_case = one%n_warned
       end if
-      where (result%is_warned .and. self%n_warned == 0) self%warned_case = self%n_cases
-      where (result%is_warned) self%n_warned = self%n_warned + 1
-      if (self%worst_case == 0 .or. result%error_estimate > self%error_estimate) then
-         self%error_estimate = result%error_estimate
-         self%worst_case = self%n_cases
-      end if
-      call add_extremes(self, result%quantity)
+      call self%append(one)
    end subroutine sweep_statistics_add
 
-   !> Compares the numbers of the last case with the extremes of those before.
-   pure subroutine add_extremes(statistics, quantity)
-      class(sweep_statistics_t), intent(inout) :: statistics !! the statistics
-      real(dp), intent(in) :: quantity(:) !! the numbers of the case
+   !> Appends the statistics of the next cases, numbered from 1 there. Of equal cases the first counts.
+   pure subroutine sweep_statistics_append(self, next)
+      class(sweep_statistics_t), intent(inout) :: self !! the statistics
+      type(sweep_statistics_t), intent(in) :: next !! those of the next cases
+      integer :: n
 
-      if (.not. allocated(statistics%least)) then
-         statistics%least = quantity
-         statistics%greatest = quantity
-         statistics%least_case = spread(statistics%n_cases, 1, size(quantity))
-         statistics%greatest_case = statistics%least_case
+      n = self%n_cases
+      self%n_cases = n + next%n_cases
+      self%n_outcomes = self%n_outcomes + next%n_outcomes
+      self%n_iterations = self%n_iterations + next%n_iterations
+      if (next%residual_case == 0) return
+      where (self%n_warned == 0 .and. next%n_warned > 0) self%warned_case = n + next%warned_case
+      self%n_warned = self%n_warned + next%n_warned
+      if (self%residual_case == 0 .or. next%residual > self%residual) then
+         self%residual = next%residual
+         self%residual_case = n + next%residual_case
       end if
-      where (quantity < statistics%least)
-         statistics%least = quantity
-         statistics%least_case = statistics%n_cases
+      if (self%worst_case == 0 .or. next%error_estimate > self%error_estimate) then
+         self%error_estimate = next%error_estimate
+         self%worst_case = n + next%worst_case
+      end if
+      if (.not. allocated(self%least)) then
+         self%least = next%least
+         self%greatest = next%greatest
+         self%least_case = n + next%least_case
+         self%greatest_case = n + next%greatest_case
+      end if
+      where (next%least < self%least)
+         self%least = next%least
+         self%least_case = n + next%least_case
       end where
-      where (quantity > statistics%greatest)
-         statistics%greatest = quantity
-         statistics%greatest_case = statistics%n_cases
+      where (next%greatest > self%greatest)
+         self%greatest = next%greatest
+         self%greatest_case = n + next%greatest_case
       end where
-   end subroutine add_extremes
+   end subroutine sweep_statistics_append
 
    !> Adds a warning for each that cases of the sweep deserve.
    pure subroutine sweep_statistics_add_warnings(self, zone, warnings)
