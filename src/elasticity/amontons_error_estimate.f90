@@ -3,13 +3,16 @@
 !> Meth. Eng. 24, 1987).
 module amontons_error_estimate
    use amontons_coloring, only: worth_threads
-   use amontons_elasticity, only: elastic_strain, element_geometry_t, new_element_geometry, set_thermal_strain
+   use amontons_elasticity, only: element_geometry_t, find_elastic_strains, new_element_geometry, set_thermal_strain
    use amontons_element, only: element_names, is_triangle, max_nodes, max_points, n_corners, n_fine_points, quad4, &
       quadrature_point, shape_functions, tri3
    use amontons_kinds, only: dp
    use amontons_material, only: material_t, materials_t
    use amontons_mesh, only: mesh_t
+   use amontons_patch_frame, only: is_linear
+   use amontons_patch_table, only: block_size, patch_table_t
    use amontons_quantity, only: quantity_t
+   use amontons_stress_patch, only: add_linear_stresses, add_stresses
    use amontons_stress_recovery, only: recovered_stress_t
    implicit none (type, external)
    private
@@ -32,84 +35,103 @@ module amontons_error_estimate
 contains
 
    !> Estimates the error of a displacement field.
-   subroutine new_error_estimate(estimate, mesh, materials, displacement, recovered, thermal_strain)
+   subroutine new_error_estimate(estimate, mesh, materials, displacement, patches, recovered, thermal_strain)
       type(error_estimate_t), intent(out) :: estimate !! the estimate
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      type(recovered_stress_t), intent(inout) :: recovered !! the recovered stresses
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      type(patch_table_t), intent(in) :: patches !! the patches of the mesh
+      type(recovered_stress_t), intent(in) :: recovered !! the recovered stresses
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
-      ! Blocks whose patches take little memory beside all else, and few of whose elements share patches with others.
-      integer, parameter :: block_size = 25000
+      real(dp), allocatable :: squares(:, :)
+      real(dp) :: sums(2)
+      integer :: block
+
+      allocate (squares(2, mesh%n_elements))
+      !$omp parallel do default(none) schedule(dynamic) if (mesh%n_elements >= worth_threads) &
+      !$omp shared(squares, mesh, materials, displacement, patches, recovered, thermal_strain)
+      do block = 1, size(patches%block_start) - 1
+         call estimate_block(squares, mesh, materials, displacement, patches, recovered, block, thermal_strain)
+      end do
+      !$omp end parallel do
+      sums = sum(squares, dim=2)
+      estimate%norm = sqrt(sums(1))
+      if (estimate%norm > 0.0_dp) estimate%relative = estimate%norm/sqrt(sum(sums))
+      estimate%element = sqrt(squares(1, :))
+   end subroutine new_error_estimate
+
+   !> Estimates the error of a block of elements.
+   pure subroutine estimate_block(squares, mesh, materials, displacement, patches, recovered, block, thermal_strain)
+      real(dp), intent(inout) :: squares(:, :)
+         !! squares of the norms of error and stresses of all elements; gains those of the block (2, n_elements) [F L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      type(patch_table_t), intent(in) :: patches !! the patches of the mesh
+      type(recovered_stress_t), intent(in) :: recovered !! the recovered stresses
+      integer, intent(in) :: block !! number of the block
+      real(dp), intent(in), optional :: thermal_strain(:) !! as in `new_error_estimate` [-]
       type(element_geometry_t) :: geometry
+      real(dp), allocatable :: coefficient(:, :, :)
       real(dp) :: weights(max_points, max_corners, size(element_names))
-      real(dp) :: squares(2, block_size), energy
-      integer :: first, last, i
+      integer :: i
 
       weights = corner_weights()
-      allocate (estimate%element(mesh%n_elements))
-      energy = 0.0_dp
-      do first = 1, mesh%n_elements, block_size
-         last = min(mesh%n_elements, first + block_size - 1)
-         call recovered%fit(mesh, materials, first, last)
-         !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) firstprivate(geometry) &
-         !$omp shared(mesh, materials, displacement, recovered, thermal_strain, squares, weights, first, last)
-         do i = first, last
-            associate (material => materials%list(materials%of_element(i)), kind => mesh%element_kind(i))
-               if (kind == tri3 .and. .not. (material%is_axisymmetric .or. present(thermal_strain))) then
-                  squares(:, i - first + 1) = triangle_squares(mesh, i, material, recovered, weights(:, :3, tri3))
-                  cycle
-               end if
+      call recovered%fit(coefficient, patches, mesh, block)
+      do i = (block - 1)*block_size + 1, min(mesh%n_elements, block*block_size)
+         associate (material => materials%list(materials%of_element(i)), kind => mesh%element_kind(i))
+            if (kind == tri3 .and. .not. (material%is_axisymmetric .or. present(thermal_strain))) then
+               squares(:, i) = triangle_squares(mesh, i, material, patches, coefficient, &
+                  recovered%at_sample(patches, i), weights(:, :3, tri3))
+            else
                call new_element_geometry(geometry, mesh, i, material, n_fine_points(kind))
                if (present(thermal_strain)) call set_thermal_strain(geometry, &
                   thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
-               squares(:, i - first + 1) = element_squares(geometry, mesh, i, material, displacement, recovered, &
+               squares(:, i) = element_squares(geometry, mesh, i, material, displacement, patches, coefficient, &
                   weights(:, :n_corners(kind), kind))
-            end associate
-         end do
-         !$omp end parallel do
-         estimate%element(first:last) = squares(1, :last - first + 1)
-         energy = energy + sum(squares(2, :last - first + 1))
+            end if
+         end associate
       end do
-      estimate%norm = sqrt(sum(estimate%element))
-      if (estimate%norm > 0.0_dp) estimate%relative = estimate%norm/sqrt(energy + sum(estimate%element))
-      estimate%element = sqrt(estimate%element)
-   end subroutine new_error_estimate
+   end subroutine estimate_block
 
    !> The integrals over an element of the squares of the error of its stresses and of these themselves [F L].
-   pure function element_squares(geometry, mesh, element, material, displacement, recovered, weights) result(squares)
+   pure function element_squares(geometry, mesh, element, material, displacement, patches, coefficient, weights) &
+      result(squares)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! the element
       type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      type(recovered_stress_t), intent(in) :: recovered !! the recovered stresses
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      type(patch_table_t), intent(in) :: patches !! the patches of the mesh
+      real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit`
       real(dp), contiguous, intent(in) :: weights(:, :) !! linear shape functions of the corners (points, corners) [-]
       real(dp) :: squares(2)
-      real(dp) :: strain(4), stress(4), smooth(4, max_points)
+      real(dp) :: strain(4, max_points), stress(4), smooth(4, max_points)
       integer :: point
 
-      call recovered%find(mesh, element, geometry%n_points, geometry%position, weights, smooth)
+      call find_recovered(smooth, mesh, element, patches, coefficient, geometry%n_points, geometry%position, weights)
+      call find_elastic_strains(geometry, material, displacement, strain)
       squares = 0.0_dp
       do point = 1, geometry%n_points
-         strain = elastic_strain(geometry, material, displacement, point)
-         stress = material%stress(strain)
+         stress = material%stress(strain(:, point))
          squares(1) = squares(1) + geometry%volume(point)*material%squared_norm(smooth(:, point) - stress)
-         squares(2) = squares(2) + geometry%volume(point)*dot_product(strain, stress)
+         squares(2) = squares(2) + geometry%volume(point)*dot_product(strain(:, point), stress)
       end do
    end function element_squares
 
    !> The same of a three-node triangle of a plane body, whose stress is uniform; its points weigh alike [F L].
-   pure function triangle_squares(mesh, element, material, recovered, weights) result(squares)
+   pure function triangle_squares(mesh, element, material, patches, coefficient, stress, weights) result(squares)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! the element
       type(material_t), intent(in) :: material !! its material
-      type(recovered_stress_t), intent(in) :: recovered !! the recovered stresses
+      type(patch_table_t), intent(in) :: patches !! the patches of the mesh
+      real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit`
+      real(dp), intent(in) :: stress(4) !! the stress of its displacements [F/L^2]
       real(dp), contiguous, intent(in) :: weights(:, :) !! shape functions (points, corners) [-]
       real(dp) :: squares(2)
       integer, parameter :: n_points = n_fine_points(tri3)
-      real(dp) :: x(2, 3), position(2, n_points), smooth(4, n_points), stress(4), volume
+      real(dp) :: x(2, 3), position(2, n_points), smooth(4, n_points), volume
       integer :: i, point
 
       do i = 1, 3
@@ -118,8 +140,7 @@ contains
       do point = 1, n_points
          position(:, point) = weights(point, 1)*x(:, 1) + weights(point, 2)*x(:, 2) + weights(point, 3)*x(:, 3)
       end do
-      call recovered%find(mesh, element, n_points, position, weights, smooth)
-      stress = recovered%sample(element)
+      call find_recovered(smooth, mesh, element, patches, coefficient, n_points, position, weights)
       volume = 0.5_dp*material%thickness &
          *((x(1, 2) - x(1, 1))*(x(2, 3) - x(2, 1)) - (x(2, 2) - x(2, 1))*(x(1, 3) - x(1, 1)))
       squares = [0.0_dp, volume*material%squared_norm(stress)]
@@ -127,6 +148,33 @@ contains
          squares(1) = squares(1) + volume/n_points*material%squared_norm(smooth(:, point) - stress)
       end do
    end function triangle_squares
+
+   !> The recovered stresses at points of an element: xx, yy, xy, zz [F/L^2].
+   pure subroutine find_recovered(stress, mesh, element, patches, coefficient, n_points, position, weights)
+      integer, intent(in) :: n_points !! number of points
+      real(dp), intent(out) :: stress(4, n_points) !! the stresses [F/L^2]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: element !! the element
+      type(patch_table_t), intent(in) :: patches !! the patches of the mesh
+      real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit`
+      real(dp), intent(in) :: position(2, n_points) !! the points [L]
+      real(dp), contiguous, intent(in) :: weights(:, :) !! shape functions of the corners there (points, corners) [-]
+      integer :: i, corner, patch
+
+      stress = 0.0_dp
+      do i = 1, size(weights, 2)
+         corner = mesh%node_start(element) - 1 + i
+         patch = patches%at_corner(element, corner)
+         associate (of_patch => coefficient(:, :, patches%of_corner(corner)))
+            if (is_linear(patches%frame(patch))) then
+               call add_linear_stresses(stress, mesh%coordinates(:, mesh%node(corner)), of_patch, n_points, position, &
+                  weights(:, i))
+            else
+               call add_stresses(stress, patches%frame(patch), of_patch, n_points, position, weights(:, i))
+            end if
+         end associate
+      end do
+   end subroutine find_recovered
 
    !> The estimate of the whole body under its names.
    pure function error_estimate_quantities(self) result(list)

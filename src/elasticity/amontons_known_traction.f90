@@ -9,7 +9,7 @@ module amontons_known_traction
    implicit none (type, external)
    private
 
-   public :: known_traction_t, known_tractions_t, new_known_tractions
+   public :: known_traction_t, known_tractions_t, new_boundary_sides
 
    !> The traction on a side of the boundary, at its first corner, its middle and its second corner.
    type :: known_traction_t
@@ -28,49 +28,85 @@ module amontons_known_traction
    !> The sides of the boundary.
    type :: known_tractions_t
       type(known_traction_t), allocatable :: side(:) !! the sides
-      integer, allocatable, private :: of_number(:) !! which of them a side of an element is, by `side_number`
+      integer, allocatable, private :: number(:) !! which side of an element each is, by `side_number`; ascending
    contains
       procedure :: add => known_tractions_add
+      procedure :: add_loads => known_tractions_add_loads
       procedure :: at => known_tractions_at
       procedure :: forget => known_tractions_forget
       procedure :: add_nodal => known_tractions_add_nodal
+      procedure, private :: place_of => known_tractions_place_of
    end type known_tractions_t
 
 contains
 
-   !> Collects what is known on all sides of the boundary.
-   subroutine new_known_tractions(tractions, mesh, constraints, springs, loads, factor)
+   !> Lists the sides of the boundary, free of tractions where supports and springs leave them known.
+   subroutine new_boundary_sides(tractions, mesh, constraints, springs)
       type(known_tractions_t), intent(out) :: tractions !! the sides of the boundary
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(constraints_t), intent(in) :: constraints !! the supports
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
-      type(load_t), intent(in) :: loads(:) !! the loads
-      real(dp), intent(in), optional :: factor(:) !! what each load is multiplied by; 1 without it (loads) [-]
       type(side_table_t) :: table
-      real(dp) :: factors(size(loads))
-      integer :: overlapping(2), i, left, right
-      integer, allocatable :: number(:)
+      logical, allocatable :: is_there(:)
+      integer :: overlapping(2), i, left, right, number
 
       call new_side_table(table, mesh, overlapping)
-      number = [(table%boundary(i), i=1, table%n_sides)]
-      number = pack(number, number > 0)
-      allocate (tractions%side(size(number)), tractions%of_number(maxval(number)))
-      do i = 1, size(number)
-         tractions%of_number(number(i)) = i
-         call place_side(tractions%side(i), mesh, side_element(number(i)), side_place(number(i)))
+      allocate (is_there(0:side_number(mesh%n_elements + 1, 0)), source=.false.)
+      do i = 1, table%n_sides
+         is_there(table%boundary(i)) = .true.
+      end do
+      is_there(0) = .false.
+      allocate (tractions%side(count(is_there)), tractions%number(count(is_there)))
+      i = 0
+      do number = 1, ubound(is_there, 1)
+         if (.not. is_there(number)) cycle
+         i = i + 1
+         tractions%number(i) = number
+         call place_side(tractions%side(i), mesh, side_element(number), side_place(number))
          tractions%side(i)%is_known = .not. (held(tractions%side(i), constraints, 1) .and. &
             held(tractions%side(i), constraints, 2))
       end do
       do i = 1, size(springs)
          call table%find(springs(i)%node(1), springs(i)%node(2), left, right)
-         tractions%side(tractions%of_number(left))%is_known = .false.
+         tractions%side(tractions%place_of(left))%is_known = .false.
       end do
-      factors = 1.0_dp
-      if (present(factor)) factors = factor
+   end subroutine new_boundary_sides
+
+   !> Adds the tractions of loads.
+   pure subroutine known_tractions_add_loads(self, mesh, loads, factor)
+      class(known_tractions_t), intent(inout) :: self !! the sides of the boundary
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(load_t), intent(in) :: loads(:) !! the loads
+      real(dp), intent(in), optional :: factor(:) !! what each load is multiplied by; 1 without it (loads) [-]
+      integer :: i
+
       do i = 1, size(loads)
-         if (loads(i)%target == load_on_sides) call add_load(tractions, mesh, loads(i), factors(i))
+         if (loads(i)%target /= load_on_sides) cycle
+         if (present(factor)) then
+            call add_load(self, mesh, loads(i), factor(i))
+         else
+            call add_load(self, mesh, loads(i), 1.0_dp)
+         end if
       end do
-   end subroutine new_known_tractions
+   end subroutine known_tractions_add_loads
+
+   !> Which of the sides one of an element is.
+   pure integer function known_tractions_place_of(self, number) result(place)
+      class(known_tractions_t), intent(in) :: self !! the sides
+      integer, intent(in) :: number !! its number, by `side_number`
+      integer :: last, middle
+
+      place = 1
+      last = size(self%number)
+      do while (place < last)
+         middle = (place + last)/2
+         if (self%number(middle) < number) then
+            place = middle + 1
+         else
+            last = middle
+         end if
+      end do
+   end function known_tractions_place_of
 
    !> Places a side of an element.
    pure subroutine place_side(traction, mesh, element, place)
@@ -115,7 +151,7 @@ contains
 
    !> Adds the traction and the pressure of a load.
    pure subroutine add_load(tractions, mesh, load, factor)
-      type(known_tractions_t), intent(inout) :: tractions !! the sides of the boundary
+      class(known_tractions_t), intent(inout) :: tractions !! the sides of the boundary
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(load_t), intent(in) :: load !! a load on the sides of a set
       real(dp), intent(in) :: factor !! what it is multiplied by [-]
@@ -123,7 +159,7 @@ contains
 
       associate (set => mesh%sets(mesh%find_set(load%set)))
          do i = 1, size(set%element)
-            associate (side => tractions%side(tractions%of_number(side_number(set%element(i), set%side(i)))))
+            associate (side => tractions%side(tractions%place_of(side_number(set%element(i), set%side(i)))))
                do k = 1, 3
                   associate (x => side%position(:, k))
                      side%traction(:, k) = side%traction(:, k) + factor*(load%traction &
@@ -149,7 +185,7 @@ contains
 
       associate (set_sides => mesh%sets(mesh%find_set(set)))
          do i = 1, size(set_sides%element)
-            associate (side => self%side(self%of_number(side_number(set_sides%element(i), set_sides%side(i)))))
+            associate (side => self%side(self%place_of(side_number(set_sides%element(i), set_sides%side(i)))))
                side%is_known = .not. (held(side, constraints, 1) .or. held(side, constraints, 2))
                at_places(:, 1) = traction(:, side%corner(1))
                at_places(:, 3) = traction(:, side%corner(2))
@@ -179,7 +215,7 @@ contains
       integer, intent(in) :: place !! the side's place in it
       type(known_traction_t) :: side
 
-      side = self%side(self%of_number(side_number(element, place)))
+      side = self%side(self%place_of(side_number(element, place)))
    end function known_tractions_at
 
    !> Adds a traction that is linear between the corners of a side.
@@ -189,7 +225,7 @@ contains
       integer, intent(in) :: place !! the side's place in it
       real(dp), intent(in) :: traction(2, 2) !! x and y at its first and at its second corner [F/L^2]
 
-      associate (sum => self%side(self%of_number(side_number(element, place)))%traction)
+      associate (sum => self%side(self%place_of(side_number(element, place)))%traction)
          sum(:, 1) = sum(:, 1) + traction(:, 1)
          sum(:, 2) = sum(:, 2) + 0.5_dp*(traction(:, 1) + traction(:, 2))
          sum(:, 3) = sum(:, 3) + traction(:, 2)

@@ -6,51 +6,67 @@ module amontons_estimate_error
    use amontons_error, only: error_t
    use amontons_error_estimate, only: error_estimate_t, new_error_estimate
    use amontons_kinds, only: dp
-   use amontons_known_traction, only: known_traction_t, known_tractions_t, new_known_tractions
+   use amontons_known_traction, only: known_tractions_t
    use amontons_load_case, only: load_case_t
+   use amontons_recovery_tables, only: new_recovery_tables, recovery_tables_t
    use amontons_stress_recovery, only: new_recovered_stress, recovered_stress_t
    use amontons_surface, only: surface_t
    implicit none (type, external)
    private
 
-   public :: estimate_error
+   public :: estimate_error, prepare_estimates
 
 contains
+
+   !> Makes the tables that estimates of a body share, unless it has them.
+   subroutine prepare_estimates(body)
+      type(body_t), intent(inout) :: body !! the body; gains the tables
+
+      if (allocated(body%recovery)) return
+      allocate (body%recovery)
+      call new_recovery_tables(body%recovery, body%mesh, body%materials, body%constraints, body%springs)
+   end subroutine prepare_estimates
 
    !> Estimates the error of the stresses of a load case's solution.
    subroutine estimate_error(estimate, body, load_case, displacement, force, tractions)
       type(error_estimate_t), intent(out) :: estimate !! the estimate
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
       type(known_tractions_t), intent(out), optional :: tractions
          !! what is known of the tractions but for those of contact
-      type(known_traction_t), allocatable :: sides(:)
-      type(recovered_stress_t) :: recovered
+      type(recovery_tables_t), allocatable :: tables
 
-      call find_tractions(sides, body, load_case, force, tractions)
-      call new_recovered_stress(recovered, body%mesh, body%materials, sides, displacement, load_case%thermal_strain)
-      call new_error_estimate(estimate, body%mesh, body%materials, displacement, recovered, &
-         load_case%thermal_strain)
+      if (allocated(body%recovery)) then
+         call estimate_by_tables(body%recovery)
+      else
+         allocate (tables)
+         call new_recovery_tables(tables, body%mesh, body%materials, body%constraints, body%springs)
+         call estimate_by_tables(tables)
+      end if
+
+   contains
+
+      !> Estimates it by the tables at hand.
+      subroutine estimate_by_tables(tables_at_hand)
+         type(recovery_tables_t), intent(in) :: tables_at_hand !! the tables of the body
+         type(known_tractions_t) :: known
+         type(recovered_stress_t) :: recovered
+
+         known = tables_at_hand%sides
+         call known%add_loads(body%mesh, load_case%loads, load_case%factor)
+         if (present(tractions)) tractions = known
+         call set_contact_tractions(known, body, load_case, force)
+         associate (patches => tables_at_hand%patches)
+            call new_recovered_stress(recovered, patches, body%mesh, body%materials, known%side, displacement, &
+               load_case%thermal_strain)
+            call new_error_estimate(estimate, body%mesh, body%materials, displacement, patches, recovered, &
+               load_case%thermal_strain)
+         end associate
+      end subroutine estimate_by_tables
+
    end subroutine estimate_error
-
-   !> Finds what is known of the tractions on the sides of the boundary; the tables that it takes are as large as the
-   !> mesh, and only the sides are left of them.
-   subroutine find_tractions(sides, body, load_case, force, without_contact)
-      type(known_traction_t), allocatable, intent(out) :: sides(:) !! the sides
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! its loads
-      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
-      type(known_tractions_t), intent(out), optional :: without_contact !! what is known but for those of contact
-      type(known_tractions_t) :: tractions
-
-      call new_known_tractions(tractions, body%mesh, body%constraints, body%springs, load_case%loads, &
-         load_case%factor)
-      if (present(without_contact)) without_contact = tractions
-      call set_contact_tractions(tractions, body, load_case, force)
-      call move_alloc(tractions%side, sides)
-   end subroutine find_tractions
 
    !> Sets the tractions on the sides of the contact sets: the force on each node over its area. What a master bears
    !> and what ties transmit is not known side by side.

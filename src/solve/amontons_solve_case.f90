@@ -10,6 +10,7 @@ module amontons_solve_case
    use amontons_contact_zone, only: contact_zone_t
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
+   use amontons_estimate_error, only: prepare_estimates
    use amontons_kinds, only: dp
    use amontons_load_case, only: check_shear, new_load_case
    use amontons_mesh, only: mesh_t
@@ -19,7 +20,7 @@ module amontons_solve_case
    use amontons_name_check, only: check_names
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_load_case
-   use amontons_timings, only: new_timings
+   use amontons_timings, only: new_timings, phase_recover
    implicit none (type, external)
    private
 
@@ -136,6 +137,10 @@ contains
       if (allocated(error)) return
       call condense_case(cache, config, result, error)
       if (allocated(error)) return
+      if (result%wants_error_estimate) then
+         call result%timings%begin(phase_recover)
+         call prepare_estimates(cache%body)
+      end if
       call start_solution(cache, result)
       call solve_load_case(result, cache%body, cache%problem, method, error)
       if (allocated(error)) return

@@ -16,7 +16,7 @@ module amontons_solve_load_case
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_error_bound, only: find_error_bound, has_error_bound
-   use amontons_estimate_error, only: estimate_error
+   use amontons_estimate_error, only: estimate_error, prepare_estimates
    use amontons_key_results, only: body_peaks, contact_peaks, find_zones, new_lengths, set_results
    use amontons_kinds, only: dp
    use amontons_known_traction, only: known_tractions_t
@@ -306,6 +306,7 @@ contains
          call condense_body(body, problem, condensation_options_t(), result%timings, error)
       end if
       if (allocated(error)) return
+      call prepare_estimates(body)
       call solve_load_case(result, body, problem, method, error)
    end subroutine solve_body
 

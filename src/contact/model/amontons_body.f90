@@ -24,6 +24,7 @@ module amontons_body
    use amontons_new_cholesky, only: new_condenser
    use amontons_pair_check, only: recompute_pairs
    use amontons_pair_substitution, only: new_pair_substitution
+   use amontons_recovery_tables, only: recovery_tables_t
    use amontons_rigid_modes, only: check_common_motion, find_rigid_modes
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
@@ -58,6 +59,7 @@ module amontons_body
       real(dp), allocatable :: gap_change(:) !! how much larger the meshes' gaps are on that way (m) [L]
       type(dof_map_t) :: dof_map !! numbers of the unknowns
       type(condensation_t) :: condensation !! the factorized stiffness, after `condense_body`
+      type(recovery_tables_t), allocatable :: recovery !! what estimates of the error share, after `prepare_estimates`
    contains
       procedure :: internal_forces => body_internal_forces
    end type body_t
