@@ -8,7 +8,7 @@ module amontons_patch_table
    use amontons_integer_list, only: integer_list_t
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_patch_frame, only: frame_t, n_kind_terms, place_patch, samples_t
+   use amontons_patch_frame, only: frame_t, is_linear, n_kind_terms, place_patch, samples_t
    implicit none (type, external)
    private
 
@@ -29,6 +29,7 @@ module amontons_patch_table
       integer, allocatable :: element(:) !! the elements of the patches, first those that meet at its node
       integer, allocatable :: n_near(:) !! how many elements of each patch meet at its node
       type(frame_t), allocatable :: frame(:) !! coordinates and terms of the patches
+      logical :: is_linear = .false. !! whether no polynomial has terms of the second order
       type(samples_t) :: samples !! the points whose stresses are fitted
    contains
       procedure :: at_corner => patch_table_at_corner
@@ -80,6 +81,7 @@ contains
          table%element(first:first + chunks(i)%elements%n - 1) = chunks(i)%elements%item(:chunks(i)%elements%n)
          deallocate (chunks(i)%elements%item)
       end do
+      table%is_linear = all(is_linear(table%frame))
    end subroutine new_patch_table
 
    !> Places the points of the elements where their stresses are most accurate.

@@ -94,7 +94,7 @@ contains
       real(dp), contiguous, intent(in) :: stress(:, :) !! their stresses (4, n_samples) [F/L^2]
       integer, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! how many of them meet at its node
-      real(dp) :: p(max_terms), weight
+      real(dp) :: distance(2), weight, x, y
       integer :: i, k
 
       total = 0.0_dp
@@ -103,11 +103,13 @@ contains
       do i = 1, size(elements)
          if (i > n_near) weight = far_weight
          do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
-            call find_terms(frame, 3, samples%position(:, k), p)
+            distance = samples%position(:, k) - frame%center
+            x = weight*frame%scale(1, 1)*distance(1)
+            y = weight*(frame%scale(2, 1)*distance(1) + frame%scale(2, 2)*distance(2))
             total = total + weight
             right(:, 1) = right(:, 1) + weight*stress(:, k)
-            right(:, 2) = right(:, 2) + (weight*p(2))*stress(:, k)
-            right(:, 3) = right(:, 3) + (weight*p(3))*stress(:, k)
+            right(:, 2) = right(:, 2) + x*stress(:, k)
+            right(:, 3) = right(:, 3) + y*stress(:, k)
          end do
       end do
    end subroutine sum_linear_samples

@@ -8,10 +8,10 @@
 module amontons_stress_recovery
    use amontons_coloring, only: worth_threads
    use amontons_elasticity, only: element_geometry_t, element_stress, new_element_geometry, set_thermal_strain
-   use amontons_element, only: n_sampling_points
+   use amontons_element, only: n_sampling_points, quad4
    use amontons_kinds, only: dp
    use amontons_known_traction, only: known_traction_t
-   use amontons_material, only: materials_t
+   use amontons_material, only: material_t, materials_t
    use amontons_mesh, only: mesh_t
    use amontons_patch_frame, only: max_terms
    use amontons_patch_table, only: patch_table_t
@@ -90,6 +90,11 @@ contains
       !$omp firstprivate(geometry) private(point) shared(stress, patches, mesh, materials, displacement, thermal_strain)
       do i = 1, mesh%n_elements
          associate (material => materials%list(materials%of_element(i)), first => patches%samples%start(i) - 1)
+            if (mesh%element_kind(i) == quad4 .and. .not. (material%is_axisymmetric .or. material%has_mean_dilatation &
+               .or. present(thermal_strain))) then
+               stress(:, first + 1) = middle_stress(mesh, i, material, displacement)
+               cycle
+            end if
             call new_element_geometry(geometry, mesh, i, material, n_sampling_points(mesh%element_kind(i)))
             if (present(thermal_strain)) call set_thermal_strain(geometry, &
                thermal_strain(mesh%node_start(i):mesh%node_start(i + 1) - 1))
@@ -100,6 +105,26 @@ contains
       end do
       !$omp end parallel do
    end subroutine sample_stresses
+
+   !> The stress in the middle of a four-node quadrilateral of a plane body, from what changes along its diagonals
+   !> [F/L^2].
+   pure function middle_stress(mesh, element, material, displacement) result(stress)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: element !! the element
+      type(material_t), intent(in) :: material !! its material, without a mean dilatation
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp) :: stress(4)
+      real(dp), dimension(2) :: dx, dy, du, dv
+
+      associate (node => mesh%node(mesh%node_start(element):mesh%node_start(element) + 3))
+         dx = mesh%coordinates(1, node(3:4)) - mesh%coordinates(1, node(1:2))
+         dy = mesh%coordinates(2, node(3:4)) - mesh%coordinates(2, node(1:2))
+         du = displacement(1, node(3:4)) - displacement(1, node(1:2))
+         dv = displacement(2, node(3:4)) - displacement(2, node(1:2))
+      end associate
+      stress = material%stress([du(1)*dy(2) - du(2)*dy(1), dv(2)*dx(1) - dv(1)*dx(2), &
+         du(2)*dx(1) - du(1)*dx(2) + dv(1)*dy(2) - dv(2)*dy(1), 0.0_dp]/(dx(1)*dy(2) - dx(2)*dy(1)))
+   end function middle_stress
 
    !> Sorts the sides of known tractions by the patches of the corners that they begin and end at.
    pure subroutine sort_sides(start, side, patches, mesh, tractions)

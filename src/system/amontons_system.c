@@ -205,12 +205,13 @@ long long amontons_available_memory(void)
 
 /* Has large arrays go back to the system when they are freed. Left to itself glibc raises its threshold to 32 MB as
    they are, and keeps holes that nothing fits in: a tenth of the peak on half a million unknowns. What is free at the
-   end of the heap stays for the arrays of the next case: new pages take the system longer than the work on them. */
+   end of the heap stays for the arrays of the next case, up to those of half a million unknowns: new pages take the
+   system longer than the work on them. */
 void amontons_return_large_arrays(void)
 {
 #ifdef __GLIBC__
     mallopt(M_MMAP_THRESHOLD, 10000000);
-    mallopt(M_TRIM_THRESHOLD, 40000000);
+    mallopt(M_TRIM_THRESHOLD, 100000000);
 #endif
 }
 
