@@ -3,7 +3,6 @@ module amontons_new_study
    use amontons_config, only: config_t
    use amontons_history_study, only: history_study_t
    use amontons_reduced_study, only: reduced_study_t
-   use amontons_refinement_study, only: refinement_study_t
    use amontons_single_study, only: single_study_t
    use amontons_study, only: study_t
    use amontons_sweep_study, only: sweep_study_t
@@ -25,8 +24,6 @@ contains
          allocate (history_study_t :: study)
       else if (config%sweep%is_given()) then
          allocate (sweep_study_t :: study)
-      else if (config%accuracy%n_refinements > 0) then
-         allocate (refinement_study_t :: study)
       else
          allocate (single_study_t :: study)
       end if

@@ -2,15 +2,18 @@
 !>
 !> Each kind extends `study_t` in a folder of its own; `new_study` chooses the kind of a deck.
 module amontons_study
+   use amontons_body, only: body_t, estimate_body, estimate_t
    use amontons_config, only: config_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_outcome, only: outcome_t
-   use amontons_solve_case, only: cache_t
+   use amontons_result, only: result_t
+   use amontons_solve_case, only: cache_t, prepare_case
    use amontons_study_monitor, only: study_monitor_t
+   use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: check_study, solve_study, study_options_t, study_t
+   public :: check_body, check_study, solve_study, study_options_t, study_t
 
    !> What is asked for besides the deck.
    type :: study_options_t
@@ -23,22 +26,12 @@ module amontons_study
    type, abstract :: study_t
       type(config_t) :: config !! the deck
    contains
-      procedure(check_procedure), deferred :: check
+      procedure :: check => study_check
       procedure(solve_procedure), deferred :: solve
       procedure :: has_grids => study_has_grids
    end type study_t
 
    abstract interface
-      !> Checks everything that the deck can get wrong and reports its size, without solving anything.
-      subroutine check_procedure(self, cache, outcome, error)
-         import :: cache_t, error_t, outcome_t, study_t
-         implicit none (type, external)
-         class(study_t), intent(in) :: self !! the study
-         type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the study needs another
-         type(outcome_t), intent(inout) :: outcome !! gains its line and the warnings
-         type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
-      end subroutine check_procedure
-
       !> Solves everything that the deck asks for and writes its files.
       subroutine solve_procedure(self, cache, options, monitor, outcome, error)
          import :: cache_t, error_t, outcome_t, study_monitor_t, study_options_t, study_t
@@ -83,6 +76,62 @@ contains
       if (.not. allocated(error)) call study%solve(cache, options, monitor, outcome, error)
       call conclude(outcome, error)
    end subroutine solve_study
+
+   !> Checks everything that the deck can get wrong and reports its size, without solving anything: of one with a body and
+   !> a single case.
+   subroutine study_check(self, cache, outcome, error)
+      class(study_t), intent(in) :: self !! the study
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the study needs another
+      type(outcome_t), intent(inout) :: outcome !! gains its line and the warnings
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+
+      call check_body(self%config, '', cache, outcome, error)
+   end subroutine study_check
+
+   !> Checks a deck with a body and reports its size.
+   subroutine check_body(config, cases, cache, outcome, error)
+      type(config_t), intent(in) :: config !! the deck
+      character(*), intent(in) :: cases !! the cases it has, as they are reported: ', 12 cases'; empty for one
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the deck needs another
+      type(outcome_t), intent(inout) :: outcome !! gains the size, and the warnings on the model
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(result_t) :: result
+      type(estimate_t) :: estimate
+
+      call prepare_case(cache, config, result, error)
+      if (allocated(error)) return
+      call estimate_body(cache%body, config%condensation, result%timings, estimate, error)
+      if (allocated(error)) return
+      outcome%warnings = result%warnings
+      outcome%text = config%name//': deck OK; '//size_text(cache%body)//cases//'; '//estimate_text(estimate)
+   end subroutine check_body
+
+   !> The size of a body.
+   pure function size_text(body) result(text)
+      type(body_t), intent(in) :: body !! the body
+      character(:), allocatable :: text
+
+      text = to_text(body%mesh%n_nodes)//' nodes, '//to_text(body%mesh%n_elements)//' elements, '// &
+         to_text(body%dof_map%n_dofs)//' unknowns, '//to_text(body%zone%n_points)//' contact points'
+   end function size_text
+
+   !> What solving it would take.
+   pure function estimate_text(estimate) result(text)
+      type(estimate_t), intent(in) :: estimate !! what solving the deck would take
+      character(:), allocatable :: text
+
+      if (estimate%half_width > 0) then
+         text = 'band contact matrix of '//to_text(estimate%n_rows)//' rows with half width '// &
+            to_text(estimate%half_width)
+      else
+         text = 'dense contact matrix of '//to_text(estimate%n_rows)//' rows'
+      end if
+      text = text//', '//estimate%factorization//' factor of '//to_text(estimate%n_entries)//' entries, about '// &
+         to_text(ceiling(estimate%memory_mb))//' MB of memory'
+      if (estimate%n_ranks > 1) text = text//' on each of '//to_text(estimate%n_ranks)//' ranks at most'
+      if (estimate%memory_mb > estimate%available_mb) text = text//', but only '// &
+         to_text(floor(estimate%available_mb))//' MB are available'
+   end function estimate_text
 
    !> Puts the name of the deck before what went wrong with its body, its solution or its files.
    pure subroutine conclude(outcome, error)

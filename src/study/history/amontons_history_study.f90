@@ -1,7 +1,6 @@
 !> The study of a load history: all steps of a deck with `&history`.
 module amontons_history_study
    use amontons_answer_report, only: write_answer
-   use amontons_check_body, only: check_body
    use amontons_error, only: error_t, numerical_failure
    use amontons_history_model, only: find_probes
    use amontons_history_report, only: history_listing, history_members
@@ -14,7 +13,7 @@ module amontons_history_study
    use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t
    use amontons_solve_history, only: history_result_t, solve_history
-   use amontons_study, only: study_options_t, study_t
+   use amontons_study, only: check_body, study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_text, only: to_text
    implicit none (type, external)

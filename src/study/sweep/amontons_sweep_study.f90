@@ -1,7 +1,6 @@
 !> The study of a sweep: all cases of a deck with `&sweep`.
 module amontons_sweep_study
    use amontons_body, only: body_t
-   use amontons_check_body, only: check_body
    use amontons_conditioning, only: rounded
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
@@ -11,7 +10,7 @@ module amontons_sweep_study
    use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t
    use amontons_solve_sweep, only: solve_sweep, sweep_result_t
-   use amontons_study, only: study_options_t, study_t
+   use amontons_study, only: check_body, study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
    use amontons_sweep, only: sweep_t
    use amontons_sweep_report, only: write_sweep_report
