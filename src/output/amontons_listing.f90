@@ -14,7 +14,7 @@ module amontons_listing
    use amontons_listing_text, only: heading, labeled, pair_text, scientific, short_text, with_unit
    use amontons_result, only: certificate_limit, result_t
    use amontons_solutions_report, only: solutions_text, uniqueness_text
-   use amontons_text, only: to_text
+   use amontons_text, only: newline, to_text
    use amontons_timings, only: phase_assemble, phase_condense, phase_factorize, phase_read, phase_recover, phase_solve
    use amontons_zone_edges, only: interval_t
    implicit none (type, external)
@@ -36,14 +36,17 @@ contains
       type(result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)
 
-      call contact_columns(columns, body, result)
       listing%ending = '.lst'
       call listing%record(head_text(label))
       associate (solution => result%solution)
-         call listing%add(heading('Key results')//quantities_text(result%key_results, label%units)// &
-            counts_text(solution%status), [maxval([force_scale(result), result%key_results%scale])])
+         if (.not. allocated(result%answer)) call listing%add(heading('Key results')// &
+            quantities_text(result%key_results, label%units)//counts_text(solution%status), &
+            [maxval([force_scale(result), result%key_results%scale])])
          call listing%add(warnings_text(result%warnings))
          call listing%add(model_text(body, result%load_case, label%units))
+         if (allocated(result%answer)) call listing%add(heading('Solution')//'  '//result%answer//newline)
+         if (allocated(result%answer)) return
+         call contact_columns(columns, body, result)
          if (allocated(result%study_listing)) call listing%record(result%study_listing)
          call listing%record(solution_text(body, result))
          if (allocated(result%convergence)) call listing%record(convergence_text(result%convergence, label%units))

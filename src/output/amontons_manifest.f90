@@ -1,21 +1,28 @@
 !> The manifest of a summary: sizes and checksums of the files that were written with it and of those that were read,
 !> and, as its last member, the checksum of the summary itself. `--verify` finds by it what was changed by accident,
 !> even where no number follows from the others. `cksum FILE` prints the same numbers.
+!>
+!> What an earlier run of a case left in its directory and the new one does not write again, grids of other cases of a
+!> sweep or steps of a history, all solutions, a reduced problem, is removed, so that the files of a case are those of
+!> one run. What it left is what its manifest names. Whatever else has the name of the case is left alone, as is a file
+!> that is no longer the one that was written, or that the new run has read.
 module amontons_manifest
    use amontons_checksum, only: checksum_t, file_checksum, text_checksum
    use amontons_contact_set, only: contact_t
    use amontons_error, only: error_t
+   use amontons_fault_list, only: fault_list_t
    use amontons_json, only: json_string
    use amontons_kinds, only: int64
    use amontons_loads, only: load_t
    use amontons_mesh, only: mesh_t
    use amontons_output_file, only: output_file_t
+   use amontons_system, only: absolute_path, file_name_t
    use amontons_text, only: newline, to_text
    use amontons_text_file, only: read_text_file
    implicit none (type, external)
    private
 
-   public :: read_manifest, read_summary, manifest_t, manifest_file_t, manifest_list_t, with_manifest
+   public :: find_earlier_files, manifest_list_t, manifest_t, read_manifest, read_summary, with_manifest
 
    !> What stands before the checksum of the summary, and behind it.
    character(*), parameter :: before_checksum = '  "checksum": ', behind_checksum = newline//'}'//newline
@@ -25,6 +32,8 @@ module amontons_manifest
       character(:), allocatable :: name !! its name: seen from the output directory if written, as it was read otherwise
       integer(int64) :: n_bytes = 0_int64 !! its size
       integer(int64) :: checksum = 0_int64 !! its checksum
+   contains
+      procedure :: fault => manifest_file_fault
    end type manifest_file_t
 
    !> A list of files.
@@ -34,6 +43,7 @@ module amontons_manifest
    contains
       procedure :: append => manifest_list_append
       procedure :: append_known => manifest_list_append_known
+      procedure :: check => manifest_list_check
    end type manifest_list_t
 
    !> The files of a case.
@@ -41,10 +51,10 @@ module amontons_manifest
       type(manifest_list_t) :: outputs !! those written
       type(manifest_list_t) :: inputs !! those read: mesh, tables, reduced problem
    contains
+      procedure :: add_case => manifest_add_case
       procedure :: add_input => manifest_add_input
       procedure :: add_inputs => manifest_add_inputs
       procedure :: add_outputs => manifest_add_outputs
-      procedure :: add_reduced => manifest_add_reduced
       procedure :: add_written => manifest_add_written
    end type manifest_t
 
@@ -79,14 +89,18 @@ contains
       error%message = final_path//': cannot write this file'//error%message(index(error%message, ': ', back=.true.):)
    end subroutine manifest_add_written
 
-   !> Adds the file of a reduced problem, which is written before the others.
-   subroutine manifest_add_reduced(self, stem, error)
+   !> Adds the finished files of a case, and that of its reduced problem, which is written before them.
+   subroutine manifest_add_case(self, files, stem, has_reduced, error)
       class(manifest_t), intent(inout) :: self !! the manifest
+      type(output_file_t), intent(in) :: files(:) !! the files; those not yet begun are passed over
       character(*), intent(in) :: stem !! directory and name of the case
-      type(error_t), allocatable, intent(out) :: error !! it cannot be read
+      logical, intent(in) :: has_reduced !! whether the reduced problem was written
+      type(error_t), allocatable, intent(inout) :: error !! why they are not finished; or one cannot be read
 
-      call self%add_written(stem//'.reduced.dat', stem//'.reduced.dat', '', error)
-   end subroutine manifest_add_reduced
+      if (.not. allocated(error)) call self%add_outputs(files, '', error)
+      if (has_reduced .and. .not. allocated(error)) call self%add_written(stem//'.reduced.dat', stem//'.reduced.dat', &
+         '', error)
+   end subroutine manifest_add_case
 
    !> Adds the files that a body was made of; the effective deck holds what its deck said.
    subroutine manifest_add_inputs(self, mesh, contacts, loads)
@@ -146,6 +160,40 @@ contains
       self%files(self%n)%n_bytes = n_bytes
       self%files(self%n)%checksum = checksum
    end subroutine manifest_list_append_known
+
+   !> Why a file is not as it is listed; empty if it is.
+   function manifest_file_fault(self, path) result(fault)
+      class(manifest_file_t), intent(in) :: self !! what is known of it
+      character(*), intent(in) :: path !! where it is
+      character(:), allocatable :: fault
+      type(error_t), allocatable :: error
+      type(checksum_t) :: checksum
+
+      fault = ''
+      call file_checksum(checksum, path, error)
+      if (allocated(error)) then
+         fault = error%message(len(path) + 3:)
+      else if (checksum%n_bytes /= self%n_bytes) then
+         fault = 'it was changed: '//to_text(checksum%n_bytes)//' bytes, but '//to_text(self%n_bytes)//' were written'
+      else if (checksum%value() /= self%checksum) then
+         fault = 'it was changed: its checksum is '//to_text(checksum%value())//', but '//to_text(self%checksum)// &
+            ' when it was written'
+      end if
+   end function manifest_file_fault
+
+   !> Tells of all files that are not as they are listed.
+   subroutine manifest_list_check(self, faults, folder)
+      class(manifest_list_t), intent(in) :: self !! the list
+      type(fault_list_t), intent(inout) :: faults !! gains what does not agree
+      character(*), intent(in) :: folder !! what the names are seen from, with a slash; empty for the present folder
+      character(:), allocatable :: fault
+      integer :: i
+
+      do i = 1, self%n
+         fault = self%files(i)%fault(folder//self%files(i)%name)
+         if (len(fault) > 0) call faults%add(folder//self%files(i)%name, fault)
+      end do
+   end subroutine manifest_list_check
 
    !> A summary with its manifest, lines with their ends.
    function with_manifest(text, manifest) result(complete)
@@ -276,5 +324,69 @@ contains
          i = i + 1
       end do
    end function unescaped
+
+   !> Finds the files to remove.
+   subroutine find_earlier_files(files, directory, name, manifest)
+      type(file_name_t), allocatable, intent(out) :: files(:) !! the files, with their directory
+      character(*), intent(in) :: directory !! output directory
+      character(*), intent(in) :: name !! name of the case
+      type(manifest_t), intent(in) :: manifest !! the manifest of the new results
+      type(manifest_t) :: earlier
+      character(:), allocatable :: summary, fault
+      integer :: i, n
+
+      ! Where it cannot be read, or it was changed, nothing is named.
+      call read_summary(earlier, summary, directory//'/'//name//'.summary.json', fault)
+      allocate (files(earlier%outputs%n))
+      n = 0
+      do i = 1, earlier%outputs%n
+         associate (file => earlier%outputs%files(i))
+            if (.not. is_of_case(file%name, name) .or. is_among(manifest%outputs, file%name)) cycle
+            if (.not. is_removable(file, directory, manifest%inputs)) cycle
+            n = n + 1
+            files(n)%text = directory//'/'//file%name
+         end associate
+      end do
+      files = files(:n)
+   end subroutine find_earlier_files
+
+   !> Whether a file is one that a case of this name may leave; a summary of another program may name any.
+   pure logical function is_of_case(file, name)
+      character(*), intent(in) :: file !! its name, seen from the output directory
+      character(*), intent(in) :: name !! name of the case
+      integer :: slash
+
+      slash = index(file, '/', back=.true.)
+      is_of_case = index(file, name//'.') == 1 .and. slash == 0 .or. file(:slash) == name//'.sweep/' .or. &
+         file(:slash) == name//'.history/'
+   end function is_of_case
+
+   !> Whether a name is among those of a list.
+   pure logical function is_among(list, name)
+      type(manifest_list_t), intent(in) :: list !! the list
+      character(*), intent(in) :: name !! the name
+      integer :: i
+
+      is_among = .true.
+      do i = 1, list%n
+         if (len(list%files(i)%name) == len(name) .and. list%files(i)%name == name) return
+      end do
+      is_among = .false.
+   end function is_among
+
+   !> Whether a file is still the one that was written, and none that the new run has read.
+   logical function is_removable(file, directory, inputs)
+      type(manifest_file_t), intent(in) :: file !! what is known of it
+      character(*), intent(in) :: directory !! output directory
+      type(manifest_list_t), intent(in) :: inputs !! the files that were read
+      character(:), allocatable :: path
+      integer :: i
+
+      path = directory//'/'//file%name
+      is_removable = len(file%fault(path)) == 0
+      do i = 1, inputs%n
+         if (absolute_path(inputs%files(i)%name) == absolute_path(path)) is_removable = .false.
+      end do
+   end function is_removable
 
 end module amontons_manifest

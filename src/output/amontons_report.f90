@@ -4,23 +4,21 @@ module amontons_report
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
    use amontons_contact_table, only: add_point_table, column_t, contact_columns, pair_names
-   use amontons_contact_vtu, only: write_contact_vtu
    use amontons_document, only: document_t
-   use amontons_earlier_files, only: find_earlier_files
    use amontons_error, only: error_t
    use amontons_listing, only: new_listing
-   use amontons_manifest, only: manifest_t, with_manifest
+   use amontons_manifest, only: find_earlier_files, manifest_t, with_manifest
    use amontons_output_file, only: commit_files, output_file_t, write_text_file
    use amontons_result, only: result_t
    use amontons_solutions_report, only: solutions_table_text
    use amontons_summary, only: new_summary
    use amontons_system, only: file_name_t, make_directory
    use amontons_timings, only: phase_write
-   use amontons_vtu, only: write_vtu
+   use amontons_vtu, only: write_case_grids
    implicit none (type, external)
    private
 
-   public :: case_documents, study_files_t, write_report
+   public :: case_documents, commit_case, study_files_t, write_documents, write_report
 
    !> The files that a study of several steps adds to those of the last one.
    type :: study_files_t
@@ -31,7 +29,8 @@ module amontons_report
 contains
 
    !> Writes NAME.lst, NAME.contact.csv, NAME.vtu, NAME.contact.vtu and NAME.summary.json, NAME.deck.nml if there is a
-   !> deck, and NAME.solutions.csv if all solutions are known. The files are renamed when all are complete.
+   !> deck, and NAME.solutions.csv if all solutions are known; without a state to show only listing, deck and summary.
+   !> The files are renamed when all are complete.
    subroutine write_report(directory, label, body, result, error, study)
       character(*), intent(in) :: directory !! output directory, made if it is not there
       class(case_label_t), intent(in) :: label !! what the case is called: a configuration, or `new_case_label`
@@ -39,19 +38,66 @@ contains
       type(result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
       type(study_files_t), intent(in), optional :: study !! the files of a study of several steps
+      type(document_t), allocatable :: documents(:)
+      type(document_t) :: summary
       type(output_file_t), allocatable :: files(:)
       type(study_files_t) :: added
-      type(file_name_t), allocatable :: earlier(:)
-      type(manifest_t) :: manifest
+      character(:), allocatable :: stem
+      integer :: n, n_grids
 
       call make_directory(directory, error)
       if (allocated(error)) return
       if (present(study)) added = study
       if (.not. allocated(added%files)) allocate (added%files(0))
-      call write_files(files, manifest, directory//'/'//label%name, label, body, result, added, error)
-      if (.not. allocated(error)) call find_earlier_files(earlier, directory, label%name, manifest)
-      call commit_files(files, error, earlier)
+      call case_documents(documents, label, body, result)
+      n = size(documents)
+      n_grids = merge(0, 2, allocated(result%answer))
+      allocate (files(n + n_grids + size(added%files) + 1))
+      files(n + n_grids + 1:size(files) - 1) = added%files
+      stem = directory//'/'//label%name
+      call write_documents(files, stem, documents, error)
+      if (n_grids > 0 .and. .not. allocated(error)) call write_case_grids(files(n + 1:n + n_grids), stem, label%units, &
+         body, result, error)
+      call added%manifest%add_case(files, stem, result%has_reduced_files, error)
+      if (.not. allocated(error)) then
+         call added%manifest%add_inputs(body%mesh, result%load_case%contacts, result%load_case%loads)
+         call result%timings%begin(phase_write)
+         call new_summary(summary, label, body, result)
+      end if
+      call commit_case(files, added%manifest, directory, label%name, summary, error)
    end subroutine write_report
+
+   !> Writes texts under their temporary names.
+   subroutine write_documents(files, stem, documents, error)
+      type(output_file_t), intent(inout) :: files(:) !! the files; the first ones become those of the texts
+      character(*), intent(in) :: stem !! directory and name of the case
+      type(document_t), intent(in) :: documents(:) !! the texts
+      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
+      integer :: i
+
+      do i = 1, size(documents)
+         call write_text_file(files(i), stem//documents(i)%ending, documents(i)%text(), error)
+         if (allocated(error)) return
+      end do
+   end subroutine write_documents
+
+   !> Writes the summary, which comes last, since it tells the time of writing, and gives all files their names; what an
+   !> earlier run of the case left besides is removed.
+   subroutine commit_case(files, manifest, directory, name, summary, error)
+      type(output_file_t), intent(inout) :: files(:) !! the finished files, the last one to become the summary
+      type(manifest_t), intent(in) :: manifest !! the manifest of the others, and of what was read
+      character(*), intent(in) :: directory !! output directory
+      character(*), intent(in) :: name !! name of the case
+      type(document_t), intent(in) :: summary !! the summary
+      type(error_t), allocatable, intent(inout) :: error
+         !! why the files are not complete, if they are not: they are then discarded; or why one cannot be written
+      type(file_name_t), allocatable :: earlier(:)
+
+      if (.not. allocated(error)) call write_text_file(files(size(files)), directory//'/'//name//summary%ending, &
+         with_manifest(summary%text(), manifest), error)
+      if (.not. allocated(error)) call find_earlier_files(earlier, directory, name, manifest)
+      call commit_files(files, error, earlier)
+   end subroutine commit_case
 
    !> Makes the text files of a case, but for the summary.
    subroutine case_documents(documents, label, body, result)
@@ -61,64 +107,32 @@ contains
       type(result_t), intent(in) :: result !! the result
       type(column_t), allocatable :: columns(:)
       character(:), allocatable :: deck
+      integer :: n
 
       deck = label%deck_text()
-      allocate (documents(2 + count([len(deck) > 0, allocated(result%convergence), allocated(result%all_solutions)])))
+      allocate (documents(1 + count([.not. allocated(result%answer), len(deck) > 0, allocated(result%convergence), &
+         allocated(result%all_solutions)])))
       call new_listing(documents(1), label, body, result)
-      call contact_columns(columns, body, result)
-      call add_point_table(documents(2), columns, result%solution%status, &
-         pair_names(body%zone, result%load_case%contacts))
+      n = 1
+      if (.not. allocated(result%answer)) then
+         n = n + 1
+         call contact_columns(columns, body, result)
+         call add_point_table(documents(n), columns, result%solution%status, &
+            pair_names(body%zone, result%load_case%contacts))
+      end if
       if (len(deck) > 0) then
-         documents(3)%ending = '.deck.nml'
-         call documents(3)%add(deck)
+         n = n + 1
+         documents(n)%ending = '.deck.nml'
+         call documents(n)%add(deck)
       end if
       if (allocated(result%convergence)) then
-         associate (next => documents(3 + count([len(deck) > 0])))
-            next%ending = '.convergence.csv'
-            call next%record(convergence_table_text(result%convergence))
-         end associate
+         n = n + 1
+         documents(n)%ending = '.convergence.csv'
+         call documents(n)%record(convergence_table_text(result%convergence))
       end if
       if (.not. allocated(result%all_solutions)) return
-      associate (last => documents(size(documents)))
-         last%ending = '.solutions.csv'
-         call last%record(solutions_table_text(result%all_solutions, result%load_case%free_gap))
-      end associate
+      documents(n + 1)%ending = '.solutions.csv'
+      call documents(n + 1)%record(solutions_table_text(result%all_solutions, result%load_case%free_gap))
    end subroutine case_documents
-
-   !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
-   subroutine write_files(files, manifest, stem, label, body, result, study, error)
-      type(output_file_t), allocatable, intent(out) :: files(:) !! the finished files, the summary last
-      type(manifest_t), intent(out) :: manifest !! their manifest
-      character(*), intent(in) :: stem !! directory and name of the case
-      class(case_label_t), intent(in) :: label !! what the case is called
-      type(body_t), intent(in) :: body !! the body
-      type(result_t), intent(inout) :: result !! the result; gains the time of writing
-      type(study_files_t), intent(in) :: study !! the files of a study of several steps
-      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
-      type(document_t), allocatable :: documents(:)
-      type(document_t) :: summary
-      integer :: i, n
-
-      call case_documents(documents, label, body, result)
-      n = size(documents)
-      allocate (files(n + size(study%files) + 3))
-      files(n + 3:size(files) - 1) = study%files
-      manifest = study%manifest
-      do i = 1, n
-         call write_text_file(files(i), stem//documents(i)%ending, documents(i)%text(), error)
-         if (allocated(error)) return
-      end do
-      call write_vtu(files(n + 1), stem//'.vtu', label%units, body, result, error)
-      if (allocated(error)) return
-      call write_contact_vtu(files(n + 2), stem//'.contact.vtu', label%units, body, result, error)
-      if (allocated(error)) return
-      call manifest%add_outputs(files, '', error)
-      if (result%has_reduced_files .and. .not. allocated(error)) call manifest%add_reduced(stem, error)
-      if (allocated(error)) return
-      call manifest%add_inputs(body%mesh, result%load_case%contacts, result%load_case%loads)
-      call result%timings%begin(phase_write)
-      call new_summary(summary, label, body, result)
-      call write_text_file(files(size(files)), stem//summary%ending, with_manifest(summary%text(), manifest), error)
-   end subroutine write_files
 
 end module amontons_report

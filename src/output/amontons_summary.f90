@@ -4,7 +4,7 @@ module amontons_summary
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
    use amontons_document, only: document_t
-   use amontons_json, only: json_number, quantity_members
+   use amontons_json, only: json_number, json_string, quantity_members
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp, int64
    use amontons_quantity, only: quantity_t, scales
@@ -29,6 +29,12 @@ contains
 
       associate (solution => result%solution, certificate => result%certificate)
          call add_head(summary, label, result%method%method, outcome_word(result), result%warnings)
+         if (allocated(result%answer)) then
+            call summary%add(member('message', json_string(result%answer)))
+            call summary%add(member('counts', '{'//size_counts(body)//'}'))
+            call summary%record(last_members(result%timings))
+            return
+         end if
          if (allocated(result%study_members)) call summary%record(result%study_members)
          call summary%record(effort_members(solution))
          if (result%method_error >= 0.0_dp) call summary%record(member('method_error', &

@@ -17,8 +17,8 @@ module amontons_summary_members
    implicit none (type, external)
    private
 
-   public :: add_head, certificate_member, effort_members, last_members, member, quantities_member, size_counts, &
-      status_counts, uniqueness_member
+   public :: add_head, certificate_member, effort_members, last_members, member, member_value, quantities_member, &
+      size_counts, status_counts, uniqueness_member
 
 contains
 
@@ -137,5 +137,30 @@ contains
          i=1, size(phase_names)), quantity_t('total', '', sum(timings%seconds))]) &
          //'  "peak_memory_mb": '//json_number(peak_memory_mb())//newline//'}'//newline
    end function last_members
+
+   !> The text of a member's value, in a summary that was read, up to the comma or bracket behind it;
+   !> empty if there is no such member.
+   pure function member_value(summary, section, name) result(value)
+      character(*), intent(in) :: summary !! the summary
+      character(*), intent(in) :: section !! the member that it is in; empty for none
+      character(*), intent(in) :: name !! its name
+      character(:), allocatable :: value
+      integer :: first, last
+
+      value = ''
+      if (len(section) == 0) then
+         first = index(summary, newline//'  "'//name//'": ') + 1
+         last = first + index(summary(first:), newline) - 2
+      else
+         first = index(summary, newline//'  "'//section//'": {') + 1
+         last = first + index(summary(first:), newline) - 2
+         if (first > 1) first = first + index(summary(first:last), '"'//name//'": ') - 1
+      end if
+      if (first < 2 .or. summary(first:first) == newline .or. last < first) return
+      first = first + index(summary(first:last), '": ') + 2
+      if (len(section) > 0) last = first + scan(summary(first:last), ',}') - 2
+      if (len(section) == 0 .and. summary(last:last) == ',') last = last - 1
+      value = summary(first:last)
+   end function member_value
 
 end module amontons_summary_members

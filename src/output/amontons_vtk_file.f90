@@ -26,7 +26,7 @@ module amontons_vtk_file
       real(dp), public :: scale = 0.0_dp
          !! what rounding errors of the next reals are measured by, if larger than they are; only comparisons ask
       character(:), allocatable :: section !! the section that is open
-      character(:), allocatable :: units !! names of the units of the case; empty if it names none
+      character(:), allocatable, public :: units !! names of the units of the case; empty if it names none
       character(:), allocatable :: label !! unit of the array that is open
       integer :: state = 0 !! status of the last write statement; nothing is written after a failure
       character(:), allocatable :: not_finite !! the first quantity with a number that is not finite
@@ -48,27 +48,23 @@ module amontons_vtk_file
 contains
 
    !> Opens a grid under a temporary name.
-   subroutine new_vtk_file(vtk, path, units, n_points, n_cells, error)
+   subroutine new_vtk_file(vtk, path, units, error)
       type(vtk_file_t), intent(out) :: vtk !! the grid
       character(*), intent(in) :: path !! name of the file
       character(*), intent(in) :: units !! names of the units of the case
-      integer, intent(in) :: n_points !! number of points
-      integer, intent(in) :: n_cells !! number of cells
       type(error_t), allocatable, intent(out) :: error !! the file cannot be opened
 
-      call vtk%begin_grid(units, n_points, n_cells)
+      vtk%units = units
       call new_output_file(vtk%file, path, .true., error)
    end subroutine new_vtk_file
 
    !> Begins the markup.
-   pure subroutine vtk_file_begin_grid(self, units, n_points, n_cells)
+   pure subroutine vtk_file_begin_grid(self, n_points, n_cells)
       class(vtk_file_t), intent(inout) :: self !! the grid
-      character(*), intent(in) :: units !! names of the units of the case
       integer, intent(in) :: n_points !! number of points
       integer, intent(in) :: n_cells !! number of cells
 
       self%section = ''
-      self%units = units
       self%markup = '<?xml version="1.0"?>'//newline// &
          '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">'//newline// &
          '  <UnstructuredGrid>'//newline//'    <Piece NumberOfPoints="'//to_text(n_points)//'" NumberOfCells="'// &

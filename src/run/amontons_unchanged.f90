@@ -2,13 +2,13 @@
 !> version of the program; solved, certified, and every file as it was written.
 module amontons_unchanged
    use amontons_batch_table, only: number_keys
-   use amontons_checksum, only: checksum_t, file_checksum
    use amontons_config, only: config_t
    use amontons_error, only: error_t
+   use amontons_fault_list, only: fault_list_t
    use amontons_kinds, only: dp
    use amontons_manifest, only: manifest_list_t, manifest_t, read_summary
    use amontons_quantity, only: quantity_t
-   use amontons_summary_file, only: summary_file_t
+   use amontons_summary_members, only: member_value
    use amontons_text, only: newline, read_real
    use amontons_text_file, only: read_text_file
    use amontons_version, only: version
@@ -27,6 +27,7 @@ contains
       character(*), intent(in) :: directory !! output directory
       type(manifest_t) :: manifest
       type(error_t), allocatable :: error
+      type(fault_list_t) :: faults
       character(:), allocatable :: summary, fault, deck, stem
 
       is_unchanged = .false.
@@ -39,9 +40,9 @@ contains
       call read_text_file(stem//'.deck.nml', deck, error)
       if (allocated(error)) return
       if (deck /= config%deck_text()) return
-      if (.not. are_as_listed(manifest%outputs, directory//'/')) return
-      if (.not. are_as_listed(manifest%inputs, '')) return
-      is_unchanged = lists_inputs(config, manifest%inputs)
+      call manifest%outputs%check(faults, directory//'/')
+      call manifest%inputs%check(faults, '')
+      is_unchanged = faults%n == 0 .and. lists_inputs(config, manifest%inputs)
       if (is_unchanged) numbers = numbers_of(summary)
    end subroutine find_unchanged
 
@@ -50,23 +51,21 @@ contains
       character(*), intent(in) :: summary !! the summary
       type(quantity_t), allocatable :: numbers(:)
       character(*), parameter :: sections(*) = [character(12) :: 'load_history', '', 'key_results', 'resultants']
-      type(summary_file_t) :: file
       character(:), allocatable :: value
       real(dp) :: number
       logical :: ok
       integer :: i, k
 
       allocate (numbers(0))
-      file%text = summary
       do i = 1, size(number_keys)
          do k = 1, size(sections)
-            value = file%value(trim(sections(k)), trim(number_keys(i)))
+            value = member_value(summary, trim(sections(k)), trim(number_keys(i)))
             call read_real(value, number, ok)
             if (ok) exit
          end do
          ! Sums of forces of a sweep are no results of one case.
          if (.not. ok .and. index(number_keys(i), 'max_') == 1) then
-            value = greatest(file, trim(number_keys(i)))
+            value = greatest(summary, trim(number_keys(i)))
             call read_real(value, number, ok)
          end if
          if (ok) numbers = [numbers, quantity_t(number_keys(i), '', number)]
@@ -74,14 +73,14 @@ contains
    end function numbers_of
 
    !> The greatest value of a number of a sweep, as its summary has it; empty if it has none.
-   pure function greatest(file, key) result(value)
-      type(summary_file_t), intent(in) :: file !! the summary
+   pure function greatest(summary, key) result(value)
+      character(*), intent(in) :: summary !! the summary
       character(*), intent(in) :: key !! name of the number
       character(:), allocatable :: value, extremes
       integer :: first
 
       value = ''
-      extremes = file%value('', 'extremes')
+      extremes = member_value(summary, '', 'extremes')
       first = index(extremes, '"'//key//'": {')
       if (first == 0) return
       first = first + index(extremes(first:), '"greatest": ') + len('"greatest": ') - 1
@@ -129,24 +128,5 @@ contains
       if (.not. allocated(path)) return
       if (len(path) > 0) lists_inputs = lists_inputs .and. any([(inputs%files(i)%name == path, i=1, inputs%n)])
    end subroutine check
-
-   !> Whether all files of a list are those that are listed.
-   logical function are_as_listed(list, folder)
-      type(manifest_list_t), intent(in) :: list !! the list
-      character(*), intent(in) :: folder !! what the names are seen from, with a slash; empty for the present folder
-      type(checksum_t) :: checksum
-      type(error_t), allocatable :: error
-      integer :: i
-
-      are_as_listed = .true.
-      do i = 1, list%n
-         associate (file => list%files(i))
-            call file_checksum(checksum, folder//file%name, error)
-            are_as_listed = .not. allocated(error)
-            if (are_as_listed) are_as_listed = checksum%n_bytes == file%n_bytes .and. checksum%value() == file%checksum
-         end associate
-         if (.not. are_as_listed) return
-      end do
-   end function are_as_listed
 
 end module amontons_unchanged

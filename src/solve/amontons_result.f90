@@ -62,6 +62,8 @@ module amontons_result
          !! of a load history: slip of its last step [L], accumulated slip [L], dissipation [F L] and the integral of
          !! the pressure over the slip [F/L] of each point; parameters of fretting where they are asked for (m, 4 or 9)
       logical :: is_complete = .true. !! whether a study of several steps has come to its end
+      character(:), allocatable :: answer
+         !! why there is no state to show: no equilibrium, or a first step of a history that did not converge
       character(:), allocatable :: study_listing !! what a study of several steps says of them in the listing
       character(:), allocatable :: study_members !! what it says in the summary, members of a JSON object
       character(:), allocatable :: shared_with !! the case whose factorization was used; not allocated for an own one

@@ -77,8 +77,8 @@ contains
       call conclude(outcome, error)
    end subroutine solve_study
 
-   !> Checks everything that the deck can get wrong and reports its size, without solving anything: of one with a body and
-   !> a single case.
+   !> Checks everything that the deck can get wrong and reports its size, without solving anything: of one with a body
+   !> and a single case.
    subroutine study_check(self, cache, outcome, error)
       class(study_t), intent(in) :: self !! the study
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the study needs another

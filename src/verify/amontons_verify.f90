@@ -5,19 +5,15 @@
 !> the deck and the mesh, and do the tables, grids, listing and summary say the same? Checksums answer
 !> the first and find accidents; recomputation answers the second and finds wrong numbers.
 module amontons_verify
-   use amontons_checksum, only: checksum_t, file_checksum
-   use amontons_config, only: config_t, read_config
+   use amontons_config, only: read_config
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_fault_list, only: fault_list_t
    use amontons_json, only: json_string
-   use amontons_manifest, only: read_summary, manifest_t, manifest_file_t
+   use amontons_manifest, only: manifest_t, read_summary
    use amontons_solve_case, only: cache_t
-   use amontons_summary_file, only: summary_file_t
    use amontons_system, only: file_name_t, list_directory
-   use amontons_text, only: to_text
-   use amontons_verify_case, only: verify_case
+   use amontons_verified_case, only: verified_case_t
+   use amontons_verify_case, only: verify_case, verify_reduced
    use amontons_verify_history, only: verify_history
-   use amontons_verify_reduced, only: verify_reduced
    use amontons_verify_sweep, only: verify_sweep
    implicit none (type, external)
    private
@@ -91,102 +87,53 @@ contains
       type(cache_t), intent(inout) :: cache !! the body at hand: cases that agree in it share it
       character(*), intent(in) :: directory !! the directory
       character(*), intent(in) :: name !! name of the case
-      type(summary_file_t) :: summary
-      character(:), allocatable :: stem
+      type(verified_case_t) :: case
+      type(manifest_t) :: manifest
+      character(:), allocatable :: fault
 
-      stem = directory//'/'//name
+      case%stem = directory//'/'//name
       verdict%remark = ''
-      summary%path = stem//summary_suffix
-      call check_manifest(summary, directory)
-      if (allocated(summary%text)) then
-         if (summary%faults%n == 0 .and. index(summary%text, '"name": '//json_string(name//'.deck.nml')//',') == 0) then
-            call trust_summary(verdict, summary, 'no deck: nothing was recomputed')
+      call read_summary(manifest, case%summary, case%stem//summary_suffix, fault)
+      call case%fault(summary_suffix, fault)
+      call manifest%outputs%check(case%faults, directory//'/')
+      call manifest%inputs%check(case%faults, '')
+      if (allocated(case%summary)) then
+         if (case%faults%n == 0 .and. index(case%summary, '"name": '//json_string(name//'.deck.nml')//',') == 0) then
+            ! Where there is no deck, the summary is trusted.
+            case%is_certified = case%value('', 'converged') == 'true' .and. &
+               case%value('certificate', 'passed') == 'true'
+            verdict%remark = ' by checksums alone; no deck: nothing was recomputed'
          else
-            call verify_contents(verdict, summary, cache, stem, name)
+            call verify_contents(case, cache, name)
          end if
       end if
-      verdict%is_verified = summary%faults%n == 0
-      verdict%faults = summary%faults%text()
+      verdict%is_certified = case%is_certified
+      verdict%is_verified = case%faults%n == 0
+      verdict%faults = case%faults%text()
    end subroutine verify_files
 
    !> Checks the files of a case that comes from a deck against each other.
-   subroutine verify_contents(verdict, summary, cache, stem, name)
-      type(verdict_t), intent(inout) :: verdict !! gains whether the case converged and its certificate passes
-      type(summary_file_t), intent(inout) :: summary !! the summary; gains the faults
+   subroutine verify_contents(case, cache, name)
+      type(verified_case_t), intent(inout) :: case !! the case; gains its deck, the faults and the verdict
       type(cache_t), intent(inout) :: cache !! the body at hand
-      character(*), intent(in) :: stem !! directory and name of the case
       character(*), intent(in) :: name !! name of the case
-      type(config_t) :: config
       type(error_t), allocatable :: error
 
-      call read_config(config, stem//'.deck.nml', error)
+      call read_config(case%config, case%stem//'.deck.nml', error)
       if (allocated(error)) then
-         call summary%faults%add(stem//'.deck.nml', error%message)
+         call case%fault('.deck.nml', error%message)
          return
       end if
-      if (config%name /= name) call summary%faults%add(stem//'.deck.nml', "it is the deck of case '"//config%name//"'")
-      if (config%reduced%is_given) then
-         call verify_reduced(summary, config, stem, verdict%is_certified)
-      else if (config%history%is_given) then
-         call verify_history(summary, cache, config, stem, verdict%is_certified)
-      else if (config%sweep%is_given()) then
-         call verify_sweep(summary, cache, config, stem, verdict%is_certified)
+      if (case%config%name /= name) call case%fault('.deck.nml', "it is the deck of case '"//case%config%name//"'")
+      if (case%config%reduced%is_given) then
+         call verify_reduced(case)
+      else if (case%config%history%is_given) then
+         call verify_history(case, cache)
+      else if (case%config%sweep%is_given()) then
+         call verify_sweep(case, cache)
       else
-         call verify_case(summary, cache, config, stem, verdict%is_certified)
+         call verify_case(case, cache)
       end if
    end subroutine verify_contents
-
-   !> Takes from the summary whether a case converged and its certificate passes, where only checksums are compared.
-   subroutine trust_summary(verdict, summary, reason)
-      type(verdict_t), intent(inout) :: verdict !! gains this, and a remark
-      type(summary_file_t), intent(in) :: summary !! the summary
-      character(*), intent(in) :: reason !! why no more is done
-
-      verdict%is_certified = summary%value('', 'converged') == 'true' .and. &
-         summary%value('certificate', 'passed') == 'true'
-      verdict%remark = ' by checksums alone; '//reason
-   end subroutine trust_summary
-
-   !> Reads the summary and compares every file with its manifest.
-   subroutine check_manifest(summary, directory)
-      type(summary_file_t), intent(inout) :: summary !! gains the text, if it can be read, and the faults
-      character(*), intent(in) :: directory !! the directory of the results
-      type(manifest_t) :: manifest
-      character(:), allocatable :: fault
-      integer :: i
-
-      call read_summary(manifest, summary%text, summary%path, fault)
-      if (len(fault) > 0) call summary%faults%add(summary%path, fault)
-      do i = 1, manifest%outputs%n
-         associate (file => manifest%outputs%files(i))
-            call check_file(summary%faults, directory//'/'//file%name, file)
-         end associate
-      end do
-      do i = 1, manifest%inputs%n
-         associate (file => manifest%inputs%files(i))
-            call check_file(summary%faults, file%name, file)
-         end associate
-      end do
-   end subroutine check_manifest
-
-   !> Compares a file with its manifest.
-   subroutine check_file(faults, path, listed)
-      type(fault_list_t), intent(inout) :: faults !! gains what does not agree
-      character(*), intent(in) :: path !! name of the file
-      type(manifest_file_t), intent(in) :: listed !! what is known of it
-      type(error_t), allocatable :: error
-      type(checksum_t) :: checksum
-
-      call file_checksum(checksum, path, error)
-      if (allocated(error)) then
-         call faults%add(path, error%message(len(path) + 3:))
-      else if (checksum%n_bytes /= listed%n_bytes) then
-         call faults%add(path, 'it was changed: '//to_text(checksum%n_bytes)//' bytes, but '// &
-            to_text(listed%n_bytes)//' were written')
-      else if (checksum%value() /= listed%checksum) then
-         call faults%add(path, 'it was changed: its checksum is '//to_text(checksum%value())//', but '// &
-            to_text(listed%checksum)//' when it was written')
-      end if
-   end subroutine check_file
 
 end module amontons_verify

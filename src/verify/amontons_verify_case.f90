@@ -1,97 +1,96 @@
 !> The files of a solved case checked against each other: its result is restored from the deck, the mesh, the
 !> displacements in NAME.vtu and the forces and statuses in NAME.contact.csv, and written again: every file must say the
-!> same.
+!> same. Those of a reduced problem likewise: u = W r + q and the contact law are computed again from the problem as it
+!> is read and the forces.
 !>
 !> No matrix is assembled and none factorized, and no method runs: the forces of the elements come from their
 !> displacements, one by one.
 module amontons_verify_case
-   use amontons_answer_report, only: answer_documents
    use amontons_body, only: body_t
-   use amontons_config, only: config_t
-   use amontons_contact_check, only: check_statuses, contact_state_t, new_law_scales, read_points
+   use amontons_contact_check, only: check_statuses, contact_state_t, law_scales_t, new_law_scales, read_points
    use amontons_contact_solution, only: new_contact_solution
-   use amontons_contact_vtu, only: n_line_cells, n_line_points, show_contact_line
    use amontons_document, only: document_t
-   use amontons_document_check, only: compare_document
    use amontons_error, only: error_t
    use amontons_fault_list, only: fault_list_t
+   use amontons_kinds, only: dp
+   use amontons_reduced_check, only: new_reduced_check
+   use amontons_reduced_report, only: new_reduced_summary, reduced_documents
    use amontons_report, only: case_documents
    use amontons_result, only: certificate_limit, result_t
    use amontons_result_warnings, only: add_result_warnings
    use amontons_solve_case, only: cache_t, prepare_case, solve_case
    use amontons_solve_load_case, only: judge
+   use amontons_solve_reduced, only: prepare_reduced, reduced_result_t
    use amontons_summary, only: new_summary
-   use amontons_summary_file, only: summary_file_t
+   use amontons_verified_case, only: verified_case_t
    use amontons_vtk_check, only: new_vtk_check, read_displacement, vtk_check_t
-   use amontons_vtu, only: show_body
+   use amontons_vtu, only: show_body, show_contact_line
    implicit none (type, external)
    private
 
-   public :: check_grids, check_law, restore_displacement, verify_case, verify_result
+   public :: check_grids, check_law, restore_displacement, verify_answer, verify_case, verify_reduced, verify_result
 
 contains
 
    !> Checks the files of a case.
-   subroutine verify_case(summary, cache, config, stem, is_certified)
-      type(summary_file_t), intent(inout) :: summary !! the summary; gains the faults of all files
+   subroutine verify_case(case, cache)
+      type(verified_case_t), intent(inout) :: case !! the case; gains the faults of all files, and the verdict
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
-      type(config_t), intent(in) :: config !! the case as its effective deck has it
-      character(*), intent(in) :: stem !! directory and name of the case
-      logical, intent(out) :: is_certified !! whether it converged and its certificate passes
       type(result_t) :: result
-      type(document_t) :: listing, answer
       type(error_t), allocatable :: error
 
-      is_certified = .false.
       ! That friction does not hold a body follows from a solution alone.
-      if (summary%value('', 'outcome') == '"no_equilibrium"') then
-         call solve_case(cache, config, result, error)
+      if (case%value('', 'outcome') == '"no_equilibrium"') then
+         call solve_case(cache, case%config, result, error)
       else
-         call prepare_case(cache, config, result, error)
+         call prepare_case(cache, case%config, result, error)
       end if
       if (result%has_no_equilibrium) then
-         call answer_documents(listing, answer, config, cache%body, result, error%message)
-         call compare_document(summary%faults, stem, answer)
-         call compare_document(summary%faults, stem, listing)
-         is_certified = .true.
-         return
+         call verify_answer(case, cache%body, result, error%message)
+      else if (allocated(error)) then
+         call case%fault('.deck.nml', error%message)
+      else
+         call verify_result(case, cache%body, result)
       end if
-      if (allocated(error)) then
-         call summary%faults%add(stem//'.deck.nml', error%message)
-         return
-      end if
-      call verify_result(summary, cache%body, config, stem, result, is_certified)
    end subroutine verify_case
 
-   !> Checks the files of a load case, which may be a step of a history.
-   subroutine verify_result(summary, body, config, stem, result, is_certified)
-      type(summary_file_t), intent(inout) :: summary !! the summary; gains the faults of all files
+   !> Checks the files of a case without a state to show.
+   subroutine verify_answer(case, body, result, answer)
+      type(verified_case_t), intent(inout) :: case !! the case; gains the faults of all files, and the verdict
       type(body_t), intent(in) :: body !! the body
-      type(config_t), intent(in) :: config !! the case as its effective deck has it
-      character(*), intent(in) :: stem !! directory and name of the case
+      type(result_t), intent(inout) :: result !! the load case; gains the answer
+      character(*), intent(in) :: answer !! why there is none
+
+      result%answer = answer
+      call check_texts(case, body, result)
+      case%is_certified = result%has_no_equilibrium
+   end subroutine verify_answer
+
+   !> Checks the files of a load case, which may be a step of a history.
+   subroutine verify_result(case, body, result)
+      type(verified_case_t), intent(inout) :: case !! the case; gains the faults of all files, and the verdict
+      type(body_t), intent(in) :: body !! the body
       type(result_t), intent(inout) :: result !! the load case; gains what the files state, and what follows
-      logical, intent(out) :: is_certified !! whether it converged and its certificate passes
       character(:), allocatable :: fault
 
-      is_certified = .false.
       call new_contact_solution(result%solution, body%zone%n_points)
-      call read_points(stem//'.contact.csv', body%zone%n_points, result%solution%force, &
+      call read_points(case%stem//'.contact.csv', body%zone%n_points, result%solution%force, &
          result%solution%status, fault)
-      if (len(fault) > 0) call summary%faults%add(stem//'.contact.csv', fault)
+      call case%fault('.contact.csv', fault)
       if (len(fault) > 0) return
-      call restore_displacement(result, body, stem//'.vtu', fault)
-      if (len(fault) > 0) call summary%faults%add(stem//'.vtu', fault)
+      call restore_displacement(result, body, case%stem//'.vtu', fault)
+      call case%fault('.vtu', fault)
       if (len(fault) > 0) return
       ! The last step of a history that ended early has converged.
-      result%solution%is_converged = summary%value('', 'converged') == 'true' .or. .not. result%is_complete
-      result%condition = summary%number('', 'condition')
+      result%solution%is_converged = case%value('', 'converged') == 'true' .or. .not. result%is_complete
+      result%condition = case%number('', 'condition')
       call judge(result, body)
       call add_result_warnings(result, body)
-      if (result%solution%is_converged) call check_law(summary%faults, body, result, stem//'.contact.csv', .true.)
-      call check_texts(summary%faults, config, body, result, stem)
-      call check_grids(summary%faults, config%units, body, result, stem)
-      is_certified = result%solution%is_converged .and. &
-         result%certificate%largest() <= certificate_limit(config%method%tolerance)
+      if (result%solution%is_converged) call check_law(case%faults, body, result, case%stem//'.contact.csv', .true.)
+      call check_texts(case, body, result)
+      call check_grids(case, body, result, case%stem)
+      case%is_certified = result%solution%is_converged .and. &
+         result%certificate%largest() <= certificate_limit(case%config%method%tolerance)
    end subroutine verify_result
 
    !> Reads the displacements of the nodes, and finds those of the contact points.
@@ -112,41 +111,34 @@ contains
    end subroutine restore_displacement
 
    !> Writes the texts again and compares.
-   subroutine check_texts(faults, config, body, result, stem)
-      type(fault_list_t), intent(inout) :: faults !! gains what does not agree
-      type(config_t), intent(in) :: config !! the case
+   subroutine check_texts(case, body, result)
+      type(verified_case_t), intent(inout) :: case !! the case; gains what does not agree
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result as it was restored
-      character(*), intent(in) :: stem !! directory and name of the case
       type(document_t), allocatable :: documents(:)
       type(document_t) :: summary
-      integer :: i
 
-      call new_summary(summary, config, body, result)
-      call compare_document(faults, stem, summary)
-      call case_documents(documents, config, body, result)
-      do i = size(documents), 1, -1
-         call compare_document(faults, stem, documents(i))
-      end do
+      call new_summary(summary, case%config, body, result)
+      call case_documents(documents, case%config, body, result)
+      call case%compare(documents, summary)
    end subroutine check_texts
 
-   !> Checks all that the two grids show: mesh, stresses, contact quantities.
-   subroutine check_grids(faults, units, body, result, stem)
-      type(fault_list_t), intent(inout) :: faults !! gains what does not agree
-      character(*), intent(in) :: units !! names of the units of the case
+   !> Checks all that two grids show: mesh, stresses, contact quantities.
+   subroutine check_grids(case, body, result, stem)
+      type(verified_case_t), intent(inout) :: case !! the case; gains what does not agree
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(in) :: result !! the result as it was restored
-      character(*), intent(in) :: stem !! directory and name of the case
+      character(*), intent(in) :: stem !! name of the grids without endings, with their directory
       type(vtk_check_t) :: check
 
-      call new_vtk_check(check, stem//'.vtu', units, body%mesh%n_nodes, body%mesh%n_elements)
+      call new_vtk_check(check, stem//'.vtu', case%config%units)
       call show_body(check, body, result)
       call check%close()
-      call faults%append(check%faults)
-      call new_vtk_check(check, stem//'.contact.vtu', units, n_line_points(body%zone), n_line_cells(body%zone))
+      call case%faults%append(check%faults)
+      call new_vtk_check(check, stem//'.contact.vtu', case%config%units)
       call show_contact_line(check, body, result)
       call check%close()
-      call faults%append(check%faults)
+      call case%faults%append(check%faults)
    end subroutine check_grids
 
    !> Holds the statuses of a converged case against the contact law.
@@ -168,5 +160,46 @@ contains
             result%displacement, result%certificate%force_scale))
       end associate
    end subroutine check_law
+
+   !> Checks the files of a reduced problem.
+   subroutine verify_reduced(case)
+      type(verified_case_t), intent(inout) :: case !! the case; gains the faults of all files, and the verdict
+      type(reduced_result_t) :: result
+      type(contact_state_t) :: points
+      type(document_t), allocatable :: documents(:)
+      type(document_t) :: summary
+      type(error_t), allocatable :: error
+      character(:), allocatable :: fault
+
+      call prepare_reduced(case%config, result, error)
+      if (allocated(error)) then
+         call case%fault('.deck.nml', error%message)
+         return
+      end if
+      associate (system => result%system, solution => result%solution, limit => certificate_limit( &
+         case%config%method%tolerance))
+         call new_contact_solution(solution, system%n_contacts)
+         call read_points(case%stem//'.contact.csv', system%n_contacts, solution%force, solution%status, fault)
+         call case%fault('.contact.csv', fault)
+         if (len(fault) > 0) return
+         ! The tangential forces turn to the direction of the slip.
+         solution%force(system%n_contacts + 1:) = -solution%force(system%n_contacts + 1:)
+         solution%is_converged = case%value('', 'converged') == 'true'
+         call system%set_solution(solution%force, 1.0_dp)
+         call new_reduced_check(result%check, system)
+         points%gap = system%u(1::2)
+         points%slip = system%u(2::2)
+         points%force = solution%force
+         points%status = solution%status
+         if (solution%is_converged .and. system%n_contacts > 0) call check_statuses(case%faults, &
+            case%stem//'.contact.csv', .true., points, system%friction, spread(0.0_dp, 1, system%n_contacts), &
+            spread(.false., 1, system%n_contacts), law_scales_t(limit*maxval(abs([system%u, system%q])), &
+            limit*maxval(abs(system%r))))
+         call new_reduced_summary(summary, case%config, result)
+         call reduced_documents(documents, case%config, result)
+         call case%compare(documents, summary)
+         case%is_certified = solution%is_converged .and. result%check%largest() <= limit
+      end associate
+   end subroutine verify_reduced
 
 end module amontons_verify_case

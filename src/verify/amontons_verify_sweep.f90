@@ -1,211 +1,360 @@
 !> The files of a sweep checked against each other: rows, summary and listing are written again from the values of the
 !> deck and from what the rows state. A row holds no displacements: where the fields of its case are not kept, its
-!> forces and its residual cannot be computed again without solving the case, and are only checksummed.
+!> forces and its residual cannot be computed again without solving the case, and are only checksummed. Grids are
+!> checked as those of a single case are: from the displacements of the one and the stresses of the other the result is
+!> restored, and all that they show, and the row of the case, are computed again.
 module amontons_verify_sweep
    use amontons_body, only: body_t
-   use amontons_config, only: config_t
+   use amontons_collection, only: case_entries
+   use amontons_collection_check, only: compare_collection
+   use amontons_contact_solution, only: new_contact_solution
    use amontons_csv_table, only: csv_table_t, read_csv_table
    use amontons_document, only: document_t
-   use amontons_document_check, only: compare_document, compare_line
+   use amontons_document_check, only: compare_line
    use amontons_error, only: error_t
-   use amontons_key_results, only: lengths_t, new_lengths
+   use amontons_key_results, only: body_peaks, lengths_t, new_lengths
    use amontons_kinds, only: dp
-   use amontons_quantity, only: quantity_t
+   use amontons_quantity, only: expanded, quantity_t, scales
+   use amontons_result, only: certificate_limit, result_t
    use amontons_result_warnings, only: add_conditioning, lacks_points
    use amontons_row_text, only: read_status_runs, status_runs
-   use amontons_solve_case, only: prepare_case, cache_t
+   use amontons_solve_case, only: cache_t, prepare_case
+   use amontons_solve_load_case, only: judge
    use amontons_solve_sweep, only: sweep_result_t
-   use amontons_summary_file, only: summary_file_t
+   use amontons_sweep_model, only: new_sweep_loads, sweep_model_t
    use amontons_sweep_report, only: n_documents, sweep_documents
-   use amontons_sweep_statistics, only: case_converged, case_keys, case_result_t, outcome_names
+   use amontons_sweep_statistics, only: case_converged, case_keys, case_quantities, case_result_t, outcome_names
    use amontons_sweep_summary, only: new_sweep_summary
    use amontons_sweep_table, only: append_row, read_warnings, sweep_header
+   use amontons_system, only: file_name_t, list_directory
    use amontons_text, only: read_integer, to_text
    use amontons_timings, only: phase_solve
-   use amontons_verify_fields, only: field_case_t, verify_fields
+   use amontons_verified_case, only: verified_case_t
+   use amontons_verify_case, only: check_grids, check_law, restore_displacement
+   use amontons_vtk_check, only: read_array
+   use amontons_vtu, only: n_line_points
    implicit none (type, external)
    private
 
    public :: verify_sweep
 
+   !> A case as its row states it.
+   type :: row_t
+      integer :: number = 0 !! its number
+      integer, allocatable :: status(:) !! statuses of the contact points (m)
+      type(case_result_t) :: result !! numbers that are kept, and residual
+      character(:), allocatable :: text !! the row
+   end type row_t
+
 contains
 
    !> Checks the files of a sweep.
-   subroutine verify_sweep(summary, cache, config, stem, is_certified)
-      type(summary_file_t), intent(inout) :: summary !! the summary; gains the faults of all files
+   subroutine verify_sweep(case, cache)
+      type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults of all files, and the verdict
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the sweep needs another
-      type(config_t), intent(in) :: config !! the deck
-      character(*), intent(in) :: stem !! directory and name of the case
-      logical, intent(out) :: is_certified !! whether all cases converged and the certificate passes
       type(sweep_result_t) :: result
-      type(field_case_t), allocatable :: cases(:)
+      type(document_t) :: documents(n_documents), summary
+      type(row_t), allocatable :: rows(:)
       type(error_t), allocatable :: error
       logical, allocatable :: has_converged(:)
       character(:), allocatable :: fault
 
-      is_certified = .false.
-      call prepare_case(cache, config, result%certified, error)
+      call prepare_case(cache, case%config, result%certified, error)
       if (allocated(error)) then
-         call summary%faults%add(stem//'.deck.nml', error%message)
+         call case%fault('.deck.nml', error%message)
          return
       end if
-      result%certified%condition = summary%number('', 'condition')
+      result%certified%condition = case%number('', 'condition')
       call add_conditioning(result%certified, cache%body)
-      call restore_rows(result, cases, has_converged, config, cache%body, stem//'.sweep.csv', fault)
+      call restore_rows(case, result, rows, has_converged, cache%body, fault)
       call result%statistics%add_warnings(cache%body%zone, result%certified%warnings)
-      if (len(fault) > 0) then
-         call summary%faults%add(stem//'.sweep.csv', fault)
-         return
-      end if
-      result%n_resumed = nint(summary%number('sweep', 'done_earlier'))
-      result%certified%timings%seconds(phase_solve) = summary%number('seconds', 'solve')
-      call find_certified(summary, has_converged, result%statistics%worst_case)
+      call case%fault('.sweep.csv', fault)
+      if (len(fault) > 0) return
+      result%n_resumed = nint(case%number('sweep', 'done_earlier'))
+      result%certified%timings%seconds(phase_solve) = case%number('seconds', 'solve')
+      call find_certified(case, has_converged, result%statistics%worst_case)
       ! As the certificate, it takes the whole model and is only recorded.
-      if (config%accuracy%wants_estimate() .and. result%statistics%worst_case > 0) then
+      if (case%config%accuracy%wants_estimate() .and. result%statistics%worst_case > 0) then
          allocate (result%certified%error_estimate)
       end if
-      call verify_fields(summary, result, cache%body, config, stem, cases)
-      call check_texts(summary, config, cache%body, result, stem)
-      is_certified = result%statistics%is_answered() .and. (result%statistics%residual_case == 0 .or. &
-         summary%value('certificate', 'passed') == 'true')
+      call verify_fields(case, result, cache%body, rows)
+      call sweep_documents(documents, case%config, cache%body, result)
+      call new_sweep_summary(summary, case%config, cache%body, result)
+      call case%compare(documents, summary)
+      case%is_certified = result%statistics%is_answered() .and. (result%statistics%residual_case == 0 .or. &
+         case%value('certificate', 'passed') == 'true')
    end subroutine verify_sweep
 
    !> Reads the rows, writes each again and compares.
-   subroutine restore_rows(result, cases, has_converged, config, body, path, fault)
+   subroutine restore_rows(case, result, rows, has_converged, body, fault)
+      type(verified_case_t), intent(in) :: case !! the sweep
       type(sweep_result_t), intent(inout) :: result !! gains the statistics
-      type(field_case_t), allocatable, intent(out) :: cases(:) !! the cases that converged and whose fields are kept
+      type(row_t), allocatable, intent(out) :: rows(:) !! the rows of cases that converged and whose fields are kept
       logical, allocatable, intent(out) :: has_converged(:) !! whether each case has converged
-      type(config_t), intent(in) :: config !! the deck
       type(body_t), intent(in) :: body !! the body
-      character(*), intent(in) :: path !! name of the table
       character(:), allocatable, intent(out) :: fault !! what is wrong; empty if nothing is
-      type(csv_table_t) :: rows
+      type(csv_table_t) :: table
       character(:), allocatable :: header
       integer :: i, n, n_quantities
 
-      header = sweep_header(config%sweep, case_keys(body, config%sweep))
-      n_quantities = size(case_keys(body, config%sweep))
-      call read_csv_table(rows, path, header(:len(header) - 1), 6 + size(config%sweep%axes) + n_quantities, fault)
-      if (len(fault) == 0 .and. rows%n_rows /= config%sweep%n_cases()) fault = to_text(rows%n_rows)// &
-         ' rows, but the deck has '//to_text(config%sweep%n_cases())//' cases'
-      if (len(fault) > 0) return
-      allocate (cases(config%sweep%n_fields() + 1), has_converged(rows%n_rows))
-      n = 0
-      do i = 1, rows%n_rows
-         associate (case => cases(n + 1))
-            case%number = i
-            if (.not. allocated(case%status)) allocate (case%status(body%zone%n_points))
-            call read_row(rows, i, size(config%sweep%axes) + 2, n_quantities, case%result, case%status, fault)
-            if (len(fault) == 0) call compare_row(rows%row(i), config, body, case, fault)
-            if (len(fault) > 0) return
-            call result%statistics%add(case%result)
-            has_converged(i) = case%result%outcome == case_converged
-            case%row = rows%row(i)
-            if (config%sweep%has_fields(i, i) .and. has_converged(i)) n = n + 1
-         end associate
-      end do
-      cases = cases(:n)
+      associate (sweep => case%config%sweep)
+         n_quantities = size(case_keys(body, sweep))
+         header = header_of(case, body)
+         call read_csv_table(table, case%stem//'.sweep.csv', header, 6 + size(sweep%axes) + n_quantities, fault)
+         if (len(fault) == 0 .and. table%n_rows /= sweep%n_cases()) fault = to_text(table%n_rows)// &
+            ' rows, but the deck has '//to_text(sweep%n_cases())//' cases'
+         if (len(fault) > 0) return
+         allocate (rows(sweep%n_fields() + 1), has_converged(table%n_rows))
+         n = 0
+         do i = 1, table%n_rows
+            associate (row => rows(n + 1))
+               row%number = i
+               row%text = table%row(i)
+               if (.not. allocated(row%status)) allocate (row%status(body%zone%n_points))
+               call read_row(row, table, size(sweep%axes) + 2, n_quantities, fault)
+               if (len(fault) == 0) call check_lengths(case, row, body, fault)
+               if (len(fault) > 0) return
+               call result%statistics%add(row%result)
+               has_converged(i) = row%result%outcome == case_converged
+               if (sweep%has_fields(i, i) .and. has_converged(i)) n = n + 1
+            end associate
+         end do
+         rows = rows(:n)
+      end associate
    end subroutine restore_rows
 
+   !> The header of the table, without its line end.
+   pure function header_of(case, body) result(header)
+      type(verified_case_t), intent(in) :: case !! the sweep
+      type(body_t), intent(in) :: body !! the body
+      character(:), allocatable :: header
+
+      header = sweep_header(case%config%sweep, case_keys(body, case%config%sweep))
+      header = header(:len(header) - 1)
+   end function header_of
+
    !> Reads what a row states of its case.
-   subroutine read_row(rows, row, first, n_quantities, result, status, fault)
-      type(csv_table_t), intent(in) :: rows !! the table
-      integer, intent(in) :: row !! which row
+   subroutine read_row(row, table, first, n_quantities, fault)
+      type(row_t), intent(inout) :: row !! the row, its number known; gains what it states
+      type(csv_table_t), intent(in) :: table !! the table
       integer, intent(in) :: first !! column of the first quantity
       integer, intent(in) :: n_quantities !! number of quantities
-      type(case_result_t), intent(out) :: result !! what is kept of the case
-      integer, intent(out) :: status(:) !! statuses of its points, if it has a solution
       character(:), allocatable, intent(inout) :: fault !! what is wrong; empty if nothing is
       character(:), allocatable :: runs
       integer :: i
       logical :: ok
 
-      result%quantity = spread(0.0_dp, 1, n_quantities)
-      runs = rows%field(row, first + n_quantities + 4)
-      call read_warnings(result%is_warned, rows%field(row, first + n_quantities + 3))
-      associate (at_iterations => first + n_quantities + 1)
+      row%result = case_result_t()
+      row%result%quantity = spread(0.0_dp, 1, n_quantities)
+      runs = table%field(row%number, first + n_quantities + 4)
+      call read_warnings(row%result%is_warned, table%field(row%number, first + n_quantities + 3))
+      associate (at_iterations => first + n_quantities + 1, result => row%result)
          ! A body without contact points has no statuses.
-         result%has_solution = len(rows%field(row, first)) > 0
-         result%outcome = findloc(outcome_names == rows%field(row, at_iterations + 1), .true., dim=1)
-         call read_integer(rows%field(row, at_iterations), result%n_iterations, ok)
-         if (.not. ok .or. result%outcome == 0) fault = 'line '//to_text(row + 1)//': no iterations or no outcome'
+         result%has_solution = len(table%field(row%number, first)) > 0
+         result%outcome = findloc(outcome_names == table%field(row%number, at_iterations + 1), .true., dim=1)
+         call read_integer(table%field(row%number, at_iterations), result%n_iterations, ok)
+         if (.not. ok .or. result%outcome == 0) fault = 'line '//to_text(row%number + 1)// &
+            ': no iterations or no outcome'
          if (len(fault) > 0 .or. .not. result%has_solution) return
          do i = 1, n_quantities
-            call rows%get_number(row, first + i - 1, result%quantity(i), fault)
+            call table%get_number(row%number, first + i - 1, result%quantity(i), fault)
          end do
-         call rows%get_number(row, first + n_quantities, result%residual, fault)
-         call read_status_runs(status, runs, ok)
-         if (.not. ok) fault = 'line '//to_text(row + 1)//": '"//runs//"' are not the statuses of "// &
-            to_text(size(status))//' contact points'
+         call table%get_number(row%number, first + n_quantities, result%residual, fault)
+         call read_status_runs(row%status, runs, ok)
+         if (.not. ok) fault = 'line '//to_text(row%number + 1)//": '"//runs//"' are not the statuses of "// &
+            to_text(size(row%status))//' contact points'
       end associate
    end subroutine read_row
 
    !> Compares a row with the values of its case and the lengths that follow from its statuses.
-   subroutine compare_row(stated, config, body, case, fault)
-      character(*), intent(in) :: stated !! the row
-      type(config_t), intent(in) :: config !! the deck
+   subroutine check_lengths(case, row, body, fault)
+      type(verified_case_t), intent(in) :: case !! the sweep
+      type(row_t), intent(in) :: row !! the row
       type(body_t), intent(in) :: body !! the body
-      type(field_case_t), intent(in) :: case !! the case as the row states it
       character(:), allocatable, intent(inout) :: fault !! gains what is wrong
       type(case_result_t) :: computed
       type(lengths_t) :: lengths
       type(quantity_t) :: parts(3)
-      character(:), allocatable :: text, runs, header
-      logical :: is_lost
 
-      computed = case%result
-      runs = ''
+      computed = row%result
       if (computed%has_solution) then
-         call new_lengths(lengths, body%zone, case%status)
+         call new_lengths(lengths, body%zone, row%status)
          parts = lengths%quantities()
          computed%quantity(:size(parts)) = parts%value
-         call status_runs(runs, case%status, body%zone%set)
       end if
+      call compare_row(case, row, body, computed, [0.0_dp], fault)
+      if (row%result%outcome == case_converged) then
+         if (len(fault) == 0 .and. .not. row%result%residual <= case%config%method%tolerance) fault = &
+            'the residual of a converged case is above the tolerance'
+         if (len(fault) == 0 .and. any(row%result%is_warned(2:3) .neqv. lacks_points(row%status))) fault = &
+            'its warnings do not follow from its statuses'
+      end if
+      if (len(fault) > 0) fault = 'line '//to_text(row%number + 1)//': '//fault
+   end subroutine check_lengths
+
+   !> Compares a row with that of a result.
+   subroutine compare_row(case, row, body, computed, row_scales, fault)
+      type(verified_case_t), intent(in) :: case !! the sweep
+      type(row_t), intent(in) :: row !! the row
+      type(body_t), intent(in) :: body !! the body
+      type(case_result_t), intent(in) :: computed !! what should stand there
+      real(dp), intent(in) :: row_scales(:) !! what the first, second ... number is measured by besides itself
+      character(:), allocatable, intent(out) :: fault !! what is wrong; empty if nothing is
+      character(:), allocatable :: text, runs
+      logical :: is_lost
+
+      runs = ''
+      if (computed%has_solution) call status_runs(runs, row%status, body%zone%set)
       text = ''
-      call append_row(text, config%sweep, case%number, computed, runs)
-      header = sweep_header(config%sweep, case_keys(body, config%sweep))
-      call compare_line(fault, stated, text(:len(text) - 1), header(:len(header) - 1), [0.0_dp], 0.0_dp, is_lost)
-      if (len(fault) == 0 .and. case%result%outcome == case_converged .and. &
-         .not. case%result%residual <= config%method%tolerance) fault = &
-         'the residual of a converged case is above the tolerance'
-      if (len(fault) == 0 .and. case%result%outcome == case_converged .and. &
-         any(case%result%is_warned(2:3) .neqv. lacks_points(case%status))) fault = &
-         'its warnings do not follow from its statuses'
-      if (len(fault) > 0) fault = 'line '//to_text(case%number + 1)//': '//fault
+      call append_row(text, case%config%sweep, row%number, computed, runs)
+      call compare_line(fault, row%text, text(:len(text) - 1), header_of(case, body), row_scales, 0.0_dp, is_lost)
    end subroutine compare_row
 
    !> Finds the case that the summary says is certified. No file has the error estimates, but it has converged.
-   subroutine find_certified(summary, has_converged, certified)
-      type(summary_file_t), intent(inout) :: summary !! the summary; gains the fault
+   subroutine find_certified(case, has_converged, certified)
+      type(verified_case_t), intent(inout) :: case !! the sweep; gains the fault
       logical, intent(in) :: has_converged(:) !! whether each case has converged
       integer, intent(out) :: certified !! number of the case; 0 if none has converged
       logical :: ok
 
       certified = 0
       if (.not. any(has_converged)) return
-      call read_integer(summary%value('certificate', 'case'), certified, ok)
+      call read_integer(case%value('certificate', 'case'), certified, ok)
       if (ok) ok = certified >= 1 .and. certified <= size(has_converged)
       if (ok) ok = has_converged(certified)
-      if (.not. ok) call summary%faults%add(summary%path, "certificate.case is '"// &
-         summary%value('certificate', 'case')//"', which is not a converged case")
+      if (.not. ok) call case%fault('.summary.json', "certificate.case is '"//case%value('certificate', 'case')// &
+         "', which is not a converged case")
    end subroutine find_certified
 
-   !> Writes the texts again and compares.
-   subroutine check_texts(summary, config, body, result, stem)
-      type(summary_file_t), intent(inout) :: summary !! gains the faults
-      type(config_t), intent(in) :: config !! the deck
+   !> Checks the fields of a sweep: every grid, the collection, and that no other grids are among them.
+   subroutine verify_fields(case, sweep, body, rows)
+      type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
+      type(sweep_result_t), intent(inout) :: sweep !! its result; gains the certificate, if its case has fields
       type(body_t), intent(in) :: body !! the body
-      type(sweep_result_t), intent(in) :: result !! the result as it was restored
-      character(*), intent(in) :: stem !! directory and name of the case
-      type(document_t) :: documents(n_documents), rewritten
+      type(row_t), intent(in) :: rows(:) !! the rows of the cases that converged and whose fields are kept
+      type(sweep_model_t) :: model
+      type(result_t) :: result
+      type(error_t), allocatable :: error
+      character(:), allocatable :: entries, number
       integer :: i
 
-      call sweep_documents(documents, config, body, result)
-      do i = 1, n_documents
-         call compare_document(summary%faults, stem, documents(i))
+      sweep%has_certificate = .false.
+      call check_surplus(case, rows%number)
+      if (size(rows) == 0) return
+      call new_sweep_loads(model, body, sweep%certified%load_case, case%config, error)
+      if (allocated(error)) then
+         ! not raised: the same loads were made when the case was prepared
+         call case%fault('.deck.nml', error%message)
+         return
+      end if
+      entries = ''
+      do i = 1, size(rows)
+         result%method = case%config%method
+         result%wants_error_estimate = case%config%accuracy%wants_estimate()
+         call model%load_case(case%config%sweep%values(rows(i)%number), result%load_case)
+         call check_fields(case, result, body, rows(i))
+         number = to_text(rows(i)%number)
+         entries = entries//case_entries(number, case%config%name//'.sweep/'//number)
+         if (rows(i)%number /= sweep%statistics%worst_case .or. .not. allocated(result%displacement)) cycle
+         sweep%certified%certificate = result%certificate
+         if (allocated(result%error_estimate)) sweep%certified%error_estimate = result%error_estimate
+         sweep%has_certificate = .true.
       end do
-      call new_sweep_summary(rewritten, config, body, result)
-      call compare_document(summary%faults, stem, rewritten)
-   end subroutine check_texts
+      call compare_collection(case%faults, case%stem//'.sweep.pvd', entries)
+   end subroutine verify_fields
+
+   !> Tells of grids that are none of this sweep, as an interrupted one of the same name may leave them.
+   subroutine check_surplus(case, numbers)
+      type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
+      integer, intent(in) :: numbers(:) !! numbers of the cases whose grids should be there
+      type(file_name_t), allocatable :: files(:)
+      type(error_t), allocatable :: error
+      logical, allocatable :: has_grids(:)
+      integer :: i, number
+      logical :: ok
+
+      ! What is missing is told when it is read.
+      call list_directory(files, case%stem//'.sweep', error)
+      if (allocated(error)) return
+      allocate (has_grids(0:maxval([0, numbers])), source=.false.)
+      has_grids(numbers) = .true.
+      do i = 1, size(files)
+         associate (name => files(i)%text)
+            if (index(name//'/', '.vtu/') == 0) cycle
+            call read_integer(name(:index(name, '.') - 1), number, ok)
+            if (ok) ok = number >= 0 .and. number < size(has_grids)
+            if (ok) ok = has_grids(number) .and. (name == to_text(number)//'.vtu' .or. &
+               name == to_text(number)//'.contact.vtu')
+            if (.not. ok) call case%fault('.sweep/'//name, 'not a grid of this sweep')
+         end associate
+      end do
+   end subroutine check_surplus
+
+   !> Checks the two grids of a case, and its row against them.
+   subroutine check_fields(case, result, body, row)
+      type(verified_case_t), intent(inout) :: case !! the sweep; gains the faults
+      type(result_t), intent(inout) :: result !! the load case; gains what the grids state
+      type(body_t), intent(in) :: body !! the body
+      type(row_t), intent(in) :: row !! the row
+      character(:), allocatable :: fault, grid
+      real(dp) :: limit
+
+      grid = '.sweep/'//to_text(row%number)
+      limit = certificate_limit(case%config%method%tolerance)
+      call new_contact_solution(result%solution, body%zone%n_points)
+      call restore_displacement(result, body, case%stem//grid//'.vtu', fault)
+      call case%fault(grid//'.vtu', fault)
+      if (len(fault) > 0) return
+      call restore_force(result, body, case%stem//grid//'.contact.vtu', fault)
+      call case%fault(grid//'.contact.vtu', fault)
+      if (len(fault) > 0) return
+      result%solution%status = row%status
+      call judge(result, body)
+      call check_grids(case, body, result, case%stem//grid)
+      if (.not. result%certificate%largest() <= limit) call case%fault(grid//'.vtu', &
+         'equilibrium or contact law is violated by '//to_text(result%certificate%largest())// &
+         ', more than the limit of '//to_text(limit))
+      call check_law(case%faults, body, result, case%stem//grid//'.contact.vtu', .false.)
+      call check_quantities(case, result, body, row, fault)
+      call case%fault('.sweep.csv:'//to_text(row%number + 1), fault)
+   end subroutine check_fields
+
+   !> Restores the contact forces from the stresses on the contact line.
+   subroutine restore_force(result, body, path, fault)
+      type(result_t), intent(inout) :: result !! gains the forces
+      type(body_t), intent(in) :: body !! the body
+      character(*), intent(in) :: path !! name of the grid of the contact line
+      character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
+      real(dp), allocatable :: pressure(:), shear(:)
+
+      allocate (pressure(n_line_points(body%zone)), shear(n_line_points(body%zone)))
+      call read_array(path, 'contact_pressure', 1, pressure, fault)
+      if (len(fault) > 0) return
+      call read_array(path, 'contact_shear', 1, shear, fault)
+      associate (m => body%zone%n_points, zone => body%zone)
+         result%solution%force = [pressure(:m)*zone%area, shear(:m)*zone%shear_area]
+      end associate
+   end subroutine restore_force
+
+   !> Compares the row of a case with the numbers that follow from its grids.
+   subroutine check_quantities(case, result, body, row, fault)
+      type(verified_case_t), intent(in) :: case !! the sweep
+      type(result_t), intent(in) :: result !! what the grids state
+      type(body_t), intent(in) :: body !! the body
+      type(row_t), intent(in) :: row !! the row
+      character(:), allocatable, intent(out) :: fault !! what is wrong; empty if nothing is
+      type(case_result_t) :: computed
+      type(quantity_t), allocatable :: list(:), numbers(:), peaks(:)
+
+      computed = row%result
+      allocate (peaks(0))
+      if (case%config%sweep%has_body_results) peaks = body_peaks(body%mesh, result%displacement, result%stress%node)
+      list = case_quantities(body, result%solution, result%load_case%friction, result%load_case%slip_bound, &
+         result%load_case%free_gap, peaks)
+      numbers = expanded(list)
+      computed%quantity = numbers%value
+      call compare_row(case, row, body, computed, [spread(0.0_dp, 1, 1 + size(case%config%sweep%axes)), scales(list), &
+         0.0_dp], fault)
+   end subroutine check_quantities
 
 end module amontons_verify_sweep

@@ -37,16 +37,14 @@ module amontons_vtk_check
 contains
 
    !> Opens a grid.
-   subroutine new_vtk_check(check, path, units, n_points, n_cells)
+   subroutine new_vtk_check(check, path, units)
       type(vtk_check_t), intent(out) :: check !! the grid
       character(*), intent(in) :: path !! name of the file
       character(*), intent(in) :: units !! names of the units of the case
-      integer, intent(in) :: n_points !! number of points that it should have
-      integer, intent(in) :: n_cells !! number of cells that it should have
       logical :: is_open
 
       check%path = path
-      call check%begin_grid(units, n_points, n_cells)
+      check%units = units
       call open_grid(check%unit, path, is_open)
       if (.not. is_open) call check%stop_at('cannot be read')
    end subroutine new_vtk_check

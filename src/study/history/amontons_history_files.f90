@@ -6,30 +6,22 @@ module amontons_history_files
    use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
    use amontons_checkpoint, only: checkpoint_t, milestone_t, new_checkpoint
-   use amontons_collection, only: case_entries, collection_head, collection_t, collection_tail
+   use amontons_collection, only: case_entries, collection_t, collection_tail
    use amontons_error, only: error_t
-   use amontons_grids, only: write_grids
    use amontons_history, only: is_shown
    use amontons_history_model, only: history_model_t
-   use amontons_history_table, only: cycle_row, cycles_header, history_header, history_row, points_header, &
-      points_rows, states_header, states_row
+   use amontons_history_table, only: history_table_t, history_tables, of_grids, table_rows
    use amontons_history_walk, only: history_walk_t
    use amontons_manifest, only: manifest_t
    use amontons_output_file, only: output_file_t, remove_temporaries
    use amontons_result, only: result_t
    use amontons_system, only: make_directory
    use amontons_text, only: to_text
+   use amontons_vtu, only: write_grids
    implicit none (type, external)
    private
 
    public :: history_files_t, new_history_files
-
-   !> Endings of the tables, the first always there.
-   character(*), parameter :: endings(*) = [character(12) :: '.history.csv', '.points.csv', '.states.csv', &
-      '.history.pvd', '.cycles.csv']
-   !> The number of each table in this list.
-   integer, parameter :: history_table = 1, points_table = 2, states_table = 3, collection_table = 4, &
-      cycles_table = 5
 
    !> The files, under names of their own until the history is reported.
    type :: history_files_t
@@ -37,8 +29,9 @@ module amontons_history_files
       character(:), allocatable :: directory !! output directory, a slash behind it
       character(:), allocatable :: name !! name of the case
       character(:), allocatable :: folder !! folder of the grids in it, a slash behind it
-      type(checkpoint_t), public :: checkpoint !! the tables
-      integer :: place(size(endings)) = 0 !! the place of each table in the checkpoint; 0 if it is not written
+      type(checkpoint_t), public :: checkpoint !! the tables as they grow
+      type(history_table_t), allocatable :: tables(:) !! what they have, in the same order
+      integer :: grids_table = 0 !! which of them lists the grids; 0 without grids
       type(collection_t) :: collection !! the units of the grids, and their manifest
    contains
       procedure, public :: add_fields => history_files_add_fields
@@ -50,36 +43,27 @@ module amontons_history_files
 contains
 
    !> Names the files that the deck asks for.
-   pure subroutine new_history_files(files, model, body, walk, directory, label)
+   subroutine new_history_files(files, model, body, walk, directory, label)
       type(history_files_t), intent(out) :: files !! the files
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
       type(history_walk_t), intent(in) :: walk !! the way, where it begins
       character(*), intent(in) :: directory !! output directory
       class(case_label_t), intent(in) :: label !! what the case is called
+      integer :: i
 
       files%directory = directory//'/'
       files%name = label%name
       files%folder = label%name//'.history/'
       files%collection%units = label%units
       call new_checkpoint(files%checkpoint, directory//'/'//label%name//'.history')
-      call add_table(files, history_table, history_header(model%history, size(body%zone%pairs)))
-      if (model%history%points_every > 0) call add_table(files, points_table, points_header(model%history))
-      if (model%history%states_every > 0) call add_table(files, states_table, &
-         states_header(model%history, body%zone%n_points, size(walk%watch%noted())))
-      if (model%history%fields_every > 0) call add_table(files, collection_table, collection_head)
-      if (size(model%cycle_times) > 0) call add_table(files, cycles_table, cycles_header(model%history))
+      call history_tables(files%tables, model, body, size(walk%watch%noted()))
+      files%grids_table = findloc(files%tables%content, of_grids, dim=1)
+      do i = 1, size(files%tables)
+         call files%checkpoint%add_table(files%directory//files%name//files%tables(i)%ending//'.part', &
+            files%tables(i)%header)
+      end do
    end subroutine new_history_files
-
-   !> Adds a table.
-   pure subroutine add_table(files, table, header)
-      type(history_files_t), intent(inout) :: files !! the files
-      integer, intent(in) :: table !! which table
-      character(*), intent(in) :: header !! what it begins with
-
-      call files%checkpoint%add_table(files%directory//files%name//trim(endings(table))//'.part', header)
-      files%place(table) = maxval(files%place) + 1
-   end subroutine add_table
 
    !> Opens the files, behind what an earlier run has left of the same history.
    subroutine history_files_open(self, model, key, milestone, error)
@@ -97,22 +81,17 @@ contains
          self%folder)
    end subroutine history_files_open
 
-   !> Adds the row of a step, and those of its contact points and its state where they are asked for.
+   !> Adds the rows of a step to all tables.
    subroutine history_files_add_step(self, model, body, walk)
       class(history_files_t), intent(inout) :: self !! the files
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
       type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
+      integer :: i
 
-      associate (history => model%history, number => walk%n_steps, checkpoint => self%checkpoint)
-         call checkpoint%add_rows(1, history_row(model, body, number, walk%state))
-         if (is_shown(number, history%points_every)) call checkpoint%add_rows(self%place(points_table), &
-            points_rows(model, body, walk))
-         if (is_shown(number, history%states_every)) call checkpoint%add_rows(self%place(states_table), &
-            states_row(walk))
-         if (walk%watch%is_finished) call checkpoint%add_rows(self%place(cycles_table), cycle_row(history, &
-            walk%watch%numbers))
-      end associate
+      do i = 1, size(self%tables)
+         call self%checkpoint%add_rows(i, table_rows(self%tables(i), model, body, walk))
+      end do
    end subroutine history_files_add_step
 
    !> Writes the grids of a step.
@@ -125,7 +104,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! a grid cannot be written
 
       call write_grids(self%collection, self%directory, self%folder, to_text(number), body, result, error)
-      if (.not. allocated(error)) call self%checkpoint%add_rows(self%place(collection_table), case_entries(time, &
+      if (.not. allocated(error)) call self%checkpoint%add_rows(self%grids_table, case_entries(time, &
          self%folder//to_text(number)))
    end subroutine history_files_add_fields
 
@@ -140,7 +119,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! not everything could be written
       integer :: table, number
 
-      if (self%place(collection_table) > 0) call self%checkpoint%end_table(self%place(collection_table), &
+      if (self%grids_table > 0) call self%checkpoint%end_table(self%grids_table, &
          collection_tail, error)
       do number = 1, min(n_steps, n_resumed)
          if (allocated(error)) return
@@ -153,10 +132,9 @@ contains
       end do
       if (allocated(error)) return
       manifest = self%collection%grids
-      allocate (finished(maxval(self%place)))
-      do table = 1, size(endings)
-         if (self%place(table) > 0) call self%checkpoint%table_file(finished(self%place(table)), self%place(table), &
-            self%directory//self%name//trim(endings(table)))
+      allocate (finished(size(self%tables)))
+      do table = 1, size(finished)
+         call self%checkpoint%table_file(finished(table), table, self%directory//self%name//self%tables(table)%ending)
       end do
    end subroutine history_files_finish
 

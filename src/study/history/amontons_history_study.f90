@@ -1,6 +1,5 @@
 !> The study of a load history: all steps of a deck with `&history`.
 module amontons_history_study
-   use amontons_answer_report, only: write_answer
    use amontons_error, only: error_t, numerical_failure
    use amontons_history_model, only: find_probes
    use amontons_history_report, only: history_listing, history_members
@@ -66,8 +65,8 @@ contains
       end if
       outcome%warnings = result%last%warnings
       if (result%walk%n_steps == 0) then
-         call write_answer(options%directory, self%config, cache%body, result%last, outcome%message, error, &
-            result%files%manifest)
+         result%last%answer = outcome%message
+         call write_report(options%directory, self%config, cache%body, result%last, error, result%files)
          return
       end if
       result%last%study_listing = history_listing(self%config, result)

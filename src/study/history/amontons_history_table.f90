@@ -1,24 +1,36 @@
-!> NAME.history.csv, NAME.points.csv and NAME.states.csv: a row for each step of a history, one for each contact point
-!> of some, and one with all that a history needs to go on behind a step.
+!> The tables that grow with the steps of a history: NAME.history.csv has a row for each step, NAME.points.csv one for
+!> each contact point of some, NAME.states.csv one with all that a history needs to go on behind a step,
+!> NAME.history.pvd the grids of some, NAME.cycles.csv a row for each cycle.
 module amontons_history_table
    use amontons_body, only: body_t
-   use amontons_cycle_watch, only: cycle_outcomes, n_cycle_numbers, n_plain_numbers
+   use amontons_collection, only: collection_head
+   use amontons_cycle_watch, only: cycle_outcomes, n_plain_numbers
    use amontons_decimal, only: longest_decimal
    use amontons_fretting, only: n_parameters, parameter_names
    use amontons_friction_law, only: status_names
-   use amontons_history, only: history_t
+   use amontons_history, only: history_t, is_shown
    use amontons_history_model, only: history_model_t
    use amontons_history_walk, only: history_walk_t
    use amontons_key_results, only: lengths_t, new_lengths
    use amontons_kinds, only: dp
    use amontons_row_text, only: field, status_runs
    use amontons_stepper, only: step_state_t
-   use amontons_text, only: comma_separated, newline, put_decimals, to_text
+   use amontons_text, only: as_lines, comma_separated, newline, to_text
    implicit none (type, external)
    private
 
-   public :: cycle_kinds, cycle_row, cycles_header, history_header, history_kinds, history_row, point_kinds, &
-      points_header, points_rows, states_header, states_row, step_numbers
+   public :: history_row, history_table_t, history_tables, step_numbers, table_rows
+
+   !> What a table has: the steps.
+   integer, parameter, public :: of_steps = 1
+   !> What a table has: the contact points of steps.
+   integer, parameter, public :: of_points = 2
+   !> What a table has: the states at the end of steps.
+   integer, parameter, public :: of_states = 3
+   !> What a table has: the grids of steps.
+   integer, parameter, public :: of_grids = 4
+   !> What a table has: the cycles.
+   integer, parameter, public :: of_cycles = 5
 
    !> A kind of number: one that is measured by itself, or by 1.
    integer, parameter, public :: number_alone = 1
@@ -32,83 +44,105 @@ module amontons_history_table
    integer, parameter :: own_scale = 5
    !> Number of kinds.
    integer, parameter, public :: n_kinds = own_scale + 4
-   !> Numbers that every step has besides those of its changes and probes, in the order of `history_row`.
-   character(20), parameter :: labels(*) = [character(20) :: 'open_length', 'slip_length', 'stick_length', &
-      'normal_force', 'tangential_force', 'work_loads', 'work_supports', 'work_obstacles', 'strain_energy', &
-      'dissipation_step', 'dissipation', 'closing_loss', 'step_indicator', 'energy_error', 'max_slip', &
-      'max_slip_accumulated', 'residual']
-   !> What kind of number each of these is: of what scale.
-   integer, parameter :: kinds(size(labels)) = [number_alone, number_alone, number_alone, a_force, a_force, an_energy, &
-      an_energy, an_energy, an_energy, an_energy, an_energy, an_energy, number_alone, an_energy, a_length, a_length, &
-      number_alone]
-   !> The same of the columns of the contact points, step and time among them.
-   integer, parameter :: plain_point_kinds(*) = [number_alone, number_alone, number_alone, a_force, a_force, a_length, &
-      a_length, a_length, a_length, an_energy, own_scale]
-   !> The same of the parameters of fretting.
+   !> The kinds of the parameters of fretting.
    integer, parameter :: parameter_kinds(n_parameters) = [own_scale + 1, own_scale, own_scale + 2, own_scale + 3, &
       number_alone]
-   !> The columns of the cycles, outcome and fretting left out.
-   character(*), parameter :: cycle_labels = 'cycle,begin,end,steps,work,strain_energy_change,dissipation,'// &
-      'energy_error,max_slip_accumulated,max_drift,dissipation_change,force_change,drift_change'
-   !> What kind of number each of these is.
-   integer, parameter :: plain_cycle_kinds(n_plain_numbers - 1) = [number_alone, number_alone, number_alone, &
-      number_alone, an_energy, an_energy, an_energy, an_energy, a_length, a_length, number_alone, number_alone, &
-      a_length]
-   !> Numbers of each contact set, where there are several, in the order of `set_numbers`.
-   character(16), parameter :: set_labels(*) = [character(16) :: 'open_length', 'slip_length', 'stick_length', &
-      'normal_force', 'tangential_force']
-   !> What kind of number each of these is.
-   integer, parameter :: set_kinds(size(set_labels)) = [number_alone, number_alone, number_alone, a_force, a_force]
-   !> What the states have of each contact point.
-   character(23), parameter :: state_labels(*) = [character(23) :: 'normal_force', 'tangential_force', &
-      'normal_displacement', 'tangential_displacement', 'anchor', 'slip_accumulated', 'dissipation', 'worn']
-   !> The columns of the contact points behind step and time.
-   character(*), parameter :: point_labels = 'point,normal_force,tangential_force,gap,slip,slip_step,'// &
-      'slip_accumulated,dissipation,wear_integral'
+
+   !> A table.
+   type :: history_table_t
+      integer :: content = of_steps !! what it has
+      character(:), allocatable :: ending !! what the name of its file ends with, behind that of the case
+      character(:), allocatable :: header !! what it begins with, lines of text
+      integer, allocatable :: kinds(:) !! what kind of number each column has; `number_alone` of a word
+   contains
+      procedure, private :: add => history_table_add
+   end type history_table_t
 
 contains
 
-   !> The header of the steps.
-   pure function history_header(history, n_sets) result(text)
+   !> Describes the tables that a history has, that of the steps first.
+   pure subroutine history_tables(tables, model, body, n_noted)
+      type(history_table_t), allocatable, intent(out) :: tables(:) !! the tables
+      type(history_model_t), intent(in) :: model !! the history
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: n_noted !! how many numbers a state notes of the cycle under way
+      character(*), parameter :: endings(*) = [character(12) :: '.history.csv', '.points.csv', '.states.csv', &
+         '.history.pvd', '.cycles.csv']
+      integer, allocatable :: contents(:)
+      integer :: i
+
+      associate (history => model%history)
+         contents = pack([of_steps, of_points, of_states, of_grids, of_cycles], [.true., history%points_every > 0, &
+            history%states_every > 0, history%fields_every > 0, size(model%cycle_times) > 0])
+         allocate (tables(size(contents)))
+         do i = 1, size(tables)
+            tables(i)%content = contents(i)
+            tables(i)%ending = trim(endings(contents(i)))
+            tables(i)%header = ''
+            allocate (tables(i)%kinds(0))
+            select case (contents(i))
+            case (of_steps)
+               call describe_steps(tables(i), history, size(body%zone%pairs))
+            case (of_points)
+               call describe_points(tables(i), history)
+            case (of_states)
+               call describe_states(tables(i), history%name, body%zone%n_points, n_noted)
+            case (of_cycles)
+               call describe_cycles(tables(i), history%has_fretting)
+            case default
+               tables(i)%header = collection_head
+            end select
+            if (contents(i) /= of_grids) tables(i)%header = tables(i)%header//newline
+         end do
+      end associate
+   end subroutine history_tables
+
+   !> Adds columns of a kind.
+   pure subroutine history_table_add(self, names, kind)
+      class(history_table_t), intent(inout) :: self !! the table
+      character(*), intent(in) :: names !! names of the columns, commas between them; or a single one in quotes
+      integer, intent(in) :: kind !! their kind
+      integer :: i, n
+
+      n = 1
+      if (index(names, '"') /= 1) n = 1 + count([(names(i:i) == ',', i=1, len(names))])
+      if (len(self%header) > 0) self%header = self%header//','
+      self%header = self%header//names
+      self%kinds = [self%kinds, spread(kind, 1, n)]
+   end subroutine history_table_add
+
+   !> Describes the table of the steps, in the order of `history_row`.
+   pure subroutine describe_steps(table, history, n_sets)
+      type(history_table_t), intent(inout) :: table !! the table
       type(history_t), intent(in) :: history !! the history
       integer, intent(in) :: n_sets !! number of contact sets
-      character(:), allocatable :: text
-      character(12) :: number
+      character(:), allocatable :: set
       integer :: i, k
 
-      text = 'step,'//history%name
+      call table%add('step,'//history%name, number_alone)
       do i = 1, size(history%steps)
          do k = 1, history%steps(i)%n_numbers()
-            text = text//','//field(history%steps(i)%label(k))
+            call table%add(field(history%steps(i)%label(k)), number_alone)
          end do
       end do
-      do i = 1, size(labels)
-         text = text//','//trim(labels(i))
-      end do
+      call table%add('open_length,slip_length,stick_length', number_alone)
+      call table%add('normal_force,tangential_force', a_force)
+      call table%add('work_loads,work_supports,work_obstacles,strain_energy', an_energy)
+      call table%add('dissipation_step,dissipation,closing_loss', an_energy)
+      call table%add('step_indicator', number_alone)
+      call table%add('energy_error', an_energy)
+      call table%add('max_slip,max_slip_accumulated', a_length)
+      call table%add('residual', number_alone)
       do i = 1, several(n_sets)
-         write (number, '(i0)') i
-         do k = 1, size(set_labels)
-            text = text//','//trim(set_labels(k))//'_'//trim(number)
-         end do
+         set = '_'//to_text(i)
+         call table%add('open_length'//set//',slip_length'//set//',stick_length'//set, number_alone)
+         call table%add('normal_force'//set//',tangential_force'//set, a_force)
       end do
       do i = 1, history%n_probes()
-         write (number, '(i0)') i
-         text = text//',ux_'//trim(number)//',uy_'//trim(number)
+         call table%add('ux_'//to_text(i)//',uy_'//to_text(i), a_length)
       end do
-      text = text//',iterations,statuses'//newline
-   end function history_header
-
-   !> What kind of number each column of the steps has, but for the last one, the statuses.
-   pure function history_kinds(history, n_sets) result(list)
-      type(history_t), intent(in) :: history !! the history
-      integer, intent(in) :: n_sets !! number of contact sets
-      integer, allocatable :: list(:)
-      integer :: i, k
-
-      list = [spread(number_alone, 1, 2 + sum([(history%steps(i)%n_numbers(), i=1, size(history%steps))])), kinds, &
-         [((set_kinds(k), k=1, size(set_kinds)), i=1, several(n_sets))], &
-         spread(a_length, 1, 2*history%n_probes()), number_alone]
-   end function history_kinds
+      call table%add('iterations,statuses', number_alone)
+   end subroutine describe_steps
 
    !> For how many contact sets there are numbers of each: a single one has those of all.
    pure integer function several(n_sets)
@@ -117,39 +151,122 @@ contains
       several = merge(n_sets, 0, n_sets > 1)
    end function several
 
+   !> Describes the table of the contact points.
+   pure subroutine describe_points(table, history)
+      type(history_table_t), intent(inout) :: table !! the table
+      type(history_t), intent(in) :: history !! the history
+      integer :: i
+
+      call table%add('step,'//history%name//',point', number_alone)
+      call table%add('normal_force,tangential_force', a_force)
+      call table%add('gap,slip,slip_step,slip_accumulated', a_length)
+      call table%add('dissipation', an_energy)
+      call table%add('wear_integral', own_scale)
+      do i = 1, merge(n_parameters, 0, history%has_fretting)
+         call table%add(trim(parameter_names(i)), parameter_kinds(i))
+      end do
+      call table%add('status', number_alone)
+   end subroutine describe_points
+
+   !> Describes the table of the states.
+   pure subroutine describe_states(table, time, n_points, n_noted)
+      type(history_table_t), intent(inout) :: table !! the table
+      character(*), intent(in) :: time !! what the pseudo-time is called
+      integer, intent(in) :: n_points !! number of contact points
+      integer, intent(in) :: n_noted !! how many numbers are noted of the cycle under way
+      character(23), parameter :: labels(*) = [character(23) :: 'normal_force', 'tangential_force', &
+         'normal_displacement', 'tangential_displacement', 'anchor', 'slip_accumulated', 'dissipation', 'worn']
+      integer :: i, p
+
+      call table%add('step,steps_given_up,iterations,length,noted,'//time// &
+         ',work_loads,work_supports,work_obstacles,residual,iterations_step', number_alone)
+      do i = 1, size(labels)
+         do p = 1, n_points
+            call table%add(trim(labels(i))//'_'//to_text(p), number_alone)
+         end do
+      end do
+      do i = 1, n_noted
+         call table%add('noted_'//to_text(i), number_alone)
+      end do
+   end subroutine describe_states
+
+   !> Describes the table of the cycles.
+   pure subroutine describe_cycles(table, has_fretting)
+      type(history_table_t), intent(inout) :: table !! the table
+      logical, intent(in) :: has_fretting !! whether there are parameters of fretting
+      integer :: i
+
+      call table%add('cycle,begin,end,steps', number_alone)
+      call table%add('work,strain_energy_change,dissipation,energy_error', an_energy)
+      call table%add('max_slip_accumulated,max_drift', a_length)
+      call table%add('dissipation_change,force_change', number_alone)
+      call table%add('drift_change', a_length)
+      if (has_fretting) then
+         do i = 2, n_parameters - 1
+            call table%add('max_'//trim(parameter_names(i)), parameter_kinds(i))
+         end do
+      end if
+      call table%add('outcome', number_alone)
+   end subroutine describe_cycles
+
+   !> The rows of a table that the last step adds; none for that of the grids.
+   function table_rows(table, model, body, walk) result(rows)
+      type(history_table_t), intent(in) :: table !! the table
+      type(history_model_t), intent(in) :: model !! the history
+      type(body_t), intent(in) :: body !! the body
+      type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
+      character(:), allocatable :: rows
+      real(dp), allocatable :: numbers(:)
+
+      rows = ''
+      select case (table%content)
+      case (of_steps)
+         rows = history_row(model, body, walk%n_steps, walk%state)
+      case (of_points)
+         if (is_shown(walk%n_steps, model%history%points_every)) rows = points_rows(model, body, walk)
+      case (of_states)
+         if (.not. is_shown(walk%n_steps, model%history%states_every)) return
+         numbers = walk%numbers()
+         rows = to_text(walk%n_steps)//','//comma_separated(numbers(2:))//newline
+      case (of_cycles)
+         if (walk%watch%is_finished) rows = cycle_row(model%history%has_fretting, walk%watch%numbers)
+      case default
+         continue
+      end select
+   end function table_rows
+
    !> The numbers of a step between its number and its iterations.
    pure function step_numbers(model, body, state) result(numbers)
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
       type(step_state_t), intent(in) :: state !! the state at its end
       real(dp), allocatable :: numbers(:)
-      type(lengths_t) :: lengths
       integer :: i
 
-      call new_lengths(lengths, body%zone, state%solution%status)
-      associate (force => state%solution%force, m => body%zone%n_points)
-         numbers = [state%instant%time, state%instant%numbers, lengths%open, lengths%slip, lengths%stick, &
-            sum(force(:m)), sum(force(m + 1:)), state%load_work, state%support_work, state%obstacle_work, &
-            state%strain_energy, state%step_dissipation, sum(state%dissipation), state%closing_loss, state%indicator, &
-            state%energy_error(), max(0.0_dp, maxval(abs(state%slip))), max(0.0_dp, maxval(state%accumulated_slip)), &
-            state%solution%residual]
-      end associate
+      numbers = [state%instant%time, state%instant%numbers, set_numbers(body, state), state%load_work, &
+         state%support_work, state%obstacle_work, state%strain_energy, state%step_dissipation, sum(state%dissipation), &
+         state%closing_loss, state%indicator, state%energy_error(), max(0.0_dp, maxval(abs(state%slip))), &
+         max(0.0_dp, maxval(state%accumulated_slip)), state%solution%residual]
       do i = 1, several(size(body%zone%pairs))
          numbers = [numbers, set_numbers(body, state, i)]
       end do
       numbers = [numbers, model%probed(state%instant%factor, state%solution%displacement)]
    end function step_numbers
 
-   !> The numbers of one contact set.
+   !> Lengths of the zones and contact forces of all contact sets, or of one.
    pure function set_numbers(body, state, set) result(numbers)
       type(body_t), intent(in) :: body !! the body
       type(step_state_t), intent(in) :: state !! the state at the end of a step
-      integer, intent(in) :: set !! the contact set
-      real(dp) :: numbers(size(set_labels))
+      integer, intent(in), optional :: set !! the contact set
+      integer, parameter :: n_numbers = 5
+      real(dp) :: numbers(n_numbers)
+      logical :: is_meant(body%zone%n_points)
       type(lengths_t) :: lengths
 
+      is_meant = .true.
+      if (present(set)) is_meant = body%zone%set == set
       call new_lengths(lengths, body%zone, state%solution%status, set)
-      associate (force => state%solution%force, m => body%zone%n_points, is_meant => body%zone%set == set)
+      associate (force => state%solution%force, m => body%zone%n_points)
          numbers = [lengths%open, lengths%slip, lengths%stick, sum(force(:m), mask=is_meant), &
             sum(force(m + 1:), mask=is_meant)]
       end associate
@@ -161,82 +278,12 @@ contains
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: number !! number of the step
       type(step_state_t), intent(in) :: state !! the state at its end
-      character(:), allocatable :: row
-      character((longest_decimal + 1)*(size(state%instant%numbers) + size(labels) + 2*size(model%probe) + 2 &
-         + size(set_labels)*several(size(body%zone%pairs)))) :: numbers
-      character(:), allocatable :: runs
-      character(12) :: iterations
-      integer :: length
+      character(:), allocatable :: row, runs
 
-      write (numbers, '(i0)') number
-      write (iterations, '(i0)') state%solution%n_iterations
-      length = len_trim(numbers)
-      call put_decimals(numbers, length, step_numbers(model, body, state))
       call status_runs(runs, state%solution%status, body%zone%set)
-      row = numbers(:length)//','//trim(iterations)//','//runs//newline
+      row = to_text(number)//','//comma_separated(step_numbers(model, body, state))//','// &
+         to_text(state%solution%n_iterations)//','//runs//newline
    end function history_row
-
-   !> The header of the contact points.
-   pure function points_header(history) result(text)
-      type(history_t), intent(in) :: history !! the history
-      character(:), allocatable :: text
-
-      text = 'step,'//history%name//','//point_labels
-      if (history%has_fretting) text = text//','//parameter_labels(1)
-      text = text//',status'//newline
-   end function points_header
-
-   !> The names of the parameters of fretting from a given one on.
-   pure function parameter_labels(first) result(text)
-      integer, intent(in) :: first !! the first of them
-      character(:), allocatable :: text
-      integer :: i
-
-      text = trim(parameter_names(first))
-      do i = first + 1, n_parameters
-         text = text//','//trim(parameter_names(i))
-      end do
-   end function parameter_labels
-
-   !> What kind of number each column of the contact points has, but for the last one, the status.
-   pure function point_kinds(history) result(list)
-      type(history_t), intent(in) :: history !! the history
-      integer, allocatable :: list(:)
-
-      list = plain_point_kinds
-      if (history%has_fretting) list = [list, parameter_kinds]
-   end function point_kinds
-
-   !> The header of the cycles.
-   pure function cycles_header(history) result(text)
-      type(history_t), intent(in) :: history !! the history
-      character(:), allocatable :: text
-
-      text = cycle_labels
-      if (history%has_fretting) text = text//',max_ruiz_1,max_ruiz_2,max_swt'
-      text = text//',outcome'//newline
-   end function cycles_header
-
-   !> What kind of number each column of the cycles has, but for the last one, the outcome.
-   pure function cycle_kinds(history) result(list)
-      type(history_t), intent(in) :: history !! the history
-      integer, allocatable :: list(:)
-
-      list = plain_cycle_kinds
-      if (history%has_fretting) list = [list, parameter_kinds(2:4)]
-   end function cycle_kinds
-
-   !> The row of a cycle.
-   pure function cycle_row(history, numbers) result(row)
-      type(history_t), intent(in) :: history !! the history
-      real(dp), intent(in) :: numbers(n_cycle_numbers) !! the numbers of the cycle
-      character(:), allocatable :: row
-
-      row = to_text(nint(numbers(1)))//','//comma_separated(numbers(2:3))//','//to_text(nint(numbers(4)))//','// &
-         comma_separated(numbers(5:n_plain_numbers - 1))
-      if (history%has_fretting) row = row//','//comma_separated(numbers(n_plain_numbers + 1:))
-      row = row//','//trim(cycle_outcomes(nint(numbers(n_plain_numbers))))//newline
-   end function cycle_row
 
    !> The rows of the contact points of a step. The slip is the way along the tangent that a point has gone on the
    !> obstacle, the gap what is left of it.
@@ -244,73 +291,37 @@ contains
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
       type(history_walk_t), intent(in) :: walk !! the way, at the end of the step
-      character(:), allocatable :: rows, buffer
+      character(:), allocatable :: rows, lines(:)
       real(dp), allocatable :: record(:, :)
       real(dp) :: gap(body%zone%n_points)
-      integer :: p, m, length
+      integer :: p, m
 
       m = body%zone%n_points
       record = walk%point_record(body)
-      allocate (character((9 + size(record, 2))*(longest_decimal + 1)*m) :: buffer)
-      length = 0
+      allocate (character((9 + size(record, 2))*(longest_decimal + 1)) :: lines(m))
       associate (state => walk%state)
          gap = state%instant%gap - matmul(model%energies%prescribed(:m, :), state%instant%factor) &
             - state%solution%displacement(:m)
          do p = 1, m
-            call put_text(buffer, length, to_text(walk%n_steps))
-            call put_decimals(buffer, length, [state%instant%time])
-            call put_text(buffer, length, ','//to_text(p))
-            call put_decimals(buffer, length, [state%solution%force(p), state%solution%force(m + p), gap(p), &
-               state%solution%displacement(m + p) - state%instant%motion(p), record(p, :)])
-            call put_text(buffer, length, ','//trim(status_names(state%solution%status(p)))//newline)
+            lines(p) = to_text(walk%n_steps)//','//to_text(state%instant%time)//','//to_text(p)//','// &
+               comma_separated([state%solution%force(p), state%solution%force(m + p), gap(p), &
+               state%solution%displacement(m + p) - state%instant%motion(p), record(p, :)])//','// &
+               status_names(state%solution%status(p))
          end do
       end associate
-      rows = buffer(:length)
+      rows = as_lines(lines)
    end function points_rows
 
-   !> Puts a text behind what another holds so far.
-   ! allow(C072): the text is the caller's, who knows its room
-   pure subroutine put_text(text, length, more)
-      character(*), intent(inout) :: text !! the text, with room for more
-      integer, intent(inout) :: length !! how much of it is filled
-      character(*), intent(in) :: more !! what is put behind
-
-      text(length + 1:length + len(more)) = more
-      length = length + len(more)
-   end subroutine put_text
-
-   !> The header of the states.
-   pure function states_header(history, n_points, n_noted) result(text)
-      type(history_t), intent(in) :: history !! the history
-      integer, intent(in) :: n_points !! number of contact points
-      integer, intent(in) :: n_noted !! how many numbers are noted of the cycle under way
-      character(:), allocatable :: text
-      character(12) :: number
-      integer :: i, p
-
-      text = 'step,steps_given_up,iterations,length,noted,'//history%name// &
-         ',work_loads,work_supports,work_obstacles,residual,iterations_step'
-      do i = 1, size(state_labels)
-         do p = 1, n_points
-            write (number, '(i0)') p
-            text = text//','//trim(state_labels(i))//'_'//trim(number)
-         end do
-      end do
-      do i = 1, n_noted
-         write (number, '(i0)') i
-         text = text//',noted_'//trim(number)
-      end do
-      text = text//newline
-   end function states_header
-
-   !> The row of a state: what a history needs to go on from there.
-   pure function states_row(walk) result(row)
-      type(history_walk_t), intent(in) :: walk !! the way
+   !> The row of a cycle.
+   pure function cycle_row(has_fretting, numbers) result(row)
+      logical, intent(in) :: has_fretting !! whether there are parameters of fretting
+      real(dp), intent(in) :: numbers(:) !! the numbers of the cycle
       character(:), allocatable :: row
-      real(dp), allocatable :: numbers(:)
 
-      numbers = walk%numbers()
-      row = to_text(walk%n_steps)//','//comma_separated(numbers(2:))//newline
-   end function states_row
+      row = to_text(nint(numbers(1)))//','//comma_separated(numbers(2:3))//','//to_text(nint(numbers(4)))//','// &
+         comma_separated(numbers(5:n_plain_numbers - 1))
+      if (has_fretting) row = row//','//comma_separated(numbers(n_plain_numbers + 1:))
+      row = row//','//trim(cycle_outcomes(nint(numbers(n_plain_numbers))))//newline
+   end function cycle_row
 
 end module amontons_history_table

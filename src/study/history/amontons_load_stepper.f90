@@ -7,7 +7,7 @@ module amontons_load_stepper
    use amontons_contact_method, only: contact_method_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_history_model, only: history_model_t, instant_t
-   use amontons_history_table, only: history_header, step_numbers
+   use amontons_history_table, only: history_table_t, history_tables, step_numbers
    use amontons_kinds, only: dp
    use amontons_result, only: result_t
    use amontons_solve_case, only: cache_t
@@ -40,7 +40,7 @@ contains
       type(config_t), intent(in) :: config !! the deck
       type(error_t), allocatable, intent(out) :: error !! the deck or the numbers are at fault
       type(result_t) :: unused
-      character(:), allocatable :: header
+      type(history_table_t), allocatable :: tables(:)
       integer :: i
 
       if (.not. config%history%is_given) then
@@ -54,8 +54,10 @@ contains
       stepper%n_changes = sum([(config%history%steps(i)%n_numbers(), i=1, size(config%history%steps))])
       stepper%n_points = stepper%cache%body%zone%n_points
       stepper%n_state = 1 + stepper%n_changes + n_state_numbers(stepper%n_points)
-      header = history_header(config%history, size(stepper%cache%body%zone%pairs))
-      stepper%columns = header(len('step,') + 1:index(header, ',iterations,statuses') - 1)
+      call history_tables(tables, stepper%model, stepper%cache%body, 0)
+      associate (header => tables(1)%header)
+         stepper%columns = header(len('step,') + 1:index(header, ',iterations,statuses') - 1)
+      end associate
    end subroutine new_load_stepper
 
    !> Takes a step. Not converged is a result: `is_converged` says so, and a shorter step may help.

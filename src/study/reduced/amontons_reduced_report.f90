@@ -1,26 +1,32 @@
-!> The files of a solved reduced problem: all of them, each whole, or none.
+!> The files of a solved reduced problem, in the form of those of a deck with a body: all of them, each whole, or none.
 module amontons_reduced_report
    use amontons_config, only: config_t
-   use amontons_contact_table, only: add_point_table, column_t
+   use amontons_contact_table, only: add_point_table, column_t, points_text
    use amontons_document, only: document_t
-   use amontons_earlier_files, only: find_earlier_files
    use amontons_error, only: error_t
+   use amontons_json, only: json_number, json_string
+   use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
-   use amontons_manifest, only: manifest_t, with_manifest
-   use amontons_output_file, only: commit_files, output_file_t, write_text_file
-   use amontons_reduced_listing, only: new_reduced_listing, reduced_columns
-   use amontons_reduced_summary, only: new_reduced_summary
-   use amontons_solutions_report, only: solutions_table_text
+   use amontons_listing_parts, only: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
+      violations_text, warnings_text
+   use amontons_listing_text, only: heading, labeled, scientific, short_text
+   use amontons_manifest, only: manifest_t
+   use amontons_output_file, only: output_file_t
+   use amontons_quantity, only: quantity_t, scales
+   use amontons_reduced_system, only: reduced_system_t
+   use amontons_report, only: commit_case, write_documents
+   use amontons_result, only: certificate_limit
+   use amontons_solutions_report, only: solutions_table_text, solutions_text, uniqueness_text
    use amontons_solve_reduced, only: reduced_result_t
-   use amontons_system, only: file_name_t, make_directory
-   use amontons_timings, only: phase_write
+   use amontons_summary_members, only: add_head, certificate_member, effort_members, last_members, member, &
+      quantities_member, count_members => status_counts, uniqueness_member
+   use amontons_system, only: make_directory
+   use amontons_text, only: to_text
+   use amontons_timings, only: phase_read, phase_recover, phase_solve, phase_write
    implicit none (type, external)
    private
 
-   public :: reduced_documents, write_reduced_report
-
-   !> Number of files that every reduced problem leaves.
-   integer, parameter :: n_files = 4
+   public :: new_reduced_summary, reduced_documents, write_reduced_report
 
 contains
 
@@ -31,15 +37,25 @@ contains
       type(config_t), intent(in) :: config !! the case
       type(reduced_result_t), intent(inout) :: result !! the result; gains the time of writing
       type(error_t), allocatable, intent(out) :: error !! a file cannot be written
-      type(output_file_t) :: files(n_files + merge(1, 0, allocated(result%all_solutions)))
-      type(file_name_t), allocatable :: earlier(:)
+      type(document_t), allocatable :: documents(:)
+      type(document_t) :: summary
+      type(output_file_t), allocatable :: files(:)
       type(manifest_t) :: manifest
+      character(:), allocatable :: stem
 
       call make_directory(directory, error)
       if (allocated(error)) return
-      call write_files(files, manifest, directory//'/'//config%name, config, result, error)
-      if (.not. allocated(error)) call find_earlier_files(earlier, directory, config%name, manifest)
-      call commit_files(files, error, earlier)
+      call reduced_documents(documents, config, result)
+      allocate (files(size(documents) + 1))
+      stem = directory//'/'//config%name
+      call write_documents(files, stem, documents, error)
+      call manifest%add_case(files, stem, result%has_reduced_files, error)
+      if (.not. allocated(error)) then
+         call manifest%add_input(config%reduced%path)
+         call result%timings%begin(phase_write)
+         call new_reduced_summary(summary, config, result)
+      end if
+      call commit_case(files, manifest, directory, config%name, summary, error)
    end subroutine write_reduced_report
 
    !> Makes the text files of a reduced problem, but for the summary.
@@ -61,30 +77,112 @@ contains
       call documents(4)%record(solutions_table_text(result%all_solutions, spread(0.0_dp, 1, result%system%n_contacts)))
    end subroutine reduced_documents
 
-   !> Writes all files under their temporary names; the summary last, since it tells the time of writing.
-   subroutine write_files(files, manifest, stem, config, result, error)
-      type(output_file_t), intent(inout) :: files(:) !! the finished files, the summary last
-      type(manifest_t), intent(out) :: manifest !! their manifest
-      character(*), intent(in) :: stem !! directory and name of the case
+   !> Makes the listing.
+   subroutine new_reduced_listing(listing, config, result)
+      type(document_t), intent(out) :: listing !! the listing
       type(config_t), intent(in) :: config !! the case
-      type(reduced_result_t), intent(inout) :: result !! the result; gains the time of writing
-      type(error_t), allocatable, intent(out) :: error !! a file cannot be written
-      type(document_t), allocatable :: documents(:)
-      type(document_t) :: summary
-      integer :: i
+      type(reduced_result_t), intent(in) :: result !! the result
+      type(column_t), allocatable :: columns(:)
 
-      call reduced_documents(documents, config, result)
-      do i = 1, size(documents)
-         call write_text_file(files(i), stem//documents(i)%ending, documents(i)%text(), error)
-         if (allocated(error)) return
-      end do
-      call manifest%add_outputs(files, '', error)
-      if (result%has_reduced_files .and. .not. allocated(error)) call manifest%add_reduced(stem, error)
-      if (allocated(error)) return
-      call manifest%add_input(config%reduced%path)
-      call result%timings%begin(phase_write)
-      call new_reduced_summary(summary, config, result)
-      call write_text_file(files(size(files)), stem//summary%ending, with_manifest(summary%text(), manifest), error)
-   end subroutine write_files
+      call reduced_columns(columns, result)
+      listing%ending = '.lst'
+      call listing%record(head_text(config))
+      call listing%add(warnings_text(result%warnings))
+      call listing%add(problem_text(config, result%system))
+      call listing%record(solution_text(config, result))
+      call listing%add(heading('Checks on the problem as read (relative errors)')// &
+         violations_text(result%check%violations(), certificate_limit(config%method%tolerance)), [1.0_dp])
+      call listing%add(points_text('Contacts (u and r as in the file: a tangential force opposes its slip)', columns, &
+         result%solution%status, config%units), [0.0_dp, columns%scale, 0.0_dp])
+      call listing%record(times_text(result%timings, [phase_read, phase_solve, phase_recover]))
+   end subroutine new_reduced_listing
+
+   !> What the file holds.
+   pure function problem_text(config, system) result(text)
+      type(config_t), intent(in) :: config !! the case
+      type(reduced_system_t), intent(in) :: system !! the reduced problem
+      character(:), allocatable :: text
+
+      text = heading('Reduced problem u = W r + q')//labeled('File', config%reduced%path)//labeled('Form', &
+         system%form)//labeled('Contacts', to_text(system%n_contacts))
+      if (system%n_contacts == 0) return
+      text = text//labeled('Matrix W', to_text(size(system%entry))//' entries, '// &
+         trim(merge('used as dense ', 'used as sparse', system%is_dense())))// &
+         labeled('Diagonal of W', 'up to '//short_text(system%largest))// &
+         labeled('Largest q', short_text(maxval(abs(system%q))))
+      if (maxval(system%friction) > minval(system%friction)) then
+         text = text//labeled('Friction', short_text(minval(system%friction))//' to '// &
+            short_text(maxval(system%friction)))
+      else
+         text = text//labeled('Friction', short_text(system%friction(1)))
+      end if
+      if (config%reduced%has_friction) text = text//labeled('', "the deck's, in the place of the file's")
+      if (system%asymmetry > 0.0_dp) text = text//labeled('Note', 'W differs from its transpose by up to '// &
+         scientific(system%asymmetry)//'; the forces below solve the problem with W as given in the file')
+   end function problem_text
+
+   !> How the problem was solved.
+   pure function solution_text(config, result) result(text)
+      type(config_t), intent(in) :: config !! the case
+      type(reduced_result_t), intent(in) :: result !! the result
+      character(:), allocatable :: text
+
+      associate (solution => result%solution)
+         text = heading('Solution')//labeled('Method', method_text(config%method))//outcome_text(solution)// &
+            residual_text(solution, config%method%tolerance)// &
+            uniqueness_text(result%uniqueness, result%system%friction)// &
+            labeled('Contacts', status_counts(solution%status))// &
+            labeled('Sum of forces', 'normal '//short_text(sum(result%system%r(1::2)))//', tangential '// &
+            short_text(sum(result%system%r(2::2))))
+         if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, &
+            [result%system%r(1::2), result%system%r(2::2)])
+      end associate
+   end function solution_text
+
+   !> What is known of the contacts, a column each.
+   subroutine reduced_columns(list, result)
+      type(column_t), allocatable, intent(out) :: list(:) !! the columns
+      type(reduced_result_t), intent(in) :: result !! the result
+      real(dp) :: length, force
+
+      associate (u => result%system%u, r => result%system%r)
+         length = maxval(abs([u, result%system%q]))
+         force = maxval(abs(r))
+         allocate (list(4))
+         list%key = [character(16) :: 'gap', 'slip', 'normal_force', 'tangential_force']
+         list%label = [character(12) :: 'gap', 'slip', 'normal force', 'tang. force']
+         list%dimension = [character(9) :: 'L', 'L', 'F', 'F']
+         list%scale = [length, length, force, force]
+         list(1)%values = u(1::2)
+         list(2)%values = u(2::2)
+         list(3)%values = r(1::2)
+         list(4)%values = r(2::2)
+      end associate
+   end subroutine reduced_columns
+
+   !> Makes the summary.
+   subroutine new_reduced_summary(summary, config, result)
+      type(document_t), intent(out) :: summary !! the summary
+      type(config_t), intent(in) :: config !! the case
+      type(reduced_result_t), intent(in) :: result !! the result
+      type(quantity_t) :: no_quantities(0), sums(2)
+
+      associate (solution => result%solution, system => result%system)
+         sums = resultants([system%r(1::2), system%r(2::2)])
+         call add_head(summary, config, config%method%method, trim(merge('converged    ', 'not_converged', &
+            solution%is_converged)), result%warnings)
+         call summary%record(effort_members(solution))
+         call summary%add(member('problem', '{"file": '//json_string(config%reduced%path)//', "form": '// &
+            json_string(system%form)//', "entries": '//to_text(size(system%entry))//', "largest_compliance": '// &
+            json_number(system%largest)//', "asymmetry": '//json_number(system%asymmetry)//'}'), [system%largest])
+         call summary%add(certificate_member(result%check%violations(), certificate_limit(config%method%tolerance), &
+            no_quantities), [1.0_dp])
+         call summary%record(uniqueness_member(result%uniqueness))
+         call summary%add(member('counts', '{"contact_points": '//to_text(system%n_contacts)//', '// &
+            count_members(solution%status)//'}'))
+         call summary%add(quantities_member('resultants', sums), scales(sums))
+         call summary%record(last_members(result%timings))
+      end associate
+   end subroutine new_reduced_summary
 
 end module amontons_reduced_report

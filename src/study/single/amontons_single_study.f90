@@ -1,8 +1,7 @@
-!> The study of a single case, on its mesh and on uniformly refined ones where the deck asks for them: the files are those
-!> of the finest mesh, its key results with observed order, extrapolated value and error bar.
+!> The study of a single case, on its mesh and on uniformly refined ones where the deck asks for them: the files are
+!> those of the finest mesh, its key results with observed order, extrapolated value and error bar.
 module amontons_single_study
    use amontons_all_solutions, only: find_all_solutions
-   use amontons_answer_report, only: write_answer
    use amontons_conditioning, only: rounded
    use amontons_config, only: config_t
    use amontons_contact_zone, only: contact_zone_t
@@ -123,7 +122,13 @@ contains
          !! on entry that the case could not be solved; on return that, or that its files cannot be written
 
       if (result%has_no_equilibrium) then
-         call report_no_equilibrium(config, cache, options%directory, result, outcome, error)
+         ! This is its answer, not a failure: it has files.
+         result%answer = error%message
+         outcome%status = error%kind
+         outcome%message = error%message
+         outcome%word = 'no_equilibrium'
+         outcome%warnings = result%warnings
+         call write_report(options%directory, config, cache%body, result, error)
          return
       end if
       if (.not. allocated(error)) call add_extras(config, cache, options, result, error)
@@ -138,23 +143,6 @@ contains
       if (result%solution%is_converged .and. outcome%status /= 0 .and. result%condition > 0.0_dp) outcome%message = &
          outcome%message//'; the condition number of the stiffness is about '//rounded(result%condition)
    end subroutine report_case
-
-   !> Writes that a case has no equilibrium. This is its answer, not a failure: it has files.
-   subroutine report_no_equilibrium(config, cache, directory, result, outcome, error)
-      type(config_t), intent(in) :: config !! the case
-      type(cache_t), intent(in) :: cache !! its body
-      character(*), intent(in) :: directory !! output directory
-      type(result_t), intent(in) :: result !! the load case and its warnings
-      type(outcome_t), intent(inout) :: outcome !! gains status, line, message and warnings
-      type(error_t), allocatable, intent(inout) :: error
-         !! on entry that there is no equilibrium; on return that files cannot be written
-
-      outcome%status = error%kind
-      outcome%message = error%message
-      outcome%word = 'no_equilibrium'
-      outcome%warnings = result%warnings
-      call write_answer(directory, config, cache%body, result, outcome%message, error)
-   end subroutine report_no_equilibrium
 
    !> Adds what the options ask for: the reduced problem in a file, all solutions.
    subroutine add_extras(config, cache, options, result, error)

@@ -9,7 +9,6 @@ module amontons_sweep_fields
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t
    use amontons_estimate_error, only: estimate_error
-   use amontons_grids, only: write_grids
    use amontons_load_case, only: recover_displacement
    use amontons_manifest, only: manifest_t
    use amontons_output_file, only: output_file_t, remove_temporaries
@@ -20,6 +19,7 @@ module amontons_sweep_fields
    use amontons_sweep_statistics, only: case_converged
    use amontons_system, only: make_directory
    use amontons_text, only: to_text
+   use amontons_vtu, only: write_grids
    implicit none (type, external)
    private
 

@@ -3,9 +3,8 @@ module amontons_sweep_report
    use amontons_body, only: body_t
    use amontons_config, only: config_t
    use amontons_document, only: document_t
-   use amontons_earlier_files, only: find_earlier_files
    use amontons_error, only: error_t
-   use amontons_manifest, only: manifest_t, with_manifest
+   use amontons_manifest, only: find_earlier_files, manifest_t, with_manifest
    use amontons_output_file, only: commit_files, hold_signals, output_file_t, release_signals, write_text_file
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep_listing, only: new_sweep_listing
