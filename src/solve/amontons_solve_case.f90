@@ -20,7 +20,7 @@ module amontons_solve_case
    use amontons_name_check, only: check_names
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_load_case
-   use amontons_timings, only: new_timings, phase_recover
+   use amontons_timings, only: new_timings, phase_condense, phase_recover
    implicit none (type, external)
    private
 
@@ -137,10 +137,6 @@ contains
       if (allocated(error)) return
       call condense_case(cache, config, result, error)
       if (allocated(error)) return
-      if (result%wants_error_estimate) then
-         call result%timings%begin(phase_recover)
-         call prepare_estimates(cache%body)
-      end if
       call start_solution(cache, result)
       call solve_load_case(result, cache%body, cache%problem, method, error)
       if (allocated(error)) return
@@ -155,7 +151,7 @@ contains
       end associate
    end subroutine solve_case
 
-   !> Factorizes and condenses the body, unless an earlier case has done so.
+   !> Factorizes and condenses the body, and makes what estimates of its error share, unless an earlier case did.
    subroutine condense_case(cache, config, result, error)
       type(cache_t), intent(inout) :: cache !! the body at hand
       type(config_t), intent(in) :: config !! the case
@@ -168,6 +164,10 @@ contains
          call condense_body(cache%body, cache%problem, config%condensation, result%timings, error)
          cache%is_condensed = .not. allocated(error)
       end if
+      if (allocated(error) .or. .not. config%accuracy%wants_estimate()) return
+      call result%timings%begin(phase_recover)
+      call prepare_estimates(cache%body)
+      call result%timings%begin(phase_condense)
    end subroutine condense_case
 
    !> Starts from where the last case of the same body ended, on a coarser mesh where this one is refined, or from rest.
