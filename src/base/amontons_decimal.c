@@ -6,6 +6,8 @@
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -193,4 +195,13 @@ void amontons_write_decimal(double value, char *text, int *length)
         at = put_number(at, decimal, power);
     }
     *length = (int)(at - text);
+}
+
+/* A number rounded to so many significant decimal digits; the number itself where that is beyond the largest. */
+double amontons_rounded_decimal(double value, int n_digits)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%.*e", n_digits - 1, value);
+    double rounded = strtod(text, NULL);
+    return isfinite(rounded) ? rounded : value;
 }

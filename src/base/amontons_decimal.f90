@@ -5,7 +5,7 @@ module amontons_decimal
    implicit none (type, external)
    private
 
-   public :: longest_decimal, put_decimal
+   public :: longest_decimal, put_decimal, rounded_decimal
 
    !> Most characters of such a text: '-1.2345678901234567e-308'.
    integer, parameter :: longest_decimal = 24
@@ -19,6 +19,14 @@ module amontons_decimal
          character(c_char), intent(inout) :: text(*)
          integer(c_int), intent(out) :: length
       end subroutine c_write_decimal
+
+      pure function c_rounded_decimal(value, n_digits) bind(c, name='amontons_rounded_decimal') result(rounded)
+         import :: c_double, c_int
+         implicit none (type, external)
+         real(c_double), value :: value
+         integer(c_int), value :: n_digits
+         real(c_double) :: rounded
+      end function c_rounded_decimal
    end interface
 
 contains
@@ -36,5 +44,13 @@ contains
       text(length + 1:length + n) = decimal(:n)
       length = length + n
    end subroutine put_decimal
+
+   !> A number rounded to a few decimal digits; unchanged where it would be rounded up beyond all.
+   pure real(dp) function rounded_decimal(value, n_digits)
+      real(dp), intent(in) :: value !! the number
+      integer, intent(in) :: n_digits !! number of significant digits, at most 17
+
+      rounded_decimal = real(c_rounded_decimal(real(value, c_double), int(n_digits, c_int)), dp)
+   end function rounded_decimal
 
 end module amontons_decimal

@@ -1,7 +1,7 @@
 !> Text helpers: numbers to text, text to numbers, words.
 module amontons_text
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_decimal, only: longest_decimal, put_decimal
+   use amontons_decimal, only: longest_decimal, put_decimal, rounded_decimal
    use amontons_kinds, only: dp, int64
    implicit none (type, external)
    private
@@ -76,16 +76,8 @@ contains
       real(dp), intent(in) :: value !! the number
       integer, intent(in) :: n_digits !! number of digits, at most 17
       character(:), allocatable :: text
-      character(32) :: buffer, pattern
-      real(dp) :: rounded
-      integer :: status
 
-      write (pattern, '(a, i0, a)') '(es32.', n_digits - 1, 'e3)'
-      write (buffer, pattern) value
-      read (buffer, '(es32.0)', iostat=status) rounded
-      ! The largest numbers may be rounded up beyond all.
-      if (status /= 0 .or. abs(rounded) > huge(rounded)) rounded = value
-      text = real_to_text(rounded)
+      text = real_to_text(rounded_decimal(value, n_digits))
    end function to_short_text
 
    !> Reals with commas between them, as the tables hold them.
