@@ -34,11 +34,11 @@ module amontons
    use amontons_new_study, only: new_study
    use amontons_outcome, only: outcome_t
    use amontons_rectangle, only: new_rectangle_mesh, rectangle_t
-   use amontons_reduced_file, only: read_reduced_file, write_reduced_file
    use amontons_reduced_report, only: write_reduced_report
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_report, only: write_report
    use amontons_result, only: result_t
+   use amontons_siconos_text, only: read_reduced_file, write_reduced_file
    use amontons_solve_case, only: cache_t, prepare_case, solve_case
    use amontons_solve_load_case, only: solve_body
    use amontons_solve_reduced, only: find_reduced_solutions, reduced_result_t, solve_reduced, solve_reduced_system

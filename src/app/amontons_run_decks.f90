@@ -1,10 +1,10 @@
-!> One run of the program: every deck of the command line, one after the other.
+!> One run of the program: every deck of the command line, one after the other. No two may write the same files.
 module amontons_run_decks
    use amontons_batch_table, only: tally_text, update_batch_table
    use amontons_collection, only: collection_t, new_collection
    use amontons_command_line, only: command_line_t
    use amontons_config, only: config_t, new_reduced_config, read_config
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_messages, only: print_error, print_info, print_outcome
    use amontons_new_study, only: new_study
@@ -12,7 +12,6 @@ module amontons_run_decks
    use amontons_output_file, only: commit_files, output_file_t
    use amontons_progress, only: progress_t
    use amontons_quantity, only: quantity_t
-   use amontons_reservations, only: reservation_t, reserve_files
    use amontons_solve_case, only: cache_t
    use amontons_study, only: check_study, solve_study, study_options_t, study_t
    use amontons_system, only: wall_seconds
@@ -27,6 +26,12 @@ module amontons_run_decks
 
    !> How long rows of batch.csv may wait until they are written [s].
    real(dp), parameter :: seconds_between_rows = 1.0_dp
+
+   !> The files that a deck of the run may write.
+   type :: reservation_t
+      character(:), allocatable :: name !! name of its case; not allocated if it was refused
+      logical :: has_grids = .false. !! whether NAME.vtu and NAME.contact.vtu are among them
+   end type reservation_t
 
 contains
 
@@ -186,5 +191,44 @@ contains
          error%message = error%message//newline//'   with --set '//command_line%settings(i)%text
       end do
    end subroutine read_study
+
+   !> Refuses a study that would write over the files of an earlier one of this run.
+   subroutine reserve_files(reservations, study, error)
+      type(reservation_t), intent(inout) :: reservations(:) !! of the decks so far; the last becomes the study's
+      class(study_t), intent(in) :: study !! the study
+      type(error_t), allocatable, intent(out) :: error !! the name is taken
+      character(:), allocatable :: grid
+      integer :: i
+
+      associate (reservation => reservations(size(reservations)), config => study%config)
+         reservation%has_grids = study%has_grids()
+         do i = 1, size(reservations) - 1
+            if (.not. allocated(reservations(i)%name)) cycle
+            if (reservations(i)%name == config%name) then
+               call new_error(error, input_refused, config%file//": an earlier deck of this run has the case name '" &
+                  //config%name//"' too; give each its own &case name")
+               return
+            end if
+            grid = shared_grid(reservations(i)%name, config%name)
+            if (len(grid) == 0 .or. .not. (reservation%has_grids .and. reservations(i)%has_grids)) cycle
+            call new_error(error, input_refused, config%file//": an earlier deck of this run, with the case name '"// &
+               reservations(i)%name//"', leaves a file '"//grid//"' as the case '"//config%name// &
+               "' does; give this one another &case name")
+            return
+         end do
+         reservation%name = config%name
+      end associate
+   end subroutine reserve_files
+
+   !> The grid that two cases of different names would both write; empty if there is none.
+   pure function shared_grid(first, second) result(grid)
+      character(*), intent(in) :: first !! name of a case
+      character(*), intent(in) :: second !! name of another one
+      character(:), allocatable :: grid
+
+      grid = ''
+      if (first == second//'.contact') grid = first//'.vtu'
+      if (second == first//'.contact') grid = second//'.vtu'
+   end function shared_grid
 
 end module amontons_run_decks

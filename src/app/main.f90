@@ -5,9 +5,8 @@ program main
    use amontons_command_line, only: command_line_t, read_command_line
    use amontons_distributed, only: begin_ranks, dismiss_ranks, end_ranks, n_ranks, rank
    use amontons_error, only: error_t
-   use amontons_help, only: help_text, version_text
+   use amontons_help, only: help_text, print_reference, version_text
    use amontons_messages, only: print_error
-   use amontons_reference, only: print_reference
    use amontons_run_decks, only: run_decks
    use amontons_run_verify, only: verify_directories
    use amontons_sweep_ranks, only: serve

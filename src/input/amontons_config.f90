@@ -3,15 +3,13 @@
 module amontons_config
    use amontons_case_label, only: case_label_t
    use amontons_condensation, only: condensation_names, condensation_options_t
-   use amontons_config_accuracy, only: accuracy_group, accuracy_options_t, describe_accuracy
    use amontons_config_body, only: describe_load, describe_material, describe_mesh, describe_support, load_group, &
       material_group, mesh_group, require_expansion, support_group
-   use amontons_config_case, only: case_group, describe_case
+   use amontons_config_case, only: accuracy_group, accuracy_options_t, case_group, describe_accuracy, describe_case, &
+      describe_output, describe_problem, output_group, problem_group, reduced_source_t
    use amontons_config_contact, only: contact_group, describe_contact, describe_tie, tie_group
    use amontons_config_file, only: take_file
    use amontons_config_history, only: describe_history, history_group, steps_group
-   use amontons_config_output, only: describe_output, output_group
-   use amontons_config_reduced, only: describe_problem, problem_group, reduced_source_t
    use amontons_config_sweep, only: describe_sweep, sweep_group
    use amontons_constraints, only: support_t
    use amontons_contact_set, only: contact_t, tie_t

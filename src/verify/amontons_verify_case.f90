@@ -13,14 +13,13 @@ module amontons_verify_case
    use amontons_error, only: error_t
    use amontons_fault_list, only: fault_list_t
    use amontons_kinds, only: dp
-   use amontons_reduced_check, only: new_reduced_check
    use amontons_reduced_report, only: new_reduced_summary, reduced_documents
    use amontons_report, only: case_documents
    use amontons_result, only: certificate_limit, result_t
    use amontons_result_warnings, only: add_result_warnings
    use amontons_solve_case, only: cache_t, prepare_case, solve_case
    use amontons_solve_load_case, only: judge
-   use amontons_solve_reduced, only: prepare_reduced, reduced_result_t
+   use amontons_solve_reduced, only: new_reduced_check, prepare_reduced, reduced_result_t
    use amontons_summary, only: new_summary
    use amontons_verified_case, only: verified_case_t
    use amontons_vtk_check, only: new_vtk_check, read_displacement, vtk_check_t

@@ -3,23 +3,21 @@
 !> these steps; the files of the last one are restored and judged on the full model like those of a case. Where the
 !> history ended early, the step that has no equilibrium is tried again.
 module amontons_verify_history
-   use amontons_agreement, only: first_disagreement
    use amontons_collection, only: case_entries
    use amontons_collection_check, only: compare_collection
    use amontons_config, only: config_t
-   use amontons_contact_check, only: law_scales_t
+   use amontons_contact_check, only: follow_place, follow_statuses, hovers, law_scales_t, states_agree, step_scales
    use amontons_contact_method, only: contact_method_t
    use amontons_csv_table, only: csv_table_t, read_csv_table
-   use amontons_document_check, only: compare_line
+   use amontons_document_check, only: compare_line, first_disagreement
    use amontons_error, only: error_t
    use amontons_history, only: is_shown
-   use amontons_history_milestone, only: read_start
+   use amontons_history_files, only: read_start
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_history_table, only: a_force, a_length, history_row, history_table_t, history_tables, n_kinds, &
       number_alone, of_grids, of_states, table_rows
    use amontons_history_walk, only: has_balance, history_walk_t, new_history_walk
    use amontons_kinds, only: dp
-   use amontons_open_choices, only: follow_place, follow_statuses, hovers, states_agree, step_scales
    use amontons_result, only: certificate_limit, result_t
    use amontons_solve_case, only: cache_t
    use amontons_solve_history, only: history_result_t, new_step_result, prepare_history

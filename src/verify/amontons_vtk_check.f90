@@ -1,8 +1,8 @@
 !> A grid as it was written, compared with what should stand there: whoever hands the arrays over to a file that is
 !> written can hand them over to this one.
 module amontons_vtk_check
-   use amontons_agreement, only: contradiction, first_disagreement
    use amontons_base64, only: base64_size, decode_base64
+   use amontons_document_check, only: contradiction, first_disagreement
    use amontons_fault_list, only: fault_list_t
    use amontons_kinds, only: dp, int32, int64
    use amontons_text, only: to_text

@@ -4,9 +4,8 @@
 module amontons_history_table
    use amontons_body, only: body_t
    use amontons_collection, only: collection_head
-   use amontons_cycle_watch, only: cycle_outcomes, n_plain_numbers
+   use amontons_cycle_watch, only: cycle_outcomes, n_parameters, n_plain_numbers, parameter_names
    use amontons_decimal, only: longest_decimal
-   use amontons_fretting, only: n_parameters, parameter_names
    use amontons_friction_law, only: status_names
    use amontons_history, only: history_t, is_shown
    use amontons_history_model, only: history_model_t

@@ -7,9 +7,8 @@ module amontons_history_walk
    use amontons_body, only: body_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_cycle_watch, only: cycle_watch_t, new_cycle_watch
+   use amontons_cycle_watch, only: cycle_watch_t, n_parameters, new_cycle_watch
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_fretting, only: n_parameters
    use amontons_history, only: history_t
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_kinds, only: dp

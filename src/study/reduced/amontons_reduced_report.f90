@@ -7,7 +7,7 @@ module amontons_reduced_report
    use amontons_json, only: json_number, json_string
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
-   use amontons_listing_parts, only: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
+   use amontons_listing, only: head_text, method_text, outcome_text, residual_text, status_counts, times_text, &
       violations_text, warnings_text
    use amontons_listing_text, only: heading, labeled, scientific, short_text
    use amontons_manifest, only: manifest_t
@@ -18,8 +18,8 @@ module amontons_reduced_report
    use amontons_result, only: certificate_limit
    use amontons_solutions_report, only: solutions_table_text, solutions_text, uniqueness_text
    use amontons_solve_reduced, only: reduced_result_t
-   use amontons_summary_members, only: add_head, certificate_member, effort_members, last_members, member, &
-      quantities_member, count_members => status_counts, uniqueness_member
+   use amontons_summary_members, only: add_head, certificate_member, count_members => status_counts, effort_members, &
+      last_members, member, quantities_member, uniqueness_member
    use amontons_system, only: make_directory
    use amontons_text, only: to_text
    use amontons_timings, only: phase_read, phase_recover, phase_solve, phase_write

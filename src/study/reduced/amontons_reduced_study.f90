@@ -2,8 +2,8 @@
 module amontons_reduced_study
    use amontons_error, only: error_t
    use amontons_outcome, only: method_numbers, outcome_t, solution_line
-   use amontons_reduced_file, only: write_reduced_file
    use amontons_reduced_report, only: write_reduced_report
+   use amontons_siconos_text, only: write_reduced_file
    use amontons_solve_case, only: cache_t
    use amontons_solve_reduced, only: find_reduced_solutions, prepare_reduced, reduced_result_t, solve_reduced
    use amontons_study, only: study_options_t, study_t

@@ -1,21 +1,22 @@
-!> Reduced problems in the text files of Siconos (FrictionContactProblem, dimension 2), read and written.
+!> Reduced problems in the text files of Siconos (FrictionContactProblem, dimension 2), read and written. FCLIB's HDF5
+!> files are converted to them first, outside this program.
 !>
 !> Words separated by white space: dimension, number of contacts, storage of W, W, then q and mu. W is dense (storage 0,
 !> column by column), sparse in blocks (1), or what CSparse prints (2).
 module amontons_siconos_text
-   use amontons_csparse_text, only: read_csparse, write_csparse
-   use amontons_error, only: error_t
-   use amontons_input_file, only: input_file_t
+   use amontons_csparse_text, only: read_csparse, refuse_word, take_choice, take_number, write_csparse
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_input_file, only: input_file_t, new_input_file
    use amontons_kinds, only: dp, int64
    use amontons_numeral, only: scan_integer
-   use amontons_output_file, only: new_output_file, output_file_t
+   use amontons_output_file, only: commit_files, new_output_file, output_file_t
    use amontons_reduced_system, only: entries_t, new_reduced_system, reduced_system_t
-   use amontons_reduced_words, only: refuse_word, take_choice, take_number
+   use amontons_system, only: make_directory
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: read_siconos_text, write_siconos_text
+   public :: read_reduced_file, write_reduced_file, write_siconos_text
 
    !> W written in full.
    integer, parameter :: storage_dense = 0
@@ -23,6 +24,9 @@ module amontons_siconos_text
    integer, parameter :: storage_blocks = 1
    !> W as CSparse prints it.
    integer, parameter :: storage_csparse = 2
+
+   !> The first bytes of every HDF5 file.
+   character(*), parameter :: hdf5_signature = char(137)//'HDF'//achar(13)//achar(10)//achar(26)//achar(10)
 
 contains
 
@@ -295,5 +299,37 @@ contains
          if (status /= 0) return
       end do
    end subroutine write_dense
+
+   !> Reads a reduced problem.
+   subroutine read_reduced_file(system, file, error)
+      type(reduced_system_t), intent(out) :: system !! the reduced problem
+      character(*), intent(in) :: file !! name of the file
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the file, and where
+      type(input_file_t) :: input
+
+      call new_input_file(input, file, error)
+      if (allocated(error)) return
+      if (index(input%text, hdf5_signature) == 1) then
+         call new_error(error, input_refused, file//': this is an HDF5 file; convert it from FCLIB to text first: '// &
+            'python -m amontons fclib '//file//' problem.dat')
+      else
+         call read_siconos_text(system, input)
+         call move_alloc(input%error, error)
+      end if
+   end subroutine read_reduced_file
+
+   !> Writes NAME.reduced.dat.
+   subroutine write_reduced_file(directory, name, system, error)
+      character(*), intent(in) :: directory !! output directory, made if it is not there
+      character(*), intent(in) :: name !! name of the case
+      type(reduced_system_t), intent(in) :: system !! the reduced problem
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be written
+      type(output_file_t) :: files(1)
+
+      call make_directory(directory, error)
+      if (allocated(error)) return
+      call write_siconos_text(files(1), directory//'/'//name//'.reduced.dat', system, error)
+      call commit_files(files, error)
+   end subroutine write_reduced_file
 
 end module amontons_siconos_text

@@ -9,14 +9,14 @@ module amontons_single_study
    use amontons_error, only: error_t
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
-   use amontons_listing_parts, only: closed_text
+   use amontons_listing, only: closed_text
    use amontons_listing_text, only: short_text, with_unit
    use amontons_outcome, only: method_numbers, outcome_t, solution_line
    use amontons_quantity, only: quantity_t, value_of
-   use amontons_reduced_file, only: write_reduced_file
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_report, only: write_report
    use amontons_result, only: result_t
+   use amontons_siconos_text, only: write_reduced_file
    use amontons_solve_case, only: cache_t, solve_case
    use amontons_study, only: study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
