@@ -1,6 +1,6 @@
-!> What a deck says of the case as a whole: what it is called, and its units; a reduced problem from a file, in the place
-!> of a body; the accuracy of its results, an error estimate and the same case on finer meshes; what a sweep or a history
-!> leaves besides its table.
+!> What a deck says of the case as a whole: what it is called, and its units; a reduced problem from a file, in the
+!> place of a body; the accuracy of its results, an error estimate and the same case on finer meshes; what a sweep or a
+!> history leaves besides its table.
 module amontons_config_case
    use amontons_case_label, only: case_label_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t

@@ -7,7 +7,6 @@ module amontons_verify_history
    use amontons_collection_check, only: compare_collection
    use amontons_config, only: config_t
    use amontons_contact_check, only: follow_place, follow_statuses, hovers, law_scales_t, states_agree, step_scales
-   use amontons_contact_method, only: contact_method_t
    use amontons_csv_table, only: csv_table_t, read_csv_table
    use amontons_document_check, only: compare_line, first_disagreement
    use amontons_error, only: error_t
@@ -40,7 +39,6 @@ module amontons_verify_history
    !> A history while its steps are taken again.
    type :: retrace_t
       type(history_model_t) :: model !! the history
-      class(contact_method_t), allocatable :: method !! the deck's method
       type(history_result_t) :: result !! the way so far
       type(stated_table_t), allocatable :: tables(:) !! its tables, that of the steps first
       character(:), allocatable :: entries !! what the collection of the grids has so far
@@ -61,7 +59,7 @@ contains
       ! What was spread over ranks is checked on however many there are.
       solved = case%config
       if (solved%condensation%factorization == 'distributed') solved%condensation%factorization = 'auto'
-      call prepare_history(cache, solved, again%method, again%model, again%result%last, error)
+      call prepare_history(cache, solved, again%model, again%result%last, error)
       if (.not. allocated(error)) call begin(again, cache, error)
       if (allocated(error)) then
          call case%fault('.deck.nml', error%message)
@@ -69,7 +67,7 @@ contains
       end if
       associate (walk => again%result%walk, last => again%result%last)
          if (len(case%value('', 'message')) > 0) then
-            call walk%advance(again%model, cache%body, cache%problem, again%method)
+            call walk%advance(again%model, cache%body, cache%problem)
             last%is_complete = len(walk%fault) == 0
             last%has_no_equilibrium = walk%has_no_equilibrium
             call verify_answer(case, cache%body, last, walk%fault)
@@ -204,7 +202,7 @@ contains
          call steps%csv%get_number(row, size(steps%kinds) - 1, numbers(3), fault)
          if (len(fault) == 0 .and. .not. (numbers(1) >= walk%state%instant%time .and. &
             numbers(1) <= times(size(times)))) fault = 'the times do not ascend within the history'
-         if (len(fault) == 0 .and. .not. numbers(2) <= again%method%tolerance) fault = &
+         if (len(fault) == 0 .and. .not. numbers(2) <= again%model%method%tolerance) fault = &
             'the residual is above the tolerance'
          if (len(fault) == 0) call solve_as_stated(next, fault, again, row, cache)
          if (len(fault) == 0) then
@@ -252,7 +250,7 @@ contains
       type(error_t), allocatable :: error
 
       call again%model%at(cache%body, time, instant, error)
-      if (.not. allocated(error)) call take_step(next, again%model, cache%body, cache%problem, again%method, &
+      if (.not. allocated(error)) call take_step(next, again%model, cache%body, cache%problem, &
          again%result%walk%state, instant, error)
       if (allocated(error)) then
          fault = error%message
@@ -267,7 +265,7 @@ contains
       type(cache_t), intent(in) :: cache !! the body, its contact problem that of the step
       type(step_state_t), intent(in) :: state !! the state at its end
 
-      scales = step_scales(certificate_limit(again%method%tolerance), again%tables(1)%largest(a_force), &
+      scales = step_scales(certificate_limit(again%model%method%tolerance), again%tables(1)%largest(a_force), &
          cache%problem, cache%body, state)
    end function scales_of
 

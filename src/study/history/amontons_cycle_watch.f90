@@ -1,6 +1,7 @@
-!> The cycles of a history: what each took, whether it went like the one before, and what the stresses of the surface and
-!> the slips of a cycle say about fretting: the parameters of Ruiz, and that of Smith, Watson and Topper on the critical
-!> plane. These are made of the largest values of some numbers over the steps of the cycle, so that no step need be kept.
+!> The cycles of a history: what each took, whether it went like the one before, and what the stresses of the surface
+!> and the slips of a cycle say about fretting: the parameters of Ruiz, and that of Smith, Watson and Topper on the
+!> critical plane. These are made of the largest values of some numbers over the steps of the cycle, so that no step
+!> need be kept.
 module amontons_cycle_watch
    use amontons_history_model, only: history_model_t
    use amontons_kinds, only: dp
@@ -80,7 +81,7 @@ contains
       integer, intent(in) :: n_points !! number of contact points
 
       allocate (watch%points(merge(n_points, 0, size(model%cycle_times) > 0), n_per_point), source=0.0_dp)
-      allocate (watch%fretting%extreme(n_extremes, merge(n_points, 0, model%has_surface())), source=0.0_dp)
+      allocate (watch%fretting%extreme(n_extremes, merge(n_points, 0, allocated(model%surface))), source=0.0_dp)
    end subroutine new_cycle_watch
 
    !> Notes a step that was kept.
@@ -92,7 +93,7 @@ contains
 
       self%is_finished = .false.
       if (model%cycle_at(before%instant%time) >= 0) call self%start(before)
-      if (model%has_surface()) then
+      if (allocated(model%surface)) then
          if (model%cycle_at(before%instant%time) >= 0) call self%fretting%begin(model%surface, &
             surface_stress(model, before), position(before))
          call self%fretting%add(model%surface, surface_stress(model, after), position(after))
@@ -171,7 +172,7 @@ contains
          maxval(abs(drift)), changes, &
          real(outcome(self%has_before, dissipation <= rounding*self%turnover, changes, maxval(slip), &
          maxval(abs(drift)), model%history%cycle_tolerance), dp)]
-      if (model%has_surface()) then
+      if (allocated(model%surface)) then
          parameters = self%fretting%parameters()
          self%numbers(n_plain_numbers + 1:) = maxval(parameters(:, 2:4), dim=1)
       end if
@@ -222,7 +223,8 @@ contains
       real(dp), intent(in) :: numbers(:) !! the numbers
       integer :: n
 
-      if (model%has_surface()) call self%fretting%begin(model%surface, surface_stress(model, state), position(state))
+      if (allocated(model%surface)) call self%fretting%begin(model%surface, surface_stress(model, state), &
+         position(state))
       n = merge(n_single + size(self%points), 0, size(self%points) > 0)
       if (size(numbers) /= n + size(self%fretting%extreme)) return
       self%fretting%extreme = reshape(numbers(n + 1:), shape(self%fretting%extreme))

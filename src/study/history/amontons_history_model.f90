@@ -7,6 +7,7 @@ module amontons_history_model
    use amontons_checksum, only: checksum_t
    use amontons_config, only: config_t
    use amontons_constraints, only: constraints_t, new_constraints, support_t
+   use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_set, only: contact_t
    use amontons_energy_form, only: energy_form_t, new_energy_form
@@ -15,6 +16,7 @@ module amontons_history_model
    use amontons_kinds, only: dp
    use amontons_load_case, only: condense_load_case, condensed_force, load_case_t, pose_problem, set_obstacles
    use amontons_loads, only: load_t, load_vector, sum_thermal_strain
+   use amontons_methods, only: new_contact_method
    use amontons_model_warnings, only: body_size
    use amontons_obstacle_motion, only: find_feet, obstacle_motion_t, tangential_motion
    use amontons_rigid_modes, only: check_common_motion
@@ -29,6 +31,7 @@ module amontons_history_model
    !> What all steps share.
    type :: history_model_t
       type(history_t) :: history !! times and changes
+      class(contact_method_t), allocatable :: method !! the contact method
       type(load_case_t) :: fixed !! the load case of the deck as it stands
       integer, allocatable, private :: part_of(:) !! part of each change of a load or support; 0 for the others
       type(load_case_t), allocatable, private :: parts(:) !! force and prescribed displacement of each part
@@ -48,7 +51,6 @@ module amontons_history_model
       procedure :: at => history_model_at
       procedure :: cycle_at => history_model_cycle_at
       procedure :: fingerprint => history_model_fingerprint
-      procedure :: has_surface => history_model_has_surface
       procedure :: load_case => history_model_load_case
       procedure :: pose => history_model_pose
       procedure :: probed => history_model_probed
@@ -75,11 +77,13 @@ contains
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       type(load_case_t), intent(in) :: prepared !! the load case of the deck as it stands
       type(config_t), intent(in) :: config !! the deck
-      type(error_t), allocatable, intent(out) :: error !! loads, supports or probes do not fit the body
+      type(error_t), allocatable, intent(out) :: error !! no such method; loads, supports or probes do not fit the body
       type(contact_problem_t) :: posed
       type(error_t), allocatable :: no_hold
       integer :: i
 
+      call new_contact_method(model%method, config%method, error)
+      if (allocated(error)) return
       model%history = config%history
       model%fixed = prepared
       model%size_of_body = body_size(body)
@@ -113,13 +117,6 @@ contains
       if (allocated(error)) return
       call condense_probes(model, body)
    end subroutine new_history_model
-
-   !> Whether stresses of the surface are asked for.
-   pure logical function history_model_has_surface(self) result(has_surface)
-      class(history_model_t), intent(in) :: self !! the model
-
-      has_surface = allocated(self%surface)
-   end function history_model_has_surface
 
    !> Which cycle ends at a time: 0 where the first one begins, -1 where none does.
    pure integer function history_model_cycle_at(self, time) result(cycle)

@@ -5,7 +5,6 @@
 !> the steps are the same on every machine.
 module amontons_history_walk
    use amontons_body, only: body_t
-   use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_cycle_watch, only: cycle_watch_t, n_parameters, new_cycle_watch
    use amontons_error, only: error_t, input_refused, new_error
@@ -125,12 +124,11 @@ contains
    end subroutine history_walk_restore
 
    !> Takes the next step, as short as it must be. At the end of all times, or where there is no way on, it stays.
-   subroutine history_walk_advance(self, model, body, problem, method)
+   subroutine history_walk_advance(self, model, body, problem)
       class(history_walk_t), intent(inout) :: self !! the way
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
-      class(contact_method_t), intent(in) :: method !! the deck's method
       type(step_state_t) :: next
       type(error_t), allocatable :: error, answer
       logical :: is_balanced
@@ -141,7 +139,7 @@ contains
       if (self%is_ended) return
       do
          time = self%plan(model%history)
-         call try_step(self, model, body, problem, method, time, next, error)
+         call try_step(self, model, body, problem, time, next, error)
          is_balanced = has_balance(next, model%history)
          if (next%has_no_equilibrium) then
             answer = error
@@ -184,12 +182,11 @@ contains
    end subroutine end_step
 
    !> Takes a step to a time, and counts its iterations. Whether it is kept is decided later.
-   subroutine try_step(walk, model, body, problem, method, time, next, error)
+   subroutine try_step(walk, model, body, problem, time, next, error)
       type(history_walk_t), intent(inout) :: walk !! the way; gains the iterations
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! its contact problem
-      class(contact_method_t), intent(in) :: method !! the deck's method
       real(dp), intent(in) :: time !! the time that the step leads to [-]
       type(step_state_t), intent(inout) :: next !! the state at its end; not converged if there is an error
       type(error_t), allocatable, intent(out) :: error !! the step cannot be taken
@@ -197,7 +194,7 @@ contains
 
       next%has_no_equilibrium = .false.
       call model%at(body, time, instant, error)
-      if (.not. allocated(error)) call take_step(next, model, body, problem, method, walk%state, instant, error)
+      if (.not. allocated(error)) call take_step(next, model, body, problem, walk%state, instant, error)
       walk%n_iterations = walk%n_iterations + next%solution%n_iterations
       if (allocated(error)) next%solution%is_converged = .false.
    end subroutine try_step

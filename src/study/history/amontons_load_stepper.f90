@@ -4,7 +4,6 @@
 !> nothing but the state it returns, so that it can be taken again from where it began.
 module amontons_load_stepper
    use amontons_config, only: config_t
-   use amontons_contact_method, only: contact_method_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_history_model, only: history_model_t, instant_t
    use amontons_history_table, only: history_table_t, history_tables, step_numbers
@@ -23,7 +22,6 @@ module amontons_load_stepper
    type :: load_stepper_t
       type(cache_t) :: cache !! the body
       type(history_model_t) :: model !! what changes
-      class(contact_method_t), allocatable :: method !! the deck's method
       integer :: n_changes = 0 !! how many numbers change
       integer :: n_points = 0 !! number of contact points
       integer :: n_state = 0 !! how many numbers a state has
@@ -48,8 +46,7 @@ contains
       else if (config%history%has_start()) then
          call new_error(error, input_refused, 'start is not for a stepper: its caller has the states')
       end if
-      if (.not. allocated(error)) call prepare_history(stepper%cache, config, stepper%method, stepper%model, unused, &
-         error)
+      if (.not. allocated(error)) call prepare_history(stepper%cache, config, stepper%model, unused, error)
       if (allocated(error)) return
       stepper%n_changes = sum([(config%history%steps(i)%n_numbers(), i=1, size(config%history%steps))])
       stepper%n_points = stepper%cache%body%zone%n_points
@@ -78,8 +75,8 @@ contains
       call check_arrays(self, time, changes, before, error)
       if (.not. allocated(error)) call restore_start(self, before, start, error)
       if (.not. allocated(error)) call self%model%acting(self%cache%body, time, changes, instant, error)
-      if (.not. allocated(error)) call take_step(next, self%model, self%cache%body, self%cache%problem, self%method, &
-         start, instant, error)
+      if (.not. allocated(error)) call take_step(next, self%model, self%cache%body, self%cache%problem, start, &
+         instant, error)
       if (allocated(error)) return
       is_converged = next%solution%is_converged
       after = [before(1) + 1.0_dp, changes, next%numbers()]

@@ -3,7 +3,6 @@ module amontons_solve_history
    use amontons_body, only: body_t
    use amontons_checkpoint, only: checkpoint_t
    use amontons_config, only: config_t, effective_deck
-   use amontons_contact_method, only: contact_method_t
    use amontons_cycle_watch, only: n_cycle_numbers
    use amontons_error, only: error_t, new_error
    use amontons_history, only: history_t, is_shown
@@ -15,7 +14,6 @@ module amontons_solve_history
    use amontons_listing_text, only: scientific
    use amontons_load_case, only: condense_load_case
    use amontons_manifest, only: manifest_t
-   use amontons_methods, only: new_contact_method
    use amontons_report, only: study_files_t
    use amontons_result, only: result_t
    use amontons_result_warnings, only: add_result_warnings
@@ -76,16 +74,15 @@ contains
       class(study_monitor_t), intent(inout) :: monitor !! learns how far the history is, and may stop it
       type(history_result_t), intent(out) :: result !! the result
       type(error_t), allocatable, intent(out) :: error !! the deck, the numbers or the disk are at fault
-      class(contact_method_t), allocatable :: method
       type(history_model_t) :: model
       type(history_files_t) :: files
 
-      call prepare_history(cache, config, method, model, result%last, error)
+      call prepare_history(cache, config, model, result%last, error)
       if (allocated(error)) return
       call result%last%timings%begin(phase_solve)
       call begin_history(cache, config, directory, model, files, result, error)
       if (allocated(error)) return
-      call take_steps(cache, model, method, files, monitor, result, error)
+      call take_steps(cache, model, files, monitor, result, error)
       result%last%is_complete = len(result%walk%fault) == 0
       result%last%has_no_equilibrium = result%walk%has_no_equilibrium
       if (.not. (allocated(error) .or. result%is_interrupted)) call finish_history(cache, model, config, files, &
@@ -173,18 +170,16 @@ contains
       result%n_resumed = result%walk%n_steps
    end subroutine go_on
 
-   !> Makes what the steps need: the condensed body, the method and the model of the history.
-   subroutine prepare_history(cache, config, method, model, last, error)
+   !> Makes what the steps need: the condensed body and the model of the history.
+   subroutine prepare_history(cache, config, model, last, error)
       type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the history needs another
       type(config_t), intent(in) :: config !! the deck
-      class(contact_method_t), allocatable, intent(out) :: method !! the deck's method
       type(history_model_t), intent(out) :: model !! the history
       type(result_t), intent(inout) :: last !! gains what the result of the last step begins with
       type(error_t), allocatable, intent(out) :: error !! the deck or the numbers are at fault
 
       call prepare_case(cache, config, last, error)
       if (.not. allocated(error)) call condense_case(cache, config, last, error)
-      if (.not. allocated(error)) call new_contact_method(method, config%method, error)
       if (.not. allocated(error)) call new_history_model(model, cache%body, cache%problem, last%load_case, config, &
          error)
       if (allocated(error)) return
@@ -226,10 +221,9 @@ contains
    end function any_changes
 
    !> Takes the steps, as far as there is a way and the monitor does not stop it.
-   subroutine take_steps(cache, model, method, files, monitor, result, error)
+   subroutine take_steps(cache, model, files, monitor, result, error)
       type(cache_t), intent(inout) :: cache !! the body
       type(history_model_t), intent(in) :: model !! the history
-      class(contact_method_t), intent(in) :: method !! the deck's method
       type(history_files_t), intent(inout) :: files !! gain the steps
       class(study_monitor_t), intent(inout) :: monitor !! learns how far the history is, and may stop it
       type(history_result_t), intent(inout) :: result !! gains the way and its extremes
@@ -242,7 +236,7 @@ contains
          call monitor%report(walk%n_planned, history%n_steps(), 'steps')
          do while (.not. (walk%is_ended .or. result%is_interrupted))
             n_kept = walk%n_steps
-            call walk%advance(model, cache%body, cache%problem, method)
+            call walk%advance(model, cache%body, cache%problem)
             result%is_interrupted = monitor%is_stopped()
             if (walk%n_steps == n_kept) exit
             call result%note_step(cache%body, history)

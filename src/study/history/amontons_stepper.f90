@@ -76,12 +76,11 @@ contains
    end subroutine new_step_state
 
    !> Takes a step to what acts at its end. Not converged is a result: the solution of the state says so.
-   subroutine take_step(after, model, body, problem, method, before, instant, error)
+   subroutine take_step(after, model, body, problem, before, instant, error)
       type(step_state_t), intent(out) :: after !! the state at the end of the step
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! its contact problem; left with what acts
-      class(contact_method_t), intent(in) :: method !! the deck's method
       type(step_state_t), intent(in) :: before !! the state at the beginning of the step
       type(instant_t), intent(in) :: instant !! what acts at its end
       type(error_t), allocatable, intent(out) :: error !! no equilibrium, or the numbers are at fault
@@ -95,7 +94,7 @@ contains
       ! The slip before goes on, so that the method begins with the statuses before.
       after%solution = before%solution
       after%solution%displacement(m + 1:) = after%anchor + before%slip
-      call solve(after, model, body, problem, method, error)
+      call solve(after, model, body, problem, error)
       if (allocated(error)) return
       after%slip = after%solution%displacement(m + 1:) - after%anchor
       after%accumulated_slip = before%accumulated_slip + abs(after%slip)
@@ -178,24 +177,23 @@ contains
    !> Whether they can is asked where the answer is in doubt: where Newton's method fails, and where it takes the points
    !> further than the body is large, as the rounding of a singular matrix does; and in each step of bodies with a
    !> motion that no contact point notices, or that friction alone opposes.
-   subroutine solve(after, model, body, problem, method, error)
+   subroutine solve(after, model, body, problem, error)
       type(step_state_t), intent(inout) :: after !! the state, its solution set to that before; gains its own
       type(history_model_t), intent(in) :: model !! the model
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(inout) :: problem !! the contact problem
-      class(contact_method_t), intent(in) :: method !! the deck's method
       type(error_t), allocatable, intent(out) :: error !! no equilibrium, or the numbers are at fault
       type(contact_solution_t) :: start
       type(load_case_t) :: load_case
 
       start = after%solution
-      call try_newton(after%solution, problem, method, error)
+      call try_newton(after%solution, problem, model%method, error)
       if (allocated(error)) return
       if (model%may_move .or. .not. after%solution%is_converged &
          .or. maxval(abs(after%solution%displacement)) > model%size_of_body) call check_loads(after, load_case, model, &
          body, error)
       if (.not. (allocated(error) .or. after%solution%is_converged)) call use_method(after%solution, start, load_case, &
-         body, problem, method, error)
+         body, problem, model%method, error)
       if (allocated(error) .or. .not. model%may_spin) return
       call check_spin(body, after%instant%is_in_reach, problem, after%solution, error)
       after%has_no_equilibrium = allocated(error)
