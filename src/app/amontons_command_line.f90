@@ -12,6 +12,11 @@ module amontons_command_line
    character(16), parameter :: option_names(*) = [character(16) :: '--output', '--set', '--refine', '--check', &
       '--quiet', '--progress', '--threads', '--skip-unchanged', '--reduced', '--write-reduced', '--all-solutions', &
       '--verify', '--reference', '--help', '--version']
+   !> Their short forms.
+   character(2), parameter :: short_names(size(option_names)) = [character(2) :: '-o', '', '', '', '-q', '', '-t', '', &
+      '', '', '', '', '', '-h', '']
+   !> Those that take a value.
+   character(16), parameter :: valued_names(*) = [character(16) :: '--output', '--set', '--refine', '--threads']
    !> What other programs call each of them, blanks between the words.
    character(24), parameter :: other_names(*) = [character(24) :: '--outdir --dir -d', '--param --define -D', '', &
       '--dry-run --validate', '--silent -s', '--verbose', '--nthreads --jobs -j -n', '', '', '', '', '', '--keys', '', &
@@ -28,17 +33,9 @@ module amontons_command_line
       type(setting_t), allocatable :: settings(:) !! what takes the place of what the decks say
       character(:), allocatable :: output !! output directory
       integer :: n_threads = 0 !! number of threads; 0 for what OMP_NUM_THREADS says, or all cores
-      logical :: is_check = .false. !! whether decks are only checked
-      logical :: is_quiet = .false. !! whether results are not printed
-      logical :: shows_progress = .false. !! whether a log gets lines on the work under way
-      logical :: skips_unchanged = .false. !! whether decks whose results are there already are skipped
-      logical :: is_reduced = .false. !! whether the names are files of reduced problems rather than decks
-      logical :: writes_reduced = .false. !! whether the reduced problem of each case is written
-      logical :: wants_all_solutions = .false. !! whether every solution of a small problem is listed
-      logical :: is_verify = .false. !! whether the names are directories whose results are verified, rather than decks
-      logical :: is_reference = .false. !! whether the names are groups whose reference is asked for, rather than decks
-      logical :: is_help = .false. !! whether help is asked for
-      logical :: is_version = .false. !! whether the version is asked for
+      logical, private :: is_given(size(option_names)) = .false. !! which options without a value are given
+   contains
+      procedure :: asks => command_line_asks
    end type command_line_t
 
 contains
@@ -66,7 +63,7 @@ contains
             if (allocated(error)) return
          end if
       end do
-      if (command_line%is_help .or. command_line%is_version .or. command_line%is_reference) return
+      if (command_line%asks('--help') .or. command_line%asks('--version') .or. command_line%asks('--reference')) return
       call check_decks(command_line, error)
       if (.not. allocated(command_line%output)) command_line%output = '.'
    end subroutine read_command_line
@@ -78,20 +75,20 @@ contains
       character(:), allocatable :: expected
 
       expected = 'a deck'
-      if (command_line%is_reduced) expected = 'the file of a reduced problem'
-      if (command_line%is_verify) expected = 'a directory with results'
+      if (command_line%asks('--reduced')) expected = 'the file of a reduced problem'
+      if (command_line%asks('--verify')) expected = 'a directory with results'
       if (size(command_line%decks) == 0) then
          call new_error(error, input_refused, 'amontons: expected '//expected//'; try amontons --help')
-      else if (command_line%is_verify .and. any([allocated(command_line%output), command_line%is_check, &
-         command_line%is_reduced, command_line%writes_reduced, command_line%wants_all_solutions, &
-         command_line%skips_unchanged, command_line%shows_progress, size(command_line%settings) > 0])) then
+      else if (command_line%asks('--verify') .and. any([allocated(command_line%output), command_line%asks('--check'), &
+         command_line%asks('--reduced'), command_line%asks('--write-reduced'), command_line%asks('--all-solutions'), &
+         command_line%asks('--skip-unchanged'), command_line%asks('--progress'), size(command_line%settings) > 0])) then
          call new_error(error, input_refused, 'amontons: --verify takes directories with results; of the other '// &
             'options only --quiet and --threads go with it')
-      else if (command_line%skips_unchanged .and. (command_line%writes_reduced .or. &
-         command_line%wants_all_solutions)) then
+      else if (command_line%asks('--skip-unchanged') .and. (command_line%asks('--write-reduced') .or. &
+         command_line%asks('--all-solutions'))) then
          call new_error(error, input_refused, 'amontons: --skip-unchanged does not go with --write-reduced or '// &
             '--all-solutions')
-      else if (command_line%is_reduced .and. has_input(command_line%decks)) then
+      else if (command_line%asks('--reduced') .and. has_input(command_line%decks)) then
          call new_error(error, input_refused, &
             'amontons: --reduced takes files; standard input (-) can only be a deck')
       end if
@@ -112,51 +109,36 @@ contains
       integer, intent(inout) :: i !! its place on the command line; moved on where the next word is its value
       type(error_t), allocatable, intent(out) :: error !! an unknown option, or a value that is missing or wrong
       character(:), allocatable :: name
-      integer :: at_equals
+      integer :: at_equals, option
 
       at_equals = index(word//'=', '=')
       name = word(:at_equals - 1)
-      select case (name)
-      case ('--output', '-o', '--set', '--refine', '--threads', '-t')
-         if (at_equals <= len(word)) then
-            call read_value(command_line, name, word(at_equals + 1:), error)
-         else
-            i = i + 1
-            call read_value(command_line, name, argument(i), error)
-         end if
-         return
-      case ('--check')
-         command_line%is_check = .true.
-      case ('--quiet', '-q')
-         command_line%is_quiet = .true.
-      case ('--progress')
-         command_line%shows_progress = .true.
-      case ('--skip-unchanged')
-         command_line%skips_unchanged = .true.
-      case ('--reduced')
-         command_line%is_reduced = .true.
-      case ('--write-reduced')
-         command_line%writes_reduced = .true.
-      case ('--all-solutions')
-         command_line%wants_all_solutions = .true.
-      case ('--verify')
-         command_line%is_verify = .true.
-      case ('--reference')
-         command_line%is_reference = .true.
-      case ('--help', '-h')
-         command_line%is_help = .true.
-      case ('--version')
-         command_line%is_version = .true.
-      case default
+      option = findloc(option_names == name .or. (short_names == name .and. short_names /= ''), .true., dim=1)
+      if (option == 0) then
          call new_error(error, input_refused, "amontons: unknown option '"//name//"'"//suggestion(name))
-         return
-      end select
-      if (at_equals <= len(word)) call new_error(error, input_refused, 'amontons: '//name//' takes no value')
+      else if (all(valued_names /= option_names(option))) then
+         command_line%is_given(option) = .true.
+         if (at_equals <= len(word)) call new_error(error, input_refused, 'amontons: '//name//' takes no value')
+      else if (at_equals <= len(word)) then
+         call read_value(command_line, option_names(option), name, word(at_equals + 1:), error)
+      else
+         i = i + 1
+         call read_value(command_line, option_names(option), name, argument(i), error)
+      end if
    end subroutine read_option
 
+   !> Whether an option without a value is given.
+   pure logical function command_line_asks(self, option) result(asks)
+      class(command_line_t), intent(in) :: self !! what the command line asks for
+      character(*), intent(in) :: option !! the option
+
+      asks = any(self%is_given .and. option_names == option)
+   end function command_line_asks
+
    !> Reads the value of an option.
-   subroutine read_value(command_line, name, value, error)
+   subroutine read_value(command_line, option, name, value, error)
       type(command_line_t), intent(inout) :: command_line !! gains what the option asks for
+      character(*), intent(in) :: option !! the option
       character(*), intent(in) :: name !! the option as written
       character(*), intent(in) :: value !! its value
       type(error_t), allocatable, intent(out) :: error !! it is missing or wrong
@@ -165,8 +147,8 @@ contains
       integer :: n_refinements
       logical :: ok
 
-      select case (name)
-      case ('--output', '-o')
+      select case (option)
+      case ('--output')
          expected = 'the name of a directory'
          command_line%output = value
          ok = len(value) > 0

@@ -18,7 +18,7 @@ contains
       character(*), intent(in) :: text !! the line
       type(error_t), allocatable, intent(out) :: error !! standard output takes no more
 
-      if (.not. command_line%is_quiet) call print_line(standard_output, text, error)
+      if (.not. command_line%asks('--quiet')) call print_line(standard_output, text, error)
    end subroutine print_info
 
    !> Prints the line of a deck and its warnings, a line each, unless the run is quiet; and what went wrong.

@@ -85,7 +85,8 @@ contains
       type(error_t), allocatable :: error
       integer :: i
 
-      if (command_line%is_check .or. .not. (size(command_line%decks) > 1 .or. command_line%skips_unchanged)) return
+      if (command_line%asks('--check')) return
+      if (size(command_line%decks) == 1 .and. .not. command_line%asks('--skip-unchanged')) return
       call update_batch_table(command_line%output, outcomes, notes, error)
       do i = 1, notes%n()
          call print_error(notes%item(i))
@@ -144,9 +145,9 @@ contains
          return
       end if
       options%directory = command_line%output
-      options%writes_reduced = command_line%writes_reduced
-      options%wants_all_solutions = command_line%wants_all_solutions
-      if (command_line%skips_unchanged .and. .not. command_line%is_check) then
+      options%writes_reduced = command_line%asks('--write-reduced')
+      options%wants_all_solutions = command_line%asks('--all-solutions')
+      if (command_line%asks('--skip-unchanged') .and. .not. command_line%asks('--check')) then
          call find_unchanged(is_unchanged, numbers, study%config, command_line%output)
          if (is_unchanged) then
             call outcome%begin(deck, study%config%name)
@@ -157,10 +158,10 @@ contains
             return
          end if
       end if
-      if (command_line%shows_progress .or. .not. command_line%is_quiet) then
-         call open_status_line(study%config%name, has_log=command_line%shows_progress)
+      if (command_line%asks('--progress') .or. .not. command_line%asks('--quiet')) then
+         call open_status_line(study%config%name, has_log=command_line%asks('--progress'))
       end if
-      if (command_line%is_check) then
+      if (command_line%asks('--check')) then
          call check_study(study, cache, options, outcome)
       else
          call solve_study(study, cache, options, progress, outcome)
@@ -178,7 +179,7 @@ contains
       type(config_t) :: config
       integer :: i
 
-      if (command_line%is_reduced) then
+      if (command_line%asks('--reduced')) then
          call new_reduced_config(config, deck, error, command_line%settings)
       else
          call read_config(config, deck, error, command_line%settings)

@@ -66,13 +66,13 @@ contains
       type(error_t), allocatable, intent(out) :: error !! standard output takes no more
 
       status = 0
-      if (command_line%is_help) then
+      if (command_line%asks('--help')) then
          call print_line(standard_output, help_text(), error)
-      else if (command_line%is_version) then
+      else if (command_line%asks('--version')) then
          call print_line(standard_output, version_text(), error)
-      else if (command_line%is_reference) then
+      else if (command_line%asks('--reference')) then
          call print_reference(command_line%decks, status, error)
-      else if (command_line%is_verify) then
+      else if (command_line%asks('--verify')) then
          call verify_directories(command_line, status)
       else
          call run_decks(command_line, status)
