@@ -27,7 +27,7 @@ module amontons_solve_load_case
    use amontons_model_warnings, only: add_model_warnings, body_size
    use amontons_result, only: factor_t, result_t
    use amontons_result_warnings, only: add_result_warnings
-   use amontons_rigid_fit, only: fit_rigid_motion, fit_travel
+   use amontons_rigid_fit, only: fit_rigid_motion, fit_travel, lay_rigid_body
    use amontons_spin, only: check_spin
    use amontons_stress_field, only: new_stress_field
    use amontons_timings, only: new_timings, phase_condense, phase_recover, phase_solve, phase_write
@@ -103,10 +103,14 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
       type(contact_solution_t) :: first
       real(dp), allocatable :: motion(:), travel(:)
+      logical :: has_place
 
-      call fit_rigid_motion(motion, body, load_case)
+      call find_origin(motion, body, load_case, problem)
       ! Nothing has a place before it meets its obstacles: a start at rest is there.
-      if (any(abs(solution%force) > 0.0_dp)) solution%displacement = solution%displacement - motion
+      associate (normal => solution%displacement(:body%zone%n_points))
+         has_place = any(abs(solution%force) > 0.0_dp) .or. any(abs(normal) > 0.0_dp)
+      end associate
+      if (has_place) solution%displacement = solution%displacement - motion
       call solve_from(motion, method, problem, solution, error)
       ! Of displacements that the motion is a part of, rounding would look like travel.
       call fit_travel(travel, body, solution%displacement)
@@ -123,6 +127,23 @@ contains
       end if
       solution%displacement = solution%displacement + motion
    end subroutine solve_from_obstacles
+
+   !> Finds the rigid motion that displacements are counted from: that which comes closest to the gaps or, if none is
+   !> close or if it leaves overlaps that no load presses on, that of a rigid body laid on its obstacles.
+   subroutine find_origin(motion, body, load_case, problem)
+      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (2m) [L]
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! the load case
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      real(dp), allocatable :: laid(:)
+
+      call fit_rigid_motion(motion, body, load_case)
+      if (any(abs(motion) > 0.0_dp)) then
+         if (any(abs(problem%load) > 0.0_dp) .or. all(problem%gap >= motion(:problem%n_points))) return
+      end if
+      call lay_rigid_body(laid, body, load_case, problem%load)
+      if (any(abs(laid) > 0.0_dp)) motion = laid
+   end subroutine find_origin
 
    !> Solves a contact problem for the displacements from a rigid motion.
    subroutine solve_from(motion, method, problem, solution, error)

@@ -57,14 +57,16 @@ contains
       real(dp), intent(inout) :: x(:) !! where to start, and the minimizer (n)
       type(effort_t), intent(inout) :: effort !! gains that of the way
       real(dp) :: rho(size(b)), reachable
+      logical :: is_pressed(size(b))
 
       if (size(b) == 0) return
       associate (all_rho => a%reciprocal_diagonal())
          rho = all_rho(rows(1):rows(2))
       end associate
       x = min(max(x, lower), upper)
-      ! What rounding leaves of sums of such numbers.
-      reachable = max(accuracy, 4.0_dp*epsilon(1.0_dp)*maxval(max(abs(x), abs(rho*b))))
+      ! What rounding leaves of sums of such numbers, but of those that hold a component at its bound, however large.
+      is_pressed = (.not. x > lower .and. b < 0.0_dp) .or. (.not. x < upper .and. b > 0.0_dp)
+      reachable = max(accuracy, 4.0_dp*epsilon(1.0_dp)*maxval(max(abs(x), merge(0.0_dp, abs(rho*b), is_pressed))))
       if (kind == 'mprgp' .or. (kind == 'auto' .and. a%is_sparse())) then
          call mprgp(a, rows, b, lower, upper, reachable, x, effort)
       else

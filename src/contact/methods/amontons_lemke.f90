@@ -8,7 +8,7 @@
 !> with the covering vectors below the pivots end in a solution for friction of any size, unless a rigid motion exists
 !> (dual: forces without effect) that the loads can drive.
 module amontons_lemke
-   use amontons_complementarity, only: lemke_pivoting, pivoting_solved
+   use amontons_complementarity, only: lemke_pivoting
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_relation, only: contact_relation_t, new_contact_relation, point_states_t
@@ -46,9 +46,10 @@ contains
       type(contact_relation_t) :: relation
       type(contact_solution_t) :: best
       type(effort_t) :: effort
+      type(point_states_t) :: states
       real(dp), dimension(2*problem%n_points) :: force, distance, displacement
       integer :: trial
-      logical :: is_solved, may_continue
+      logical :: is_singular, may_continue
 
       if (problem%n_points > max_points) then
          call new_error(error, input_refused, 'the method lemke takes at most '//to_text(max_points)// &
@@ -57,16 +58,26 @@ contains
       end if
       call solution%reset()
       best = solution
+      if (problem%is_unloaded()) then
+         ! Rest solves it; the path would begin with all points closed, whatever their gaps.
+         force = 0.0_dp
+         displacement = 0.0_dp
+         if (problem%is_reduced()) displacement = problem%free_displacement
+         call solution%record(problem, displacement, force, self%tolerance, may_continue)
+         return
+      end if
       call problem%prepare_stiffness()
       call new_contact_relation(relation, problem)
       call solution%effort%multiply(1.0_dp)
       do trial = 1, min(n_covers, self%max_iterations)
          effort = effort_t()
-         call solve_relation(relation, trial, force, distance, is_solved, effort)
+         call solve_relation(relation, trial, states, force, distance, is_singular, effort)
          effort%n_products = size_of_pairs*effort%n_products
-         call solution%effort%add(effort)
          force = force*relation%force_unit
          displacement = distance*relation%distance_unit + problem%reference()
+         if (.not. (is_singular .or. relation%is_dual)) call refine(relation, states, problem, displacement, force, &
+            effort)
+         call solution%effort%add(effort)
          call solution%record(problem, displacement, force, self%tolerance, may_continue)
          if (solution%is_converged) return
          if (solution%residual < best%residual) best = solution
@@ -78,14 +89,14 @@ contains
    end subroutine lemke_solve
 
    !> Finds a solution of a relation between forces and distances.
-   pure subroutine solve_relation(relation, trial, force, distance, is_solved, effort)
+   pure subroutine solve_relation(relation, trial, states, force, distance, is_singular, effort)
       type(contact_relation_t), intent(in) :: relation !! the relation
       integer, intent(in) :: trial !! which covering vector to start from, 1 or more
+      type(point_states_t), intent(out) :: states !! the states of the solution
       real(dp), intent(out) :: force(:) !! lambda, without units (2m) [-]
       real(dp), intent(out) :: distance(:) !! w, without units (2m) [-]
-      logical, intent(out) :: is_solved !! whether the pivots ended in a solution, rounding aside
+      logical, intent(out) :: is_singular !! whether they leave forces and distances undetermined
       type(effort_t), intent(inout) :: effort !! gains that of the pivots and of the last system
-      type(point_states_t) :: states
       real(dp) :: matrix(3*relation%n_points, 3*relation%n_points), right(3*relation%n_points), z(3*relation%n_points)
       logical :: is_z_basic(3*relation%n_points)
       integer :: outcome, info
@@ -100,8 +111,33 @@ contains
       ! The states, not the numbers of the tableau, are the result: one fresh system has one rounding error.
       call relation%solve_states(states, force, distance, info)
       call effort%factorize(.true.)
-      is_solved = outcome == pivoting_solved .and. info == 0
+      is_singular = info /= 0
    end subroutine solve_relation
+
+   !> Takes the rounding errors of distances out of displacements and forces, as far as the states say nothing of them:
+   !> those of open points may be as large as gaps, while the displacements, and the forces with them, are small.
+   pure subroutine refine(relation, states, problem, displacement, force, effort)
+      type(contact_relation_t), intent(in) :: relation !! the relation, in its primal form
+      type(point_states_t), intent(in) :: states !! the states of the points
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(inout) :: displacement(:) !! v (2m) [L]
+      real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
+      type(effort_t), intent(inout) :: effort !! gains that of the product and of the system
+      type(contact_relation_t) :: defect
+      real(dp), dimension(2*problem%n_points) :: imbalance, missing_force, missing_distance
+      integer :: info
+
+      call problem%multiply_stiffness(displacement, imbalance)
+      call effort%multiply(1.0_dp)
+      defect = relation
+      defect%vector = (problem%load - imbalance - force)/relation%force_unit
+      defect%slip_bound = 0.0_dp
+      call defect%solve_states(states, missing_force, missing_distance, info)
+      call effort%factorize(.true.)
+      if (info /= 0) return
+      displacement = displacement + missing_distance*relation%distance_unit
+      force = force + missing_force*relation%force_unit
+   end subroutine refine
 
    !> The complementarity problem of the dual form: p, w_1 and s_2 in terms of lambda_N, s_1 and w_2.
    pure subroutine dual_pairs(relation, matrix, right)

@@ -9,6 +9,7 @@ module amontons_certificate
    use amontons_load_case, only: load_case_t
    use amontons_node_sums, only: node_sums_t, norm_of, sum_nodes
    use amontons_quantity, only: quantity_t
+   use amontons_rigid_fit, only: travel_of_nodes
    implicit none (type, external)
    private
 
@@ -119,10 +120,33 @@ contains
          ! Heat strains a body although no force does work on it.
          work = max(sums%internal_size, certificate%strain_energy, sums%external_size)
          if (least_scale > 0.0_dp) work = max(work, least_scale*norm2(displacement))
-         certificate%energy = relative(abs(sums%internal_work - sums%external_work - sums%support_work), work)
+         certificate%energy = energy_violation(body, internal, load_case%force + contact, displacement, &
+            sums%internal_work - sums%external_work - sums%support_work, work)
          certificate%duality_gap = relative(certificate%duality_gap, work)
       end associate
    end subroutine check_forces
+
+   !> What is missing between the works, over their size; where that is too much, the larger one of its two parts over
+   !> theirs: what the forces do on the free rigid motion of each piece that comes closest, on which all of them
+   !> together do none, and what they do on the rest. So rounding errors of forces on a long way are measured by it.
+   real(dp) function energy_violation(body, internal, external, displacement, missing, work) result(violation)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: internal(:, :) !! nodal forces of stresses and springs (2, n_nodes) [F]
+      real(dp), intent(in) :: external(:, :) !! those of loads and contact (2, n_nodes) [F]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: missing !! work of the former less that of the latter and of the supports [F L]
+      real(dp), intent(in) :: work !! the size of the works [F L]
+      real(dp), parameter :: suspicious = 1.0e-10_dp
+      real(dp), allocatable :: travel(:, :)
+      real(dp) :: of_travel, size_of_travel
+
+      violation = relative(abs(missing), work)
+      if (.not. violation > suspicious .or. all(body%motions%n_free == 0)) return
+      travel = travel_of_nodes(body, displacement)
+      of_travel = sum(travel*(internal - external))
+      size_of_travel = max(work, sum(abs(external))*maxval(abs(travel)))
+      violation = max(relative(abs(missing - of_travel), work), relative(abs(of_travel), size_of_travel))
+   end function energy_violation
 
    !> What the forces on a body that nothing loads are measured by at the least: if they are all rounding errors of
    !> |K| |u|, and no element is strained, a share of it, otherwise nothing. Forces of a strained soft part may be as

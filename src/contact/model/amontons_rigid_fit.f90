@@ -2,16 +2,18 @@
 !>
 !> Rigid motions take no force, so that the displacements of such a body may be counted from any of them. Those that its
 !> forces come from may be millions of times smaller than the way to the obstacle: counted from there, they keep their
-!> digits. Where the gaps do not tell it, as those of a hollow body that stands on its ends, its displacements do.
+!> digits. Where the gaps do not tell it, as those of a hollow body that stands on its ends, the loads do, which lay it
+!> down as a rigid body, and its displacements.
 module amontons_rigid_fit
    use amontons_body, only: body_t
+   use amontons_bounded_least_squares, only: bounded_remainder
    use amontons_dense, only: symmetric_eigenvectors
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
    implicit none (type, external)
    private
 
-   public :: fit_rigid_motion, fit_travel
+   public :: fit_rigid_motion, fit_travel, lay_rigid_body, travel_of_nodes
 
 contains
 
@@ -25,10 +27,84 @@ contains
       real(dp) :: aim(2*body%zone%n_points)
       logical :: counts(2*body%zone%n_points)
 
-      counts = [load_case%is_in_reach, load_case%is_in_reach .and. .not. body%zone%is_tangent_fixed]
+      counts = counted(body, load_case)
       aim = merge([load_case%free_gap, load_case%anchor], 0.0_dp, counts)
       call fit(motion, body, aim, counts, much)
    end subroutine fit_rigid_motion
+
+   !> Finds the free rigid motion by which loads lay a rigid body on its obstacles, sliding as little as can be: of the
+   !> places without overlap the one nearest to where the loads would drive it, far off, were there no obstacle. Without
+   !> loads it is the least motion from the closest fit that ends all overlaps. None if no motion does, or if it is much
+   !> longer than the gaps.
+   subroutine lay_rigid_body(motion, body, load_case, load)
+      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (2m) [L]
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its obstacles and anchors
+      real(dp), intent(in) :: load(:) !! condensed load (2m) [F]
+      ! The way without obstacles, over the largest gap; a gap that stays open, likewise, where nothing would close it.
+      real(dp), parameter :: far = 100.0_dp, apart = 1.0e-6_dp
+      real(dp), parameter :: longest = 10.0_dp, impossible = 1.0e-10_dp
+      real(dp), allocatable :: way(:, :), columns(:, :), remainder(:)
+      real(dp) :: aim(2*body%zone%n_points), drive(3*size(body%motions)), unit
+      logical :: counts(2*body%zone%n_points)
+      integer :: k, m, n
+
+      m = body%zone%n_points
+      counts = counted(body, load_case)
+      aim = merge([load_case%free_gap, load_case%anchor], 0.0_dp, counts)
+      allocate (motion(2*m), source=0.0_dp)
+      unit = maxval(abs(aim(:m)))
+      if (size(body%rigid_modes, 2) == 0 .or. .not. unit > 0.0_dp) return
+      call find_ways(way, body%rigid_modes, counts)
+      n = size(way, 2)
+      motion = matmul(body%rigid_modes, amounts_of(merge(body%rigid_modes, 0.0_dp, spread(counts, 2, &
+         size(body%rigid_modes, 2))), aim))
+      drive(:n) = matmul(load, way)
+      if (any(abs(load) > 0.0_dp)) motion = motion + far*unit*matmul(way, drive(:n)/max(norm2(drive(:n)), tiny(1.0_dp)))
+      ! The least distance under inequalities, G x >= h, from least squares (Lawson and Hanson, chapter 23).
+      allocate (columns(n + 1, count(counts(:m))))
+      do k = 1, n
+         columns(k, :) = -pack(way(:m, k), counts(:m))
+      end do
+      columns(n + 1, :) = pack(motion(:m) - aim(:m), counts(:m))/unit
+      if (.not. any(abs(load) > 0.0_dp)) columns(n + 1, :) = columns(n + 1, :) + apart
+      remainder = bounded_remainder(columns, spread(huge(1.0_dp), 1, size(columns, 2)), [spread(0.0_dp, 1, n), 1.0_dp])
+      if (remainder(n + 1) <= impossible) then
+         motion = 0.0_dp
+      else
+         motion = motion - unit/remainder(n + 1)*matmul(way, remainder(:n))
+         if (maxval(abs(motion)) > longest*unit) motion = 0.0_dp
+      end if
+   end subroutine lay_rigid_body
+
+   !> The ways in which a rigid body can move so that the normals of the points notice, each with the least slip and of
+   !> the mean square 1 along the normals.
+   subroutine find_ways(way, modes, counts)
+      real(dp), allocatable, intent(out) :: way(:, :) !! displacements (u_N; u_T) under each (2m, ways) [-]
+      real(dp), intent(in) :: modes(:, :) !! those of the free motions (2m, k) [-]
+      logical, intent(in) :: counts(:) !! which of the displacements count (2m)
+      ! Squares of the modes have half of the digits.
+      real(dp), parameter :: negligible = 1.0e-12_dp
+      real(dp), dimension(size(modes, 2), size(modes, 2)) :: vector
+      real(dp) :: value(size(modes, 2))
+      real(dp), allocatable :: slip(:, :)
+      integer :: info, k, m, n_slips
+
+      m = size(counts)/2
+      associate (normal => merge(modes(:m, :), 0.0_dp, spread(counts(:m), 2, size(modes, 2))))
+         vector = matmul(transpose(normal), normal)
+      end associate
+      call symmetric_eigenvectors(vector, value, info)
+      n_slips = size(value)
+      if (info == 0) n_slips = count(value <= negligible*maxval(value))
+      way = matmul(modes, vector)
+      slip = merge(way, 0.0_dp, spread(counts .and. [(k > m, k=1, 2*m)], 2, size(value)))
+      do k = n_slips + 1, size(value)
+         way(:, k) = (way(:, k) - matmul(way(:, :n_slips), amounts_of(slip(:, :n_slips), slip(:, k)))) &
+            *sqrt(real(count(counts(:m)), dp)/value(k))
+      end do
+      way = way(:, n_slips + 1:)
+   end subroutine find_ways
 
    !> Finds the free rigid motion in displacements of the points that are little else; none in others.
    subroutine fit_travel(motion, body, displacement)
@@ -40,20 +116,62 @@ contains
       call fit(motion, body, displacement, spread(.true., 1, size(displacement)), much)
    end subroutine fit_travel
 
-   !> Finds the free rigid motion that comes closest to an aim; none if it leaves much of it.
+   !> The free rigid motion of each piece that comes closest to the displacements of its nodes (2, n_nodes) [L].
+   function travel_of_nodes(body, displacement) result(travel)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
+      real(dp), allocatable :: travel(:, :)
+      real(dp), allocatable :: modes(:, :)
+      integer :: i, j
+
+      allocate (travel, source=0.0_dp*displacement)
+      do j = 1, size(body%motions)
+         associate (motions => body%motions(j))
+            if (motions%n_free == 0) cycle
+            allocate (modes(2*size(motions%node), motions%n_free))
+            do i = 1, size(motions%node)
+               modes(2*i - 1:2*i, :) = motions%displacement(body%mesh%coordinates(:, motions%node(i)))
+            end do
+            travel(:, motions%node) = reshape(matmul(modes, amounts_of(modes, &
+               reshape(displacement(:, motions%node), [size(modes, 1)]))), [2, size(motions%node)])
+            deallocate (modes)
+         end associate
+      end do
+   end function travel_of_nodes
+
+   !> Which displacements of the points gaps and slips speak of (2m).
+   pure function counted(body, load_case) result(counts)
+      type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its obstacles
+      logical :: counts(2*body%zone%n_points)
+
+      counts = [load_case%is_in_reach, load_case%is_in_reach .and. .not. body%zone%is_tangent_fixed]
+   end function counted
+
+   !> Finds the free rigid motion that comes closest to an aim; none if it leaves much of it, the aim itself where it
+   !> leaves rounding errors alone.
    subroutine fit(motion, body, aim, counts, much)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (2m) [L]
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: aim(:) !! displacements to come close to, 0 where they do not count (2m) [L]
       logical, intent(in) :: counts(:) !! whether they count (2m)
       real(dp), intent(in) :: much !! how much of the aim is much [-]
+      ! Gaps are differences of coordinates: some tens of their rounding errors.
+      real(dp), parameter :: rounding = 1.0e-14_dp
+      real(dp) :: left
 
       allocate (motion(size(aim)), source=0.0_dp)
       associate (modes => body%rigid_modes)
          if (size(modes, 2) == 0) return
          motion = matmul(modes, amounts_of(merge(modes, 0.0_dp, spread(counts, 2, size(modes, 2))), aim))
       end associate
-      if (maxval(abs(aim - motion), mask=counts) > much*maxval(abs(aim))) motion = 0.0_dp
+      left = maxval(abs(aim - motion), mask=counts)
+      if (left > much*maxval(abs(aim))) then
+         motion = 0.0_dp
+      else if (left <= rounding*max(maxval(abs(aim)), maxval(abs(body%mesh%coordinates)))) then
+         ! Else these differences would be all that acts on a body without loads.
+         motion = merge(aim, motion, counts)
+      end if
    end subroutine fit
 
    !> The least amounts of some modes whose sum comes closest to an aim.
