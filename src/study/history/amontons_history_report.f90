@@ -1,14 +1,13 @@
 !> What the listing and the summary say of a history.
 module amontons_history_report
-   use amontons_body, only: body_t
    use amontons_config, only: config_t
    use amontons_cycle_watch, only: cycle_outcomes, n_cycle_numbers, n_plain_numbers
    use amontons_history, only: history_t, moved_things, steps_t
-   use amontons_history_walk, only: history_walk_t
-   use amontons_json, only: json_logical, json_number, json_string
-   use amontons_key_results, only: lengths_t, new_lengths
+   use amontons_json, only: json_logical, json_number, json_string, quantity_members
    use amontons_kinds, only: dp
+   use amontons_listing, only: quantities_text
    use amontons_listing_text, only: columns, flush_right, heading, labeled, scientific, short_text, unit_of, with_unit
+   use amontons_quantity, only: quantity_t
    use amontons_solve_history, only: history_result_t, worst_step_t
    use amontons_stepper, only: step_state_t
    use amontons_summary_members, only: member
@@ -47,7 +46,9 @@ contains
             worst_text('Step indicator', result%indicator)//labeled('Certified', to_text(result%n_certified)// &
             ' steps; largest violation '//scientific(result%violation%value)//' in step '// &
             to_text(result%violation%step))
-         text = text//balance_text(walk%state, config%units)//times_table(history, result%reached, config%units)// &
+         text = text//heading('Energies of the history')//quantities_text(energies_of(walk%state), config%units)
+         text = text(:len(text) - 1)//' (work less strain energy and dissipation; it vanishes with the size of the'// &
+            ' steps)'//newline//times_table(history, result%reached, config%units)// &
             cycles_table(config, result%cycles)
          text = text//heading('Last step (slips count from its beginning, displacements from rest)')
       end associate
@@ -103,33 +104,19 @@ contains
       if (worst%step > 0) text = labeled(label, scientific(worst%value)//' in step '//to_text(worst%step))
    end function worst_text
 
-   !> Where the work of the history went.
-   pure function balance_text(state, units) result(text)
+   !> Where the work of the history went; the error is that of the size of the steps.
+   pure function energies_of(state) result(list)
       type(step_state_t), intent(in) :: state !! the last state
-      character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text
+      type(quantity_t), allocatable :: list(:)
 
-      text = heading('Energies of the history')// &
-         labeled('Work of loads', energy(state%load_work))// &
-         labeled('Work of supports', energy(state%support_work))// &
-         labeled('Work of obstacles', energy(state%obstacle_work))// &
-         labeled('Strain energy', energy(state%strain_energy))// &
-         labeled('Dissipation', energy(sum(state%dissipation)))// &
-         labeled('Energy error', energy(state%energy_error())// &
-         ' (work less strain energy and dissipation; it vanishes'// &
-         ' with the size of the steps)')
-
-   contains
-
-      !> An energy with its unit.
-      pure function energy(value)
-         real(dp), intent(in) :: value !! the energy [F L]
-         character(:), allocatable :: energy
-
-         energy = with_unit(short_text(value), units, 'F L')
-      end function energy
-
-   end function balance_text
+      list = [quantity_t('work_loads', 'Work of loads', state%load_work), &
+         quantity_t('work_supports', 'Work of supports', state%support_work), &
+         quantity_t('work_obstacles', 'Work of obstacles', state%obstacle_work), &
+         quantity_t('strain_energy', 'Strain energy', state%strain_energy), &
+         quantity_t('dissipation', 'Dissipation', sum(state%dissipation)), &
+         quantity_t('energy_error', 'Energy error', state%energy_error())]
+      list%dimension = 'F L'
+   end function energies_of
 
    !> The states at the times of the deck, with what the time since the one before took.
    pure function times_table(history, reached, units) result(text)
@@ -251,8 +238,9 @@ contains
       integer :: i, k
 
       associate (walk => result%walk, state => result%walk%state)
-         text = '{"complete": '//json_logical(len(walk%fault) == 0)//', "end": '//json_string(walk%fault)// &
-            end_time_member(walk)//', "steps": '//to_text(walk%n_steps)//', "steps_done_earlier": '// &
+         text = '{"complete": '//json_logical(len(walk%fault) == 0)//', "end": '//json_string(walk%fault)
+         if (len(walk%fault) > 0) text = text//', "end_time": '//json_number(walk%fault_time)
+         text = text//', "steps": '//to_text(walk%n_steps)//', "steps_done_earlier": '// &
             to_text(result%n_resumed)//', "steps_given_up": '// &
             to_text(walk%n_given_up)//', "iterations": '//to_text(walk%n_iterations)//', "changes": ['
          do i = 1, size(config%history%steps)
@@ -261,27 +249,13 @@ contains
                text = text//json_string(config%history%steps(i)%label(k))
             end do
          end do
-         text = text//'], "time": '//json_number(state%instant%time)//', "work_loads": '// &
-            json_number(state%load_work)// &
-            ', "work_supports": '//json_number(state%support_work)//', "work_obstacles": '// &
-            json_number(state%obstacle_work)// &
-            ', "strain_energy": '//json_number(state%strain_energy)//', "dissipation": '// &
-            json_number(sum(state%dissipation))//', "energy_error": '//json_number(state%energy_error())
+         text = text//'], "time": '//json_number(state%instant%time)//', '//quantity_members(energies_of(state))
       end associate
       text = member('load_history', text//worst_members('residual', result%residual)// &
          worst_members('energy_identities', result%imbalance)//worst_members('step_indicator', result%indicator)// &
          worst_members('violation', result%violation)// &
          cycles_member(config%history, result%cycles)//'}')
    end function history_members
-
-   !> The member with the time of the step that could not be taken, behind others; empty if all could.
-   pure function end_time_member(walk) result(text)
-      type(history_walk_t), intent(in) :: walk !! the way
-      character(:), allocatable :: text
-
-      text = ''
-      if (len(walk%fault) > 0) text = ', "end_time": '//json_number(walk%fault_time)
-   end function end_time_member
 
    !> The largest of a number over all steps, behind others.
    pure function worst_members(name, worst) result(text)
