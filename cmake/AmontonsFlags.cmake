@@ -13,7 +13,7 @@ target_compile_options(amontons_flags INTERFACE
   # flang's -std warns of standard Fortran that other compilers may lack.
   "$<${_flang}:-Werror>"
   "$<${_gfortran}:-Wall;-Wextra;-Wimplicit-interface;-Wimplicit-procedure;-Werror>"
-  # gfortran 12 takes the descriptor of an allocatable for uninitialised when it is first allocated by assignment.
+  # gfortran 12 takes the descriptor of an allocatable for uninitialized when it is first allocated by assignment.
   "$<${_gfortran}:-Wno-maybe-uninitialized;-Wno-uninitialized>"
   # The shared library is made of the same objects: none of its procedures is replaced from outside.
   "$<$<OR:${_gfortran},${_c}>:-fno-semantic-interposition>"

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Feeds the program with spoilt decks, meshes, tables, reduced problems and command lines; whatever it does but solve or
-# refuse them with a sentence is an error. Then solves random sound bodies by two routes, which must agree, and a tenth
-# as many bodies of all kinds turned, mirrored, in other units and renumbered. Files and bodies are the same in every
-# run. Usage: fuzz.sh [COUNT [FIRST]]
-#   COUNT    spoilt files of each format (a tenth as many command lines), and bodies, 10000 by default. One file in ten
+# Feeds the program with spoiled decks, meshes, tables, reduced problems and command lines; whatever it does but solve
+# or refuse them with a sentence is an error. Then solves random sound bodies by two routes, which must agree, and a
+# tenth as many bodies of all kinds turned, mirrored, in other units and renumbered. Files and bodies are the same in
+# every run. Usage: fuzz.sh [COUNT [FIRST]]
+#   COUNT    spoiled files of each format (a tenth as many command lines), and bodies, 10000 by default. One file in ten
 #            meets the sanitizers, the others a memory limit and the run-time checks of the debug build
 #   FIRST    number of the first one, 0 by default
 set -euo pipefail

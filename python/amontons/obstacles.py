@@ -30,8 +30,10 @@ def surface(contact: dict[str, Any], window: Array) -> Array:
         h = -(s**2) / (2 * radius)
     elif kind == "polyline":
         s, h = read_line(contact["line"]).T
-    else:
+    elif kind == "plane":
         s, h = np.array([-reach, reach]), np.zeros(2)
+    else:
+        raise ValueError(f"obstacle '{kind}' cannot be drawn")
     return point + np.outer(s, [normal[1], -normal[0]]) + np.outer(h, normal)
 
 

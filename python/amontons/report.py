@@ -18,6 +18,7 @@ import matplotlib
 
 from amontons.cases import Case, dimension_of, find_cases
 from amontons.commands import Parser
+from amontons.numerals import scientific
 from amontons.report_pictures import pictures_of
 from amontons.verdicts import COLORS, verdict_of, violations
 
@@ -63,7 +64,7 @@ def cell_text(value: Optional[float]) -> str:
     """A number in a table."""
     if value is None:
         return "–"
-    return f"{value:.5g}" if value == 0 or abs(value) >= 1e-3 else f"{value:.2e}"
+    return f"{value:.5g}" if value == 0 or abs(value) >= 1e-3 else scientific(value)
 
 
 def table_of(cases: list[Case], smalls: list[str]) -> str:

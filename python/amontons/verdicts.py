@@ -3,6 +3,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from amontons.numerals import scientific
+
 
 # What is wrong where a violation is too large; any other is told by its name.
 SENTENCES = {
@@ -21,7 +23,7 @@ SENTENCES = {
     "duality_gap": "the energies of displacements and of contact forces differ",
 }
 # What else stands in a certificate.
-NO_VIOLATIONS = ("case", "passed", "limit", "strain_energy", "dissipation")
+NO_VIOLATIONS = ("case", "passed", "limit", "strain_energy", "work_of_friction")
 # A violation up to here leaves a picture that an engineer can use, and numbers that nobody should cite.
 USABLE = 1e-4
 COLORS = ("green", "amber", "red")
@@ -44,23 +46,23 @@ def verdict_of(summary: dict[str, Any]) -> tuple[str, str]:
     faults = [SENTENCES.get(name, f"{name.replace('_', ' ')} is too large")
               for name, value in found_violations.items() if value > summary["certificate"]["limit"]]
     found = f"On {what}: {'; '.join(faults)}. " if faults else ""
-    if "sweep" in summary and not (is_certified and summary["sweep"]["converged"] == summary["sweep"]["cases"]):
+    if "sweep" in summary and not (is_certified and summary["sweep"]["solved"] == summary["sweep"]["cases"]):
         return _verdict_of_sweep(summary["sweep"], is_certified, found)
     if summary["converged"] and is_certified:
         which = f"; checked for the worst case, {summary['certificate']['case']}" if "sweep" in summary else ""
         color = "amber" if summary.get("warnings") else "green"
-        return color, f"Solved and certified: largest relative error on {what} {largest:.1e} " \
-            f"(limit {summary['certificate']['limit']:.0e}){which}."
+        return color, f"Solved and certified: largest relative error on {what} {scientific(largest, 2)} " \
+            f"(limit {scientific(summary['certificate']['limit'], 2)}){which}."
     if not summary.get("load_history", {}).get("complete", True):
         return "amber", f"Incomplete: {summary['load_history']['end']}. What is shown is the last state, " + \
             ("certified." if is_certified else "not certified. " + found)
     if not summary["converged"]:
-        residual_text = "not a number" if residual is None else f"{residual:.1e}"
+        residual_text = "not a number" if residual is None else scientific(residual, 2)
         found = f"The method stopped after {summary['iterations']} iterations with a residual of {residual_text}. " \
             + found
     if residual is not None and max(residual, largest) <= USABLE:
-        return "amber", found + f"No error exceeds {USABLE:.0e} of its scale: good enough to look at, not to cite. " \
-            "Raise max_iterations, or use method = 'auto'."
+        return "amber", found + f"No error exceeds {scientific(USABLE, 2)} of its scale: good enough to look at, not " \
+            "to cite. Raise max_iterations, or use method = 'auto'."
     if summary["converged"]:
         return "red", found + "Do not use these numbers. The stiffness may be ill-conditioned: look for slivers in " \
             "the mesh, for moduli that differ by many powers of ten, and for a Poisson's ratio close to 0.5."
@@ -76,7 +78,7 @@ def _verdict_of_sweep(counts: dict[str, int], is_certified: bool, found: str) ->
     if counts["no_equilibrium"]:
         left.append(f"{counts['no_equilibrium']} have no equilibrium: contact and friction cannot balance their loads")
     found = f"Of {counts['cases']} cases, " + "; ".join(left) + " (column outcome). " + found if left else found
-    if not counts["converged"]:
+    if not counts["solved"]:
         return "red", found + "No case is solved."
     if not is_certified:
         return "red", found + "Do not use these numbers: the certificate of the worst case failed."

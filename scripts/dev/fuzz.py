@@ -1,8 +1,8 @@
-"""Feeds the program with spoilt input and fails where it does anything but solve it or refuse it with a sentence.
+"""Feeds the program with spoiled input and fails where it does anything but solve it or refuse it with a sentence.
 
 Usage: fuzz.py PROGRAM FORMAT COUNT [FIRST]
 
-FORMAT is one of those in spoilt_files.py. Mutation number k is the same in every run, so FIRST goes on where another
+FORMAT is one of those in spoiled_files.py. Mutation number k is the same in every run, so FIRST goes on where another
 run stopped. Many files go to one command, which checks them; those in order go to a second one, which solves them.
 Where the program dies, hangs, grows, says nothing, says that all is well when it is not, leaves a torn or surplus file
 or writes a number that is none, the culprit is looked for, made as small as it still does that, kept in build/fuzz and
@@ -22,7 +22,7 @@ import subprocess
 import sys
 import tempfile
 
-import spoilt_files
+import spoiled_files
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BATCH = 200
@@ -35,7 +35,7 @@ ADDRESSES = 600
 SIGNS = (b"ERROR: ", b"runtime error", b"Fortran runtime", b"Backtrace", b"Sanitizer", b"Error termination",
          b"terminate called", b"munmap_chunk", b"free()", b"malloc")
 SIZES = re.compile(rb"(\d+) (nodes|contact points|contacts|cases)")
-# What a case may have at the most to be solved here: a spoilt number may ask for work that takes hours in all honesty.
+# What a case may have at the most to be solved here: a spoiled number may ask for work that takes hours in all honesty.
 LARGEST = {b"nodes": 2000, b"contact points": 100, b"contacts": 100, b"cases": 300}
 # Solving takes most of the time: of the formats that only bring a mesh or a table, one batch in four will do.
 SOLVED_BATCHES = {"deck": 2, "reduced": 1}
@@ -106,7 +106,7 @@ def write_case(folder, kind, number, data):
         deck.write_bytes(data)
     elif kind == "table":
         (folder / f"{stem}.csv").write_bytes(data)
-        deck.write_bytes(spoilt_files.body_with_table(list(spoilt_files.TABLES)[number % 3], f"{stem}.csv"))
+        deck.write_bytes(spoiled_files.body_with_table(list(spoiled_files.TABLES)[number % 3], f"{stem}.csv"))
     else:
         mesh = folder / f"{stem}{'.inp' if kind == 'abaqus' else '.msh'}"
         mesh.write_bytes(data)
@@ -152,7 +152,7 @@ def bad_file(path, status):
             return "writes no number into the summary"
         # A sweep in which no case has an equilibrium has nothing to certify, nor has a history without a step.
         certified = (summary["certificate"]["passed"] if "certificate" in summary
-                     else "sweep" in summary and not summary["sweep"]["converged"])
+                     else "sweep" in summary and not summary["sweep"]["solved"])
         if status == 0 and not (summary["converged"] and certified):
             return "ends with status 0 although the summary says that it is not solved"
     # Above the second empty line of a listing stand the words of the deck.
@@ -168,14 +168,14 @@ class Fuzzer:
     def __init__(self, program, kind):
         self.program, self.kind = Program(program), kind
         self.n_solved = self.n_refused = 0
-        seeds = None if kind == "command" else spoilt_files.seeds_of(kind)
+        seeds = None if kind == "command" else spoiled_files.seeds_of(kind)
         if seeds and not seeds[0]:
             raise SystemExit(f"{kind}: no seeds")
-        self.mutator = spoilt_files.Mutator(kind, *seeds) if seeds else None
+        self.mutator = spoiled_files.Mutator(kind, *seeds) if seeds else None
 
     def mutation(self, k):
         """The mutation with this number."""
-        return spoilt_files.command_line(k) if self.kind == "command" else self.mutator.mutation(k)
+        return spoiled_files.command_line(k) if self.kind == "command" else self.mutator.mutation(k)
 
     def complaint(self, cases, seconds):
         """What is wrong with the way the program takes some mutations, given by their numbers; None if nothing is."""
@@ -238,7 +238,7 @@ class Fuzzer:
 
     def complaint_of_command(self, folder, words):
         """What is wrong with the way the program takes a command line; None if nothing is."""
-        (folder / "sound.nml").write_bytes(spoilt_files.BODY + b"&contact set = 'bottom'  friction = 0.3 /\n")
+        (folder / "sound.nml").write_bytes(spoiled_files.BODY + b"&contact set = 'bottom'  friction = 0.3 /\n")
         (folder / "bad.nml").write_text("&mesh /\n")
         shutil.copy(ROOT / "tests/reduced/dense.dat", folder / "problem.dat")
         before = len(os.listdir(folder))
@@ -307,6 +307,6 @@ class Fuzzer:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 4 or sys.argv[2] not in spoilt_files.FORMATS:
+    if len(sys.argv) < 4 or sys.argv[2] not in spoiled_files.FORMATS:
         sys.exit(__doc__)
     sys.exit(1 if Fuzzer(sys.argv[1], sys.argv[2]).run(*map(int, (sys.argv[3:] + ["0"])[:2])) else 0)

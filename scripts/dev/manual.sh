@@ -17,7 +17,8 @@ python3 -B scripts/dev/check_links.py
 rm -rf build/manual
 mkdir -p build/manual
 log=build/manual.log
-.venv/bin/python -m ford --output_dir "$PWD/build/manual/api" --no-search doc/ford.md &>"$log" ||
+python3 -B scripts/dev/ford_page.py >build/ford.md
+.venv/bin/python -m ford --output_dir "$PWD/build/manual/api" --no-search build/ford.md &>"$log" ||
    { cat "$log" >&2; exit 1; }
 if grep --after-context 2 '^Warning' "$log" >&2; then exit 1; fi
 python3 -B scripts/dev/manual.py build/manual

@@ -18,7 +18,7 @@ import tempfile
 
 import numpy as np
 
-from table1 import ROWS
+from table1 import ROWS, scientific
 
 SIDE = 40.0  # mm
 MOST_ITERATIONS = 10000
@@ -104,9 +104,9 @@ def measure(folder, label, row, element, segments, body, exact, n_timings):
         "converged": summary["converged"], "iterations": summary["iterations"], "products": summary["products"],
         "factorizations": summary["factorizations"], "milliseconds": 1e3 * min(seconds),
         "residual": summary["residual"],
-        "contraction": contraction(summary["history"]) if has_rate else math.nan,
+        "contraction": contraction(summary["residual_history"]) if has_rate else math.nan,
         "error": float(np.abs(forces - exact).max() / np.abs(exact).max()),
-    }, summary["history"]
+    }, summary["residual_history"]
 
 
 def compliance(folder, element, segments):
@@ -156,7 +156,7 @@ def print_conditions(found, elements, segments):
     print_head("Condition of A, pinned bar", ["element", "segments", "h, mm", *found[elements[0], segments[0]]])
     for element in elements:
         for n in segments:
-            print_line([element, n, f"{SIDE / n:g}", *(f"{value:.3g}" for value in found[element, n].values())])
+            print_line([element, n, f"{SIDE / n:g}", *(scientific(value) for value in found[element, n].values())])
         if len(segments) > 1:
             first, last = (found[element, n] for n in (segments[0], segments[-1]))
             growth = (math.log(last[name] / first[name]) / math.log(segments[-1] / segments[0]) for name in first)
@@ -175,8 +175,8 @@ def print_runs(runs, element, body, segments, rows):
                        for name in ("products", "factorizations", "residual", "error")}
             rates = [run["contraction"] for run in found if not math.isnan(run["contraction"])]
             print_line([label, n, *iterations, f"{largest['products']:.0f}", largest["factorizations"],
-                        two_digits(sum(run["milliseconds"] for run in found)), f"{largest['residual']:.1e}",
-                        f"{max(rates):.3f}" if rates else "–", f"{largest['error']:.0e}"])
+                        two_digits(sum(run["milliseconds"] for run in found)), scientific(largest['residual'], 2),
+                        f"{max(rates):.3f}" if rates else "–", scientific(largest['error'], 1)])
 
 
 def draw(images, runs, histories, found, element, segments, row):
@@ -264,8 +264,8 @@ def main():
         writer.writeheader()
         writer.writerows(runs.values())
     print_conditions(found, elements, segments)
-    verdict = "less than 1e-10" if pin_effect < 1e-10 else f"{pin_effect:.1e}"
-    difference = "less than 1e-10" if pin_effect < 1e-10 else f"{pin_effect:.1e}"
+    verdict = "less than 1e-10" if pin_effect < 1e-10 else scientific(pin_effect, 2)
+    difference = "less than 1e-10" if pin_effect < 1e-10 else scientific(pin_effect, 2)
     print(f"\nThe forces of the pinned bar differ from those of the other by {difference} of the largest force.")
     for element in elements:
         for body in BODIES:

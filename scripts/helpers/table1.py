@@ -7,6 +7,9 @@ import json
 import pathlib
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python"))
+from amontons.numerals import scientific  # noqa: E402 (the package of the sources)
+
 SEGMENT = 1.25  # mm: the contact line of 40 mm has 32 segments
 ROWS = [  # friction, F, f, then AB, BC, CD as the paper prints them
     (1.0, 10, -5, (3.75, 20.0, 16.25)),
@@ -79,7 +82,7 @@ def main(coarse, fine, refined=None):
             off = segments_off(lengths(result), expected)
             element = "quad4" if result["counts"]["elements"] in (320, 20480) else "tri3"
             print(f"{'':20}{mesh + ' ' + element:20}{triple(lengths(result))}   {off[0]:+6.3g} {off[1]:+6.3g}"
-                  f"  {result['iterations']:10}  {result['residual']:8.1e}  {verdict(result)}")
+                  f"  {result['iterations']:10}  {scientific(result['residual'], 2):>8}  {verdict(result)}")
             failed = failed or not result["certificate"]["passed"] or not result["converged"]
             failed = failed or (directory == coarse and max(map(abs, off)) > 1 + 1e-9)
     print()

@@ -59,10 +59,11 @@ contains
          '', &
          example_lines(), &
          '', &
-         'Exit status: 0 solved; 1 input refused; 2 numerical failure; 3 cannot write, or', &
-         'an internal fault; 4 not converged or not certified (files are written and', &
-         'marked); 5 a sweep was interrupted (the same command goes on with it). The', &
-         'largest of all decks counts. More: man amontons'])
+         'Exit status: 0 solved; 1 input refused; 2 no equilibrium, or numerical failure;', &
+         '3 cannot write, or an internal fault; 4 not converged or not certified, a case of', &
+         'a sweep or a step of a history included (files are written and marked); 5 a sweep', &
+         'or a history was interrupted (the same command goes on with it). The largest of', &
+         'all decks counts. More: man amontons'])
    end function help_text
 
    !> The options.

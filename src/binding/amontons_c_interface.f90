@@ -10,7 +10,7 @@ module amontons_c_interface
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_methods, only: method_options_t
    use amontons_new_study, only: new_study
-   use amontons_outcome, only: judge, outcome_t
+   use amontons_outcome, only: find_exit_status, outcome_t
    use amontons_reduced_system, only: reduced_system_t
    use amontons_solve_case, only: cache_t
    use amontons_solve_reduced, only: reduced_result_t, solve_reduced_system
@@ -102,8 +102,8 @@ contains
       call new_dense_system(system, w, q, mu, error)
       if (.not. allocated(error)) call solve_reduced_system(system, options, result, error)
       if (allocated(error)) return
-      call judge(result%solution%is_converged, result%solution%residual, result%check%largest(), options%tolerance, &
-         status, sentence)
+      call find_exit_status(result%solution%is_converged, result%solution%residual, result%check%largest(), &
+         options%tolerance, status, sentence)
       code = int(status, c_int)
    end subroutine solve_arrays
 

@@ -5,7 +5,7 @@ module amontons_elimination_order
    use amontons_error, only: error_t
    use amontons_graph, only: graph_t, new_graph
    use amontons_mesh, only: mesh_t
-   use amontons_sparse_matrix, only: new_sparse_matrix, sparse_matrix_t
+   use amontons_sparse_matrix, only: new_sparse_pattern, sparse_matrix_t
    implicit none (type, external)
    private
 
@@ -32,7 +32,7 @@ contains
       end do
       ! Only which nodes couple is of interest.
       call dof_map%substitution%own_nodes_of_elements(mesh%node_start, mesh%node, start, own_node)
-      call new_sparse_matrix(coupling, size(node), start, item(own_node), error)
+      call new_sparse_pattern(coupling, size(node), start, item(own_node), error)
       if (allocated(error)) return
       deallocate (start, own_node)
       deallocate (coupling%value)

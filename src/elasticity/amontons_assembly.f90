@@ -10,7 +10,7 @@ module amontons_assembly
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_sparse_matrix, only: new_sparse_matrix, sparse_matrix_t
+   use amontons_sparse_matrix, only: new_sparse_pattern, sparse_matrix_t
    implicit none (type, external)
    private
 
@@ -35,7 +35,7 @@ contains
       integer :: color, i, n
 
       call list_unknowns(start, unknowns, mesh, springs, dof_map)
-      call new_sparse_matrix(stiffness, dof_map%n_dofs, start, unknowns, error)
+      call new_sparse_pattern(stiffness, dof_map%n_dofs, start, unknowns, error)
       if (allocated(error)) return
       call place_unknowns(stiffness, mesh, dof_map)
       do color = 1, coloring%n_colors

@@ -4,7 +4,7 @@ module amontons_sparse_lu
    use amontons_graph, only: half_bandwidth, reverse_cuthill_mckee
    use amontons_kinds, only: dp
    use amontons_lapack, only: dgbtrf, dgbtrs
-   use amontons_sparse_matrix, only: new_sparse_matrix, positions, sparse_matrix_t
+   use amontons_sparse_matrix, only: new_sparse_pattern, positions, sparse_matrix_t
    implicit none (type, external)
    private
 
@@ -39,7 +39,7 @@ contains
 
       if (allocated(self%band)) deallocate (self%band)
       ! The symmetric pattern, each entry an element of two unknowns.
-      call new_sparse_matrix(pattern, n, [(2*k - 1, k=1, size(row) + 1)], [(row(k), column(k), k=1, size(row))], error)
+      call new_sparse_pattern(pattern, n, [(2*k - 1, k=1, size(row) + 1)], [(row(k), column(k), k=1, size(row))], error)
       info = merge(1, 0, allocated(error))
       if (info /= 0) return
       self%order = [(k, k=1, n)]

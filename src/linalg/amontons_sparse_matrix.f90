@@ -6,7 +6,7 @@ module amontons_sparse_matrix
    implicit none (type, external)
    private
 
-   public :: new_sparse_matrix, positions, sparse_matrix_t
+   public :: new_sparse_pattern, positions, sparse_matrix_t
 
    !> A symmetric matrix, its lower triangle stored by columns: every column starts with its diagonal entry.
    type :: sparse_matrix_t
@@ -27,7 +27,7 @@ module amontons_sparse_matrix
 contains
 
    !> Makes a zero matrix with room for everything the elements couple, and for the diagonal.
-   subroutine new_sparse_matrix(matrix, n, list_start, list, error)
+   subroutine new_sparse_pattern(matrix, n, list_start, list, error)
       type(sparse_matrix_t), intent(out) :: matrix !! the matrix, all values zero
       integer, intent(in) :: n !! its order
       integer, contiguous, intent(in) :: list_start(:) !! where each element starts in `list` (n_elements + 1)
@@ -46,7 +46,7 @@ contains
          ! not raised: no test may use up the machine's memory
          call new_error(error, system_failure, 'memory ran out for a matrix of '//to_text(n)//' unknowns')
       end if
-   end subroutine new_sparse_matrix
+   end subroutine new_sparse_pattern
 
    !> Turns the unknowns of each element into the elements of each unknown.
    pure subroutine transpose_lists(n, list_start, list, element_start, element)

@@ -183,7 +183,7 @@ contains
          call shape_quad4(xi, values(:4), derivatives(:, :4))
       case (quad8)
          call shape_quad8(xi, values(:8), derivatives(:, :8))
-      case default
+      case (quad9)
          call shape_quad9(xi, values, derivatives)
       end select
    end subroutine shape_functions

@@ -1,4 +1,4 @@
-!> What files say about the mesh: how numbers change from mesh to mesh.
+!> Accuracy in the files of a case on refined meshes: how its numbers change from mesh to mesh.
 module amontons_accuracy_text
    use amontons_convergence, only: refined_quantity_t, verdict_names
    use amontons_json, only: json_numbers, json_string, quantity_members

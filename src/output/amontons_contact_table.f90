@@ -1,4 +1,4 @@
-!> What is known of the contact points, a column each: NAME.contact.csv writes all columns, the listing and the grids
+!> Columns of the contact points, made of a result: NAME.contact.csv writes all columns, the listing and the grids
 !> those that are for them.
 module amontons_contact_table
    use amontons_body, only: body_t
@@ -18,7 +18,7 @@ module amontons_contact_table
 
    !> A number of every contact point, a node or a cell of constant multipliers.
    type :: column_t
-      character(16) :: key = '' !! its name in files
+      character(32) :: key = '' !! its name in files
       character(12) :: label = '' !! its heading in the listing; blank for what this leaves out
       character(9) :: dimension = '' !! what it is measured in, as `unit_of` takes it
       logical :: is_field = .false. !! whether the grids show it
@@ -27,7 +27,7 @@ module amontons_contact_table
    end type column_t
 
    !> What a load history adds.
-   character(16), parameter :: slip_keys(*) = [character(16) :: 'slip_step', 'slip_accumulated', 'dissipation', &
+   character(32), parameter :: slip_keys(*) = [character(32) :: 'slip_step', 'slip_accumulated', 'dissipation', &
       'wear_integral', 'surface_stress', 'ruiz_1', 'ruiz_2', 'swt', 'swt_angle']
    !> What these are measured in.
    character(7), parameter :: slip_dimensions(size(slip_keys)) = [character(7) :: 'L', 'L', 'F L', 'F/L', 'F/L^2', &
@@ -56,7 +56,8 @@ contains
          call add('normal_y', '', '', zone%normal(2, :), 1.0_dp)
          call add('weight', '', 'L', zone%weight, 0.0_dp)
          call add('gap', 'gap', 'L', load_case%free_gap - result%solution%displacement(:m), length, .true.)
-         call add('slip', 'slip', 'L', at_points(m + 1:), length, .true.)
+         call add('slip', 'slip', 'L', at_points(m + 1:) - load_case%obstacle_motion, max(length, &
+            maxval(abs(load_case%obstacle_motion))), .true.)
          call add('normal_force', 'normal force', 'F', force(:m), 0.0_dp)
          call add('tangential_force', 'tang. force', 'F', force(m + 1:), 0.0_dp)
          call add('contact_pressure', 'pressure', 'F/L^2', force(:m)/zone%area, 0.0_dp, .true.)

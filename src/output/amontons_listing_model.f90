@@ -1,4 +1,4 @@
-!> The part of a listing that tells what was computed: mesh, materials, supports, contact sets, loads.
+!> The section of a listing on the model: mesh, materials, supports, contact sets, loads.
 module amontons_listing_model
    use amontons_body, only: body_t
    use amontons_constraints, only: support_t, supported_components

@@ -1,5 +1,5 @@
-!> The other side of contact pairs: the lines of their masters, and how the displacements of contact points are made up
-!> of those of either side.
+!> Lines of the masters of contact pairs, as the grid of the contact line has them behind the points of the slaves, and
+!> how the displacements of contact points are made up of those of either side.
 module amontons_master_line
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_zone, only: contact_zone_t

@@ -1,4 +1,4 @@
-!> What is told of the uniqueness of a solution and of other solutions: lines of the listing, and NAME.solutions.csv.
+!> Uniqueness of a solution, and all solutions, in the files: lines of the listing, and NAME.solutions.csv.
 module amontons_solutions_report
    use amontons_all_solutions, only: all_solutions_t
    use amontons_friction_law, only: status_names

@@ -7,6 +7,7 @@ module amontons_summary_members
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, stick_point
    use amontons_json, only: json_logical, json_number, json_numbers, json_string, quantity_members
    use amontons_kinds, only: dp
+   use amontons_outcome_words, only: has_converged
    use amontons_quantity, only: quantity_t
    use amontons_system, only: peak_memory_mb
    use amontons_text, only: newline, to_text
@@ -36,7 +37,7 @@ contains
       type(document_t), intent(inout) :: summary !! gains the members
       class(case_label_t), intent(in) :: label !! what the case is called
       character(*), intent(in) :: method !! the contact method
-      character(*), intent(in) :: outcome !! 'converged', 'not_converged' or 'no_equilibrium'
+      character(*), intent(in) :: outcome !! what became of it, a word of `amontons_outcome_words`
       type(warning_list_t), intent(in) :: warnings !! what is doubtful about it
 
       summary%ending = '.summary.json'
@@ -45,7 +46,7 @@ contains
       call summary%record(member('version', json_string(version)))
       call summary%add(member('method', json_string(trim(method))))
       call summary%add(member('outcome', json_string(outcome))//member('converged', &
-         json_logical(outcome == 'converged')))
+         json_logical(has_converged(outcome))))
       call summary%add(member('warnings', warnings_array(warnings)))
    end subroutine add_head
 
@@ -72,7 +73,7 @@ contains
          //member('products', json_number(solution%effort%n_products)) &
          //member('factorizations', to_text(solution%effort%n_factorizations)) &
          //member('residual', json_number(solution%residual)) &
-         //member('history', '['//json_numbers(solution%history(:solution%n_iterations))//']')
+         //member('residual_history', '['//json_numbers(solution%history(:solution%n_iterations))//']')
    end function effort_members
 
    !> What is known of uniqueness.

@@ -6,7 +6,7 @@
 module amontons_batch_table
    use amontons_error, only: error_t
    use amontons_listing_text, only: scientific
-   use amontons_outcome, only: outcome_t
+   use amontons_outcome, only: outcome_t, word_no_equilibrium, word_not_certified, word_not_converged, word_solved
    use amontons_output_file, only: file_lock_t, lock_directory, output_file_t, write_text_file
    use amontons_quantity, only: value_of
    use amontons_row_text, only: field
@@ -32,8 +32,8 @@ module amontons_batch_table
    character(20), parameter :: number_keys(*) = [character(20) :: 'iterations', 'residual', 'max_contact_pressure', &
       'max_von_mises', 'max_displacement', 'normal_force', 'tangential_force']
    !> Outcomes, as the table has them.
-   character(17), parameter :: outcome_words(*) = [character(17) :: 'solved', 'checked', 'unchanged', &
-      'no_equilibrium', 'not_converged', 'not_certified', 'refused', 'numerical_failure', 'system_failure', &
+   character(17), parameter :: outcome_words(*) = [character(17) :: word_solved, 'checked', 'unchanged', &
+      word_no_equilibrium, word_not_converged, word_not_certified, 'refused', 'numerical_failure', 'system_failure', &
       'interrupted']
    !> Those without files of the case.
    character(17), parameter :: words_without_results(*) = [character(17) :: 'refused', 'numerical_failure', &
@@ -201,7 +201,7 @@ contains
       if (at == 0) then
          n = n + 1
          at = n
-      else if (outcome%word == 'unchanged' .and. rows(at)%word == 'solved') then
+      else if (outcome%word == 'unchanged' .and. rows(at)%word == word_solved) then
          return
       end if
       call new_row(rows(at), row_text(outcome))
@@ -275,7 +275,7 @@ contains
 
       text = field(one_line(outcome%deck))//','//field(outcome%name)//','
       if (outcome%word == 'unchanged') then
-         text = text//'solved'
+         text = text//word_solved
       else
          text = text//outcome%word
       end if

@@ -1,5 +1,5 @@
-!> Whether the results of a deck are there already: those of the same deck, of the same files that it names, of this
-!> version of the program; solved, certified, and every file as it was written.
+!> Recognition of results that need no second run (`--skip-unchanged`): those of the same deck, of the same files that
+!> it names, of this version of the program; solved, certified, and every file as it was written.
 module amontons_unchanged
    use amontons_batch_table, only: number_keys
    use amontons_config, only: config_t

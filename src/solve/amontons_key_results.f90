@@ -1,4 +1,4 @@
-!> What is asked of a result first: its largest values and where they are, what each contact set
+!> Key results: from contact points and displacements the largest values with their places, what each contact set
 !> carries, and the lengths of the zones.
 module amontons_key_results
    use amontons_body, only: body_t

@@ -1,4 +1,4 @@
-!> What is doubtful about the mesh of a solved case: zones of the contact line of few sides, and ends of zones that most
+!> Warnings on the mesh of a solved case: zones of the contact line of few sides, and ends of zones that most
 !> of the estimated error comes from.
 module amontons_mesh_warnings
    use amontons_body, only: body_t

@@ -1,4 +1,4 @@
-!> What is doubtful about a model before it is solved: a body, its contact sets and pairs, a sweep.
+!> Warnings on a model before it is solved: a body, its contact sets and pairs, a sweep.
 module amontons_model_warnings
    use amontons_body, only: body_t, poor_inf_sup
    use amontons_contact_set, only: contact_t

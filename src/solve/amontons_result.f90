@@ -10,6 +10,7 @@ module amontons_result
    use amontons_kinds, only: dp, int64
    use amontons_load_case, only: load_case_t
    use amontons_methods, only: method_options_t
+   use amontons_outcome_words, only: solution_word, word_no_equilibrium
    use amontons_quantity, only: quantity_t
    use amontons_stress_field, only: stress_field_t
    use amontons_timings, only: timings_t
@@ -64,6 +65,8 @@ module amontons_result
       logical :: is_complete = .true. !! whether a study of several steps has come to its end
       character(:), allocatable :: answer
          !! why there is no state to show: no equilibrium, or a first step of a history that did not converge
+      real(dp) :: earlier_violation = 0.0_dp
+         !! largest violation of the certificates of earlier steps of a study of several [-]
       character(:), allocatable :: study_listing !! what a study of several steps says of them in the listing
       character(:), allocatable :: study_members !! what it says in the summary, members of a JSON object
       character(:), allocatable :: shared_with !! the case whose factorization was used; not allocated for an own one
@@ -84,17 +87,16 @@ contains
       certificate_limit = max(1.0e-8_dp, 100.0_dp*tolerance)
    end function certificate_limit
 
-   !> What became of a case in a word: 'converged', 'not_converged' or 'no_equilibrium'.
+   !> What became of a case in a word.
    pure function outcome_word(result) result(word)
       type(result_t), intent(in) :: result !! its result
       character(:), allocatable :: word
 
       if (result%has_no_equilibrium) then
-         word = 'no_equilibrium'
-      else if (result%solution%is_converged .and. result%is_complete) then
-         word = 'converged'
+         word = word_no_equilibrium
       else
-         word = 'not_converged'
+         word = solution_word(result%solution%is_converged .and. result%is_complete, &
+            max(result%certificate%largest(), result%earlier_violation) <= certificate_limit(result%method%tolerance))
       end if
    end function outcome_word
 

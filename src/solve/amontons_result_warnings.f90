@@ -1,4 +1,4 @@
-!> What is doubtful about a result: whether theory, mesh and arithmetic can carry it.
+!> Warnings on a result: limits of the theory, the mesh and the arithmetic that it exceeds.
 module amontons_result_warnings
    use amontons_body, only: body_t
    use amontons_conditioning, only: conditioning_text, rounded

@@ -2,6 +2,7 @@
 !> one hands the state of its contact points to the next, one mesh to a finer one.
 module amontons_solve_case
    use amontons_body, only: body_t, condense_body, new_body
+   use amontons_case_error, only: prepare_estimates
    use amontons_config, only: body_text, config_t
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
@@ -10,7 +11,6 @@ module amontons_solve_case
    use amontons_contact_zone, only: contact_zone_t
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t
-   use amontons_estimate_error, only: prepare_estimates
    use amontons_kinds, only: dp
    use amontons_load_case, only: check_shear, new_load_case
    use amontons_mesh, only: mesh_t

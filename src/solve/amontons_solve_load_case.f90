@@ -1,10 +1,11 @@
-!> From a load case to its result: the one way that decks and bodies made in code go; sweeps, histories and `--verify`
-!> take steps of it.
+!> Solution of a load case, from its loads to its result: the one way that decks and bodies made in code go; sweeps,
+!> histories and `--verify` take steps of it.
 module amontons_solve_load_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_assembly, only: uncancelled_forces
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t, condense_body
+   use amontons_case_error, only: estimate_error, prepare_estimates
    use amontons_certificate, only: new_certificate
    use amontons_components, only: solve_components
    use amontons_condensation, only: condensation_options_t
@@ -16,7 +17,6 @@ module amontons_solve_load_case
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_error_bound, only: find_error_bound, has_error_bound
-   use amontons_estimate_error, only: estimate_error, prepare_estimates
    use amontons_key_results, only: body_peaks, contact_peaks, find_zones, new_lengths, set_results
    use amontons_kinds, only: dp
    use amontons_known_traction, only: known_tractions_t
@@ -35,7 +35,7 @@ module amontons_solve_load_case
    implicit none (type, external)
    private
 
-   public :: certify, judge, set_factor, solve_body, solve_from_obstacles, solve_load_case
+   public :: certify, evaluate, set_factor, solve_body, solve_from_obstacles, solve_load_case
 
 contains
 
@@ -195,13 +195,13 @@ contains
       type(result_t), intent(inout) :: result !! the result, its load case condensed and its contact problem solved
       type(body_t), intent(in) :: body !! the body
       type(error_t), allocatable, intent(out) :: error !! the results left the range of numbers
-      type(known_tractions_t), intent(out), optional :: tractions !! as in `judge`
+      type(known_tractions_t), intent(out), optional :: tractions !! as in `evaluate`
       ! A condition number that leaves more than half of the digits explains nothing.
       real(dp), parameter :: explaining = 1.0e8_dp
       real(dp) :: condition
 
       call recover_displacement(result%displacement, body, result%load_case, result%solution%displacement)
-      call judge(result, body, tractions)
+      call evaluate(result, body, tractions)
       if (.not. (all(ieee_is_finite(result%displacement)) .and. result%certificate%is_finite())) then
          call new_error(error, numerical_failure, 'displacements, forces or energies leave the range of double '// &
             'precision (1.8e308): choose other units')
@@ -214,7 +214,7 @@ contains
 
    !> Computes all that follows from displacements, contact forces and statuses: certificate, lengths, key results,
    !> error estimate.
-   subroutine judge(result, body, tractions)
+   subroutine evaluate(result, body, tractions)
       type(result_t), intent(inout) :: result !! the result: load case, solution and displacements of all nodes
       type(body_t), intent(in) :: body !! the body
       type(known_tractions_t), intent(out), optional :: tractions
@@ -236,6 +236,9 @@ contains
          call find_zones(result%closed, result%stuck, body, solution%force, solution%status, &
             result%load_case%slip_bound + result%load_case%friction*solution%force(:m), &
             [result%load_case%free_gap - solution%displacement(:m), slip], solution%displacement)
+         ! The slip since rest, as `contact_columns` has it.
+         slip = solution%displacement(m + 1:)
+         if (allocated(result%load_case%obstacle_motion)) slip = slip - result%load_case%obstacle_motion
          result%key_results = [contact_peaks(body, slip, solution%force, solution%status, &
             maxval(abs(result%displacement))), body_peaks(body%mesh, result%displacement, result%stress%node), &
             set_results(body, solution%force, result%closed, result%stuck)]
@@ -245,7 +248,7 @@ contains
          call estimate_error(result%error_estimate, body, result%load_case, result%displacement, &
             result%solution%force, tractions)
       end if
-   end subroutine judge
+   end subroutine evaluate
 
    !> How far the forces of the elements cancel, |K| |u| / |f|: of a body that its supports hold still, a bound from
    !> below of the condition number. It sees what the shift in the factor of a body held by contact alone hides.

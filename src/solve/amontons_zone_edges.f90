@@ -1,4 +1,4 @@
-!> Where zones of the contact line end between its points: the ends of what is closed and of what sticks.
+!> Ends of the zones of the contact line, between its points: of what is closed and of what sticks.
 !>
 !> The sum T of the forces from a place s of a zone to its end a is proportional to (a - s)^(3/2) where the stress falls
 !> to zero like a square root, as the pressure of Hertz and, at the end of a stick zone, what the shear lacks to its

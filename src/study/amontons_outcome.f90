@@ -1,9 +1,11 @@
 !> The outcome of a deck: what became of it, whatever kind of study it asks for.
 module amontons_outcome
    use amontons_contact_solution, only: contact_solution_t
-   use amontons_error, only: error_t
+   use amontons_error, only: error_t, numerical_failure
    use amontons_kinds, only: dp
    use amontons_listing_text, only: scientific
+   use amontons_outcome_words, only: solution_word, word_no_equilibrium, word_not_certified, word_not_converged, &
+      word_solved
    use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, status_not_converged
    use amontons_text, only: counted
@@ -11,7 +13,8 @@ module amontons_outcome
    implicit none (type, external)
    private
 
-   public :: judge, method_numbers, outcome_t, solution_line
+   public :: find_exit_status, method_numbers, outcome_t, solution_line, word_no_equilibrium, &
+      word_not_certified, word_not_converged, word_solved
 
    !> Exit status of a study that was interrupted; the same command goes on with it.
    integer, parameter, public :: status_interrupted = 5
@@ -32,6 +35,7 @@ module amontons_outcome
       procedure :: begin => outcome_begin
       procedure :: fail => outcome_fail
       procedure :: interrupt => outcome_interrupt
+      procedure :: lack => outcome_lack
       procedure :: judge => outcome_judge
    end type outcome_t
 
@@ -45,7 +49,7 @@ contains
 
       self%deck = deck
       self%name = name
-      self%word = 'solved'
+      self%word = word_solved
       self%text = ''
       self%message = ''
    end subroutine outcome_begin
@@ -71,6 +75,17 @@ contains
       self%message = 'interrupted after '//place//'; the same command goes on from there'
    end subroutine outcome_interrupt
 
+   !> Notes that there is no solution, or none of every step or row: status 2 without equilibrium, otherwise 4.
+   pure subroutine outcome_lack(self, word, message)
+      class(outcome_t), intent(inout) :: self !! the outcome
+      character(*), intent(in) :: word !! `word_no_equilibrium` or `word_not_converged`
+      character(*), intent(in) :: message !! what is lacking
+
+      self%status = merge(numerical_failure, status_not_converged, word == word_no_equilibrium)
+      self%word = word
+      self%message = message
+   end subroutine outcome_lack
+
    !> Takes over the judgment of a solution.
    pure subroutine outcome_judge(self, is_converged, residual, violation, tolerance)
       class(outcome_t), intent(inout) :: self !! the outcome
@@ -79,8 +94,8 @@ contains
       real(dp), intent(in) :: violation !! largest violation found on the full model, or on the problem as read [-]
       real(dp), intent(in) :: tolerance !! tolerance of the method [-]
 
-      call judge(is_converged, residual, violation, tolerance, self%status, self%message)
-      if (self%status /= 0) self%word = merge('not_certified', 'not_converged', is_converged)
+      call find_exit_status(is_converged, residual, violation, tolerance, self%status, self%message)
+      if (self%status /= 0) self%word = solution_word(is_converged, .false.)
    end subroutine outcome_judge
 
    !> Iterations and residual of a solution.
@@ -102,8 +117,9 @@ contains
          counted(solution%n_iterations, 'iteration')//', residual '//scientific(solution%residual)
    end function solution_line
 
-   !> Judges a solution: exit status, and what it lacks.
-   pure subroutine judge(is_converged, residual, violation, tolerance, status, fault)
+   !> The exit status of a solution, and what it lacks. That a solution has status 4 is decided
+   !> here; that there is none, by `outcome_lack`.
+   pure subroutine find_exit_status(is_converged, residual, violation, tolerance, status, fault)
       logical, intent(in) :: is_converged !! whether the method converged
       real(dp), intent(in) :: residual !! its residual [-]
       real(dp), intent(in) :: violation !! largest violation found on the full model, or on the problem as read [-]
@@ -124,6 +140,6 @@ contains
          status = 0
          fault = ''
       end if
-   end subroutine judge
+   end subroutine find_exit_status
 
 end module amontons_outcome

@@ -1,4 +1,4 @@
-!> Who watches a study of many cases: told how far it is, asked whether it is to stop.
+!> The monitor of a study of many cases: it learns how far the study is, and may stop it.
 module amontons_study_monitor
    implicit none (type, external)
    private

@@ -13,12 +13,13 @@ module amontons_verify_case
    use amontons_error, only: error_t
    use amontons_fault_list, only: fault_list_t
    use amontons_kinds, only: dp
+   use amontons_outcome_words, only: word_no_equilibrium
    use amontons_reduced_report, only: new_reduced_summary, reduced_documents
    use amontons_report, only: case_documents
    use amontons_result, only: certificate_limit, result_t
    use amontons_result_warnings, only: add_result_warnings
    use amontons_solve_case, only: cache_t, prepare_case, solve_case
-   use amontons_solve_load_case, only: judge
+   use amontons_solve_load_case, only: evaluate
    use amontons_solve_reduced, only: new_reduced_check, prepare_reduced, reduced_result_t
    use amontons_summary, only: new_summary
    use amontons_verified_case, only: verified_case_t
@@ -39,7 +40,7 @@ contains
       type(error_t), allocatable :: error
 
       ! That friction does not hold a body follows from a solution alone.
-      if (case%value('', 'outcome') == '"no_equilibrium"') then
+      if (case%value('', 'outcome') == '"'//word_no_equilibrium//'"') then
          call solve_case(cache, case%config, result, error)
       else
          call prepare_case(cache, case%config, result, error)
@@ -83,7 +84,7 @@ contains
       ! The last step of a history that ended early has converged.
       result%solution%is_converged = case%value('', 'converged') == 'true' .or. .not. result%is_complete
       result%condition = case%number('', 'condition')
-      call judge(result, body)
+      call evaluate(result, body)
       call add_result_warnings(result, body)
       if (result%solution%is_converged) call check_law(case%faults, body, result, case%stem//'.contact.csv', .true.)
       call check_texts(case, body, result)

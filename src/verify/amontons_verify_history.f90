@@ -17,6 +17,7 @@ module amontons_verify_history
       number_alone, of_grids, of_states, table_rows
    use amontons_history_walk, only: has_balance, history_walk_t, new_history_walk
    use amontons_kinds, only: dp
+   use amontons_outcome_words, only: word_no_equilibrium
    use amontons_result, only: certificate_limit, result_t
    use amontons_solve_case, only: cache_t
    use amontons_solve_history, only: history_result_t, new_step_result, prepare_history
@@ -79,7 +80,8 @@ contains
          if (case%faults%n > n_faults) return
          call again%result%add_jumps()
          last%is_complete = case%value('load_history', 'complete') == 'true'
-         last%has_no_equilibrium = case%value('', 'outcome') == '"no_equilibrium"'
+         last%has_no_equilibrium = case%value('', 'outcome') == '"'//word_no_equilibrium//'"'
+         last%earlier_violation = case%number('load_history', 'violation')
          call again%model%load_case(cache%body, walk%state%instant, walk%state%anchor, last%load_case, error)
          ! not raised: the step itself had this load case
          if (allocated(error)) return

@@ -19,7 +19,7 @@ module amontons_verify_sweep
    use amontons_result_warnings, only: add_conditioning, lacks_points
    use amontons_row_text, only: read_status_runs, status_runs
    use amontons_solve_case, only: cache_t, prepare_case
-   use amontons_solve_load_case, only: judge
+   use amontons_solve_load_case, only: evaluate
    use amontons_solve_sweep, only: sweep_result_t
    use amontons_sweep_model, only: new_sweep_loads, sweep_model_t
    use amontons_sweep_report, only: n_documents, sweep_documents
@@ -309,7 +309,7 @@ contains
       call case%fault(grid//'.contact.vtu', fault)
       if (len(fault) > 0) return
       result%solution%status = row%status
-      call judge(result, body)
+      call evaluate(result, body)
       call check_grids(case, body, result, case%stem//grid)
       if (.not. result%certificate%largest() <= limit) call case%fault(grid//'.vtu', &
          'equilibrium or contact law is violated by '//to_text(result%certificate%largest())// &

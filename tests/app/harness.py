@@ -154,6 +154,13 @@ def block(*groups, mesh="size = 4.0, 2.0  cells = 8, 4", material="young = 100.0
     return "".join(f"&{group} /\n" for group in (f"mesh {mesh}", f"material {material}", *groups))
 
 
+def words_of(group, key):
+    """The words that a key of a deck may have, as the program's own reference lists them."""
+    reference = subprocess.run([PROGRAM, "--reference", group], capture_output=True, encoding="utf-8",
+                               check=True).stdout
+    return re.findall(r"'(\w[^']*)'", re.search(rf"^\| `{key}` \|([^|]*)\|", reference, re.MULTILINE)[1])
+
+
 SUPPORT = "support set = 'left'  ux = 0.0"
 PRESSURE = "load set = 'top'  pressure = 1.0"
 CONTACT = "contact set = 'bottom'  friction = 0.3"

@@ -143,7 +143,7 @@ class Sweeps(CollectionTest):
         self.run_program(self.write("case.nml", pulls))
         with open(self.directory / "case.sweep.csv", newline="", encoding="utf-8") as table:
             outcomes = [row["outcome"] for row in csv.DictReader(table)]
-        self.assertEqual(outcomes, ["converged", "no_equilibrium", "converged"])
+        self.assertEqual(outcomes, ["solved", "no_equilibrium", "solved"])
         self.assertEqual([time for time, *_ in self.open_all("case.sweep.pvd")], [1.0, 3.0])
 
     def test_without_a_solution_there_is_no_collection(self):

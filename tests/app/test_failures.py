@@ -53,7 +53,9 @@ class WrongSolution(ProgramTest):
             self.assertRegex(run.stderr, r"^case\.nml: the certificate FAILED: largest violation 0\.\d+, limit \S+; "
                              "see the listing\n$")
             self.assertRegex((self.directory / "case.lst").read_text(encoding="utf-8"), r"\n  Verdict +FAILED: ")
-            self.assertIn('"passed": false', (self.directory / "case.summary.json").read_text(encoding="utf-8"))
+            summary = (self.directory / "case.summary.json").read_text(encoding="utf-8")
+            self.assertIn('"passed": false', summary)
+            self.assertIn('"outcome": "not_certified",\n  "converged": true', summary)
 
 
 class SystemFailure(ProgramTest):

@@ -5,7 +5,7 @@ import sys
 import unittest
 from pathlib import Path
 
-from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block
+from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block, words_of
 
 try:
     import matplotlib
@@ -19,6 +19,7 @@ sys.path.insert(0, str(ROOT / "python"))
 # pylint: disable=wrong-import-position
 from amontons.cases import Case  # noqa: E402
 from amontons.draw_body import initial_gaps, magnification, surfaces  # noqa: E402
+from amontons.numerals import scientific  # noqa: E402
 from amontons.obstacles import hatching, surface  # noqa: E402
 # pylint: enable=wrong-import-position
 
@@ -33,8 +34,31 @@ def text_of(svg):
     return re.findall(r"<text[^>]*>([^<]*)</text>", svg.read_text(encoding="utf-8"))
 
 
-class Obstacles(unittest.TestCase):
+class Numerals(ProgramTest):
+    """Numbers in texts of pictures and reports, beside the program's own."""
+
+    def test_they_have_the_form_of_the_listing(self):
+        for value, text in ((0.704, "0.704"), (1730.2, "1730.0"), (1e-8, "1.0e-8"), (2.0549e-11, "2.05e-11"),
+                            (0.0, "0.0"), (-3.0e-5, "-3.0e-5"), (1e17, "1.0e17")):
+            self.assertEqual(scientific(value), text)
+        self.solve(block(SUPPORT, PRESSURE, CONTACT))
+        listing = (self.directory / "case.lst").read_text(encoding="utf-8")
+        certificate = Case(self.directory / "case").summary["certificate"]
+        for label, name in (("Equilibrium", "equilibrium"), ("Energy balance", "energy")):
+            self.assertEqual(re.search(rf"^  {label} +(\S+)", listing, re.MULTILINE)[1], scientific(certificate[name]))
+
+
+class Obstacles(ProgramTest):
     """The lines that obstacles are drawn as."""
+
+    def test_every_kind_is_drawn_and_no_other(self):
+        file = self.directory / "line.csv"
+        file.write_text("s,h\n-1,0\n1,0\n", encoding="utf-8")
+        placed = {"point": [0.0, 0.0], "normal": [0.0, 1.0], "radius": 2.0, "line": str(file)}
+        for kind in words_of("contact", "obstacle"):
+            self.assertGreater(len(surface({**placed, "obstacle": kind}, WINDOW)), 1, kind)
+        with self.assertRaisesRegex(ValueError, "obstacle 'cusp' cannot be drawn"):
+            surface({**placed, "obstacle": "cusp"}, WINDOW)
 
     @staticmethod
     def local(contact):

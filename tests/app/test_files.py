@@ -25,12 +25,12 @@ MEMBERS = {
     "case": str, "title": str, "units": str, "version": str, "method": str, "outcome": str,
     "converged": bool, "warnings": list,
     "iterations": int, "products": float,
-    "factorizations": int, "residual": float, "history": list,
+    "factorizations": int, "residual": float, "residual_history": list,
     "certificate": {"passed": bool, "limit": float, "equilibrium": float, "penetration": float, "tension": float,
                     "friction_excess": float, "complementarity": float,
                     "slip_below_bound": float, "wrong_dissipation": float,
                     "resultant": float, "moment": float, "energy": float, "strain_energy": float,
-                    "dissipation": float},
+                    "work_of_friction": float},
     "uniqueness": {"guaranteed": bool, "friction_below": float, "exact": bool},
     "key_results": dict.fromkeys((
         "max_contact_pressure", "max_contact_shear", "max_slip", "max_von_mises", "max_displacement", "contact_width",
@@ -91,7 +91,7 @@ class Summary(ProgramTest):
             self.assertAlmostEqual(summary["resultants"][name], math.fsum(result[name]), delta=1e-12)
         self.assertAlmostEqual(math.fsum(result.lengths), 4.0, delta=1e-14)
         work = math.fsum(map(lambda force, slip: force*slip, result["tangential_force"], result["slip"]))
-        self.assertAlmostEqual(summary["certificate"]["dissipation"], work, delta=1e-12)
+        self.assertAlmostEqual(summary["certificate"]["work_of_friction"], work, delta=1e-12)
         self.assertIs(summary["certificate"]["passed"], True)
         self.assertAlmostEqual(math.fsum(value for key, value in summary["seconds"].items() if key != "total"),
                                summary["seconds"]["total"], delta=1e-9)

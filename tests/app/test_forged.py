@@ -177,7 +177,7 @@ class Forged(Verification):
                 return "\n".join(map(",".join, rows)).encode()
             return change
         for change, expected in (
-                (changed_field("outcome", "solved"), "line 4: no iterations or no outcome"),
+                (changed_field("outcome", "done"), "line 4: no iterations or no outcome"),
                 (changed_field("iterations", "x"), "line 4: no iterations or no outcome"),
                 (changed_field("residual", "0.001"), "line 4: the residual of a converged case is above the"),
                 (changed_field("warnings", "no_contact"), "line 4: its warnings do not follow from its statuses"),

@@ -49,6 +49,25 @@ class History(HistoryTest):
         named = {file["name"] for file in summary["files"]}
         self.assertLessEqual({"bar.history.csv", "bar.points.csv", "bar.history.pvd", "bar.history/21.vtu"}, named)
 
+    def test_slip_has_one_meaning_in_all_files(self):
+        # A floor that shifts to and fro under a block that is held: slips are those on the floor, since rest.
+        self.walk("&case name = 'moved' /\n&mesh size = 4.0, 2.0  cells = 8, 4 /\n"
+                  "&material young = 100.0  poisson = 0.3 /\n&support set = 'left'  ux = 0.0 /\n"
+                  "&load set = 'top'  pressure = 1.0 /\n&contact name = 'floor'  set = 'bottom'  friction = 0.3 /\n"
+                  "&history times = 0.0, 1.0, 2.0  substeps = 2 /\n"
+                  "&steps obstacle = 'floor'  shift_x = 0.0, 0.3, 0.1 /\n&output points_every = 1 /\n")
+        contact, key = self.table("moved.contact.csv"), self.summary("moved")["key_results"]
+        last = [row for row in self.table("moved.points.csv") if row["step"] == "5"]
+        for name in ("slip", "slip_step", "dissipation"):
+            # The table computes the slip from the displacements of all nodes.
+            self.assert_close([float(row[name]) for row in contact], [float(row[name]) for row in last], 1e-13, name)
+        self.assertGreater(key["max_slip"], 0.05)
+        self.assertAlmostEqual(key["max_slip"], max(abs(float(row["slip"])) for row in last if row["status"] != "open"),
+                               delta=1e-13)
+        self.assertEqual(float(self.table("moved.history.csv")[-1]["max_slip_step"]),
+                         max(abs(float(row["slip_step"])) for row in last))
+        self.run_program("--verify", "out")
+
     def test_energies_of_a_body_that_moves_as_a_whole_are_rounding_errors(self):
         self.walk("&case name = 'moved' /\n&mesh size = 4.0, 2.0  cells = 12, 6 /\n"
                   "&material young = 100.0  poisson = 0.3 /\n"

@@ -47,7 +47,7 @@ class Symmetry(HistoryTest):
         (rows, points), (mirrored_rows, mirrored_points) = self.histories(BAR, MIRRORED)
         for row, mirrored in zip(rows, mirrored_rows):
             for column in ("open_length", "slip_length", "stick_length", "normal_force", "strain_energy", "work_loads",
-                           "dissipation", "max_slip", "energy_error"):
+                           "dissipation", "max_slip_step", "energy_error"):
                 # Two solutions to residuals of 1e-10 of forces near 200 and displacements near 0.03.
                 self.assertAlmostEqual(float(row[column]), float(mirrored[column]), delta=1e-7, msg=column)
             self.assertAlmostEqual(float(row["ux_1"]), -float(mirrored["ux_2"]), delta=1e-11)
@@ -73,7 +73,7 @@ class Symmetry(HistoryTest):
         self.walk(other + "&output points_every = 1 /\n")
         units = {"open_length": length, "slip_length": length, "stick_length": length, "normal_force": force,
                  "tangential_force": force, "work_loads": force*length, "strain_energy": force*length,
-                 "dissipation": force*length, "max_slip": length, "step_indicator": 1.0}
+                 "dissipation": force*length, "max_slip_step": length, "step_indicator": 1.0}
         self.assert_scaled(rows, self.table("bar.history.csv"), units)
         units = {"normal_force": force, "tangential_force": force, "gap": length, "slip": length, "slip_step": length,
                  "dissipation": force*length, "wear_integral": force/length}

@@ -161,7 +161,7 @@ class Deck(ProgramTest):
         self.assertEqual(result.contact["x"].dtype, np.float64)
         self.assertEqual(result.summary["lengths"], expected.summary["lengths"])
         self.assertEqual(result.key_results["max_contact_pressure"], result.contact["contact_pressure"].max())
-        self.assertEqual(repr(result), "<DeckResult 'case': converged>")
+        self.assertEqual(repr(result), "<DeckResult 'case': solved>")
 
     def test_files_are_left_only_where_asked_for(self):
         deck = self.directory / self.write("case.nml", SOUND)
@@ -183,7 +183,7 @@ class Deck(ProgramTest):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", amontons.NotConverged)
             sweep = amontons.solve_deck(self.directory / deck).sweep
-        self.assertEqual(sweep["outcome"].tolist(), ["converged", "no_equilibrium"])
+        self.assertEqual(sweep["outcome"].tolist(), ["solved", "no_equilibrium"])
         self.assertEqual(np.isnan(sweep["normal_force"]).tolist(), [False, True])
 
     def test_reduced_problem_is_a_deck_too(self):
@@ -268,7 +268,7 @@ class Steps(ProgramTest):
                 self.assertEqual(value, rows[name][i], f"{name}, step {i + 1}")
         self.assertEqual(state.status.size, stepper.n_points)
         self.assertAlmostEqual(sum(state.dissipation), rows["dissipation"][-1], delta=1e-14)
-        self.assertEqual(max(abs(state.slip_step)), rows["max_slip"][-1])
+        self.assertEqual(max(abs(state.slip_step)), rows["max_slip_step"][-1])
 
     def test_faults_of_steps_are_told(self):
         stepper = amontons.Stepper(self.DECK)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Sweeps that are interrupted, killed, spoilt or run twice: nothing that was done is lost, nothing wrong is kept."""
+"""Sweeps that are interrupted, killed, spoiled or run twice: nothing that was done is lost, nothing wrong is kept."""
 import random
 import re
 import signal

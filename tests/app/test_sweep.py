@@ -75,7 +75,7 @@ class SweepTest(ProgramTest):
         resultants = [result.summary["resultants"][name] for name in ("normal_force", "tangential_force")]
         self.assert_close([float(row[name]) for name in QUANTITIES], result.lengths + resultants, SOLVED, message)
         self.assertLessEqual(float(row["residual"]), 1e-10, message)
-        self.assertEqual(row["outcome"], "converged", message)
+        self.assertEqual(row["outcome"], "solved", message)
 
     def assert_rows(self, swept, singles):
         """Checks the rows of a swept deck against single decks, in their order."""
@@ -198,7 +198,7 @@ class Files(SweepTest):
         rows, _ = self.table(directory="results")
         summary = self.summary(directory="results")
         self.assertEqual(summary["sweep"]["cases"], 600)
-        self.assertEqual(summary["sweep"]["converged"], 600)
+        self.assertEqual(summary["sweep"]["solved"], 600)
         self.assertIs(summary["converged"], True)
         self.assertIs(summary["certificate"]["passed"], True)
         self.assertEqual(summary["iterations"], sum(int(row["iterations"]) for row in rows))
@@ -296,7 +296,7 @@ class Unsolved(SweepTest):
         run = self.run_program("sweep.nml")
         self.assertRegex(run.stdout, "^sweep: 3 cases, 2 solved, 1 without equilibrium, residual at most ")
         rows, _ = self.table()
-        self.assertEqual([row["outcome"] for row in rows], ["no_equilibrium", "converged", "converged"])
+        self.assertEqual([row["outcome"] for row in rows], ["no_equilibrium", "solved", "solved"])
         self.assertEqual([rows[0][name] for name in QUANTITIES + ["residual", "statuses"]], [""]*7)
         self.assertEqual(self.summary()["sweep"]["no_equilibrium"], 1)
         self.assertIs(self.summary()["converged"], True)
@@ -317,7 +317,7 @@ class Unsolved(SweepTest):
         overlap = CONTACT + "  extra_gap = -0.1"
         self.write("sweep.nml", block(SUPPORT, overlap, PRESSED, "sweep load = 'press'  factor = 1e-11, 1.0, 2.0"))
         self.run_program("--quiet", "sweep.nml", status=4)
-        self.assertEqual([row["outcome"] for row in self.table()[0]], ["converged"]*3)
+        self.assertEqual([row["outcome"] for row in self.table()[0]], ["solved"]*3)
         self.assertEqual(self.summary()["certificate"]["case"], 1)
         self.assertIs(self.summary()["certificate"]["passed"], False)
         # As the deck by itself says.
@@ -336,7 +336,7 @@ class Unsolved(SweepTest):
                                       "sweep load = 'press'  factor = 1e-300, 1e20"))
         self.run_program("--quiet", "sweep.nml", status=4)
         rows, _ = self.table()
-        self.assertEqual([row["outcome"] for row in rows], ["converged", "not_converged"])
+        self.assertEqual([row["outcome"] for row in rows], ["solved", "not_converged"])
         self.assertEqual(rows[1]["residual"], "")
         self.assertNotRegex((self.directory / "sweep.sweep.csv").read_text(encoding="utf-8"), "(?i)nan|inf")
 

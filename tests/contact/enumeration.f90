@@ -70,7 +70,7 @@ contains
       if (info /= 0) pair = huge(1.0_dp)
    end subroutine solve_statuses
 
-   !> Whether a pair fulfils the inequalities that belong to its statuses.
+   !> Whether a pair fulfills the inequalities that belong to its statuses.
    pure logical function is_admissible(pair, problem, status)
       real(dp), intent(in) :: pair(:) !! v, then lambda (4m)
       type(contact_problem_t), intent(in) :: problem !! the problem

@@ -2,7 +2,7 @@
 module sample_matrices
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_sparse_matrix, only: new_sparse_matrix, sparse_matrix_t
+   use amontons_sparse_matrix, only: new_sparse_pattern, sparse_matrix_t
    implicit none (type, external)
    private
 
@@ -50,7 +50,7 @@ contains
             if (j < n_rows) call append(k + n_columns)
          end do
       end do
-      call new_sparse_matrix(matrix, n_columns*n_rows, [(2*k - 1, k=1, n_pairs + 1)], [pair(:, :n_pairs)], error)
+      call new_sparse_pattern(matrix, n_columns*n_rows, [(2*k - 1, k=1, n_pairs + 1)], [pair(:, :n_pairs)], error)
       do k = 1, n_pairs
          call matrix%add_element(pair(:, k), coupling)
       end do
@@ -116,7 +116,7 @@ contains
             list(2::2, i + (j - 1)*n_cells) = 2*cell
          end do
       end do
-      call new_sparse_matrix(matrix, 2*size(corner), [(1 + n_cell_unknowns*(k - 1), k=1, n_cells**2 + 1)], [list], &
+      call new_sparse_pattern(matrix, 2*size(corner), [(1 + n_cell_unknowns*(k - 1), k=1, n_cells**2 + 1)], [list], &
          error)
       call add_blocks(matrix, list)
    end subroutine plate_matrix
@@ -145,7 +145,7 @@ contains
          ! An element names an unknown once.
          where (any(list(:k - 1, :) == spread(list(k, :), 1, k - 1), dim=1)) list(k, :) = 0
       end do
-      call new_sparse_matrix(matrix, n, [(4*k - 3, k=1, n_elements + 1)], [list], error)
+      call new_sparse_pattern(matrix, n, [(4*k - 3, k=1, n_elements + 1)], [list], error)
       call add_blocks(matrix, list)
       call matrix%shift_diagonal(1, n, 1.0_dp)
    end subroutine arbitrary_matrix

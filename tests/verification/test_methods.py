@@ -3,7 +3,7 @@
 import unittest
 from dataclasses import replace
 
-from harness import HAS_SUITESPARSE
+from harness import HAS_SUITESPARSE, words_of
 from long_bar import MESHES, TABLE, LongBarTest
 
 # Residuals of 1e-10 are differences of forces of up to 1e-9 here: the compliance turns one into the other.
@@ -27,6 +27,10 @@ METHODS = (
 
 class Methods(LongBarTest):
     """All rows, on quadrilaterals and triangles."""
+
+    def test_no_method_is_forgotten(self):
+        for name in words_of("solver", "method"):
+            self.assertTrue(name == "auto" or any(f"method = '{name}'" in method for method in METHODS), name)
 
     def test_methods_agree(self):
         for element, diagonal in MESHES:

@@ -28,8 +28,9 @@ import shutil
 
 from benchmark import DECKS, Benchmark, main
 from convergence import ValueTable
+from harness import words_of
 
-METHODS = ("auto", "newton", "splitting", "fixed_point", "psor", "extragradient", "lemke")
+METHODS = words_of("solver", "method")
 # What is not zero in each solution, by its status; the tangential force is lambda_T.
 SOLUTIONS = {"open": {"gap": 0.1, "slip": -0.5},
              "slip-": {"slip": -0.15, "normal_force": 0.5, "tangential_force": -0.75},

@@ -10,7 +10,7 @@ module amontons_mortar_cells
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_mortar_points, only: cell_pieces, mortar_piece_t
    use amontons_mortar_segments, only: mortar_segment_t
-   use amontons_pair_checks, only: held_slave_text
+   use amontons_pair_refusals, only: held_slave_text
    implicit none (type, external)
    private
 

@@ -64,8 +64,10 @@ contains
          crossings = conic_crossings(self%radius, 0.0_dp, x, e)
       case ('polyline')
          crossings = polyline_crossings(self%line, x, e)
-      case default
+      case ('plane')
          crossings = plane_crossings(x, e)
+      case default
+         allocate (crossings(0))
       end select
    end function obstacle_crossings
 

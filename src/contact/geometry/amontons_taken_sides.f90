@@ -1,4 +1,4 @@
-!> The nodes and sides that contact sets and ties have, so that later ones leave them alone.
+!> Register of the nodes and sides that contact sets and ties use already: later ones leave these alone.
 !>
 !> They are kept as the node that follows each node on the sides of such a set; a node of which no side that follows it
 !> is taken, as the last one of a line, is followed by itself, and one that no set has by 0.

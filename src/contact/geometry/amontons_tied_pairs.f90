@@ -7,7 +7,7 @@ module amontons_tied_pairs
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mortar_pair, only: mortar_pair_t, new_mortar_pair
-   use amontons_pair_checks, only: check_ends
+   use amontons_pair_refusals, only: check_ends
    use amontons_taken_sides, only: take_facing_sides
    implicit none (type, external)
    private

@@ -1,4 +1,4 @@
-!> Whether the condensed stiffness of a body stays a band matrix of the whole body, and the order that makes it one.
+!> The choice between a dense condensed stiffness and a band matrix of the whole body, and the order of that band.
 module amontons_band_order
    use amontons_contact_zone, only: contact_zone_t
    use amontons_graph, only: half_bandwidth, reverse_cuthill_mckee

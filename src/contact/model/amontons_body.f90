@@ -2,6 +2,7 @@
 module amontons_body
    use amontons_assembly, only: assemble_stiffness, forces_of_stress => internal_forces
    use amontons_band_order, only: find_band_order, may_suit_band
+   use amontons_checked_rows, only: recompute_pairs
    use amontons_coloring, only: coloring_t, new_coloring
    use amontons_condensation, only: condensation_options_t, condensation_t, new_condensation, &
       new_distributed_condensation
@@ -22,7 +23,6 @@ module amontons_body
    use amontons_mesh, only: mesh_t
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_new_cholesky, only: new_condenser
-   use amontons_pair_check, only: recompute_pairs
    use amontons_pair_substitution, only: new_pair_substitution
    use amontons_recovery_tables, only: recovery_tables_t
    use amontons_rigid_modes, only: check_common_motion, find_rigid_modes

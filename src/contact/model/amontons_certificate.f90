@@ -369,7 +369,7 @@ contains
 
       list = [quantity_t('strain_energy', 'Strain energy', self%strain_energy, self%strain_energy, &
          dimension='F L'), &
-         quantity_t('dissipation', 'Work of friction', self%dissipation, self%strain_energy, dimension='F L')]
+         quantity_t('work_of_friction', 'Work of friction', self%dissipation, self%strain_energy, dimension='F L')]
    end function certificate_energies
 
    !> The largest of the violations [-].

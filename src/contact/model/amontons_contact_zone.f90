@@ -13,7 +13,7 @@ module amontons_contact_zone
    use amontons_mortar_cells, only: choose_cells
    use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
    use amontons_mortar_points, only: mortar_points_t
-   use amontons_pair_checks, only: check_ends, check_overlap
+   use amontons_pair_refusals, only: check_ends, check_overlap
    use amontons_taken_sides, only: take_facing_sides, take_line
    implicit none (type, external)
    private

@@ -1,4 +1,5 @@
-!> Whether admissible contact forces can balance the loads of a body that supports do not hold.
+!> Existence of equilibrium: whether admissible contact forces can balance the loads of a body that supports do not
+!> hold.
 !>
 !> The load's work on the free rigid motions must be a combination, with factors at least 0, of the works of the extreme
 !> forces n + phi t and n - phi t of the contact points (a cone), of n between them, which large friction leaves to

@@ -38,6 +38,8 @@ module amontons_load_case
          !! what is left of the gap for the displacements that supports do not prescribe: d - n . u_p (m) [L]
       real(dp), allocatable :: anchor(:)
          !! displacement along the tangent that slips are counted from; 0 but in a load history (m) [L]
+      real(dp), allocatable :: obstacle_motion(:)
+         !! way of the obstacle along the tangent since rest; 0 but in a load history (m) [L]
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle, so that the point can close (m)
       real(dp), allocatable :: cosine(:) !! of the angle between the normal and the way into the obstacle (m) [-]
       real(dp), allocatable :: depth(:) !! how deep a point out of reach lies in the obstacle, 0 for the others (m) [L]
@@ -125,6 +127,7 @@ contains
       size_of_body = norm2(corners(:, 2) - corners(:, 1))
       load_case%gap = spread(0.0_dp, 1, zone%n_points)
       load_case%anchor = load_case%gap
+      load_case%obstacle_motion = load_case%gap
       load_case%friction = load_case%gap
       load_case%slip_bound = load_case%gap
       load_case%depth = load_case%gap

@@ -1,4 +1,4 @@
-!> What the contact points see of the rigid motions that supports leave free.
+!> Rigid-body modes that supports leave free, as displacements of the contact points.
 module amontons_rigid_modes
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: symmetric_eigenvectors

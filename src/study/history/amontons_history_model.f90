@@ -354,6 +354,7 @@ contains
       load_case%free_gap = instant%gap - matmul(self%energies%prescribed(:body%zone%n_points, :), instant%factor)
       load_case%friction = instant%friction
       load_case%anchor = anchor
+      load_case%obstacle_motion = instant%motion
    end subroutine history_model_load_case
 
    !> The displacements of the probes, x and y in turn (2 probes) [L].

@@ -43,14 +43,14 @@ contains
          text = text//labeled('Iterations', to_text(walk%n_iterations)//', '// &
             short_text(real(walk%n_iterations, dp)/max(1, walk%n_steps))//' per step')// &
             worst_text('Largest residual', result%residual)//worst_text('Energy identities', result%imbalance)// &
-            worst_text('Step indicator', result%indicator)//labeled('Certified', to_text(result%n_certified)// &
-            ' steps; largest violation '//scientific(result%violation%value)//' in step '// &
+            worst_text('Step indicator', result%indicator)//labeled('Certified', counted(result%n_certified, 'step')// &
+            '; largest violation '//scientific(result%violation%value)//' in step '// &
             to_text(result%violation%step))
          text = text//heading('Energies of the history')//quantities_text(energies_of(walk%state), config%units)
          text = text(:len(text) - 1)//' (work less strain energy and dissipation; it vanishes with the size of the'// &
             ' steps)'//newline//times_table(history, result%reached, config%units)// &
             cycles_table(config, result%cycles)
-         text = text//heading('Last step (slips count from its beginning, displacements from rest)')
+         text = text//heading('Last step (max. slip and slips since rest, on the obstacle; stick and slip of the step)')
       end associate
    end function history_listing
 
@@ -188,7 +188,8 @@ contains
       text = heading('Cycles (d: changes from the one before, over the larger)')//table_head('cycle', labels, &
          dimensions, config%units)
       do i = n_passed + 1, n
-         text = text//columns(cycles([1, 3, 5, 7, 9, 10, 11, 12], i), column_width(config%units)) &
+         text = text//flush_right(to_text(nint(cycles(1, i))), column_width(config%units)) &
+            //columns(cycles([3, 5, 7, 9, 10, 11, 12], i), column_width(config%units)) &
             //flush_right(trim(outcome_name(cycles(:, i))), column_width(config%units))//newline
       end do
       if (n_passed > 0) text = text//labeled('Note', 'the first '//to_text(n_passed)//' of '//to_text(n)// &

@@ -1,15 +1,15 @@
 !> The study of a load history: all steps of a deck with `&history`.
 module amontons_history_study
-   use amontons_error, only: error_t, numerical_failure
+   use amontons_error, only: error_t
    use amontons_history_model, only: find_probes
    use amontons_history_report, only: history_listing, history_members
    use amontons_key_results, only: resultants
    use amontons_kinds, only: dp
    use amontons_listing_text, only: scientific, short_text, with_unit
    use amontons_outcome, only: outcome_t
+   use amontons_outcome_words, only: word_no_equilibrium, word_not_converged
    use amontons_quantity, only: quantity_t
    use amontons_report, only: write_report
-   use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t
    use amontons_solve_history, only: history_result_t, solve_history
    use amontons_study, only: check_body, study_options_t, study_t
@@ -51,6 +51,7 @@ contains
       type(outcome_t), intent(inout) :: outcome !! gains status, line, what is lacking, and the warnings
       type(error_t), allocatable, intent(out) :: error !! the history cannot be solved or written
       type(history_result_t) :: result
+      character(:), allocatable :: word
 
       call solve_history(cache, self%config, options%directory, monitor, result, error)
       if (allocated(error)) return
@@ -59,9 +60,9 @@ contains
          return
       end if
       if (len(result%walk%fault) > 0) then
-         outcome%status = merge(numerical_failure, status_not_converged, result%walk%has_no_equilibrium)
-         outcome%word = trim(merge('no_equilibrium', 'not_converged ', result%walk%has_no_equilibrium))
-         outcome%message = result%walk%fault
+         word = word_not_converged
+         if (result%walk%has_no_equilibrium) word = word_no_equilibrium
+         call outcome%lack(word, result%walk%fault)
       end if
       outcome%warnings = result%last%warnings
       if (result%walk%n_steps == 0) then
@@ -69,6 +70,7 @@ contains
          call write_report(options%directory, self%config, cache%body, result%last, error, result%files)
          return
       end if
+      result%last%earlier_violation = result%violation%value
       result%last%study_listing = history_listing(self%config, result)
       result%last%study_members = history_members(self%config, result)
       call write_report(options%directory, self%config, cache%body, result%last, error, result%files)

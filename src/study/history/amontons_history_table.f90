@@ -130,7 +130,7 @@ contains
       call table%add('dissipation_step,dissipation,closing_loss', an_energy)
       call table%add('step_indicator', number_alone)
       call table%add('energy_error', an_energy)
-      call table%add('max_slip,max_slip_accumulated', a_length)
+      call table%add('max_slip_step,max_slip_accumulated', a_length)
       call table%add('residual', number_alone)
       do i = 1, several(n_sets)
          set = '_'//to_text(i)

@@ -12,6 +12,7 @@ module amontons_reduced_report
    use amontons_listing_text, only: heading, labeled, scientific, short_text
    use amontons_manifest, only: manifest_t
    use amontons_output_file, only: output_file_t
+   use amontons_outcome_words, only: solution_word
    use amontons_quantity, only: quantity_t, scales
    use amontons_reduced_system, only: reduced_system_t
    use amontons_report, only: commit_case, write_documents
@@ -169,8 +170,8 @@ contains
 
       associate (solution => result%solution, system => result%system)
          sums = resultants([system%r(1::2), system%r(2::2)])
-         call add_head(summary, config, config%method%method, trim(merge('converged    ', 'not_converged', &
-            solution%is_converged)), result%warnings)
+         call add_head(summary, config, config%method%method, solution_word(solution%is_converged, &
+            result%check%largest() <= certificate_limit(config%method%tolerance)), result%warnings)
          call summary%record(effort_members(solution))
          call summary%add(member('problem', '{"file": '//json_string(config%reduced%path)//', "form": '// &
             json_string(system%form)//', "entries": '//to_text(size(system%entry))//', "largest_compliance": '// &

@@ -12,6 +12,7 @@ module amontons_single_study
    use amontons_listing, only: closed_text
    use amontons_listing_text, only: short_text, with_unit
    use amontons_outcome, only: method_numbers, outcome_t, solution_line
+   use amontons_outcome_words, only: word_no_equilibrium
    use amontons_quantity, only: quantity_t, value_of
    use amontons_reduced_system, only: new_condensed_system, reduced_system_t
    use amontons_report, only: write_report
@@ -124,9 +125,7 @@ contains
       if (result%has_no_equilibrium) then
          ! This is its answer, not a failure: it has files.
          result%answer = error%message
-         outcome%status = error%kind
-         outcome%message = error%message
-         outcome%word = 'no_equilibrium'
+         call outcome%lack(word_no_equilibrium, error%message)
          outcome%warnings = result%warnings
          call write_report(options%directory, config, cache%body, result, error)
          return

@@ -270,7 +270,7 @@ contains
       end if
       if (solution%is_converged) kept%outcome = case_converged
       kept%residual = solution%residual
-      kept%error_estimate = error_estimate(problem, solution, &
+      kept%force_error = force_error(problem, solution, &
          task%model%largest_force(task%sweep%values(number)))
       kept%n_iterations = solution%n_iterations + merge(0, n_iterations, is_solved)
       if (solution%is_converged) call find_case_warnings(kept%is_warned, body%zone, &
@@ -311,7 +311,7 @@ contains
    end function spins
 
    !> What residual and rounding errors, as forces, are of the largest force that acts in a case [-].
-   pure real(dp) function error_estimate(problem, solution, largest_load)
+   pure real(dp) function force_error(problem, solution, largest_load)
       type(contact_problem_t), intent(in) :: problem !! the contact problem
       type(contact_solution_t), intent(in) :: solution !! its solution
       real(dp), intent(in) :: largest_load !! the largest nodal force of the loads [F]
@@ -321,8 +321,8 @@ contains
          + epsilon(wrong)*maxval(problem%augmentation()*abs(solution%displacement))
       acting = max(largest_load, maxval(abs(solution%force)))
       if (.not. acting > 0.0_dp) acting = problem%force_scale()
-      error_estimate = min(wrong/acting, huge(error_estimate))
-   end function error_estimate
+      force_error = min(wrong/acting, huge(force_error))
+   end function force_error
 
    !> Whether contact forces can balance the loads of a case.
    pure subroutine check_balance_of(task, body, number, error)

@@ -4,11 +4,11 @@
 !> any, and a sweep without fields keeps none.
 module amontons_sweep_fields
    use amontons_body, only: body_t
+   use amontons_case_error, only: estimate_error
    use amontons_collection, only: collection_t, new_collection
    use amontons_contact_problem, only: contact_problem_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_error, only: error_t
-   use amontons_estimate_error, only: estimate_error
    use amontons_load_case, only: recover_displacement
    use amontons_manifest, only: manifest_t
    use amontons_output_file, only: output_file_t, remove_temporaries

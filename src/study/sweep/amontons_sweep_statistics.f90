@@ -7,6 +7,7 @@ module amontons_sweep_statistics
    use amontons_key_results, only: body_peaks_at_rest, contact_peaks, find_zones, lengths_t, new_lengths, resultants, &
       set_results
    use amontons_kinds, only: dp, int64
+   use amontons_outcome_words, only: word_no_equilibrium, word_not_converged, word_solved
    use amontons_quantity, only: expanded, quantity_t
    use amontons_result_warnings, only: case_warning_names, case_warning_sentence
    use amontons_sweep, only: sweep_t
@@ -26,7 +27,8 @@ module amontons_sweep_statistics
    !> Outcome of a case whose loads no contact forces can balance.
    integer, parameter, public :: case_no_equilibrium = 3
    !> Names of the outcomes, as the result files write them.
-   character(14), parameter :: outcome_names(3) = [character(14) :: 'converged', 'not_converged', 'no_equilibrium']
+   character(14), parameter :: outcome_names(3) = [character(14) :: word_solved, word_not_converged, &
+      word_no_equilibrium]
    !> Names of the outcomes, as listings have them.
    character(14), parameter :: outcome_labels(3) = [character(14) :: 'Converged', 'NOT CONVERGED', 'No equilibrium']
 
@@ -36,7 +38,7 @@ module amontons_sweep_statistics
       logical :: has_solution = .false. !! whether there are numbers to tell, and all are finite
       real(dp), allocatable :: quantity(:) !! the numbers that `case_keys` names
       real(dp) :: residual = 0.0_dp !! residual of the contact problem [-]
-      real(dp) :: error_estimate = 0.0_dp !! what residual and rounding errors are of its forces [-]
+      real(dp) :: force_error = 0.0_dp !! what residual and rounding errors are of its forces [-]
       integer :: n_iterations = 0 !! iterations, of all attempts
       logical :: is_warned(size(case_warning_names)) = .false. !! what is doubtful about it, if it converged
    end type case_result_t
@@ -48,7 +50,7 @@ module amontons_sweep_statistics
       integer(int64) :: n_iterations = 0 !! sum of their iterations
       real(dp) :: residual = -1.0_dp !! largest residual; -1 without a case [-]
       integer :: residual_case = 0 !! the case that has it
-      real(dp) :: error_estimate = -1.0_dp !! largest error estimate of a converged case; -1 without a case [-]
+      real(dp) :: force_error = -1.0_dp !! largest error estimate of a converged case; -1 without a case [-]
       integer :: worst_case = 0 !! the first case that has it
       real(dp), allocatable :: least(:) !! least value of each number of a case; not allocated without a case
       integer, allocatable :: least_case(:) !! the first case that has it
@@ -147,7 +149,7 @@ contains
       if (result%outcome == case_converged) then
          one%residual = result%residual
          one%residual_case = 1
-         one%error_estimate = result%error_estimate
+         one%force_error = result%force_error
          one%worst_case = 1
          one%least = result%quantity
          one%greatest = result%quantity
@@ -176,8 +178,8 @@ contains
          self%residual = next%residual
          self%residual_case = n + next%residual_case
       end if
-      if (self%worst_case == 0 .or. next%error_estimate > self%error_estimate) then
-         self%error_estimate = next%error_estimate
+      if (self%worst_case == 0 .or. next%force_error > self%force_error) then
+         self%force_error = next%force_error
          self%worst_case = n + next%worst_case
       end if
       if (.not. allocated(self%least)) then
@@ -242,7 +244,7 @@ contains
          text = text//' '//to_text(self%n_outcomes(i))
       end do
       text = text//' '//to_text(self%residual_case)//' '//to_text(self%residual) &
-         //' '//to_text(self%worst_case)//' '//to_text(self%error_estimate)
+         //' '//to_text(self%worst_case)//' '//to_text(self%force_error)
       do i = 1, size(case_warning_names)
          text = text//' '//to_text(self%n_warned(i))//' '//to_text(self%warned_case(i))
       end do
@@ -263,7 +265,7 @@ contains
       real(dp) :: reals(2)
 
       read (text, *, iostat=status) self%n_cases, self%n_iterations, self%n_outcomes, self%residual_case, &
-         self%residual, self%worst_case, self%error_estimate, &
+         self%residual, self%worst_case, self%force_error, &
          (self%n_warned(i), self%warned_case(i), i=1, size(case_warning_names))
       ok = status == 0
       if (.not. ok .or. self%residual_case == 0) return

@@ -6,8 +6,8 @@ module amontons_sweep_study
    use amontons_kinds, only: dp
    use amontons_listing_text, only: scientific
    use amontons_outcome, only: outcome_t
+   use amontons_outcome_words, only: word_no_equilibrium, word_not_converged
    use amontons_quantity, only: quantity_t
-   use amontons_result, only: status_not_converged
    use amontons_solve_case, only: cache_t
    use amontons_solve_sweep, only: solve_sweep, sweep_result_t
    use amontons_study, only: check_body, study_options_t, study_t
@@ -78,14 +78,12 @@ contains
       type(outcome_t), intent(inout) :: outcome !! gains status, and what the solutions lack
 
       if (.not. result%statistics%is_answered()) then
-         outcome%status = status_not_converged
-         outcome%word = 'not_converged'
-         outcome%message = to_text(result%statistics%n_outcomes(case_not_converged))//' of '// &
-            to_text(result%statistics%n_cases)//' cases of the sweep did not converge'
+         call outcome%lack(word_not_converged, to_text(result%statistics%n_outcomes(case_not_converged))//' of '// &
+            to_text(result%statistics%n_cases)//' cases of the sweep did not converge')
          return
       end if
-      if (result%statistics%outcome() == 'no_equilibrium') then
-         outcome%word = 'no_equilibrium'
+      if (result%statistics%outcome() == word_no_equilibrium) then
+         outcome%word = word_no_equilibrium
          return
       end if
       call outcome%judge(.true., result%statistics%residual, result%certified%certificate%largest(), tolerance)

@@ -5,6 +5,7 @@ module amontons_sweep_summary
    use amontons_document, only: document_t
    use amontons_json, only: json_logical, json_number, json_string
    use amontons_kinds, only: dp
+   use amontons_outcome_words, only: solution_word, word_no_equilibrium, word_solved
    use amontons_quantity, only: quantity_t, scales
    use amontons_result, only: certificate_limit
    use amontons_solve_sweep, only: sweep_result_t
@@ -28,9 +29,8 @@ contains
       type(sweep_result_t), intent(in) :: result !! the result
 
       associate (statistics => result%statistics, certified => result%certified)
-         call add_head(summary, config, config%method%method, statistics%outcome(), &
-            certified%warnings)
-         if (statistics%outcome() == 'no_equilibrium') call summary%add(member('message', json_string( &
+         call add_head(summary, config, config%method%method, outcome_word(result), certified%warnings)
+         if (statistics%outcome() == word_no_equilibrium) call summary%add(member('message', json_string( &
             'no case has an equilibrium: contact and friction cannot balance the loads of any')))
          call summary%add(member('iterations', to_text(statistics%n_iterations)))
          call summary%add(member('sweep', '{'//sweep_text(result)//'}'))
@@ -45,6 +45,16 @@ contains
          call summary%record(last_members(certified%timings))
       end associate
    end subroutine new_sweep_summary
+
+   !> What became of the sweep in a word.
+   pure function outcome_word(result) result(word)
+      type(sweep_result_t), intent(in) :: result !! the result
+      character(:), allocatable :: word
+
+      word = result%statistics%outcome()
+      if (word == word_solved) word = solution_word(.true., result%certified%certificate%largest() &
+         <= certificate_limit(result%certified%method%tolerance))
+   end function outcome_word
 
    !> Adds the certificate of the case with the largest error estimate, and how accurate its stresses are.
    subroutine add_certificate(summary, result)

@@ -1,5 +1,5 @@
-!> What pairs of surfaces are refused for once their points are known.
-module amontons_pair_checks
+!> Checks of the contact points of a pair of surfaces: in the pair, the mesh and the supports, out a refusal.
+module amontons_pair_refusals
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: turned
    use amontons_element, only: side_shapes
@@ -148,4 +148,4 @@ contains
       end do
    end function wall_thickness
 
-end module amontons_pair_checks
+end module amontons_pair_refusals

@@ -1,7 +1,7 @@
-!> The integrals of a pair once more, on another way: for the certificate.
+!> Contact rows of a pair of surfaces, integrated a second time by another rule, for the certificate.
 !>
 !> Where segments end is found from what single rays meet, by halving; they are integrated by a rule of other points.
-module amontons_pair_check
+module amontons_checked_rows
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_kinds, only: dp
@@ -117,4 +117,4 @@ contains
       call cut(segments, pair, near, middle, high, last)
    end subroutine cut
 
-end module amontons_pair_check
+end module amontons_checked_rows

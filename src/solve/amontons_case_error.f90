@@ -1,6 +1,6 @@
-!> The error of a solved case's stresses, estimated with what is known on the boundary: loads, free sides, and the
-!> contact stresses.
-module amontons_estimate_error
+!> Error estimate of a solved case: from its displacements and contact forces the error of its stresses, with what is
+!> known on the boundary: loads, free sides, and the contact stresses.
+module amontons_case_error
    use amontons_body, only: body_t
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_error, only: error_t
@@ -136,4 +136,4 @@ contains
       end do
    end subroutine mark_sides
 
-end module amontons_estimate_error
+end module amontons_case_error

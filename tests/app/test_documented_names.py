@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""Every name that a result file uses is explained: members of summaries, columns of tables, arrays of grids."""
+import csv
+import json
+import re
+import unittest
+from pathlib import Path
+
+from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block, read_vtu
+
+PAGES = Path(__file__).resolve().parents[2] / "doc"
+PUSH = "load name = 'push'  set = 'right'  traction = -1.5, 0.3"
+WALL = "contact set = 'left'  friction = 0.2  obstacle = 'plane'  normal = 1.0, 0.0"
+TWO_BODIES = """&mesh name = 'a'  size = 4.0, 2.0  cells = 8, 4 /
+&mesh name = 'b'  size = 6.0, 2.0  cells = 9, 3  origin = -1.0, -2.0 /
+&material young = 100.0  poisson = 0.25 /
+&support set = 'b.bottom'  ux = 0.0  uy = 0.0 /
+&support set = 'a.left'  ux = 0.0 /
+&load set = 'a.top'  pressure = 1.0  traction = 0.3, 0.0 /
+&contact set = 'a.bottom'  against = 'b.top'  friction = 0.2 /
+"""
+DECKS = {
+    "case": block(SUPPORT, PRESSURE, CONTACT, PUSH),
+    "sets": block("load set = 'right'  traction = -0.5, 0.0", PRESSURE, CONTACT, WALL),
+    "bound": block(SUPPORT, PRESSURE, "contact set = 'bottom'  slip_bound = 0.1", PUSH,
+                   mesh="size = 4.0, 2.0  cells = 8, 4  element = 'tri3'"),
+    "cells": block(SUPPORT, PRESSURE, CONTACT + "  multipliers = 'constant'  cells = 4", PUSH),
+    "refined": block(SUPPORT, PRESSURE, CONTACT, PUSH, "accuracy refinements = 2"),
+    "pair": TWO_BODIES,
+    "sweep": block(SUPPORT, PRESSURE, CONTACT, PUSH, "sweep load = 'push'  factor = 0.5, 1.0",
+                   "sweep friction = 0.2, 0.3", "output key_results = 'all'  fields_every = 1"),
+    "history": block(SUPPORT, PRESSURE, CONTACT, PUSH,
+                     "history times = 0.0, 1.0, 2.0, 3.0  substeps = 2  cycles = 1.0, 3.0",
+                     "steps load = 'push'  factor = 0.0, 1.0, 0.5, 1.0",
+                     "steps obstacle = 'bottom'  shift_y = 0.0, 0.0, 0.001, 0.001",
+                     "output probe = 4.0, 2.0  points_every = 2  states_every = 2  fields_every = 2"
+                     "  fretting = 'parameters'"),
+}
+
+
+def documented(*pages):
+    """Patterns of the names between backticks of some pages: words in capitals stand for names of the deck, and a name
+    that begins with a dot is a member of the object named before it."""
+    names, owner = set(), ""
+    for page in pages:
+        text = re.sub(r"^```.*?^```", "", (PAGES / page).read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+        for name in re.findall(r"`([^`\s]+)`", text):
+            if re.fullmatch(r"[a-z_]+\.[a-z_]+", name):
+                owner = name.partition(".")[0]
+                names.add(owner)
+            names.add(owner + name if re.fullmatch(r"\.[a-z_]+", name) else name)
+    return [re.compile(re.sub(r"[A-Z]{2,}", ".+", re.escape(name))) for name in names
+            if re.fullmatch(r"[a-z][A-Za-z_0-9.]*", name)]
+
+
+def members(value, path=""):
+    """The paths of all members of an object."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield f"{path}.{key}".strip(".")
+            yield from members(inner, f"{path}.{key}".strip("."))
+    elif isinstance(value, list):
+        for inner in value:
+            yield from members(inner, path)
+
+
+class DocumentedNames(ProgramTest):
+    """Names in files against doc/output.md, doc/history.md and, of reduced problems, doc/reduced.md."""
+
+    def assert_documented(self, names, patterns, source):
+        """Checks that each name, or the last part of its path, is explained, but for numbers and axes behind it."""
+        missing = set()
+        for name in names:
+            # Names and numbers of contact sets, probes, meshes and points; names of extremes are those of key results.
+            last = name.rpartition(".")[2]
+            forms = {form for known in (name, last) for form in (
+                known, re.sub(r"_\d+$", "", known), re.sub(r"_\d+$", "_1", known), re.sub(r"_[xy]$", "", known),
+                re.sub(r"_step$", "", known), re.sub(r"_[xy]_\d+$", "", known))}
+            if not any(pattern.fullmatch(form) for pattern in patterns for form in forms):
+                missing.add(name)
+        self.assertEqual(sorted(missing), [], f"{source}: not in the pages")
+
+    def assert_files(self, directory, patterns):
+        """Checks every file of a directory, and the folders of grids in it."""
+        found = set()
+        for path in sorted((self.directory / directory).rglob("*.*")):
+            kind = path.name.partition(".")[2]
+            if path.suffix == ".json":
+                names = set(members(json.loads(path.read_text(encoding="utf-8"))))
+            elif path.suffix == ".csv":
+                with open(path, newline="", encoding="utf-8") as table:
+                    names = next(csv.reader(table))
+            elif path.suffix == ".vtu":
+                names = set(read_vtu(path.read_bytes())[0]) - {"points", "connectivity", "offsets", "types"}
+            else:
+                continue
+            found.add(kind)
+            self.assert_documented(names, patterns, path.name)
+        return found
+
+    def test_names_of_every_kind_of_study(self):
+        for name, deck in DECKS.items():
+            self.write(f"{name}.nml", f"&case name = '{name}' /\n{deck}")
+        self.run_program("--quiet", "--output", "out", *(f"{name}.nml" for name in DECKS))
+        found = self.assert_files("out", documented("output.md", "history.md"))
+        # What nobody wrote would not be compared.
+        self.assertLessEqual({"csv", "summary.json", "contact.csv", "convergence.csv", "sweep.csv", "history.csv",
+                              "points.csv", "cycles.csv", "states.csv", "vtu", "contact.vtu"}, found)
+
+    def test_names_of_reduced_problems_and_of_all_solutions(self):
+        self.run_program("--quiet", "--output", "out", "--write-reduced", "--all-solutions", self.write(
+            "case.nml", block("support set = 'top'  ux = 0.0  uy = -0.01", CONTACT, PUSH,
+                              mesh="size = 4.0, 2.0  cells = 4, 2")))
+        self.assertIn("solutions.csv", self.assert_files("out", documented("output.md", "history.md")))
+        self.run_program("--quiet", "--output", "reduced", "--reduced", "out/case.reduced.dat")
+        self.assertIn("reduced.summary.json", self.assert_files("reduced", documented("output.md", "reduced.md")))
+
+    def test_violations_have_a_row_in_the_theory_and_a_sentence(self):
+        self.run_program("--quiet", self.write("case.nml", TWO_BODIES.replace("friction = 0.2", "slip_bound = 0.1")))
+        certificate = json.loads((self.directory / "case.summary.json").read_text(encoding="utf-8"))["certificate"]
+        found = set(certificate) - {"passed", "limit", "strain_energy", "work_of_friction"}
+        theory = (PAGES / "theory.md").read_text(encoding="utf-8").split("\n## ")
+        section, = (text for text in theory if text.startswith("8. Certificate"))
+        table = section.partition("### ")[0]
+        self.assertEqual(set(re.findall(r"^\| ([a-z_]+) \| ", table, re.MULTILINE)) - {"name"}, found)
+        self.assertLessEqual({"pair_force", "duality_gap"}, found)
+        verdicts = (PAGES.parent / "python" / "amontons" / "verdicts.py").read_text(encoding="utf-8")
+        self.assertEqual(set(re.findall(r'^    "([a-z_]+)": "', verdicts, re.MULTILINE)), found)
+
+    def test_no_name_is_a_missing_one(self):
+        # The comparison itself: a name that no page has is found.
+        patterns = documented("output.md", "history.md")
+        with self.assertRaisesRegex(AssertionError, "certificate.pear"):
+            self.assert_documented(["certificate.pear"], patterns, "none")
+        self.assert_documented(["factor_push", "contact_width_2", "mesh_3", "ux_2", "counts.elements"], patterns,
+                               "none")
+
+
+if __name__ == "__main__":
+    unittest.main()
