@@ -11,8 +11,8 @@ module amontons_reduced_report
       violations_text, warnings_text
    use amontons_listing_text, only: heading, labeled, scientific, short_text
    use amontons_manifest, only: manifest_t
-   use amontons_output_file, only: output_file_t
    use amontons_outcome_words, only: solution_word
+   use amontons_output_file, only: output_file_t
    use amontons_quantity, only: quantity_t, scales
    use amontons_reduced_system, only: reduced_system_t
    use amontons_report, only: commit_case, write_documents
