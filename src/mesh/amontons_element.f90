@@ -185,6 +185,8 @@ contains
          call shape_quad8(xi, values(:8), derivatives(:, :8))
       case (quad9)
          call shape_quad9(xi, values, derivatives)
+      case default
+         ! All zero: an element without an area, which no mesh may have.
       end select
    end subroutine shape_functions
 
