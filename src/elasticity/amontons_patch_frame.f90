@@ -16,6 +16,9 @@ module amontons_patch_frame
    !> Weight of a sample of the elements that a patch grew by: far samples determine what near ones leave open, no more.
    real(dp), parameter :: far_weight = 0.1_dp
 
+   !> Least pivot for each sample. Those of a regular patch leave a few hundredths, a row too few of them leaves 0.
+   real(dp), parameter :: least_pivot = 1.0e-4_dp
+
    !> Coordinates of a patch in which its nodes spread alike in all directions, and along which the sides of its
    !> elements lie where the terms depend on that: neither slender nor turned elements need another treatment. Where the
    !> polynomial is linear, they spread the samples so: the normal matrix is a multiple of the identity.
@@ -30,6 +33,17 @@ module amontons_patch_frame
       integer, allocatable :: start(:) !! where the samples of an element begin (n_elements + 1)
       real(dp), allocatable :: position(:, :) !! coordinates (2, n_samples) [L]
    end type samples_t
+
+   !> Moments of points about one of them.
+   type :: moments_t
+      real(dp) :: origin(2) = 0.0_dp !! the point [L]
+      real(dp) :: weight = 0.0_dp !! sum of the weights [-]
+      real(dp) :: first(2) = 0.0_dp !! of the distances along x and y [L]
+      real(dp) :: second(3) = 0.0_dp !! of their products xx, xy, yy [L^2]
+   contains
+      procedure :: add => moments_add
+      procedure :: covariance => moments_covariance
+   end type moments_t
 
 contains
 
@@ -50,88 +64,114 @@ contains
       integer, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! how many of them meet at its node
       real(dp) :: normal(max_terms, max_terms), right(4, max_terms), unused(4, max_terms)
-      real(dp), allocatable :: at_samples(:, :), weight(:)
+      type(moments_t) :: moments
 
-      call list_samples(at_samples, weight, samples, elements, n_near)
       is_determined = frame%n_terms == 1
       if (is_determined) then
-         frame%center = at_samples(:, 1)
+         frame%center = samples%position(:, samples%start(elements(1)))
          frame%scale = 0.0_dp
          return
       end if
-      if (size(weight) <= frame%n_terms) return
-      call spread_patch(frame, mesh, elements)
-      call sum_products(normal, frame, frame%n_terms, at_samples, weight)
-      right = 0.0_dp
-      call solve_normal(unused, frame%n_terms, normal, right, is_determined)
-      if (is_determined .and. is_linear(frame)) call spread_points(frame, at_samples, weight)
+      if (sum(samples%start(elements + 1) - samples%start(elements)) <= frame%n_terms) return
+      call spread_corners(frame, mesh, elements)
+      if (is_linear(frame)) then
+         call sum_moments(moments, samples, elements, n_near)
+         is_determined = are_spread(moments, frame%scale)
+         if (is_determined) call spread_points(frame, moments)
+      else
+         call sum_products(normal, frame, samples, elements, n_near)
+         right = 0.0_dp
+         call solve_normal(unused, frame%n_terms, normal, right, is_determined)
+      end if
    end subroutine place_patch
 
-   !> Lists the samples of a patch.
-   pure subroutine list_samples(position, weight, samples, elements, n_near)
-      real(dp), allocatable, intent(out) :: position(:, :) !! their coordinates (2, samples) [L]
-      real(dp), allocatable, intent(out) :: weight(:) !! their weights (samples) [-]
+   !> Sums the moments of the samples of a patch.
+   pure subroutine sum_moments(moments, samples, elements, n_near)
+      type(moments_t), intent(out) :: moments !! the moments
       type(samples_t), intent(in) :: samples !! the samples of all elements
       integer, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! how many of them meet at its node
-      integer :: i, k, n
+      integer :: i, k
 
-      n = sum(samples%start(elements + 1) - samples%start(elements))
-      allocate (position(2, n), weight(n))
-      n = 0
+      moments%origin = samples%position(:, samples%start(elements(1)))
       do i = 1, size(elements)
          do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
-            n = n + 1
-            position(:, n) = samples%position(:, k)
-            weight(n) = merge(1.0_dp, far_weight, i <= n_near)
+            call moments%add(samples%position(1, k), samples%position(2, k), merge(1.0_dp, far_weight, i <= n_near))
          end do
       end do
-   end subroutine list_samples
+   end subroutine sum_moments
 
    !> Sets the coordinates of a patch from the corners of its elements.
-   pure subroutine spread_patch(frame, mesh, elements)
+   pure subroutine spread_corners(frame, mesh, elements)
       type(frame_t), intent(inout) :: frame !! the coordinates; have their number of terms
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: elements(:) !! its elements
-      real(dp), allocatable :: corner(:, :)
-      integer :: first, i, n
+      type(moments_t) :: moments
+      integer :: first, i, k
 
-      allocate (corner(2, sum(n_corners(mesh%element_kind(elements)))))
-      n = 0
+      moments%origin = mesh%coordinates(:, mesh%node(mesh%node_start(elements(1))))
       do i = 1, size(elements)
          first = mesh%node_start(elements(i))
-         associate (n_here => n_corners(mesh%element_kind(elements(i))))
-            corner(:, n + 1:n + n_here) = mesh%coordinates(:, mesh%node(first:first + n_here - 1))
-            n = n + n_here
-         end associate
+         do k = first, first + n_corners(mesh%element_kind(elements(i))) - 1
+            call moments%add(mesh%coordinates(1, mesh%node(k)), mesh%coordinates(2, mesh%node(k)), 1.0_dp)
+         end do
       end do
-      call spread_points(frame, corner, spread(1.0_dp, 1, n))
+      call spread_points(frame, moments)
       if (frame%n_terms == max_terms) call turn_frame(frame%scale, mesh, elements)
-   end subroutine spread_patch
+   end subroutine spread_corners
+
+   !> Adds a point.
+   pure subroutine moments_add(self, x, y, weight)
+      class(moments_t), intent(inout) :: self !! the moments of other points
+      real(dp), intent(in) :: x !! coordinate of the point [L]
+      real(dp), intent(in) :: y !! its other coordinate [L]
+      real(dp), intent(in) :: weight !! its weight [-]
+
+      associate (dx => x - self%origin(1), dy => y - self%origin(2))
+         self%weight = self%weight + weight
+         self%first = self%first + weight*[dx, dy]
+         self%second = self%second + weight*[dx*dx, dx*dy, dy*dy]
+      end associate
+   end subroutine moments_add
+
+   !> The covariance of the points: xx, xy, yy [L^2].
+   pure function moments_covariance(self) result(covariance)
+      class(moments_t), intent(in) :: self !! the moments of the points
+      real(dp) :: covariance(3)
+
+      associate (mean => self%first/self%weight)
+         covariance = self%second/self%weight - [mean(1)*mean, mean(2)**2]
+      end associate
+   end function moments_covariance
+
+   !> Whether points spread in all directions, in coordinates in which the corners of their elements do: whether the
+   !> pivots of 1, x and y are large enough.
+   pure logical function are_spread(moments, scale)
+      type(moments_t), intent(in) :: moments !! the moments of the points
+      real(dp), intent(in) :: scale(2, 2) !! what distances are multiplied by, a lower triangle [1/L]
+      real(dp) :: c(3), xx, xy, yy
+
+      c = moments%covariance()
+      xx = scale(1, 1)**2*c(1)
+      xy = scale(1, 1)*(scale(2, 1)*c(1) + scale(2, 2)*c(2))
+      yy = scale(2, 1)**2*c(1) + 2.0_dp*scale(2, 1)*scale(2, 2)*c(2) + scale(2, 2)**2*c(3)
+      are_spread = xx > least_pivot
+      if (are_spread) are_spread = yy - xy**2/xx > least_pivot
+   end function are_spread
 
    !> Sets coordinates in which some points spread alike in all directions.
-   pure subroutine spread_points(frame, position, weight)
+   pure subroutine spread_points(frame, moments)
       type(frame_t), intent(inout) :: frame !! the coordinates
-      real(dp), intent(in) :: position(:, :) !! the points, not in a line (2, any) [L]
-      real(dp), intent(in) :: weight(:) !! their weights (any) [-]
-      real(dp) :: covariance(3), distance(2), mean(2)
-      integer :: i
+      type(moments_t), intent(in) :: moments !! the moments of the points, which are not in a line
+      real(dp) :: c(3), slope
 
-      mean = 0.0_dp
-      covariance = 0.0_dp
-      do i = 1, size(weight)
-         distance = position(:, i) - position(:, 1)
-         mean = mean + weight(i)*distance
-         covariance = covariance + weight(i)*[distance(1)*distance, distance(2)**2]
-      end do
-      mean = mean/sum(weight)
-      covariance = covariance/sum(weight) - [mean(1)*mean, mean(2)**2]
-      frame%center = position(:, 1) + mean
+      c = moments%covariance()
+      frame%center = moments%origin + moments%first/moments%weight
       ! The inverse of the Cholesky factor of the covariance.
-      frame%scale(1, 1) = 1.0_dp/sqrt(covariance(1))
-      distance(1) = covariance(2)*frame%scale(1, 1)
-      frame%scale(2, 2) = 1.0_dp/sqrt(covariance(3) - distance(1)**2)
-      frame%scale(2, 1) = -distance(1)*frame%scale(1, 1)*frame%scale(2, 2)
+      frame%scale(1, 1) = 1.0_dp/sqrt(c(1))
+      slope = c(2)*frame%scale(1, 1)
+      frame%scale(2, 2) = 1.0_dp/sqrt(c(3) - slope**2)
+      frame%scale(2, 1) = -slope*frame%scale(1, 1)*frame%scale(2, 2)
       frame%scale(1, 2) = 0.0_dp
    end subroutine spread_points
 
@@ -161,22 +201,27 @@ contains
    end subroutine turn_frame
 
    !> Sums the products of the terms of a patch over its samples.
-   pure subroutine sum_products(normal, frame, n, position, weight)
+   pure subroutine sum_products(normal, frame, samples, elements, n_near)
       real(dp), intent(out) :: normal(max_terms, max_terms) !! the lower triangle of their matrix
       type(frame_t), intent(in) :: frame !! coordinates of the patch
-      integer, intent(in) :: n !! terms of the polynomial
-      real(dp), intent(in) :: position(:, :) !! the samples (2, any) [L]
-      real(dp), intent(in) :: weight(:) !! their weights (any) [-]
-      real(dp) :: p(max_terms)
-      integer :: i, j
+      type(samples_t), intent(in) :: samples !! the samples of all elements
+      integer, intent(in) :: elements(:) !! the elements of the patch
+      integer, intent(in) :: n_near !! how many of them meet at its node
+      real(dp) :: p(max_terms), weight
+      integer :: i, j, k
 
-      normal(:n, :n) = 0.0_dp
-      do i = 1, size(weight)
-         call find_terms(frame, n, position(:, i), p)
-         do j = 1, n
-            normal(j:n, j) = normal(j:n, j) + (weight(i)*p(j))*p(j:n)
+      associate (n => frame%n_terms)
+         normal(:n, :n) = 0.0_dp
+         do i = 1, size(elements)
+            weight = merge(1.0_dp, far_weight, i <= n_near)
+            do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
+               call find_terms(frame, n, samples%position(:, k), p)
+               do j = 1, n
+                  normal(j:n, j) = normal(j:n, j) + (weight*p(j))*p(j:n)
+               end do
+            end do
          end do
-      end do
+      end associate
    end subroutine sum_products
 
    !> The terms of a patch's polynomial at a point; nothing behind the last.
@@ -204,8 +249,6 @@ contains
       real(dp), intent(in) :: normal(max_terms, max_terms) !! the lower triangle of the matrix
       real(dp), intent(in) :: right(4, max_terms) !! the right-hand sides (component, term) [F/L^2]
       logical, intent(out) :: is_determined !! whether the matrix is well conditioned
-      ! The samples of a regular patch leave pivots of a few hundredths of their number, a row too few of them leaves 0.
-      real(dp), parameter :: least_pivot = 1.0e-4_dp
       ! The factors of L D L^T: below the diagonal L D, behind it the reciprocals of D.
       real(dp) :: factor(max_terms, max_terms), reciprocal(max_terms), entry
       integer :: i, j, k
