@@ -112,8 +112,7 @@ contains
       end do
       rows%node = pack(zone%rows%node, is_wanted)
       rows%part = reshape(pack(zone%rows%part, spread(is_wanted, 1, 2)), [2, size(rows%node)])
-      if (allocated(zone%rows%tangent)) rows%tangent = reshape(pack(zone%rows%tangent, spread(is_wanted, 1, 2)), &
-         [2, size(rows%node)])
+      rows%tangent = reshape(pack(zone%rows%tangent, spread(is_wanted, 1, 2)), [2, size(rows%node)])
    end function side_rows
 
 end module amontons_master_line

@@ -9,7 +9,7 @@ module amontons_model_warnings
    use amontons_loads, only: load_by_temperature, load_on_nodes
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_surface, only: surface_t
-   use amontons_sweep, only: quantity_names, sweep_axis_t, sweep_t, swept_friction, swept_friction_factor
+   use amontons_sweep, only: sweep_axis_t, sweep_t, swept_friction, swept_friction_factor
    use amontons_text, only: counted, to_text
    use amontons_warning_list, only: warning_list_t
    implicit none (type, external)

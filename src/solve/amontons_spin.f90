@@ -15,7 +15,7 @@ module amontons_spin
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: symmetric_eigenvectors
-   use amontons_equilibrium, only: has_nodal_points, round_normals
+   use amontons_equilibrium, only: round_normals
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_rigid_modes, only: find_rigid_modes, largest_motion
@@ -56,7 +56,7 @@ contains
       logical, intent(in) :: is_in_reach(:) !! which points can close (m)
       real(dp), allocatable :: spins(:, :)
 
-      can_spin = size(body%rigid_modes, 2) > 0 .and. has_nodal_points(body%zone)
+      can_spin = size(body%rigid_modes, 2) > 0 .and. .not. any(body%zone%is_cell)
       if (.not. can_spin) return
       call new_spins(spins, on_round_line(body%zone, body%motions), body, is_in_reach)
       can_spin = size(spins, 2) > 0
@@ -72,7 +72,7 @@ contains
       type(contact_solution_t), intent(in) :: solution !! what a method found, converged or not
       real(dp), allocatable :: on_round(:, :), spins(:, :), force(:)
 
-      if (size(body%rigid_modes, 2) == 0 .or. .not. has_nodal_points(body%zone)) return
+      if (size(body%rigid_modes, 2) == 0 .or. any(body%zone%is_cell)) return
       ! Loads drive a spin: without any, all that forces leave is rounding errors.
       if (.not. any(abs(problem%load) > 0.0_dp)) return
       on_round = on_round_line(body%zone, body%motions)

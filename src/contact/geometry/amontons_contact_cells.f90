@@ -2,7 +2,7 @@
 !>
 !> A cell is cut out of the sides by lengths along the line, whatever the nodes. Its displacement is the mean of the
 !> body's displacement along the normal of the geometry at each point, integrated exactly on straight sides; its
-!> multiplier is then the force on the cell, stress times area.
+!> multiplier is then the force on the cell, stress times area. Cells of a pair are cut out of its slave.
 module amontons_contact_cells
    use amontons_boundary, only: boundary_line_t
    use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t
@@ -10,14 +10,16 @@ module amontons_contact_cells
    use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_material, only: materials_t
-   use amontons_mesh, only: mesh_t
-   use amontons_surface, only: side_order
+   use amontons_mortar_pair, only: mortar_pair_t
+   use amontons_mortar_points, only: cell_pieces, mortar_piece_t
+   use amontons_mortar_segments, only: mortar_segment_t
+   use amontons_pair_refusals, only: held_slave_text
+   use amontons_surface, only: meshed_body_t, side_order
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: contact_cells_t, new_contact_cells
+   public :: choose_cells, contact_cells_t, new_contact_cells
 
    !> Nodes and quadrature points of a part of a side.
    integer, parameter :: n_segment_nodes = 3, n_segment_points = 3
@@ -46,10 +48,9 @@ module amontons_contact_cells
 contains
 
    !> Cuts a line into cells and integrates over them.
-   pure subroutine new_contact_cells(cells, mesh, materials, set, line, partition, direction, error)
+   pure subroutine new_contact_cells(cells, body, set, line, partition, direction, error)
       type(contact_cells_t), intent(out) :: cells !! the cells
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       character(*), intent(in) :: set !! name of the boundary set
       type(boundary_line_t), intent(in) :: line !! its line
       type(cell_partition_t), intent(in) :: partition !! how to cut it
@@ -57,12 +58,12 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
       integer, allocatable :: sides(:, :)
 
-      call mesh%set_sides(set, sides, error)
+      call body%mesh%set_sides(set, sides, error)
       if (allocated(error)) return
-      sides = sides(:, side_order(sides, line, mesh%n_nodes))
-      call cut_line(cells, sides, mesh%coordinates, partition, error)
+      sides = sides(:, side_order(sides, line, body%mesh%n_nodes))
+      call cut_line(cells, sides, body%mesh%coordinates, partition, error)
       if (allocated(error)) return
-      call integrate(cells, sides, mesh, materials, direction)
+      call integrate(cells, sides, body, direction)
       call check_normals(cells, error)
    end subroutine new_contact_cells
 
@@ -171,28 +172,22 @@ contains
    end function place_at
 
    !> Areas, centers, normals, rows and quadrature points of the cells.
-   pure subroutine integrate(cells, sides, mesh, materials, direction)
+   pure subroutine integrate(cells, sides, body, direction)
       type(contact_cells_t), intent(inout) :: cells !! the cells
       integer, intent(in) :: sides(:, :) !! the sides in order (4, sides)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
       type(segment_t) :: segment
-      integer :: i, n, cell
+      integer :: n_segments(cells%n_cells), i, cell
 
-      n = n_segment_points*size(cells%segments)
       allocate (cells%length(cells%n_cells), cells%area(cells%n_cells), cells%center(2, cells%n_cells), &
          cells%normal(2, cells%n_cells), source=0.0_dp)
-      allocate (cells%rows%node(n_segment_nodes*size(cells%segments)))
-      allocate (cells%rows%part(2, size(cells%rows%node)), source=0.0_dp)
-      allocate (cells%quadrature%position(2, n), cells%quadrature%normal(2, n), cells%quadrature%outward(n), &
-         cells%quadrature%arc_length(n), cells%quadrature%gap(n), cells%quadrature%share(n))
-      cells%quadrature%gap = 0.0_dp
-      cells%rows%start = [1, (1 + n_segment_nodes*count(cells%segments%cell <= cell), cell=1, cells%n_cells)]
-      cells%quadrature%start = [1, (1 + n_segment_points*count(cells%segments%cell <= cell), cell=1, cells%n_cells)]
+      n_segments = [(count(cells%segments%cell == cell), cell=1, cells%n_cells)]
+      call cells%rows%begin(n_segment_nodes*n_segments)
+      call cells%quadrature%begin(n_segment_points*n_segments)
       do i = 1, size(cells%segments)
          segment = cells%segments(i)
-         call add_segment(cells, i, segment, sides(:, segment%side), mesh, materials, direction)
+         call add_segment(cells, i, segment, sides(:, segment%side), body, direction)
       end do
       do cell = 1, cells%n_cells
          cells%center(:, cell) = cells%center(:, cell)/cells%area(cell)
@@ -204,28 +199,28 @@ contains
             cells%quadrature%share(first:last) = cells%quadrature%share(first:last)/cells%area(cell)
          end associate
       end do
+      call cells%rows%set_tangents()
    end subroutine integrate
 
    !> Adds the integrals over a part of a side to those of its cell.
-   pure subroutine add_segment(cells, i, segment, side, mesh, materials, direction)
+   pure subroutine add_segment(cells, i, segment, side, body, direction)
       type(contact_cells_t), intent(inout) :: cells !! the cells
       integer, intent(in) :: i !! number of the part
       type(segment_t), intent(in) :: segment !! the part
       integer, intent(in) :: side(4) !! first corner, second corner, middle or 0, element of its side
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
       type(side_geometry_t) :: geometry
       real(dp) :: normal(2), outward(2), area
       integer :: k, point, first, place
 
-      call new_side_geometry(geometry, side(:3), mesh%coordinates, segment%range)
+      call new_side_geometry(geometry, side(:3), body%mesh%coordinates, segment%range)
       first = n_segment_nodes*(i - 1)
       ! A straight side has no middle node; its part there is 0.
       cells%rows%node(first + 1:first + n_segment_nodes) = merge(side(:3), side(1), side(:3) > 0)
       do point = 1, n_segment_points
          associate (along => geometry%along(:, point), position => geometry%position(:, point), cell => segment%cell)
-            area = norm2(along)*materials%list(materials%of_element(side(4)))%depth(position(1))
+            area = norm2(along)*body%materials%list(body%materials%of_element(side(4)))%depth(position(1))
             outward = [along(2), -along(1)]/norm2(along)
             normal = outward
             if (any(abs(direction) > 0.0_dp)) normal = direction/norm2(direction)
@@ -234,7 +229,8 @@ contains
             cells%quadrature%position(:, place) = position
             cells%quadrature%normal(:, place) = normal
             cells%quadrature%share(place) = area
-            cells%quadrature%arc_length(place) = segment%arc_length + norm2(position - mesh%coordinates(:, side(1)))
+            cells%quadrature%arc_length(place) = segment%arc_length &
+               + norm2(position - body%mesh%coordinates(:, side(1)))
             cells%length(cell) = cells%length(cell) + norm2(along)
             cells%area(cell) = cells%area(cell) + area
             cells%center(:, cell) = cells%center(:, cell) + area*position
@@ -265,5 +261,55 @@ contains
          end associate
       end do
    end subroutine check_normals
+
+   !> Makes cells the points of a pair, in the place of corners: not those that face nothing.
+   pure subroutine choose_cells(pair, partition, body, error)
+      type(mortar_pair_t), intent(inout) :: pair !! the pair
+      type(cell_partition_t), intent(in) :: partition !! how to cut it
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      type(error_t), allocatable, intent(out) :: error
+         !! the partition does not fit the line, or supports hold all nodes of a cell along its normal
+      real(dp), parameter :: no_direction(2) = 0.0_dp
+      type(contact_cells_t) :: cells
+      type(mortar_piece_t), allocatable :: pieces(:)
+      integer, allocatable :: point(:), kept(:)
+      logical :: is_free, moves
+      integer :: cell, k
+
+      call new_contact_cells(cells, body, pair%set, pair%line, partition, no_direction, error)
+      if (allocated(error)) return
+      pair%cells = [(mortar_segment_t(cells%segments(k)%side, cells%segments(k)%cell, cells%segments(k)%range), &
+         k=1, size(cells%segments))]
+      call cell_pieces(pieces, pair%segments, pair%cells)
+      pair%is_tangent_fixed = pair%is_tangent_fixed(:0)
+      allocate (kept(0), point(0:cells%n_cells))
+      point = 0
+      do cell = 1, cells%n_cells
+         if (all(pieces%point(1) /= cell)) cycle
+         moves = .false.
+         is_free = .false.
+         do k = cells%rows%start(cell), cells%rows%start(cell + 1) - 1
+            moves = moves .or. body%constraints%leaves_free(cells%rows%node(k), cells%normal(:, cell))
+            is_free = is_free .or. all(body%constraints%is_free(:, cells%rows%node(k)))
+         end do
+         if (.not. moves) then
+            call new_error(error, input_refused, held_slave_text(pair, cells%center(:, cell), 'force', &
+               'exchange set and against'))
+            return
+         end if
+         kept = [kept, cell]
+         point(cell) = size(kept)
+         pair%is_tangent_fixed = [pair%is_tangent_fixed, .not. is_free]
+      end do
+      pair%cells%master = point(pair%cells%master)
+      pair%normal = cells%normal(:, kept)
+      pair%next = point(cells%next(kept))
+      pair%node = pair%node(:0)
+      deallocate (pair%covered_share)
+      pair%held_node = pair%node
+      pair%shared_node = pair%node
+      pair%joined_node = pair%node
+      pair%idle_side = pair%idle_side(:, :0)
+   end subroutine choose_cells
 
 end module amontons_contact_cells

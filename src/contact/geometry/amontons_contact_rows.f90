@@ -20,16 +20,15 @@ module amontons_contact_rows
       integer, allocatable :: start(:) !! first part of each point, and one beyond the last (m + 1)
       integer, allocatable :: node(:) !! node of each part (parts)
       real(dp), allocatable :: part(:, :) !! normal times share of the node (2, parts) [-]
-      real(dp), allocatable :: tangent(:, :)
-         !! tangent times share of the node in the tangential displacement; not allocated where shares are the same
-         !! (2, parts) [-]
+      real(dp), allocatable :: tangent(:, :) !! tangent times its share in the tangential displacement (2, parts) [-]
    contains
       procedure :: add => contact_rows_add
-      procedure :: along => contact_rows_along
+      procedure :: begin => contact_rows_begin
       procedure :: picked => contact_rows_picked
       procedure :: merge_nodes => contact_rows_merge_nodes
       procedure :: displacement => contact_rows_displacement
       procedure :: forces => contact_rows_forces
+      procedure :: set_tangents => contact_rows_set_tangents
    end type contact_rows_t
 
    !> The quadrature points of all points, those of point p from `start(p)` to `start(p + 1) - 1`.
@@ -45,6 +44,7 @@ module amontons_contact_rows
       real(dp), allocatable :: share(:) !! share of the point's area; they sum to 1 over a point (quadrature points) [-]
    contains
       procedure :: add => contact_quadrature_add
+      procedure :: begin => contact_quadrature_begin
       procedure :: picked => contact_quadrature_picked
    end type contact_quadrature_t
 
@@ -58,39 +58,25 @@ contains
       turned = [-vector(2), vector(1)]
    end function turned
 
-   !> The part in the tangential displacement [-].
-   pure function contact_rows_along(self, i) result(along)
-      class(contact_rows_t), intent(in) :: self !! the rows
-      integer, intent(in) :: i !! number of the part
-      real(dp) :: along(2)
+   !> Gives the nodes the same shares in the tangential displacements as in the normal ones.
+   pure subroutine contact_rows_set_tangents(self)
+      class(contact_rows_t), intent(inout) :: self !! the rows
+      integer :: i
 
-      if (allocated(self%tangent)) then
-         along = self%tangent(:, i)
-      else
-         along = turned(self%part(:, i))
-      end if
-   end function contact_rows_along
+      do i = 1, size(self%node)
+         self%tangent(:, i) = turned(self%part(:, i))
+      end do
+   end subroutine contact_rows_set_tangents
 
    !> Adds the points of other rows behind those that are there.
    pure subroutine contact_rows_add(self, others)
       class(contact_rows_t), intent(inout) :: self !! the rows
       type(contact_rows_t), intent(in) :: others !! the rows to add
-      real(dp) :: tangent(2, size(self%node) + size(others%node))
-      integer :: i, n
 
-      n = size(self%node)
-      if (allocated(self%tangent) .or. allocated(others%tangent)) then
-         do i = 1, n
-            tangent(:, i) = self%along(i)
-         end do
-         do i = 1, size(others%node)
-            tangent(:, n + i) = others%along(i)
-         end do
-         self%tangent = tangent
-      end if
       self%start = [self%start, size(self%node) + others%start(2:)]
       self%node = [self%node, others%node]
       self%part = reshape([self%part, others%part], [2, size(self%node)])
+      self%tangent = reshape([self%tangent, others%tangent], [2, size(self%node)])
    end subroutine contact_rows_add
 
    !> The rows of some of the points.
@@ -101,15 +87,15 @@ contains
       integer, allocatable :: places(:)
 
       places = picked_places(self%start, points)
-      picked%start = picked_start(self%start, points)
+      picked%start = starts(self%start(points + 1) - self%start(points))
       picked%node = self%node(places)
       picked%part = self%part(:, places)
-      if (allocated(self%tangent)) picked%tangent = self%tangent(:, places)
+      picked%tangent = self%tangent(:, places)
    end function contact_rows_picked
 
    !> Makes one part of all parts that a node has in the displacement of a point, and leaves out those of 0.
    pure subroutine contact_rows_merge_nodes(self)
-      class(contact_rows_t), intent(inout) :: self !! the rows, without tangents of their own
+      class(contact_rows_t), intent(inout) :: self !! the rows, their tangents not set yet
       integer :: p, i, k, n, first
 
       n = 0
@@ -146,7 +132,7 @@ contains
          do i = self%start(p), self%start(p + 1) - 1
             associate (u => field(:, self%node(i)))
                displacement(p) = displacement(p) + dot_product(self%part(:, i), u)
-               displacement(p + m) = displacement(p + m) + dot_product(self%along(i), u)
+               displacement(p + m) = displacement(p + m) + dot_product(self%tangent(:, i), u)
             end associate
          end do
       end do
@@ -165,7 +151,7 @@ contains
       do p = 1, m
          do i = self%start(p), self%start(p + 1) - 1
             associate (on_node => forces(:, self%node(i)))
-               on_node = on_node - force(p)*self%part(:, i) - force(p + m)*self%along(i)
+               on_node = on_node - force(p)*self%part(:, i) - force(p + m)*self%tangent(:, i)
             end associate
          end do
       end do
@@ -195,7 +181,7 @@ contains
       integer, allocatable :: places(:)
 
       places = picked_places(self%start, points)
-      picked%start = picked_start(self%start, points)
+      picked%start = starts(self%start(points + 1) - self%start(points))
       picked%position = self%position(:, places)
       picked%normal = self%normal(:, places)
       picked%outward = self%outward(places)
@@ -204,18 +190,39 @@ contains
       picked%share = self%share(places)
    end function contact_quadrature_picked
 
-   !> Where the ranges of some of the points begin when they alone follow each other, and one beyond the last.
-   pure function picked_start(start, points) result(picked)
-      integer, intent(in) :: start(:) !! beginning of each range, and one beyond the last (m + 1)
-      integer, intent(in) :: points(:) !! the points to pick
-      integer :: picked(size(points) + 1)
+   !> Where ranges of given sizes begin that follow each other, and one beyond the last.
+   pure function starts(sizes) result(start)
+      integer, intent(in) :: sizes(:) !! size of the range of each point (m)
+      integer :: start(size(sizes) + 1)
       integer :: k
 
-      picked(1) = 1
-      do k = 1, size(points)
-         picked(k + 1) = picked(k) + start(points(k) + 1) - start(points(k))
+      start(1) = 1
+      do k = 1, size(sizes)
+         start(k + 1) = start(k) + sizes(k)
       end do
-   end function picked_start
+   end function starts
+
+   !> Makes room for the quadrature points, all numbers 0.
+   pure subroutine contact_quadrature_begin(self, sizes)
+      class(contact_quadrature_t), intent(inout) :: self !! the quadrature points
+      integer, intent(in) :: sizes(:) !! how many each point has (m)
+
+      self%start = starts(sizes)
+      associate (n => sum(sizes))
+         allocate (self%position(2, n), self%normal(2, n), self%outward(n), self%arc_length(n), self%gap(n), &
+            self%share(n), source=0.0_dp)
+      end associate
+   end subroutine contact_quadrature_begin
+
+   !> Makes room for the parts of all points, all numbers 0.
+   pure subroutine contact_rows_begin(self, sizes)
+      class(contact_rows_t), intent(inout) :: self !! the rows
+      integer, intent(in) :: sizes(:) !! how many each point has (m)
+
+      self%start = starts(sizes)
+      allocate (self%node(sum(sizes)), source=0)
+      allocate (self%part(2, sum(sizes)), self%tangent(2, sum(sizes)), source=0.0_dp)
+   end subroutine contact_rows_begin
 
    !> The places in the list of all that belongs to some of the points.
    pure function picked_places(start, points) result(places)

@@ -1,5 +1,9 @@
 !> A pair of boundary sets that face each other: their surfaces, their segments, and the corners of the slave that carry
 !> multipliers.
+!>
+!> The nodes and sides that contact sets and ties have, so that later ones leave them alone, are kept as the node that
+!> follows each node on the sides of such a set; a node of which no side that follows it is taken, as the last one of a
+!> line, is followed by itself, and one that no set has by 0.
 module amontons_mortar_pair
    use amontons_boundary, only: boundary_line_t, new_boundary_line
    use amontons_constraints, only: constraints_t
@@ -7,16 +11,16 @@ module amontons_mortar_pair
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_listing_text, only: place_text, short_text
-   use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
    use amontons_mortar_points, only: cell_pieces, corner_pieces, integrate_pieces, mortar_piece_t, mortar_points_t, &
       place_on
    use amontons_mortar_segments, only: find_segments, meet_side, mortar_segment_t
-   use amontons_surface, only: new_surface, surface_place_t, surface_t
+   use amontons_surface, only: meshed_body_t, new_surface, surface_place_t, surface_t
    implicit none (type, external)
    private
 
-   public :: covered_shares, integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
+   public :: integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair, take_facing_sides, &
+      take_line
 
    !> Points of the quadrature on a segment: exact for straight sides, and rounding is all that is left of the normals'
    !> curvature.
@@ -24,6 +28,8 @@ module amontons_mortar_pair
 
    !> The surfaces of a pair.
    type :: mortar_pair_t
+      character(:), allocatable :: set !! name of the slave's boundary set
+      character(:), allocatable :: against !! name of the master's boundary set
       character(:), allocatable :: label !! what it is called, SLAVE/MASTER
       type(boundary_line_t) :: line !! the slave's line
       type(surface_t) :: slave !! the surface that carries the multipliers
@@ -54,7 +60,6 @@ module amontons_mortar_pair
       real(dp) :: sliver_share = 0.0_dp !! what it faces, as a share of the side [-]
    contains
       procedure :: is_set => mortar_pair_is_set
-      procedure, private :: number_points => mortar_pair_number_points
    end type mortar_pair_t
 
 contains
@@ -67,39 +72,37 @@ contains
    end function mortar_pair_is_set
 
    !> Finds where two boundary sets face each other.
-   subroutine new_mortar_pair(pair, set, pairing, mesh, materials, constraints, follower, error)
+   subroutine new_mortar_pair(pair, set, pairing, body, follower, error)
       type(mortar_pair_t), intent(out) :: pair !! the pair
       character(*), intent(in) :: set !! name of the slave's boundary set
       type(pairing_t), intent(in) :: pairing !! the master, and how far gaps may reach
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, for the areas of the line
-      type(constraints_t), intent(in) :: constraints !! the supports
-      integer, intent(in) :: follower(:) !! which nodes earlier sets have, see `amontons_taken_sides` (nodes)
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      integer, intent(in) :: follower(:) !! which nodes earlier sets have, see `amontons_mortar_pair` (nodes)
       type(error_t), allocatable, intent(out) :: error
          !! a missing set, bodies that are joined, corners in the slave, sets that do not face each other, or normals
          !! that cross before they meet the master
       type(boundary_line_t) :: master_line
-      character(:), allocatable :: against
 
       pair%label = pairing%label(set)
-      against = pairing%against
-      if (set == against) then
+      pair%set = set
+      pair%against = pairing%against
+      if (set == pair%against) then
          call new_error(error, input_refused, "self contact of the set '"//set//"': split the set in two")
          return
       end if
-      call new_boundary_line(pair%line, mesh, set, error, materials)
+      call new_boundary_line(pair%line, body%mesh, set, error, body%materials)
       if (allocated(error)) return
-      call new_boundary_line(master_line, mesh, against, error)
+      call new_boundary_line(master_line, body%mesh, pair%against, error)
       if (allocated(error)) return
-      call check_joints(pair%line, master_line, set, against, mesh, error)
+      call check_joints(pair, master_line, body%mesh, error)
       if (allocated(error)) return
-      call new_surface(pair%slave, mesh, set, pair%line, materials, constraints, error)
+      call new_surface(pair%slave, body, set, pair%line, error)
       if (allocated(error)) return
-      call new_surface(pair%master, mesh, against, master_line, materials, constraints, error)
+      call new_surface(pair%master, body, pair%against, master_line, error)
       if (allocated(error)) return
       if (pair%slave%corner_node > 0) then
          call new_error(error, input_refused, "the set '"//set//"' has a corner of more than 40 degrees at "// &
-            place_text(mesh%coordinates(:, pair%slave%corner_node))//': make a set of each side of it')
+            place_text(body%mesh%coordinates(:, pair%slave%corner_node))//': make a set of each side of it')
          return
       end if
       pair%search = pairing%search
@@ -107,33 +110,32 @@ contains
       call find_segments(pair%segments, pair%slave, pair%master, pair%search)
       call drop_slivers(pair)
       if (size(pair%segments) == 0) then
-         call explain_distance(pair, set, against, error)
+         call explain_distance(pair, error)
          return
       end if
-      call check_rays(pair, set, against, error)
+      call check_rays(pair, error)
       if (allocated(error)) return
-      call pair%number_points(constraints, follower > 0, master_line, mesh%n_nodes, pairing%is_tied)
+      call number_points(pair, body%constraints, follower > 0, master_line, body%mesh%n_nodes, pairing%is_tied)
       call find_idle_sides(pair, follower)
-      call find_shear_givers(pair, pairing%is_tied)
    end subroutine new_mortar_pair
 
    !> Refuses bodies that are joined where they should meet; at an end of the slave they may be, as at a crack's tip.
-   pure subroutine check_joints(line, master_line, set, against, mesh, error)
-      type(boundary_line_t), intent(in) :: line !! the slave's line
+   pure subroutine check_joints(pair, master_line, mesh, error)
+      type(mortar_pair_t), intent(in) :: pair !! the pair, with the slave's line
       type(boundary_line_t), intent(in) :: master_line !! the master's line
-      character(*), intent(in) :: set !! name of the slave's set
-      character(*), intent(in) :: against !! name of the master's set
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(error_t), allocatable, intent(out) :: error !! they share a node that is no end
       integer :: i
 
-      do i = 1, line%n_nodes
-         if (all(master_line%node /= line%node(i))) cycle
-         if (line%next(i) == 0 .or. all(line%next /= i)) cycle
-         call new_error(error, input_refused, "'"//set//"' and '"//against//"' share nodes, as at "// &
-            place_text(mesh%coordinates(:, line%node(i)))//': these bodies are joined there')
-         return
-      end do
+      associate (line => pair%line)
+         do i = 1, line%n_nodes
+            if (all(master_line%node /= line%node(i))) cycle
+            if (line%next(i) == 0 .or. all(line%next /= i)) cycle
+            call new_error(error, input_refused, "'"//pair%set//"' and '"//pair%against//"' share nodes, as at "// &
+               place_text(mesh%coordinates(:, line%node(i)))//': these bodies are joined there')
+            return
+         end do
+      end associate
    end subroutine check_joints
 
    !> Leaves out sides of the slave that face next to nothing.
@@ -151,10 +153,8 @@ contains
    !> Refuses a slave whose normals cross before they meet the master, as those of a hollow do beyond its center of
    !> curvature: several places would then be opposite one and the same. Feet on the master go along with the slave
    !> where no normals have crossed.
-   pure subroutine check_rays(pair, set, against, error)
+   pure subroutine check_rays(pair, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair, with its segments
-      character(*), intent(in) :: set !! name of the slave's set
-      character(*), intent(in) :: against !! name of the master's set
       type(error_t), allocatable, intent(out) :: error !! they do
       ! What rounding leaves of a way of 0, over that on the slave.
       real(dp), parameter :: rounding = 1.0e-6_dp
@@ -172,8 +172,8 @@ contains
             end do
             way = place(2)%position - place(1)%position
             if (dot_product(feet(:, 2) - feet(:, 1), way) > -rounding*sum(way**2)) cycle
-            call new_error(error, input_refused, "normals of '"//set//"' cross before they meet '"//against// &
-               "', as at "//place_text(place(1)%position)// &
+            call new_error(error, input_refused, "normals of '"//pair%set//"' cross before they meet '"// &
+               pair%against//"', as at "//place_text(place(1)%position)// &
                ': the gap is larger than the radius of the hollow; exchange the sets, or give a smaller search')
             return
          end associate
@@ -181,10 +181,8 @@ contains
    end subroutine check_rays
 
    !> Says why two sets do not face each other.
-   pure subroutine explain_distance(pair, set, against, error)
+   pure subroutine explain_distance(pair, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair, without segments
-      character(*), intent(in) :: set !! name of the slave's set
-      character(*), intent(in) :: against !! name of the master's set
       type(error_t), allocatable, intent(out) :: error !! the reason
       real(dp) :: distance, least
       integer :: i, k, j, l, at(2)
@@ -202,19 +200,22 @@ contains
             end do
          end do
       end do
-      if (dot_product(pair%slave%normal(:, 3, at(1)), pair%master%normal(:, 3, at(2))) > 0.0_dp) then
-         call new_error(error, input_refused, "the normals of '"//set//"' point away from '"//against// &
-            "', or those of '"//against//"' away from '"//set//"': both sets face the same way")
-      else
-         call new_error(error, input_refused, "the sets '"//set//"' and '"//against//"' do not face each other: no "// &
-            "normal of '"//set//"' meets '"//against//"' within search = "//short_text(pair%search)// &
-            '; the smallest distance is '//short_text(least))
-      end if
+      associate (set => pair%set, against => pair%against)
+         if (dot_product(pair%slave%normal(:, 3, at(1)), pair%master%normal(:, 3, at(2))) > 0.0_dp) then
+            call new_error(error, input_refused, "the normals of '"//set//"' point away from '"//against// &
+               "', or those of '"//against//"' away from '"//set//"': both sets face the same way")
+         else
+            call new_error(error, input_refused, "the sets '"//set//"' and '"//against//"' do not face each other: "// &
+               "no normal of '"//set//"' meets '"//against//"' within search = "//short_text(pair%search)// &
+               '; the smallest distance is '//short_text(least))
+         end if
+      end associate
    end subroutine explain_distance
 
-   !> Chooses the corners that are points.
-   pure subroutine mortar_pair_number_points(self, constraints, is_taken, master_line, n_nodes, is_tied)
-      class(mortar_pair_t), intent(inout) :: self !! the pair, with its segments
+   !> Chooses the corners that are points: of those that face the master each that supports leave a motion which the
+   !> multipliers act on.
+   pure subroutine number_points(pair, constraints, is_taken, master_line, n_nodes, is_tied)
+      type(mortar_pair_t), intent(inout) :: pair !! the pair, with its segments
       type(constraints_t), intent(in) :: constraints !! the supports
       logical, intent(in) :: is_taken(:) !! whether a node carries multipliers of an earlier set (nodes)
       type(boundary_line_t), intent(in) :: master_line !! the master's line
@@ -227,33 +228,34 @@ contains
 
       is_corner = .false.
       faces = .false.
-      do i = 1, self%slave%n_sides
-         is_corner(self%slave%side(:2, i)) = .true.
-         normal(:, self%slave%side(:2, i)) = self%slave%normal(:, :2, i)
+      do i = 1, pair%slave%n_sides
+         is_corner(pair%slave%side(:2, i)) = .true.
+         normal(:, pair%slave%side(:2, i)) = pair%slave%normal(:, :2, i)
       end do
-      do i = 1, size(self%segments)
-         faces(self%slave%side(:2, self%segments(i)%slave)) = .true.
+      do i = 1, size(pair%segments)
+         faces(pair%slave%side(:2, pair%segments(i)%slave)) = .true.
       end do
-      self%open_node = pack(self%line%node, is_corner(self%line%node) .and. .not. faces(self%line%node))
-      allocate (self%held_node(0), self%shared_node(0), self%joined_node(0), self%node(0), self%is_tangent_fixed(0))
-      facing = pack(self%line%node, faces(self%line%node))
+      pair%open_node = pack(pair%line%node, is_corner(pair%line%node) .and. .not. faces(pair%line%node))
+      allocate (pair%held_node(0), pair%shared_node(0), pair%joined_node(0), pair%node(0), pair%is_tangent_fixed(0))
+      facing = pack(pair%line%node, faces(pair%line%node))
       do i = 1, size(facing)
          associate (node => facing(i))
             if (is_taken(node)) then
-               self%shared_node = [self%shared_node, node]
+               pair%shared_node = [pair%shared_node, node]
             else if (any(master_line%node == node)) then
-               self%joined_node = [self%joined_node, node]
-            else if (.not. may_move(constraints, node, normal(:, node), is_tied)) then
-               self%held_node = [self%held_node, node]
+               pair%joined_node = [pair%joined_node, node]
+            else if (.not. merge(any(constraints%is_free(:, node)), &
+               constraints%leaves_free(node, normal(:, node)), is_tied)) then
+               pair%held_node = [pair%held_node, node]
             else
-               self%node = [self%node, node]
-               self%is_tangent_fixed = [self%is_tangent_fixed, .not. all(constraints%is_free(:, node))]
+               pair%node = [pair%node, node]
+               pair%is_tangent_fixed = [pair%is_tangent_fixed, .not. all(constraints%is_free(:, node))]
             end if
          end associate
       end do
-      self%normal = normal(:, self%node)
-      call link_points(self, n_nodes)
-   end subroutine mortar_pair_number_points
+      pair%normal = normal(:, pair%node)
+      call link_points(pair, n_nodes, is_tied)
+   end subroutine number_points
 
    !> The share of each side of the slave that faces the master (sides) [-].
    pure function covered_shares(pair) result(share)
@@ -272,7 +274,7 @@ contains
    !> Finds the sides that transmit nothing although no support holds them.
    pure subroutine find_idle_sides(pair, follower)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
-      integer, intent(in) :: follower(:) !! which nodes earlier sets have, see `amontons_taken_sides` (nodes)
+      integer, intent(in) :: follower(:) !! which nodes earlier sets have, see `amontons_mortar_pair` (nodes)
       logical :: is_idle(pair%slave%n_sides)
       integer :: i, k
 
@@ -289,32 +291,12 @@ contains
       pair%idle_side = pair%slave%corner(:, 3, pack([(i, i=1, size(is_idle))], is_idle))
    end subroutine find_idle_sides
 
-   !> Notes the guided points whose shear is that of their neighbors: all of a tie, else those that are not of symmetry.
-   pure subroutine find_shear_givers(pair, is_tied)
-      type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
-      logical, intent(in) :: is_tied !! whether the surfaces are bonded
-      integer :: i
-
-      pair%gives_shear = pair%is_tangent_fixed .and. [(is_tied .or. all(pair%slave%mirrored_node /= pair%node(i)), &
-         i=1, size(pair%node))]
-   end subroutine find_shear_givers
-
-   !> Whether supports leave a corner a motion that the multipliers of a pair act on.
-   pure logical function may_move(constraints, node, normal, is_tied)
-      type(constraints_t), intent(in) :: constraints !! the supports
-      integer, intent(in) :: node !! the corner
-      real(dp), intent(in) :: normal(2) !! its normal [-]
-      logical, intent(in) :: is_tied !! whether the surfaces are bonded
-
-      may_move = constraints%leaves_free(node, normal)
-      if (is_tied) may_move = any(constraints%is_free(:, node))
-   end function may_move
-
-   !> Notes which corners of the sides are points, which point follows each, and how much of the side between them faces
-   !> the master.
-   pure subroutine link_points(pair, n_nodes)
+   !> Notes which corners of the sides are points, which point follows each, how much of the side between them faces the
+   !> master, and the shear of which guided points is that of their neighbors.
+   pure subroutine link_points(pair, n_nodes, is_tied)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
       integer, intent(in) :: n_nodes !! number of nodes of the mesh
+      logical, intent(in) :: is_tied !! whether the surfaces are bonded: all guided points then give their shear
       real(dp) :: share(pair%slave%n_sides)
       integer :: point(n_nodes), i
 
@@ -331,6 +313,8 @@ contains
       do i = 1, pair%slave%n_sides
          if (pair%point_of(1, i) > 0) pair%covered_share(pair%point_of(1, i)) = share(i)
       end do
+      pair%gives_shear = pair%is_tangent_fixed .and. [(is_tied .or. all(pair%slave%mirrored_node /= pair%node(i)), &
+         i=1, size(pair%node))]
    end subroutine link_points
 
    !> Integrates over the points of a pair.
@@ -349,5 +333,50 @@ contains
       call integrate_pieces(points, pieces, size(pair%normal, 2), pair%slave, pair%master, n_points)
       call points%set_normals(pair%normal)
    end subroutine integrate_pair
+
+   !> Takes a line.
+   pure subroutine take_line(follower, line)
+      integer, intent(inout) :: follower(:) !! the node that follows each node; gains those of the line (nodes)
+      type(boundary_line_t), intent(in) :: line !! the line of a set
+      integer :: i
+
+      do i = 1, line%n_nodes
+         if (line%next(i) > 0) call take_side(follower, line%node([i, line%next(i)]), is_whole=.true.)
+      end do
+   end subroutine take_line
+
+   !> Takes the nodes of the sides of a slave that face its master, and the sides, but for those that the master covers
+   !> in part: what is left of them is another set's.
+   pure subroutine take_facing_sides(follower, pair)
+      integer, intent(inout) :: follower(:) !! the node that follows each node; gains those of the pair (nodes)
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      ! What rounding leaves of a side.
+      real(dp), parameter :: rounding = 1.0e-6_dp
+      real(dp) :: share(pair%slave%n_sides)
+      integer :: i
+
+      share = covered_shares(pair)
+      do i = 1, pair%slave%n_sides
+         if (.not. share(i) > 0.0_dp) cycle
+         associate (nodes => pair%slave%side(:3, i), is_whole => share(i) >= 1.0_dp - rounding)
+            if (nodes(3) > 0) then
+               call take_side(follower, nodes([1, 3]), is_whole)
+               call take_side(follower, nodes([3, 2]), is_whole)
+            else
+               call take_side(follower, nodes(:2), is_whole)
+            end if
+         end associate
+      end do
+   end subroutine take_facing_sides
+
+   !> Takes two nodes that follow each other.
+   pure subroutine take_side(follower, nodes, is_whole)
+      integer, intent(inout) :: follower(:) !! the node that follows each node (nodes)
+      integer, intent(in) :: nodes(2) !! the nodes, in the order of the line
+      logical, intent(in) :: is_whole !! whether the set has all between them
+
+      where (follower(nodes) == 0) follower(nodes) = nodes
+      if (is_whole) follower(nodes(1)) = nodes(2)
+   end subroutine take_side
 
 end module amontons_mortar_pair

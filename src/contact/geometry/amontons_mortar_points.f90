@@ -225,7 +225,10 @@ contains
             if (p > 0) n_pieces(p) = n_pieces(p) + 1
          end do
       end do
-      call allocate_points(points, n_pieces, n_points)
+      allocate (points%area(n), points%shear_area(n), points%length(n), points%center(2, n), points%foot(2, n), &
+         points%outward(2, n), source=0.0_dp)
+      call points%rows%begin(n_piece_nodes*n_pieces)
+      call points%quadrature%begin(n_points*n_pieces)
       rule = gauss_rule(n_points)
       hat_area = 0.0_dp
       filled = 0
@@ -251,31 +254,6 @@ contains
       end do
       call points%rows%merge_nodes()
    end subroutine integrate_pieces
-
-   !> Makes room for the points.
-   pure subroutine allocate_points(points, n_pieces, n_points)
-      type(mortar_points_t), intent(inout) :: points !! the points
-      integer, intent(in) :: n_pieces(:) !! number of pieces of each point
-      integer, intent(in) :: n_points !! number of points of the quadrature
-      integer :: i, n
-
-      n = size(n_pieces)
-      allocate (points%area(n), points%shear_area(n), points%length(n), points%center(2, n), points%foot(2, n), &
-         points%outward(2, n), source=0.0_dp)
-      associate (rows => points%rows, quadrature => points%quadrature)
-         allocate (rows%start(n + 1), quadrature%start(n + 1), source=1)
-         do i = 1, n
-            rows%start(i + 1) = rows%start(i) + n_piece_nodes*n_pieces(i)
-            quadrature%start(i + 1) = quadrature%start(i) + n_points*n_pieces(i)
-         end do
-         n = rows%start(n + 1) - 1
-         allocate (rows%node(n), source=0)
-         allocate (rows%part(2, n), source=0.0_dp)
-         n = quadrature%start(size(quadrature%start)) - 1
-         allocate (quadrature%position(2, n), quadrature%normal(2, n), quadrature%outward(n), &
-            quadrature%arc_length(n), quadrature%share(n), quadrature%gap(n), source=0.0_dp)
-      end associate
-   end subroutine allocate_points
 
    !> Adds the integrals over a piece to those of one of its points.
    pure subroutine add_piece(points, hat_area, piece, k, n_before, slave, master, rule)
@@ -352,7 +330,7 @@ contains
       integer :: p, i
 
       self%normal = normal
-      allocate (self%rows%tangent(2, size(self%rows%node)))
+      self%rows%tangent = self%rows%part
       do p = 1, size(self%area)
          do i = self%rows%start(p), self%rows%start(p + 1) - 1
             self%rows%tangent(:, i) = self%rows%part(2, i)*turned(normal(:, p))

@@ -22,10 +22,8 @@ contains
    !> Refuses a side of the slave that has no multiplier at either end and faces a part of the master that may move
    !> along the normal, or, where shear may act, the same along the tangent: nothing would be transmitted there. Where
    !> earlier sets have both ends the side is taken to be theirs, unless that leaves no point.
-   pure subroutine check_ends(pair, set, against, remedy, needs_shear, constraints, error)
+   pure subroutine check_ends(pair, remedy, needs_shear, constraints, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair, its points corners
-      character(*), intent(in) :: set !! name of the slave's set
-      character(*), intent(in) :: against !! name of the master's set
       character(*), intent(in) :: remedy !! what to do where supports hold the slave
       logical, intent(in) :: needs_shear !! whether shear may act: friction, or bonded surfaces
       type(constraints_t), intent(in) :: constraints !! the supports
@@ -55,38 +53,35 @@ contains
                if (.not. (all(lacks(:, k)) .and. any(is_held(:, k)))) cycle
                if (.not. (constraints%leaves_free(facing(1), axes(:, k)) .or. &
                   constraints%leaves_free(facing(2), axes(:, k)))) cycle
-               call new_error(error, input_refused, held_slave_text(set, against, &
+               call new_error(error, input_refused, held_slave_text(pair, &
                   pair%slave%corner(:, 3, pair%segments(i)%slave), merge('force', 'shear', &
                   abs(dot_product(axes(:, k), pair%slave%normal(:, 3, pair%segments(i)%slave))) > aslant), remedy))
                return
             end do
          end associate
       end do
-      if (size(pair%node) == 0) call new_error(error, input_refused, "no node of '"//set//"' that faces '"// &
-         against//"' is left: supports hold them, or they belong to earlier sets")
+      if (size(pair%node) == 0) call new_error(error, input_refused, "no node of '"//pair%set//"' that faces '"// &
+         pair%against//"' is left: supports hold them, or they belong to earlier sets")
    end subroutine check_ends
 
    !> Says that a part of a slave has no displacements left that contact forces could act on.
-   pure function held_slave_text(set, against, position, what, remedy) result(text)
-      character(*), intent(in) :: set !! name of the slave's set
-      character(*), intent(in) :: against !! name of the master's set
+   pure function held_slave_text(pair, position, what, remedy) result(text)
+      type(mortar_pair_t), intent(in) :: pair !! the pair
       real(dp), intent(in) :: position(2) !! where the part is [L]
       character(*), intent(in) :: what !! what cannot act: force or shear
       character(*), intent(in) :: remedy !! what to do about it
       character(:), allocatable :: text
 
-      text = "supports hold the slave '"//set//"' at "//place_text(position)//': no '//what// &
-         " could act between it and '"//against//"' there; "//remedy
+      text = "supports hold the slave '"//pair%set//"' at "//place_text(position)//': no '//what// &
+         " could act between it and '"//pair%against//"' there; "//remedy
    end function held_slave_text
 
    !> Refuses meshes that overlap by more than half of a side, or by more than one of the bodies is thick there: what
    !> lies beyond a thin wall was not pressed into it.
-   pure subroutine check_overlap(pair, points, mesh, set, against, error)
+   pure subroutine check_overlap(pair, points, mesh, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       type(mortar_points_t), intent(in) :: points !! its integrals
       type(mesh_t), intent(in) :: mesh !! the mesh of both
-      character(*), intent(in) :: set !! name of the slave's set
-      character(*), intent(in) :: against !! name of the master's set
       type(error_t), allocatable, intent(out) :: error !! they do
       ! What the digits of mesh files leave of a gap of 0, over the longest side.
       real(dp), parameter :: rounding = 1.0e-6_dp
@@ -100,7 +95,7 @@ contains
       if (q == 0) return
       associate (depth => -points%quadrature%gap(q), position => points%quadrature%position(:, q))
          if (depth <= rounding*pair%slave%longest) return
-         overlap = "'"//set//"' and '"//against//"' overlap by up to "//short_text(depth)// &
+         overlap = "'"//pair%set//"' and '"//pair%against//"' overlap by up to "//short_text(depth)// &
             ' before any load (side at '//place_text(position)//'), '
          if (depth > 0.5_dp*pair%slave%longest) then
             call new_error(error, input_refused, overlap//'more than half a side: give extra_gap for an '// &

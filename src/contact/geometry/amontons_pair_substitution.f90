@@ -46,69 +46,56 @@ contains
       integer, allocatable :: sum_of(:)
       integer :: i, fault
 
-      allocate (sums(0))
+      ! Each corner that is a point has a sum, and each middle node.
+      allocate (sums(sum([(n_sums(ties(i)), i=1, size(ties))]) + sum([(n_sums(pairs(i)), i=1, size(pairs))])))
       allocate (sum_of(size(coordinates, 2)), source=0)
       allocate (substitution%is_bonded(size(sum_of)), source=.false.)
       fault = 0
       do i = 1, size(ties)
          substitution%is_bonded(ties(i)%node) = .true.
-         if (fault == 0) call add_pair(sums, sum_of, ties(i), .true., constraints, fault)
+         call add_pair(sums, sum_of, ties(i), .true., constraints, fault)
       end do
       do i = 1, size(pairs)
          if (.not. pairs(i)%is_set() .or. allocated(pairs(i)%cells)) cycle
-         if (fault == 0) call add_pair(sums, sum_of, pairs(i), .false., constraints, fault)
+         call add_pair(sums, sum_of, pairs(i), .false., constraints, fault)
       end do
       if (fault > 0) then
          call new_error(error, input_refused, 'a support holds the middle node at '// &
             place_text(coordinates(:, fault))//' of a slave otherwise than the corners beside it: hold these, too')
          return
       end if
-      call resolve_sums(sums, sum_of, fault)
+      do i = 1, size(sum_of)
+         if (sum_of(i) > 0 .and. fault == 0) call resolve(sums, sum_of, i, fault)
+      end do
       if (fault > 0) then
          call new_error(error, input_refused, 'the node at '//place_text(coordinates(:, fault))// &
             ' is slave and master in a ring of pairs: exchange set and against of one')
          return
       end if
-      if (size(sums) > 0) call pack_sums(substitution, sums, sum_of)
+      if (any(sum_of > 0)) call pack_sums(substitution, sums, sum_of)
    end subroutine new_pair_substitution
 
-   !> Resolves the sums of all nodes.
-   subroutine resolve_sums(sums, sum_of, fault)
-      type(sum_t), intent(inout) :: sums(:) !! the sums
-      integer, intent(in) :: sum_of(:) !! the sum of each node, 0 for none
-      integer, intent(out) :: fault !! a node in a ring of pairs, 0 for none
-      integer :: i
+   !> How many sums a pair may have.
+   pure integer function n_sums(pair)
+      type(mortar_pair_t), intent(in) :: pair !! the pair, or none
 
-      fault = 0
-      do i = 1, size(sum_of)
-         if (sum_of(i) > 0 .and. fault == 0) call resolve(sums, sum_of, i, fault)
-      end do
-   end subroutine resolve_sums
+      n_sums = 0
+      if (pair%is_set()) n_sums = size(pair%node) + pair%slave%n_sides
+   end function n_sums
 
-   !> Adds the displacements of the slave's nodes of a pair.
+   !> Adds the displacements of the middle nodes beside points, their own unknowns and the mean of the corners, and then
+   !> those of the corners.
    subroutine add_pair(sums, sum_of, pair, is_tied, constraints, fault)
-      type(sum_t), allocatable, intent(inout) :: sums(:) !! the sums so far
+      type(sum_t), intent(inout) :: sums(:) !! the sums so far
       integer, intent(inout) :: sum_of(:) !! the sum of each node, 0 for none
       type(mortar_pair_t), intent(in) :: pair !! the pair
       logical, intent(in) :: is_tied !! whether it is bonded
       type(constraints_t), intent(in) :: constraints !! the supports
-      integer, intent(out) :: fault !! a middle node that is held otherwise than the corners beside it, 0 for none
-
-      call add_middles(sums, sum_of, pair, constraints, fault)
-      if (fault == 0) call add_corners(sums, sum_of, pair, is_tied, constraints)
-   end subroutine add_pair
-
-   !> Adds the displacements of the middle nodes beside points: their own unknowns and the mean of the corners.
-   subroutine add_middles(sums, sum_of, pair, constraints, fault)
-      type(sum_t), allocatable, intent(inout) :: sums(:) !! the sums so far
-      integer, intent(inout) :: sum_of(:) !! the sum of each node, 0 for none
-      type(mortar_pair_t), intent(in) :: pair !! the pair
-      type(constraints_t), intent(in) :: constraints !! the supports
-      integer, intent(out) :: fault !! a middle node that is held otherwise than the corners beside it, 0 for none
+      integer, intent(inout) :: fault !! a middle node that is held otherwise than the corners beside it, 0 for none
       real(dp) :: half(2, 2)
       integer :: side, k
 
-      fault = 0
+      if (fault > 0) return
       do side = 1, pair%slave%n_sides
          associate (nodes => pair%slave%side(:3, side))
             if (nodes(3) == 0 .or. all(pair%point_of(:, side) == 0)) cycle
@@ -119,7 +106,7 @@ contains
                   .not. all(constraints%is_free(:, nodes(3)))) fault = nodes(3)
             end do
             if (sum_of(nodes(3)) > 0) cycle
-            call new_sum(sums, sum_of, nodes(3))
+            sum_of(nodes(3)) = maxval(sum_of) + 1
             associate (middle => sums(sum_of(nodes(3))))
                call middle%add(nodes(3), identity, .true.)
                call middle%add(nodes(1), half, .false.)
@@ -127,11 +114,12 @@ contains
             end associate
          end associate
       end do
-   end subroutine add_middles
+      if (fault == 0) call add_corners(sums, sum_of, pair, is_tied, constraints)
+   end subroutine add_pair
 
    !> Adds the displacements of the corners that are points.
    subroutine add_corners(sums, sum_of, pair, is_tied, constraints)
-      type(sum_t), allocatable, intent(inout) :: sums(:) !! the sums so far
+      type(sum_t), intent(inout) :: sums(:) !! the sums so far
       integer, intent(inout) :: sum_of(:) !! the sum of each node, 0 for none
       type(mortar_pair_t), intent(in) :: pair !! the pair
       logical, intent(in) :: is_tied !! whether it is bonded, so that w = 0
@@ -147,7 +135,7 @@ contains
          ends(:, pair%slave%side(3, i)) = pair%slave%side(:2, i)
       end do
       do i = 1, size(pair%node)
-         call new_sum(sums, sum_of, pair%node(i))
+         sum_of(pair%node(i)) = maxval(sum_of) + 1
          call solve_row(sums(sum_of(pair%node(i))), points, i, pair, ends, is_tied, constraints)
       end do
    end subroutine add_corners
@@ -240,23 +228,6 @@ contains
       axis = merge(frame(:, 1), frame(:, 2), constraints%is_free(1, node))
       along = spread(axis, 2, 2)*spread(normal, 1, 2)/dot_product(axis, normal)
    end function solution_axis
-
-   !> Adds an empty sum for a node.
-   pure subroutine new_sum(sums, sum_of, node)
-      type(sum_t), allocatable, intent(inout) :: sums(:) !! the sums
-      integer, intent(inout) :: sum_of(:) !! the sum of each node, 0 for none
-      integer, intent(in) :: node !! the node
-      type(sum_t), allocatable :: longer(:)
-      integer :: n
-
-      n = maxval(sum_of)
-      if (n == size(sums)) then
-         allocate (longer(max(16, 2*n)))
-         longer(:n) = sums(:n)
-         call move_alloc(longer, sums)
-      end if
-      sum_of(node) = n + 1
-   end subroutine new_sum
 
    !> Adds a term to a sum, each node once.
    pure subroutine sum_add(self, node, block, is_own)

@@ -15,7 +15,14 @@ module amontons_surface
    implicit none (type, external)
    private
 
-   public :: cross_product, new_surface, side_order, surface_place_t, surface_t
+   public :: cross_product, meshed_body_t, new_surface, side_order, surface_place_t, surface_t
+
+   !> A mesh with its materials and supports.
+   type :: meshed_body_t
+      type(mesh_t) :: mesh !! the mesh
+      type(materials_t) :: materials !! the materials of the elements
+      type(constraints_t) :: constraints !! the supports
+   end type meshed_body_t
 
    !> The sides of a boundary set, in the order of its line.
    type :: surface_t
@@ -71,32 +78,30 @@ contains
    end function side_order
 
    !> Makes the surface of a boundary set.
-   pure subroutine new_surface(surface, mesh, set, line, materials, constraints, error)
+   pure subroutine new_surface(surface, body, set, line, error)
       type(surface_t), intent(out) :: surface !! the surface
-      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       character(*), intent(in) :: set !! name of the boundary set
       type(boundary_line_t), intent(in) :: line !! its line
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
-      type(constraints_t), intent(in) :: constraints !! the supports
       type(error_t), allocatable, intent(out) :: error !! there is no such set
       real(dp), parameter :: xi(3) = [-1.0_dp, 1.0_dp, 0.0_dp]
       type(surface_place_t) :: place
       real(dp) :: begin
       integer :: i, k
 
-      call mesh%set_sides(set, surface%side, error)
+      call body%mesh%set_sides(set, surface%side, error)
       if (allocated(error)) return
-      surface%side = surface%side(:, side_order(surface%side, line, mesh%n_nodes))
+      surface%side = surface%side(:, side_order(surface%side, line, body%mesh%n_nodes))
       surface%n_sides = size(surface%side, 2)
-      surface%material = materials%list(materials%of_element(surface%side(4, :)))
+      surface%material = body%materials%list(body%materials%of_element(surface%side(4, :)))
       allocate (surface%corner(2, 3, surface%n_sides), surface%normal(2, 3, surface%n_sides), &
          surface%arc_length(surface%n_sides))
       begin = 0.0_dp
       do i = 1, surface%n_sides
          associate (corner => surface%corner(:, :, i), nodes => surface%side(:3, i))
-            corner(:, :2) = mesh%coordinates(:, nodes(:2))
+            corner(:, :2) = body%mesh%coordinates(:, nodes(:2))
             corner(:, 3) = 0.5_dp*(corner(:, 1) + corner(:, 2))
-            if (nodes(3) > 0) corner(:, 3) = mesh%coordinates(:, nodes(3))
+            if (nodes(3) > 0) corner(:, 3) = body%mesh%coordinates(:, nodes(3))
             surface%arc_length(i) = begin
             begin = begin + norm2(corner(:, 2) - corner(:, 1))
             surface%longest = max(surface%longest, norm2(corner(:, 2) - corner(:, 1)))
@@ -107,8 +112,8 @@ contains
             surface%normal(:, k, i) = place%outward()
          end do
       end do
-      call average_normals(surface, mesh%n_nodes)
-      call mirror_ends(surface, mesh, constraints)
+      call average_normals(surface, body%mesh%n_nodes)
+      call mirror_ends(surface, body)
    end subroutine new_surface
 
    !> Gives nodes between two sides the mean of their normals, unless these differ too much.
@@ -136,10 +141,9 @@ contains
    end subroutine average_normals
 
    !> Takes from the normals at both ends what a plane of symmetry cancels.
-   pure subroutine mirror_ends(surface, mesh, constraints)
+   pure subroutine mirror_ends(surface, body)
       type(surface_t), intent(inout) :: surface !! the surface
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(constraints_t), intent(in) :: constraints !! the supports
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       ! A direction at less than 60 degrees to the normal is held against the contact, not by symmetry.
       real(dp), parameter :: most = 0.5_dp
       logical :: is_free(2)
@@ -151,12 +155,13 @@ contains
          do k = 1, 2
             associate (node => surface%side(k, i), normal => surface%normal(:, k, i))
                if (any(surface%side(3 - k, :) == node)) cycle
-               frame = constraints%frame(node)
-               is_free = constraints%is_free(:, node)
+               frame = body%constraints%frame(node)
+               is_free = body%constraints%is_free(:, node)
                if (is_free(1) .neqv. is_free(2)) then
                   held = merge(frame(:, 1), frame(:, 2), is_free(2))
-                  if (.not. is_on_mirror(mesh, constraints, node, held)) cycle
-               else if (surface%material(i)%is_axisymmetric .and. .not. abs(mesh%coordinates(1, node)) > 0.0_dp) then
+                  if (.not. is_on_mirror(body, node, held)) cycle
+               else if (surface%material(i)%is_axisymmetric &
+                  .and. .not. abs(body%mesh%coordinates(1, node)) > 0.0_dp) then
                   held = [1.0_dp, 0.0_dp]
                else
                   cycle
@@ -172,9 +177,8 @@ contains
 
    !> Whether a node that is held along a direction lies on a plane of symmetry: a node beside it lies there, too, and
    !> is held likewise.
-   pure logical function is_on_mirror(mesh, constraints, node, held)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(constraints_t), intent(in) :: constraints !! the supports
+   pure logical function is_on_mirror(body, node, held)
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       integer, intent(in) :: node !! the node
       real(dp), intent(in) :: held(2) !! the direction, a unit vector [-]
       ! What the digits of mesh files leave of a right angle.
@@ -183,12 +187,12 @@ contains
       integer :: element, i
 
       is_on_mirror = .true.
-      do element = 1, mesh%n_elements
-         associate (nodes => mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1))
+      do element = 1, body%mesh%n_elements
+         associate (nodes => body%mesh%node(body%mesh%node_start(element):body%mesh%node_start(element + 1) - 1))
             if (all(nodes /= node)) cycle
             do i = 1, size(nodes)
-               if (nodes(i) == node .or. constraints%leaves_free(nodes(i), held)) cycle
-               way = mesh%coordinates(:, nodes(i)) - mesh%coordinates(:, node)
+               if (nodes(i) == node .or. body%constraints%leaves_free(nodes(i), held)) cycle
+               way = body%mesh%coordinates(:, nodes(i)) - body%mesh%coordinates(:, node)
                if (abs(dot_product(way, held)) <= rounding*norm2(way)) return
             end do
          end associate

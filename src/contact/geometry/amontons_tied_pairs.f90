@@ -4,11 +4,9 @@ module amontons_tied_pairs
    use amontons_contact_set, only: pairing_t, tie_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_material, only: materials_t
-   use amontons_mesh, only: mesh_t
-   use amontons_mortar_pair, only: mortar_pair_t, new_mortar_pair
+   use amontons_mortar_pair, only: mortar_pair_t, new_mortar_pair, take_facing_sides
    use amontons_pair_refusals, only: check_ends
-   use amontons_taken_sides, only: take_facing_sides
+   use amontons_surface, only: meshed_body_t
    implicit none (type, external)
    private
 
@@ -17,14 +15,12 @@ module amontons_tied_pairs
 contains
 
    !> Finds where the bonded boundary sets face each other.
-   subroutine new_tied_pairs(pairs, follower, ties, mesh, materials, constraints, error)
+   subroutine new_tied_pairs(pairs, follower, ties, body, error)
       type(mortar_pair_t), allocatable, intent(out) :: pairs(:) !! the pair of each tie
       integer, intent(inout) :: follower(:)
-         !! the nodes of slaves, see `amontons_taken_sides`; gains those of the ties (nodes)
+         !! the nodes of slaves, see `amontons_mortar_pair`; gains those of the ties (nodes)
       type(tie_t), intent(in) :: ties(:) !! the ties
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
-      type(constraints_t), intent(in) :: constraints !! the supports
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(error_t), allocatable, intent(out) :: error !! as of `new_mortar_pair`
       type(pairing_t) :: pairing
       integer :: i
@@ -34,10 +30,10 @@ contains
       do i = 1, size(ties)
          pairing%against = ties(i)%to
          pairing%search = ties(i)%search
-         call new_mortar_pair(pairs(i), ties(i)%set, pairing, mesh, materials, constraints, follower, error)
-         if (.not. allocated(error)) call follow_guides(pairs(i), constraints)
-         if (.not. allocated(error)) call check_ends(pairs(i), ties(i)%set, ties(i)%to, &
-            'exchange set and to', .true., constraints, error)
+         call new_mortar_pair(pairs(i), ties(i)%set, pairing, body, follower, error)
+         if (.not. allocated(error)) call follow_guides(pairs(i), body%constraints)
+         if (.not. allocated(error)) call check_ends(pairs(i), 'exchange set and to', .true., &
+            body%constraints, error)
          if (allocated(error)) error%message = ties(i)%origin//error%message
          if (allocated(error)) return
          call take_facing_sides(follower, pairs(i))

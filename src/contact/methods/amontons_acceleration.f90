@@ -51,8 +51,9 @@ contains
       real(dp), intent(in) :: image(:) !! its image, and then what it carries (n)
       real(dp), intent(out) :: proposal(:) !! an image put together from those known (n)
       logical, intent(out) :: is_given !! whether there is a proposal
-      real(dp) :: difference(size(point), self%depth), normal(self%depth, self%depth), right(self%depth)
-      real(dp) :: norm(self%depth), least
+      real(dp) :: difference(size(point), self%depth)
+      real(dp) :: norm(self%depth)
+      real(dp), allocatable :: normal(:, :), right(:)
       logical :: is_soft
       integer :: i, n
 
@@ -65,31 +66,19 @@ contains
          difference(:, i) = self%step(:, i + 1) - self%step(:, i)
          norm(i) = norm2(difference(:, i))
       end do
-      least = tiny(1.0_dp)
-      if (any(norm(:n) <= least)) return
+      if (any(norm(:n) <= tiny(1.0_dp))) return
       ! Differences of equal length, so that the old and large ones do not drown the new ones.
-      normal(:n, :n) = matmul(transpose(difference(:, :n)), difference(:, :n))/ &
+      normal = matmul(transpose(difference(:, :n)), difference(:, :n))/ &
          (spread(norm(:n), 1, n)*spread(norm(:n), 2, n))
-      right(:n) = matmul(self%step(:, n + 1), difference(:, :n))/norm(:n)
-      call solve_small(normal(:n, :n), right(:n), is_soft)
+      right = matmul(self%step(:, n + 1), difference(:, :n))/norm(:n)
+      call cholesky_factor_softly(normal, spread(1.0_dp, 1, n), is_soft)
+      call cholesky_solve(normal, right)
       proposal = image
       do i = 1, n
          proposal = proposal - right(i)/norm(i)*(self%image(:, i + 1) - self%image(:, i))
       end do
       is_given = .true.
    end subroutine acceleration_extrapolate
-
-   !> Solves a small positive semidefinite system.
-   pure subroutine solve_small(matrix, right, is_soft)
-      real(dp), intent(in) :: matrix(:, :) !! the matrix, its diagonal 1 (n, n)
-      real(dp), intent(inout) :: right(:) !! right-hand side, and the solution (n)
-      logical, intent(out) :: is_soft !! whether it was as good as singular
-      real(dp) :: factor(size(right), size(right))
-
-      factor = matrix
-      call cholesky_factor_softly(factor, spread(1.0_dp, 1, size(right)), is_soft)
-      call cholesky_solve(factor, right)
-   end subroutine solve_small
 
    !> Keeps a step and its image, in the place of the oldest if there are enough.
    pure subroutine keep(self, step, image)

@@ -56,7 +56,7 @@ contains
       imbalance = 0.0_dp
       associate (band => problem%band, place => problem%band%place)
          call new_equations(equations, problem, active_set%slip_direction)
-         equations%is_known(place) = [active_set%is_closed, active_set%slip_direction == 0]
+         equations%is_known(place) = active_set%gives_force()
          equations%known(place) = merge(problem%reference(), 0.0_dp, equations%is_known(place))
          equations%stiffening(place) = regularization*band%diagonal
          equations%load(place) = equations%load(place) + regularization*band%diagonal*displacement
@@ -91,7 +91,7 @@ contains
       m = problem%n_points
       associate (place => problem%band%place)
          call new_equations(equations, problem, active_set%slip_direction)
-         equations%stiffening(place) = merge(springs, 0.0_dp, [active_set%is_closed, active_set%slip_direction == 0])
+         equations%stiffening(place) = merge(springs, 0.0_dp, active_set%gives_force())
          equations%load(place) = equations%load(place) + equations%stiffening(place)*problem%reference()
          equations%coupling = active_set%slip_direction*problem%friction*equations%stiffening(place(:m))
          equations%load(place(m + 1:)) = equations%load(place(m + 1:)) + equations%coupling*problem%gap

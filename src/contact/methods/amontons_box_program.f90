@@ -107,7 +107,7 @@ contains
          call effort%factorize(any(is_free))
          full = min(max(x + step, lower), upper)
          ! A Newton step that met no bound is exact on its face: if the face stays, this is the minimizer.
-         is_exact = is_newton .and. all(is_inside(full, lower, upper) .or. .not. is_free)
+         is_exact = is_newton .and. all(full > lower .and. full < upper .or. .not. is_free)
          was_free = is_free
          if (is_exact) then
             x = full
@@ -117,15 +117,6 @@ contains
          end if
       end do
    end subroutine projected_newton
-
-   !> Whether a component is off its bounds.
-   elemental logical function is_inside(x, lower, upper)
-      real(dp), intent(in) :: x !! the component
-      real(dp), intent(in) :: lower !! lower bound
-      real(dp), intent(in) :: upper !! upper bound
-
-      is_inside = x > lower .and. x < upper
-   end function is_inside
 
    !> Whether a component is off its bounds, or leaves its bound on the way down.
    elemental logical function may_move(x, gradient, lower, upper)
@@ -213,26 +204,24 @@ contains
       way%low = max(lower, -huge(1.0_dp)*min(1.0_dp, way%scale))/way%scale
       way%high = min(upper, huge(1.0_dp)*min(1.0_dp, way%scale))/way%scale
       way%y = min(max(x/way%scale, way%low), way%high)
-      way%gradient = product_of(a, rows, way%scale, way%y) - way%linear
-      way%n_products = 1
-      way%direction = free_part(way%y, way%gradient, way%low, way%high)
+      call refresh_gradient(a, rows, way)
+      way%direction = free_part(way)
       do step = 1, 1000 + 10*size(b)
          if (violation_of(way) <= accuracy) then
             ! The gradient at hand was carried from step to step: believe a fresh one only.
-            way%gradient = product_of(a, rows, way%scale, way%y) - way%linear
-            way%n_products = way%n_products + 1
+            call refresh_gradient(a, rows, way)
             if (violation_of(way) <= accuracy) exit
-            way%direction = free_part(way%y, way%gradient, way%low, way%high)
+            way%direction = free_part(way)
          end if
-         face = free_part(way%y, way%gradient, way%low, way%high)
-         chopped = chopped_part(way%y, way%gradient, way%low, way%high)
+         face = free_part(way)
+         chopped = chopped_part(way)
          if (dot_product(chopped, chopped) <= &
-            dot_product(reduced_part(way%y, face, way%low, way%high, way%norm), face)) then
+            dot_product(reduced_part(way, face), face)) then
             call take_step(a, rows, way, is_bounded)
          else
             way%direction = chopped
             call take_step(a, rows, way, is_bounded)
-            way%direction = free_part(way%y, way%gradient, way%low, way%high)
+            way%direction = free_part(way)
          end if
          if (.not. is_bounded) exit
       end do
@@ -247,10 +236,10 @@ contains
       integer, intent(in) :: rows(2) !! the first and the last of its rows in the program
       type(way_t), intent(inout) :: way !! program and point
       logical, intent(out) :: is_bounded !! false if the objective falls without end; the point then stays
-      real(dp) :: face(size(way%y)), length, room
+      real(dp) :: image(size(way%y)), length, room
 
-      way%image = product_of(a, rows, way%scale, way%direction)
-      way%n_products = way%n_products + 1
+      call multiply(a, rows, way, way%direction, image)
+      way%image = image
       way%curvature = dot_product(way%direction, way%image)
       way%norm = max(way%norm, norm2(way%image)/max(norm2(way%direction), tiny(1.0_dp)))
       length = huge(length)
@@ -258,14 +247,15 @@ contains
       if (way%curvature > 10.0_dp*epsilon(1.0_dp)*way%norm*dot_product(way%direction, way%direction)) then
          length = dot_product(way%gradient, way%direction)/way%curvature
       end if
-      room = least_room(way%y, way%direction, way%low, way%high)
+      room = least_room(way)
       is_bounded = min(length, room) < huge(length)
       if (.not. is_bounded) return
       way%y = min(max(way%y - min(length, room)*way%direction, way%low), way%high)
       way%gradient = way%gradient - min(length, room)*way%image
       if (length <= room) then
-         face = free_part(way%y, way%gradient, way%low, way%high)
-         way%direction = face - dot_product(face, way%image)/way%curvature*way%direction
+         associate (face => free_part(way))
+            way%direction = face - dot_product(face, way%image)/way%curvature*way%direction
+         end associate
       else
          call expand(a, rows, way)
       end if
@@ -280,33 +270,44 @@ contains
       real(dp), dimension(size(way%y)) :: face, old, old_gradient, move
       real(dp) :: used
 
-      face = free_part(way%y, way%gradient, way%low, way%high)
+      face = free_part(way)
       old = way%y
       old_gradient = way%gradient
       do
          used = way%norm
          way%y = min(max(old - face/used, way%low), way%high)
-         way%gradient = product_of(a, rows, way%scale, way%y) - way%linear
-         way%n_products = way%n_products + 1
+         call refresh_gradient(a, rows, way)
          move = way%y - old
          way%norm = max(way%norm, dot_product(move, way%gradient - old_gradient)/ &
             max(dot_product(move, move), tiny(1.0_dp)))
          if (.not. way%norm > 2.0_dp*used) exit
       end do
-      way%direction = free_part(way%y, way%gradient, way%low, way%high)
+      way%direction = free_part(way)
    end subroutine expand
 
-   !> The product of the matrix, scaled to a unit diagonal, with a vector (n).
-   pure function product_of(a, rows, scale, vector) result(product)
+   !> The product of the matrix, scaled to a unit diagonal, with a vector.
+   pure subroutine multiply(a, rows, way, vector, product)
       type(symmetric_matrix_t), intent(in) :: a !! the matrix
       integer, intent(in) :: rows(2) !! the first and the last of its rows in the program
-      real(dp), intent(in) :: scale(:) !! the scales (n)
+      type(way_t), intent(inout) :: way !! counts the product
       real(dp), intent(in) :: vector(:) !! the vector (n)
-      real(dp) :: product(size(vector))
+      real(dp), intent(out) :: product(:) !! the product (n)
 
-      call a%part_multiply(rows, rows, scale*vector, product)
-      product = scale*product
-   end function product_of
+      call a%part_multiply(rows, rows, way%scale*vector, product)
+      product = way%scale*product
+      way%n_products = way%n_products + 1
+   end subroutine multiply
+
+   !> Computes the gradient at the point at hand anew.
+   pure subroutine refresh_gradient(a, rows, way)
+      type(symmetric_matrix_t), intent(in) :: a !! the matrix
+      integer, intent(in) :: rows(2) !! the first and the last of its rows in the program
+      type(way_t), intent(inout) :: way !! program and point
+      real(dp) :: product(size(way%y))
+
+      call multiply(a, rows, way, way%y, product)
+      way%gradient = product - way%linear
+   end subroutine refresh_gradient
 
    !> The violation of the point at hand.
    pure real(dp) function violation_of(way)
@@ -327,56 +328,53 @@ contains
       if (size(y) > 0) violation = maxval(scale*abs(y - min(max(y - gradient, low), high)))
    end function box_violation
 
-   !> The gradient of the components off their bounds.
-   elemental real(dp) function free_part(y, gradient, low, high)
-      real(dp), intent(in) :: y !! the component
-      real(dp), intent(in) :: gradient !! derivative of the objective
-      real(dp), intent(in) :: low !! lower bound
-      real(dp), intent(in) :: high !! upper bound
+   !> The gradient of the components off their bounds (n).
+   pure function free_part(way) result(free)
+      type(way_t), intent(in) :: way !! program and point
+      real(dp) :: free(size(way%y))
 
-      free_part = merge(gradient, 0.0_dp, y > low .and. y < high)
+      free = merge(way%gradient, 0.0_dp, way%y > way%low .and. way%y < way%high)
    end function free_part
 
-   !> The gradient of the components that would leave their bound inwards.
-   elemental real(dp) function chopped_part(y, gradient, low, high)
-      real(dp), intent(in) :: y !! the component
-      real(dp), intent(in) :: gradient !! derivative of the objective
-      real(dp), intent(in) :: low !! lower bound
-      real(dp), intent(in) :: high !! upper bound
+   !> The gradient of the components that would leave their bound inwards (n).
+   pure function chopped_part(way) result(chopped)
+      type(way_t), intent(in) :: way !! program and point
+      real(dp) :: chopped(size(way%y))
 
-      chopped_part = 0.0_dp
-      if (y <= low .and. y < high) chopped_part = min(0.0_dp, gradient)
-      if (y >= high .and. y > low) chopped_part = max(0.0_dp, gradient)
+      associate (y => way%y, low => way%low, high => way%high, gradient => way%gradient)
+         chopped = 0.0_dp
+         where (y <= low .and. y < high) chopped = min(0.0_dp, gradient)
+         where (y >= high .and. y > low) chopped = max(0.0_dp, gradient)
+      end associate
    end function chopped_part
 
-   !> The free gradient, as far as a step of length 1/norm against it stays in the box.
-   elemental real(dp) function reduced_part(y, face, low, high, norm)
-      real(dp), intent(in) :: y !! the component
-      real(dp), intent(in) :: face !! its free gradient
-      real(dp), intent(in) :: low !! lower bound
-      real(dp), intent(in) :: high !! upper bound
-      real(dp), intent(in) :: norm !! largest curvature seen
+   !> The free gradient, as far as a step of length 1/norm against it stays in the box (n).
+   pure function reduced_part(way, face) result(reduced)
+      type(way_t), intent(in) :: way !! program and point
+      real(dp), intent(in) :: face(:) !! the free gradient (n)
+      real(dp) :: reduced(size(face))
 
-      reduced_part = face
-      if (face > 0.0_dp) reduced_part = min(face, norm*min(y - low, huge(y)/norm))
-      if (face < 0.0_dp) reduced_part = max(face, norm*max(y - high, -huge(y)/norm))
+      associate (y => way%y, norm => way%norm)
+         reduced = face
+         where (face > 0.0_dp) reduced = min(face, norm*min(y - way%low, huge(1.0_dp)/norm))
+         where (face < 0.0_dp) reduced = max(face, norm*max(y - way%high, -huge(1.0_dp)/norm))
+      end associate
    end function reduced_part
 
-   !> The longest step against a direction that stays in the box; the largest number if none ends it.
-   pure real(dp) function least_room(y, along, low, high) result(room)
-      real(dp), intent(in) :: y(:) !! the point (n)
-      real(dp), intent(in) :: along(:) !! the direction (n)
-      real(dp), intent(in) :: low(:) !! lower bounds (n)
-      real(dp), intent(in) :: high(:) !! upper bounds (n)
+   !> The longest step against the direction that stays in the box; the largest number if none ends it.
+   pure real(dp) function least_room(way) result(room)
+      type(way_t), intent(in) :: way !! program and point
       ! A bound beyond this was not meant as one.
       real(dp), parameter :: far = sqrt(huge(1.0_dp))
       integer :: i
 
       room = huge(room)
-      do i = 1, size(y)
-         if (along(i) > 0.0_dp .and. low(i) > -far) room = min(room, (y(i) - low(i))/along(i))
-         if (along(i) < 0.0_dp .and. high(i) < far) room = min(room, (y(i) - high(i))/along(i))
-      end do
+      associate (y => way%y, low => way%low, high => way%high, along => way%direction)
+         do i = 1, size(y)
+            if (along(i) > 0.0_dp .and. low(i) > -far) room = min(room, (y(i) - low(i))/along(i))
+            if (along(i) < 0.0_dp .and. high(i) < far) room = min(room, (y(i) - high(i))/along(i))
+         end do
+      end associate
    end function least_room
 
 end module amontons_box_program

@@ -56,7 +56,11 @@ contains
          is_at_rest = is_at_rest .or. found%is_at_rest
          call add_record(solution, found, (real(size(points), dp)/problem%n_points)**2)
       end do
-      call conclude(solution, problem, displacement, force, method%tolerance)
+      solution%displacement = displacement
+      solution%force = force
+      call solution%measure(problem)
+      solution%is_converged = solution%residual <= method%tolerance
+      if (solution%n_iterations > 0) solution%history(solution%n_iterations) = solution%residual
       solution%is_at_rest = is_at_rest .and. .not. solution%is_converged
    end subroutine solve_components
 
@@ -214,22 +218,5 @@ contains
       n = found%n_iterations
       solution%history(:n) = max(solution%history(:n), found%history(:n))
    end subroutine add_record
-
-   !> Measures the pair of all parts by the whole problem.
-   pure subroutine conclude(solution, problem, displacement, force, tolerance)
-      type(contact_solution_t), intent(inout) :: solution !! the solution
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), intent(in) :: displacement(:) !! v (2m) [L]
-      real(dp), intent(in) :: force(:) !! lambda (2m) [F]
-      real(dp), intent(in) :: tolerance !! the residual that counts as solved [-]
-
-      solution%displacement = displacement
-      solution%force = force
-      solution%residual = problem%residual(displacement, force)
-      call solution%effort%multiply(1.0_dp)
-      solution%status = problem%status(displacement, force)
-      solution%is_converged = solution%residual <= tolerance
-      if (solution%n_iterations > 0) solution%history(solution%n_iterations) = solution%residual
-   end subroutine conclude
 
 end module amontons_components

@@ -1,17 +1,21 @@
-!> Newton's linear system in the forces, on a compliance A: what a dense and a sparse one have in common.
+!> Newton's linear system in the forces, on a compliance A: what a dense and a sparse one have in common, and the one on
+!> a sparse A.
 !>
 !> A normal force of a closed point and a tangential one of a sticking point are unknown: a row of `A lambda = B` each,
-!> of no distance and of no slip, holds them. The others follow from the law.
+!> of no distance and of no slip, holds them. The others follow from the law. On a dense compliance an active set that
+!> differs from the factorized one in few rows is solved by that factorization and a small system of these rows.
 module amontons_force_system
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_active_set, only: active_set_t
    use amontons_contact_problem, only: contact_problem_t
+   use amontons_dense, only: add_product, lu_solve, transposed_product
    use amontons_kinds, only: dp
    use amontons_newton_system, only: newton_system_t
+   use amontons_sparse_lu, only: sparse_lu_t
    implicit none (type, external)
    private
 
-   public :: force_system_t
+   public :: force_system_t, sparse_compliance_system_t
 
    !> The active set that is factorized, and its unknowns; an extension holds the factors.
    type, abstract, extends(newton_system_t) :: force_system_t
@@ -19,38 +23,57 @@ module amontons_force_system
       real(dp) :: regularization = -1.0_dp !! Regularization of the factorization; -1 if there is none [-].
       integer, allocatable :: unknown(:) !! The forces that are unknown in it.
       real(dp), allocatable :: diagonal(:) !! Diagonal of A, where it is zero the largest of all (2m) [L/F].
+      real(dp), private :: spread = 100.0_dp
+         !! How many times the regularization that is wanted it may be; with less it is no use, with much more slow [-].
+      integer, private :: least_order = 200
+         !! Below this order a new factorization costs no more than the bookkeeping of an update.
+      integer, private :: n_changed = 0 !! Number of rows that have changed since.
+      integer, allocatable, private :: changed(:) !! These rows.
+      real(dp), allocatable, private :: response(:, :)
+         !! Solutions of the factorized system for a unit in each of these rows.
+      real(dp), allocatable, private :: row(:, :) !! These rows of A.
    contains
-      procedure :: begin => force_system_begin
-      procedure(prepare_interface), deferred :: prepare
+      procedure, private :: apply => force_system_apply
+      procedure, private :: begin => force_system_begin
+      procedure, private :: correct => force_system_correct
+      procedure(factorize_interface), deferred :: factorize
       procedure :: solve => force_system_solve
-      procedure(solve_forces_interface), deferred :: solve_forces
+      procedure(solve_unknown_interface), deferred :: solve_unknown
+      procedure, private :: update => force_system_update
    end type force_system_t
 
    abstract interface
-      !> Factorizes the system of an active set, unless the factorization that is there serves it.
-      subroutine prepare_interface(self, problem, active_set, regularization, info)
-         import :: active_set_t, contact_problem_t, dp, force_system_t
+      !> Factorizes the system of the base.
+      subroutine factorize_interface(self, problem, info)
+         import :: contact_problem_t, force_system_t
          implicit none (type, external)
-         class(force_system_t), intent(inout) :: self !! the system
+         class(force_system_t), intent(inout) :: self !! the system, its base and unknowns known
          type(contact_problem_t), intent(in) :: problem !! the problem
-         type(active_set_t), intent(in) :: active_set !! state of each point
-         real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A that is wanted [-]
          integer, intent(out) :: info !! 0, or nonzero where the system is singular
-      end subroutine prepare_interface
+      end subroutine factorize_interface
 
-      !> Solves the prepared system of an active set.
-      subroutine solve_forces_interface(self, problem, active_set, load, center, force, info)
-         import :: active_set_t, contact_problem_t, dp, force_system_t
+      !> Solves the factorized system for its unknown forces.
+      subroutine solve_unknown_interface(self, right, info)
+         import :: dp, force_system_t
          implicit none (type, external)
-         class(force_system_t), intent(inout) :: self !! the system
-         type(contact_problem_t), intent(in) :: problem !! the problem
-         type(active_set_t), intent(in) :: active_set !! state of each point
-         real(dp), intent(in) :: load(:) !! dual load B (2m) [L]
-         real(dp), intent(in) :: center(:) !! lambda before the step (2m) [F]
-         real(dp), intent(out) :: force(:) !! lambda after it (2m) [F]
+         class(force_system_t), intent(in) :: self !! the system
+         real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand sides, the solutions on return
          integer, intent(out) :: info !! 0, or nonzero where the system is singular
-      end subroutine solve_forces_interface
+      end subroutine solve_unknown_interface
+
    end interface
+
+   !> The rows of `A lambda = B` of the unknown forces, on a sparse compliance A, which stays sparse.
+   type, extends(force_system_t) :: sparse_compliance_system_t
+      private
+      type(sparse_lu_t) :: factors !! Triangular factors of its transposed matrix.
+   contains
+      procedure, public :: factorize => sparse_compliance_system_factorize
+      procedure, public :: solve_unknown => sparse_compliance_system_solve_unknown
+   end type sparse_compliance_system_t
+
+   !> Changed rows, as a part of the order, that an update may have: more cost as much as a new factorization.
+   integer, parameter :: part = 6
 
 contains
 
@@ -64,13 +87,30 @@ contains
       real(dp), intent(inout) :: force(:) !! lambda before the step, and after it (2m) [F]
       real(dp), intent(out) :: imbalance !! 0: the displacements are those of the forces [F]
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
-      real(dp) :: load(size(force)), solution(size(force))
+      real(dp), allocatable :: right(:, :)
+      real(dp), dimension(size(force)) :: load, solution, known
+      logical :: is_updated
 
       imbalance = 0.0_dp
-      call self%prepare(problem, active_set, regularization, info)
+      info = 0
+      call self%update(problem, active_set, regularization, is_updated)
+      if (.not. is_updated) call self%begin(problem, active_set, regularization, info)
       if (info /= 0) return
       load = problem%dual_load(displacement)
-      call self%solve_forces(problem, active_set, load, force, solution, info)
+      solution = [spread(0.0_dp, 1, problem%n_points), self%base%slip_direction*problem%slip_bound]
+      known = 0.0_dp
+      if (any(abs(solution) > 0.0_dp)) then
+         call problem%compliance%multiply(solution, known)
+         call self%effort%multiply(1.0_dp)
+      end if
+      associate (unknown => self%unknown)
+         allocate (right(size(unknown), 1))
+         right(:, 1) = load(unknown) - known(unknown) + self%regularization*self%diagonal(unknown)*force(unknown)
+         call self%solve_unknown(right, info)
+         solution(unknown) = right(:, 1)
+      end associate
+      call self%apply(problem, solution)
+      if (info == 0) call self%correct(problem, active_set, load, force, solution, info)
       if (.not. all(ieee_is_finite(solution))) info = 1
       if (info /= 0) return
       force = solution
@@ -78,18 +118,222 @@ contains
       call self%effort%multiply(1.0_dp)
    end subroutine force_system_solve
 
-   !> Takes up an active set that is to be factorized.
-   subroutine force_system_begin(self, problem, active_set, regularization)
+   !> Factorizes the system of an active set.
+   subroutine force_system_begin(self, problem, active_set, regularization, info)
       class(force_system_t), intent(inout) :: self !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(active_set_t), intent(in) :: active_set !! state of each point
       real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A [-]
-      integer :: i
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      integer :: i, n
 
-      if (.not. allocated(self%diagonal)) self%diagonal = 1.0_dp/problem%augmentation()
+      n = 2*problem%n_points
+      if (.not. allocated(self%diagonal)) then
+         self%diagonal = 1.0_dp/problem%augmentation()
+         allocate (self%changed(n), self%response(n, 0), self%row(n, 0))
+         if (problem%compliance%is_sparse()) then
+            self%spread = 10.0_dp
+            self%least_order = huge(1)
+         end if
+      end if
+      self%n_changed = 0
       self%base = active_set
       self%regularization = regularization
-      self%unknown = pack([(i, i=1, 2*problem%n_points)], [active_set%is_closed, active_set%slip_direction == 0])
+      self%unknown = pack([(i, i=1, n)], active_set%gives_force())
+      call self%effort%factorize(size(self%unknown) > 0)
+      call self%factorize(problem, info)
+      if (info /= 0) self%regularization = -1.0_dp
    end subroutine force_system_begin
+
+   !> Adds to the tangential forces of sliding points what their normal forces cause in the factorized active set.
+   pure subroutine force_system_apply(self, problem, force)
+      class(force_system_t), intent(in) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
+
+      associate (m => problem%n_points)
+         force(m + 1:) = force(m + 1:) + self%base%slip_direction*problem%friction*force(:m)
+      end associate
+   end subroutine force_system_apply
+
+   !> Takes up the rows in which an active set differs from the factorized one, unless a new factorization is better,
+   !> as it always is of a sparse compliance.
+   subroutine force_system_update(self, problem, active_set, regularization, is_updated)
+      class(force_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A that is wanted [-]
+      logical, intent(out) :: is_updated !! whether the factorization serves the active set
+      integer, allocatable :: differing(:), new(:)
+      integer :: i, n
+
+      is_updated = self%regularization >= regularization .and. self%regularization <= self%spread*regularization
+      if (.not. is_updated) return
+      differing = pack([(i, i=1, 2*problem%n_points)], [self%base%is_closed .neqv. active_set%is_closed, &
+         self%base%slip_direction /= active_set%slip_direction])
+      n = self%n_changed
+      new = pack(differing, [(.not. any(self%changed(:n) == differing(i)), i=1, size(differing))])
+      if (size(new) == 0) return
+      is_updated = size(self%unknown) >= self%least_order .and. part*(n + size(new)) <= size(self%unknown)
+      if (.not. is_updated) return
+      call reserve(self, 2*problem%n_points, n + size(new))
+      self%changed(n + 1:n + size(new)) = new
+      do i = 1, size(new)
+         self%row(:, n + i) = problem%compliance%values(:, new(i))
+      end do
+      self%n_changed = n + size(new)
+      call unit_responses(self, problem, n + 1)
+   end subroutine force_system_update
+
+   !> Makes room for changed rows.
+   pure subroutine reserve(self, n_forces, n_rows)
+      class(force_system_t), intent(inout) :: self !! the system
+      integer, intent(in) :: n_forces !! number of forces 2m
+      integer, intent(in) :: n_rows !! number of rows there must be room for
+      real(dp), allocatable :: columns(:, :)
+      integer :: n
+
+      n = self%n_changed
+      if (n_rows <= size(self%response, 2)) return
+      allocate (columns(n_forces, 2*n_rows))
+      columns(:, :n) = self%response(:, :n)
+      call move_alloc(columns, self%response)
+      allocate (columns(n_forces, 2*n_rows))
+      columns(:, :n) = self%row(:, :n)
+      call move_alloc(columns, self%row)
+   end subroutine reserve
+
+   !> Solves the factorized system for a unit in each changed row from one on.
+   subroutine unit_responses(self, problem, first)
+      class(force_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, intent(in) :: first !! the first changed row to do
+      real(dp), allocatable :: right(:, :)
+      integer :: place(2*problem%n_points), i, m, k, r, info
+
+      m = problem%n_points
+      place = 0
+      place(self%unknown) = [(i, i=1, size(self%unknown))]
+      allocate (right(size(self%unknown), self%n_changed - first + 1), source=0.0_dp)
+      do k = first, self%n_changed
+         r = self%changed(k)
+         self%response(:, k) = 0.0_dp
+         associate (column => right(:, k - first + 1))
+            if (place(r) > 0) then
+               column(place(r)) = 1.0_dp
+            else
+               self%response(r, k) = 1.0_dp
+               column = -self%row(self%unknown, k)
+               if (r <= m) column = column - self%base%slip_direction(r)*problem%friction(r) &
+                  *problem%compliance%values(self%unknown, m + r)
+            end if
+         end associate
+      end do
+      call self%solve_unknown(right, info)
+      do k = first, self%n_changed
+         self%response(self%unknown, k) = right(:, k - first + 1)
+         call self%apply(problem, self%response(:, k))
+      end do
+   end subroutine unit_responses
+
+   !> Corrects the forces of the factorized active set so that the changed rows hold as well.
+   subroutine force_system_correct(self, problem, active_set, load, center, force, info)
+      class(force_system_t), intent(in) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      type(active_set_t), intent(in) :: active_set !! state of each point
+      real(dp), intent(in) :: load(:) !! dual load B (2m) [L]
+      real(dp), intent(in) :: center(:) !! lambda before the step (2m) [F]
+      real(dp), intent(inout) :: force(:) !! lambda of the factorized active set, corrected on return (2m) [F]
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      real(dp) :: matrix(self%n_changed, self%n_changed), right(self%n_changed), product(self%n_changed)
+      real(dp) :: slope(problem%n_points)
+      logical :: is_unknown(size(force))
+      integer :: m, k, r
+
+      info = 0
+      if (self%n_changed == 0) return
+      m = problem%n_points
+      slope = active_set%slip_direction*problem%friction
+      is_unknown = active_set%gives_force()
+      associate (n => self%n_changed)
+         call transposed_product(self%row(:, :n), self%response(:, :n), matrix)
+         product = matmul(force, self%row(:, :n))
+         do k = 1, n
+            r = self%changed(k)
+            if (is_unknown(r)) then
+               matrix(k, :) = matrix(k, :) + self%regularization*self%diagonal(r)*self%response(r, :n)
+               right(k) = load(r) - product(k) + self%regularization*self%diagonal(r)*(center(r) - force(r))
+            else if (r <= m) then
+               matrix(k, :) = self%response(r, :n)
+               right(k) = -force(r)
+            else
+               matrix(k, :) = self%response(r, :n) - slope(r - m)*self%response(r - m, :n)
+               right(k) = active_set%slip_direction(r - m)*problem%slip_bound(r - m) - force(r) &
+                  + slope(r - m)*force(r - m)
+            end if
+         end do
+         call lu_solve(matrix, right, info)
+         if (info /= 0) return
+         call add_product(self%response(:, :n), right, force)
+      end associate
+   end subroutine force_system_correct
+
+   !> Solves the factorized system.
+   subroutine sparse_compliance_system_solve_unknown(self, right, info)
+      class(sparse_compliance_system_t), intent(in) :: self !! the system
+      real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand side, the solution on return
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+
+      info = 0
+      if (size(right) > 0) call self%factors%solve_transposed(right(:, 1), info)
+   end subroutine sparse_compliance_system_solve_unknown
+
+   !> Factorizes the system of the base.
+   subroutine sparse_compliance_system_factorize(self, problem, info)
+      class(sparse_compliance_system_t), intent(inout) :: self !! the system
+      type(contact_problem_t), intent(in) :: problem !! the problem
+      integer, intent(out) :: info !! 0, or nonzero where the system is singular
+      integer, allocatable :: row(:), column(:)
+      real(dp), allocatable :: value(:)
+      integer :: place(2*problem%n_points), i, k, m, n, point
+
+      m = problem%n_points
+      place = 0
+      place(self%unknown) = [(i, i=1, size(self%unknown))]
+      ! The entries of a sliding point's tangential row go where its normal force stands.
+      associate (a => problem%compliance)
+         allocate (row(size(a%row) + size(self%unknown)), column(size(a%row) + size(self%unknown)), &
+            value(size(a%row) + size(self%unknown)))
+         n = 0
+         do i = 1, size(self%unknown)
+            call append(i, self%regularization*self%diagonal(self%unknown(i)))
+            do k = a%first(self%unknown(i)), a%first(self%unknown(i) + 1) - 1
+               if (place(a%row(k)) > 0) then
+                  call append(place(a%row(k)), a%entry(k))
+               else if (a%row(k) > m) then
+                  point = a%row(k) - m
+                  if (place(point) > 0) call append(place(point), &
+                     self%base%slip_direction(point)*problem%friction(point)*a%entry(k))
+               end if
+            end do
+         end do
+      end associate
+      info = 0
+      if (size(self%unknown) > 0) call self%factors%factorize(size(self%unknown), row(:n), column(:n), value(:n), info)
+
+   contains
+
+      !> Appends an entry to the present column.
+      subroutine append(in_row, entry)
+         integer, intent(in) :: in_row !! its row
+         real(dp), intent(in) :: entry !! its value
+
+         n = n + 1
+         row(n) = in_row
+         column(n) = i
+         value(n) = entry
+      end subroutine append
+
+   end subroutine sparse_compliance_system_factorize
 
 end module amontons_force_system

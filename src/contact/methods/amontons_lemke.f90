@@ -8,10 +8,11 @@
 !> with the covering vectors below the pivots end in a solution for friction of any size, unless a rigid motion exists
 !> (dual: forces without effect) that the loads can drive.
 module amontons_lemke
+   use amontons_active_set, only: active_set_t
    use amontons_complementarity, only: lemke_pivoting
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_relation, only: contact_relation_t, new_contact_relation, point_states_t
+   use amontons_contact_relation, only: contact_relation_t, new_contact_relation
    use amontons_contact_solution, only: contact_solution_t
    use amontons_effort, only: effort_t
    use amontons_error, only: error_t, input_refused, new_error
@@ -46,7 +47,7 @@ contains
       type(contact_relation_t) :: relation
       type(contact_solution_t) :: best
       type(effort_t) :: effort
-      type(point_states_t) :: states
+      type(active_set_t) :: states
       real(dp), dimension(2*problem%n_points) :: force, distance, displacement
       integer :: trial
       logical :: is_singular, may_continue
@@ -92,7 +93,7 @@ contains
    pure subroutine solve_relation(relation, trial, states, force, distance, is_singular, effort)
       type(contact_relation_t), intent(in) :: relation !! the relation
       integer, intent(in) :: trial !! which covering vector to start from, 1 or more
-      type(point_states_t), intent(out) :: states !! the states of the solution
+      type(active_set_t), intent(out) :: states !! the states of the solution
       real(dp), intent(out) :: force(:) !! lambda, without units (2m) [-]
       real(dp), intent(out) :: distance(:) !! w, without units (2m) [-]
       logical, intent(out) :: is_singular !! whether they leave forces and distances undetermined
@@ -118,7 +119,7 @@ contains
    !> those of open points may be as large as gaps, while the displacements, and the forces with them, are small.
    pure subroutine refine(relation, states, problem, displacement, force, effort)
       type(contact_relation_t), intent(in) :: relation !! the relation, in its primal form
-      type(point_states_t), intent(in) :: states !! the states of the points
+      type(active_set_t), intent(in) :: states !! the states of the points
       type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(inout) :: displacement(:) !! v (2m) [L]
       real(dp), intent(inout) :: force(:) !! lambda (2m) [F]
@@ -212,7 +213,7 @@ contains
    pure function states_of(is_dual, is_z_basic) result(states)
       logical, intent(in) :: is_dual !! whether the pairs are those of the dual form
       logical, intent(in) :: is_z_basic(:) !! which z are basic (3m)
-      type(point_states_t) :: states
+      type(active_set_t) :: states
       logical :: at_upper(size(is_z_basic)/3), at_lower(size(is_z_basic)/3)
       integer :: m
 

@@ -15,10 +15,10 @@ module amontons_newton
    use amontons_contact_solution, only: contact_solution_t
    use amontons_effort, only: effort_t
    use amontons_error, only: error_t
+   use amontons_force_system, only: sparse_compliance_system_t
+   use amontons_friction_law, only: bounded
    use amontons_kinds, only: dp
-   use amontons_newton_system, only: newton_system_t
-   use amontons_sparse_compliance_system, only: sparse_compliance_system_t
-   use amontons_stiffness_system, only: stiffness_system_t
+   use amontons_newton_system, only: newton_system_t, stiffness_system_t
    use amontons_visited_sets, only: visited_sets_t
    implicit none (type, external)
    private
@@ -43,6 +43,7 @@ module amontons_newton
       procedure :: solve => newton_solve
       procedure, private :: find_start => newton_find_start
       procedure, private :: is_stuck => newton_is_stuck
+      procedure, private :: record_step => newton_record_step
    end type newton_t
 
 contains
@@ -85,15 +86,11 @@ contains
             cycle
          end if
          last = active_set
-         call halt(problem, rho, scale, before, displacement, force, imbalance, solution%effort)
+         call halt(problem, scale, before, displacement, force, imbalance, solution%effort)
          call active_set%update(problem, rho, displacement, force, violation)
          residual = max(violation, imbalance)/problem%force_scale(force)
-         if (residual <= self%tolerance) then
-            call solution%record(problem, displacement, force, self%tolerance, may_continue)
-            if (.not. may_continue) return
-         else
-            call record_best(solution, displacement, force, residual)
-         end if
+         call self%record_step(problem, displacement, force, residual, solution, may_continue)
+         if (.not. may_continue) return
          call visited%note_residual(residual)
          call visited%avoid(active_set, last, is_repeated)
          ! Singular active sets have led the body far away.
@@ -103,7 +100,8 @@ contains
          previous = residual
          if (self%is_stuck(solution, n_spring_steps)) exit
       end do
-      call judge(solution, problem)
+      ! A residual still at its first value, the largest number, means that there was no step.
+      if (solution%residual < huge(solution%residual)) call solution%measure(problem)
    end subroutine newton_solve
 
    !> Makes the first active set. From rest it is that all points stick, unless nothing acts.
@@ -167,38 +165,29 @@ contains
       end do
    end subroutine harden
 
-   !> Whether a step is one of a loose body that its active set lets slide or fly, held by the regularization alone:
-   !> much longer than forces of the size at hand deform a body.
-   pure logical function leaps(problem, rho, scale, step)
+   !> Ends a step of a loose body that its active set lets slide or fly, held by the regularization alone, much longer
+   !> than forces of the size at hand deform a body, where the contact law would end it: where the forces of springs
+   !> between the points and the obstacle, cut to the law, first do as much work against the step as the loads do along
+   !> it.
+   pure subroutine halt(problem, scale, before, displacement, force, imbalance, effort)
       type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), intent(in) :: rho(:) !! stiffness of the points (2m) [F/L]
-      real(dp), intent(in) :: scale !! the force that residuals are measured by [F]
-      real(dp), intent(in) :: step(:) !! the step (2m) [L]
-      real(dp), parameter :: longest = 1.0e3_dp
-
-      leaps = .not. (problem%is_held .or. problem%is_reduced())
-      if (leaps) leaps = any(rho*abs(step) > longest*problem%n_points*scale)
-   end function leaps
-
-   !> Ends a step that leaps where the contact law would end it: where the forces of springs between the points and the
-   !> obstacle, cut to the law, first do as much work against the step as the loads do along it.
-   pure subroutine halt(problem, rho, scale, before, displacement, force, imbalance, effort)
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      real(dp), intent(in) :: rho(:) !! stiffness of the points (2m) [F/L]
       real(dp), intent(in) :: scale !! the force that residuals are measured by [F]
       real(dp), intent(in) :: before(:) !! v before the step (2m) [L]
       real(dp), intent(inout) :: displacement(:) !! v after the step, and then where it halts (2m) [L]
       real(dp), intent(inout) :: force(:) !! lambda after the step, and then that of no shear (2m) [F]
       real(dp), intent(inout) :: imbalance !! violation of the equilibrium, and then the scale: it is not known [F]
       type(effort_t), intent(inout) :: effort !! gains that of the products
+      real(dp), parameter :: longest = 1.0e3_dp
       integer, parameter :: n_halvings = 100
-      real(dp), dimension(size(force)) :: step, drive, stiffening, augmented, bound
+      real(dp), dimension(size(force)) :: step, drive, stiffening, augmented, rho
       real(dp) :: low, high, middle
       integer :: i, m
 
-      step = displacement - before
-      if (.not. leaps(problem, rho, scale, step)) return
+      if (problem%is_held .or. problem%is_reduced()) return
       m = problem%n_points
+      rho = problem%augmentation()
+      step = displacement - before
+      if (.not. any(rho*abs(step) > longest*m*scale)) return
       call problem%multiply_stiffness(before, drive)
       drive = problem%load - drive
       call problem%multiply_stiffness(step, stiffening)
@@ -211,8 +200,7 @@ contains
          middle = 0.5_dp*(low + high)
          augmented = force + rho*(before + middle*step - problem%reference())
          augmented(:m) = max(0.0_dp, augmented(:m))
-         bound(:m) = problem%bound(augmented(:m))
-         augmented(m + 1:) = max(-bound(:m), min(bound(:m), augmented(m + 1:)))
+         augmented(m + 1:) = bounded(augmented(m + 1:), problem%bound(augmented(:m)))
          if (dot_product(step, drive - middle*stiffening - augmented) > 0.0_dp) then
             low = middle
          else
@@ -235,18 +223,6 @@ contains
       if (is_stuck) is_stuck = minval(solution%history(n + 1:n + self%stagnation_limit)) &
          > self%decrease*minval(solution%history(n_spring_steps + 1:n))
    end function newton_is_stuck
-
-   !> Measures the best pair anew, by the problem alone.
-   pure subroutine judge(solution, problem)
-      type(contact_solution_t), intent(inout) :: solution !! the solution
-      type(contact_problem_t), intent(in) :: problem !! the problem
-
-      ! A residual still at its first value, the largest number, means that there was no step.
-      if (.not. solution%residual < huge(solution%residual)) return
-      solution%residual = problem%residual(solution%displacement, solution%force)
-      call solution%effort%multiply(1.0_dp)
-      solution%status = problem%status(solution%displacement, solution%force)
-   end subroutine judge
 
    !> Makes the regularization of the next step.
    pure subroutine adapt(regularization, least, first_min, most, ratio, stays)
@@ -280,19 +256,28 @@ contains
       regularization = min(most, max(from_nothing, factor*regularization))
    end subroutine grow
 
-   !> Counts an iteration, and keeps its pair (v, lambda) in the solution if it is better than the one there.
-   pure subroutine record_best(solution, displacement, force, residual)
-      type(contact_solution_t), intent(inout) :: solution !! the solution
+   !> Counts an iteration, and keeps its pair (v, lambda) in the solution if it is better than the one there; measures
+   !> it by the problem if it seems to be solved.
+   pure subroutine newton_record_step(self, problem, displacement, force, residual, solution, may_continue)
+      class(newton_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(in) :: problem !! the problem
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
       real(dp), intent(in) :: force(:) !! lambda (2m) [F]
       real(dp), intent(in) :: residual !! residual of this pair [-]
+      type(contact_solution_t), intent(inout) :: solution !! the solution
+      logical, intent(out) :: may_continue !! false when solved
 
+      may_continue = .true.
+      if (residual <= self%tolerance) then
+         call solution%record(problem, displacement, force, self%tolerance, may_continue)
+         return
+      end if
       call solution%record_residual(residual)
       if (.not. residual < solution%residual) return
       solution%displacement = displacement
       solution%force = force
       solution%residual = residual
-   end subroutine record_best
+   end subroutine newton_record_step
 
    !> The linear system that suits a problem. In the displacements a regularization slows the motions that move all
    !> points together, so there is none as long as all goes well; in the forces it costs nothing, and makes the active
@@ -301,7 +286,14 @@ contains
       class(newton_system_t), allocatable, intent(out) :: system !! the system
       type(contact_problem_t), intent(in) :: problem !! the problem
 
-      if (.not. problem%is_reduced()) then
+      if (problem%is_reduced()) then
+         if (problem%compliance%is_sparse()) then
+            allocate (sparse_compliance_system_t :: system)
+         else
+            allocate (compliance_system_t :: system)
+         end if
+         system%min_regularization = 1.0e-5_dp
+      else
          if (allocated(problem%band)) then
             allocate (band_stiffness_system_t :: system)
          else
@@ -309,12 +301,6 @@ contains
          end if
          if (.not. problem%is_held) system%min_regularization = 1.0e-9_dp
          system%first_regularization = system%min_regularization
-      else if (problem%compliance%is_sparse()) then
-         allocate (sparse_compliance_system_t :: system)
-         system%min_regularization = 1.0e-5_dp
-      else
-         allocate (compliance_system_t :: system)
-         system%min_regularization = 1.0e-5_dp
       end if
    end subroutine new_system
 

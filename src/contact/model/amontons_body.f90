@@ -8,7 +8,7 @@ module amontons_body
       new_distributed_condensation
    use amontons_condenser, only: condenser_t
    use amontons_conditioning, only: conditioning_text, rounded
-   use amontons_constraints, only: constraints_t, new_constraints, new_foundation, spring_side_t, support_t
+   use amontons_constraints, only: new_constraints, new_foundation, spring_side_t, support_t
    use amontons_contact_problem, only: contact_problem_t, new_band_problem, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_set, only: contact_t, tie_t
@@ -19,7 +19,7 @@ module amontons_body
    use amontons_graph, only: half_bandwidth
    use amontons_inf_sup, only: inf_sup_constant
    use amontons_kinds, only: dp, int64
-   use amontons_material, only: material_t, materials_t, new_materials
+   use amontons_material, only: material_t, new_materials
    use amontons_mesh, only: mesh_t
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_new_cholesky, only: new_condenser
@@ -28,6 +28,7 @@ module amontons_body
    use amontons_rigid_modes, only: check_common_motion, find_rigid_modes
    use amontons_rigid_motion, only: new_rigid_motions, rigid_motions_t
    use amontons_sparse_matrix, only: sparse_matrix_t
+   use amontons_surface, only: meshed_body_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
    use amontons_text, only: to_text
    use amontons_tied_pairs, only: new_tied_pairs
@@ -41,14 +42,11 @@ module amontons_body
    real(dp), parameter :: poor_inf_sup = 0.3_dp
 
    !> What many load cases share; constant once it is condensed.
-   type :: body_t
-      type(mesh_t) :: mesh !! the mesh
+   type, extends(meshed_body_t) :: body_t
       character(:), allocatable :: mesh_notes !! what its reader put right, a line of text for each
-      type(materials_t) :: materials !! the materials of the elements
       type(spring_side_t), allocatable :: springs(:) !! springs along sides
       logical :: is_axisymmetric = .false. !! whether it is a body of revolution
       type(coloring_t) :: coloring !! colors of the elements
-      type(constraints_t) :: constraints !! the supports
       type(rigid_motions_t), allocatable :: motions(:) !! the rigid motions of each piece that the supports leave free
       real(dp), allocatable :: rigid_modes(:, :)
          !! displacements (u_N; u_T) of the contact points under each of these (2m, motions) [-]
@@ -104,11 +102,11 @@ contains
       body%is_axisymmetric = materials(1)%is_axisymmetric
       allocate (bonded(mesh%n_nodes), source=0)
       allocate (body%ties(0))
-      if (present(ties)) call new_tied_pairs(body%ties, bonded, ties, mesh, body%materials, body%constraints, error)
+      if (present(ties)) call new_tied_pairs(body%ties, bonded, ties, body%meshed_body_t, error)
       if (allocated(error)) return
       call new_rigid_motions(body%motions, mesh, body%constraints, body%springs, body%is_axisymmetric, &
          bonds(body%ties))
-      call new_contact_zone(body%zone, mesh, body%materials, contacts, body%constraints, error, bonded)
+      call new_contact_zone(body%zone, body%meshed_body_t, contacts, error, bonded)
       if (allocated(error)) return
       call find_rigid_modes(body%rigid_modes, body%zone, body%motions, mesh%coordinates)
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
@@ -153,7 +151,7 @@ contains
       allocate (body%inf_sup(size(contacts)), source=1.0_dp)
       do i = 1, size(contacts)
          if (.not. contacts(i)%partition%is_constant .or. all(body%zone%set /= i)) cycle
-         body%inf_sup(i) = inf_sup_constant(body%zone, i, contacts(i)%set, body%mesh, body%materials, body%constraints)
+         body%inf_sup(i) = inf_sup_constant(body%zone, i, contacts(i)%set, body%meshed_body_t)
          if (body%inf_sup(i) > dependent) cycle
          call new_error(error, input_refused, contacts(i)%origin//'the cells of the constant multipliers are too '// &
             'small: the displacements of this mesh cannot tell them apart; make them at least two sides long')
@@ -179,7 +177,8 @@ contains
       is_held = all(body%motions%n_free == 0)
       if (is_distributed(body, options)) then
          call timings%begin(phase_factorize)
-         call spread_body(condenser, body, is_held, error)
+         call new_distributed_condenser(condenser, is_held, body%mesh, body%materials, body%springs, &
+            body%constraints, body%dof_map, error)
          if (allocated(error)) return
          call new_distributed_condensation(body%condensation, condenser, is_held, body%zone, body%constraints, &
             body%dof_map, error)
@@ -218,17 +217,6 @@ contains
             .not. may_suit_band(n, options%form, body%zone)))
       end associate
    end function is_distributed
-
-   !> Spreads a body over the ranks of the run, assembles its stiffness and analyzes it.
-   subroutine spread_body(condenser, body, is_held, error)
-      class(condenser_t), allocatable, intent(out) :: condenser !! has the stiffness
-      type(body_t), intent(in) :: body !! the body
-      logical, intent(in) :: is_held !! whether supports alone hold the body
-      type(error_t), allocatable, intent(out) :: error !! memory ran out, or the run has no ranks
-
-      call new_distributed_condenser(condenser, is_held, body%mesh, body%materials, body%springs, body%constraints, &
-         body%dof_map, error)
-   end subroutine spread_body
 
    !> Nodal forces that stresses and springs of a displacement amount to: K u - f_th without ever forming K.
    subroutine body_internal_forces(self, forces, displacement, thermal_strain)
@@ -299,7 +287,8 @@ contains
       if (is_distributed(body, options)) then
          estimate%n_ranks = n_ranks
          call timings%begin(phase_factorize)
-         call spread_body(condenser, body, all(body%motions%n_free == 0), error)
+         call new_distributed_condenser(condenser, all(body%motions%n_free == 0), body%mesh, body%materials, &
+            body%springs, body%constraints, body%dof_map, error)
          if (allocated(error)) return
       else
          call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, &

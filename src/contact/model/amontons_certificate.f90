@@ -67,33 +67,16 @@ contains
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
       real(dp), intent(in), optional :: of_stresses(:, :)
          !! nodal forces that the stresses amount to, from `new_stress_field`, if they are at hand (2, n_nodes) [F]
-      real(dp), allocatable :: internal(:, :), springs(:, :)
-
-      springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
-      if (.not. present(of_stresses)) then
-         call body%internal_forces(internal, displacement, load_case%thermal_strain)
-         call check_forces(certificate, body, load_case, displacement, force, internal, springs)
-      else if (size(body%springs) > 0) then
-         internal = of_stresses + springs
-         call check_forces(certificate, body, load_case, displacement, force, internal, springs)
-      else
-         call check_forces(certificate, body, load_case, displacement, force, of_stresses, springs)
-      end if
-   end subroutine new_certificate
-
-   !> Computes the certificate from the forces on the nodes.
-   subroutine check_forces(certificate, body, load_case, displacement, force, internal, springs)
-      type(certificate_t), intent(inout) :: certificate !! gains all of it
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
-      real(dp), intent(in) :: internal(:, :) !! nodal forces of stresses and springs (2, n_nodes) [F]
-      real(dp), intent(in) :: springs(:, :) !! those of the springs (2, n_nodes) [F]
-      real(dp), allocatable :: contact(:, :), reaction(:, :)
+      real(dp), allocatable :: internal(:, :), springs(:, :), contact(:, :), reaction(:, :)
       type(node_sums_t) :: sums
       real(dp) :: force_size, least_scale, work
 
+      springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
+      if (present(of_stresses)) then
+         internal = of_stresses + springs
+      else
+         call body%internal_forces(internal, displacement, load_case%thermal_strain)
+      end if
       contact = body%zone%rows%forces(force, body%mesh%n_nodes)
       ! What ties transmit cancels.
       reaction = internal - load_case%force - contact
@@ -124,7 +107,7 @@ contains
             sums%internal_work - sums%external_work - sums%support_work, work)
          certificate%duality_gap = relative(certificate%duality_gap, work)
       end associate
-   end subroutine check_forces
+   end subroutine new_certificate
 
    !> What is missing between the works, over their size; where that is too much, the larger one of its two parts over
    !> theirs: what the forces do on the free rigid motion of each piece that comes closest, on which all of them
@@ -294,9 +277,8 @@ contains
       integer :: i
 
       lever = rows
-      lever%tangent = rows%part
       do i = 1, size(rows%node)
-         lever%part(:, i) = -turned(rows%along(i))
+         lever%part(:, i) = -turned(rows%tangent(:, i))
          lever%tangent(:, i) = turned(rows%part(:, i))
       end do
    end function lever_rows

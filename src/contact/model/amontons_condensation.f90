@@ -64,7 +64,6 @@ module amontons_condensation
       procedure :: condense_load => condensation_condense_load
       procedure :: condense_stiffness => condensation_condense_stiffness
       procedure :: recover => condensation_recover
-      procedure :: recover_all => condensation_recover_all
    end type condensation_t
 
 contains
@@ -80,12 +79,18 @@ contains
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns, those of the points last
       type(error_t), allocatable, intent(out) :: error !! K is not finite or positive definite, or memory ran out
       type(error_t), allocatable :: band_error
+      integer, allocatable :: order(:)
       real(dp) :: mean
 
       mean = sum(stiffness%diagonal())/dof_map%n_dofs
       call map_unknowns(condensation, mean, is_held, zone, constraints, dof_map, error)
       if (allocated(error)) return
-      call keep_band(condensation, stiffness, options%form, zone, band_error)
+      call find_band_order(stiffness, options%form, zone, order)
+      if (allocated(order)) then
+         allocate (condensation%band)
+         call new_band_stiffness(condensation%band, stiffness, order, condensation%unknown, condensation%map, &
+            band_error)
+      end if
       if (.not. is_held) then
          condensation%regularization = mean
          call stiffness%shift_diagonal(dof_map%n_dofs - dof_map%n_schur + 1, dof_map%n_dofs, &
@@ -143,21 +148,6 @@ contains
       end if
    end subroutine map_unknowns
 
-   !> Keeps the band matrix of the whole body in the place of S if that is asked for, or the quicker way.
-   subroutine keep_band(condensation, stiffness, form, zone, error)
-      type(condensation_t), intent(inout) :: condensation !! the condensation, its points mapped
-      type(sparse_matrix_t), intent(in) :: stiffness !! K [F/L]
-      character(*), intent(in) :: form !! which form of S, one of `condensation_names`
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      type(error_t), allocatable, intent(out) :: error !! the body is not held even if all contact points are
-      integer, allocatable :: order(:)
-
-      call find_band_order(stiffness, form, zone, order)
-      if (.not. allocated(order)) return
-      allocate (condensation%band)
-      call new_band_stiffness(condensation%band, stiffness, order, condensation%unknown, condensation%map, error)
-   end subroutine keep_band
-
    !> Makes the rows of C on the contact unknowns. A slip that a support prevents has no row.
    pure subroutine map_rows(condensation, zone, constraints, dof_map)
       type(condensation_t), intent(inout) :: condensation !! the condensation
@@ -183,7 +173,7 @@ contains
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
             own = dof_map%substitution%element_nodes(zone%rows%node(i:i))
             transform = dof_map%substitution%transform(zone%rows%node(i:i), own)
-            parts = reshape([zone%rows%part(:, i), zone%rows%along(i)], [2, 2])
+            parts = reshape([zone%rows%part(:, i), zone%rows%tangent(:, i)], [2, 2])
             do k = 1, size(own)
                call add_part(condensation, p, own(k), matmul(transpose(transform(:, 2*k - 1:2*k)), parts), &
                   constraints, dof_map)
@@ -323,49 +313,25 @@ contains
       self%contact_load = self%contact_load + factor*other%contact_load
    end subroutine condensed_load_add
 
-   !> All unknowns from the displacements of the contact points under a load.
-   subroutine condensation_recover(self, condensed, displacement, unknowns)
-      class(condensation_t), intent(in) :: self !! the factorized body
-      type(condensed_load_t), intent(in) :: condensed !! the condensed load
-      real(dp), intent(in) :: displacement(:) !! (u_N; u_T) without prescribed parts (2m) [L]
-      real(dp), allocatable, intent(out) :: unknowns(:) !! all unknowns (n) [L]
-      real(dp), allocatable :: v(:)
-
-      v = contact_unknowns(self, condensed, displacement)
-      if (allocated(self%band)) then
-         associate (interior_load => condensed%partial(:size(condensed%partial) - self%n_unknowns))
-            unknowns = [self%band%interior_displacement(interior_load, displacement), v]
-         end associate
-      else
-         allocate (unknowns(size(condensed%partial)))
-         call self%condenser%expand(condensed%partial, v, unknowns)
-      end if
-   end subroutine condensation_recover
-
    !> All unknowns from the displacements of the contact points under several loads, with one pass over the factor.
-   subroutine condensation_recover_all(self, condensed, displacement, unknowns)
+   subroutine condensation_recover(self, condensed, displacement, unknowns)
       class(condensation_t), intent(in) :: self !! the factorized body
       type(condensed_load_t), intent(in) :: condensed(:) !! the condensed loads
       real(dp), intent(in) :: displacement(:, :) !! (u_N; u_T) without prescribed parts (2m, loads) [L]
       real(dp), allocatable, intent(out) :: unknowns(:, :) !! all unknowns (n, loads) [L]
-      real(dp), allocatable :: one(:), partial(:, :), v(:, :)
-      integer :: k
+      real(dp), allocatable :: partial(:, :), v(:, :)
+      integer :: k, n
 
-      allocate (unknowns(self%condenser%n, size(condensed)))
-      if (allocated(self%band)) then
-         do k = 1, size(condensed)
-            call self%recover(condensed(k), displacement(:, k), one)
-            unknowns(:, k) = one
-         end do
-      else
-         allocate (partial(self%condenser%n, size(condensed)), v(self%n_unknowns, size(condensed)))
-         do k = 1, size(condensed)
-            partial(:, k) = condensed(k)%partial
-            v(:, k) = contact_unknowns(self, condensed(k), displacement(:, k))
-         end do
-         call self%condenser%expand_all(partial, v, unknowns)
-      end if
-   end subroutine condensation_recover_all
+      n = self%condenser%n
+      allocate (unknowns(n, size(condensed)), partial(n, size(condensed)), v(self%n_unknowns, size(condensed)))
+      do k = 1, size(condensed)
+         partial(:, k) = condensed(k)%partial
+         v(:, k) = contact_unknowns(self, condensed(k), displacement(:, k))
+         if (allocated(self%band)) unknowns(:, k) = [self%band%interior_displacement( &
+            partial(:n - self%n_unknowns, k), displacement(:, k)), v(:, k)]
+      end do
+      if (.not. allocated(self%band)) call self%condenser%expand_all(partial, v, unknowns)
+   end subroutine condensation_recover
 
    !> The contact unknowns of given displacements of the points (n_unknowns) [L].
    pure function contact_unknowns(condensation, condensed, displacement) result(v)

@@ -2,19 +2,16 @@
 !> multipliers.
 module amontons_contact_zone
    use amontons_boundary, only: boundary_line_t, new_boundary_line
-   use amontons_constraints, only: constraints_t
-   use amontons_contact_cells, only: contact_cells_t, new_contact_cells
+   use amontons_contact_cells, only: choose_cells, contact_cells_t, new_contact_cells
    use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t
    use amontons_contact_set, only: contact_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_material, only: materials_t
-   use amontons_mesh, only: mesh_t
-   use amontons_mortar_cells, only: choose_cells
-   use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair
+   use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair, &
+      take_facing_sides, take_line
    use amontons_mortar_points, only: mortar_points_t
    use amontons_pair_refusals, only: check_ends, check_overlap
-   use amontons_taken_sides, only: take_facing_sides, take_line
+   use amontons_surface, only: meshed_body_t
    implicit none (type, external)
    private
 
@@ -55,26 +52,28 @@ contains
    !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point; nor
    !> is a corner of a quadratic side on the axis of revolution: its area is 0, so that no pressure acts on it. A corner
    !> of two contact sets belongs to the first of them.
-   subroutine new_contact_zone(zone, mesh, materials, contacts, constraints, error, bonded)
+   subroutine new_contact_zone(zone, body, contacts, error, bonded)
       type(contact_zone_t), intent(out) :: zone !! the points
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
-      type(constraints_t), intent(in) :: constraints !! the supports
       type(error_t), allocatable, intent(out) :: error !! a missing set, or no point at all
       integer, intent(in), optional :: bonded(:)
-         !! the nodes of the slaves of ties, see `amontons_taken_sides`; none without it (nodes)
-      integer :: follower(mesh%n_nodes), i
+         !! the nodes of the slaves of ties, see `amontons_mortar_pair`; none without it (nodes)
+      integer :: follower(body%mesh%n_nodes), nothing(0), i
 
-      call empty_zone(zone)
+      allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), &
+         zone%zero_area_node(0), zone%idle_side(2, 0), zone%is_cell(0), zone%is_tangent_fixed(0), &
+         zone%position(2, 0), zone%foot(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0), zone%shear_area(0))
+      call zone%rows%begin(nothing)
+      call zone%quadrature%begin(nothing)
       allocate (zone%pairs(size(contacts)))
       follower = 0
       if (present(bonded)) follower = bonded
       do i = 1, size(contacts)
          if (contacts(i)%pairing%is_pair()) then
-            call add_pair(zone, i, contacts(i), mesh, materials, constraints, follower, error)
+            call add_pair(zone, i, contacts(i), body, follower, error)
          else
-            call add_set(zone, i, contacts(i), mesh, materials, constraints, follower, error)
+            call add_set(zone, i, contacts(i), body, follower, error)
          end if
          if (.not. allocated(error)) cycle
          error%message = contacts(i)%origin//error%message
@@ -91,47 +90,29 @@ contains
    end subroutine new_contact_zone
 
    !> Adds the points of a set that faces a rigid obstacle.
-   subroutine add_set(zone, set, contact, mesh, materials, constraints, follower, error)
+   subroutine add_set(zone, set, contact, body, follower, error)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
       type(contact_t), intent(in) :: contact !! the contact set
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
-      type(constraints_t), intent(in) :: constraints !! the supports
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       integer, intent(inout) :: follower(:)
-         !! the nodes of earlier sets, see `amontons_taken_sides`; gains those of this one (nodes)
+         !! the nodes of earlier sets, see `amontons_mortar_pair`; gains those of this one (nodes)
       type(error_t), allocatable, intent(out) :: error !! a missing set, or nothing is left of it
       type(boundary_line_t) :: line
 
-      call new_boundary_line(line, mesh, contact%set, error, materials)
+      call new_boundary_line(line, body%mesh, contact%set, error, body%materials)
       if (allocated(error)) return
       if (all(follower(line%node) > 0)) then
          call new_error(error, input_refused, 'every node of this contact set belongs to an earlier one')
          return
       end if
       if (contact%partition%is_constant) then
-         call add_cells(zone, set, contact, line, mesh, materials, constraints, error)
+         call add_cells(zone, set, contact, line, body, error)
       else
-         call add_line(zone, set, contact%direction, line, mesh, constraints, follower)
+         call add_line(zone, set, contact%direction, line, body, follower)
       end if
       call take_line(follower, line)
    end subroutine add_set
-
-   !> A zone without points.
-   pure subroutine empty_zone(zone)
-      type(contact_zone_t), intent(inout) :: zone !! the zone
-      type(contact_rows_t) :: no_rows
-      type(contact_quadrature_t) :: no_quadrature
-
-      allocate (zone%node(0), zone%set(0), zone%next(0), zone%held_node(0), zone%shared_node(0), &
-         zone%zero_area_node(0), zone%idle_side(2, 0), zone%is_cell(0), zone%is_tangent_fixed(0), &
-         zone%position(2, 0), zone%foot(2, 0), zone%normal(2, 0), zone%weight(0), zone%area(0), zone%shear_area(0))
-      allocate (no_rows%start(1), no_quadrature%start(1), source=1)
-      allocate (no_rows%node(0), no_rows%part(2, 0), no_quadrature%position(2, 0), no_quadrature%normal(2, 0), &
-         no_quadrature%outward(0), no_quadrature%arc_length(0), no_quadrature%gap(0), no_quadrature%share(0))
-      zone%rows = no_rows
-      zone%quadrature = no_quadrature
-   end subroutine empty_zone
 
    !> Adds points behind those that are there.
    pure subroutine add_points(zone, points)
@@ -147,74 +128,69 @@ contains
       zone%is_cell = [zone%is_cell, points%is_cell]
       zone%is_tangent_fixed = [zone%is_tangent_fixed, points%is_tangent_fixed]
       zone%position = reshape([zone%position, points%position], [2, zone%n_points])
-      if (allocated(points%foot)) then
-         zone%foot = reshape([zone%foot, points%foot], [2, zone%n_points])
-      else
-         zone%foot = reshape([zone%foot, points%position], [2, zone%n_points])
-      end if
+      zone%foot = reshape([zone%foot, points%foot], [2, zone%n_points])
       zone%normal = reshape([zone%normal, points%normal], [2, zone%n_points])
       zone%weight = [zone%weight, points%weight]
       zone%area = [zone%area, points%area]
-      if (allocated(points%shear_area)) then
-         zone%shear_area = [zone%shear_area, points%shear_area]
-      else
-         zone%shear_area = [zone%shear_area, points%area]
-      end if
+      zone%shear_area = [zone%shear_area, points%shear_area]
       call zone%rows%add(points%rows)
       call zone%quadrature%add(points%quadrature)
    end subroutine add_points
 
    !> Adds the nodes of one line as points.
-   pure subroutine add_line(zone, set, direction, line, mesh, constraints, follower)
+   pure subroutine add_line(zone, set, direction, line, body, follower)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
       real(dp), intent(in) :: direction(2) !! along which its gaps count; 0, 0 for the body's normal [-]
       type(boundary_line_t), intent(in) :: line !! its line
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(constraints_t), intent(in) :: constraints !! the supports
-      integer, intent(in) :: follower(:) !! the nodes of earlier sets, see `amontons_taken_sides` (nodes)
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      integer, intent(in) :: follower(:) !! the nodes of earlier sets, see `amontons_mortar_pair` (nodes)
       ! What rounding leaves of an area of 0, over the largest one.
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(contact_zone_t) :: points
       real(dp) :: arc_length(line%n_nodes), normal(2, line%n_nodes), along
-      integer :: point_of(0:line%n_nodes), kept(line%n_nodes), k, n
+      integer :: point_of(0:line%n_nodes), kept(line%n_nodes), ends(2), k, n
 
       point_of = 0
       n = 0
       along = 0.0_dp
       do k = 1, line%n_nodes
-         if (k > 1) along = along + norm2(mesh%coordinates(:, line%node(k)) - mesh%coordinates(:, line%node(k - 1)))
+         if (k > 1) along = along + norm2(body%mesh%coordinates(:, line%node(k)) &
+            - body%mesh%coordinates(:, line%node(k - 1)))
          arc_length(k) = along
-         if (follower(line%node(k)) > 0) then
-            zone%shared_node = [zone%shared_node, line%node(k)]
-            if (line%next(k) > 0) call note_idle_side(zone, line%node([k, line%next(k)]), mesh%coordinates, follower)
-            cycle
-         end if
          normal(:, k) = line%normal(:, k)
          if (any(abs(direction) > 0.0_dp)) normal(:, k) = direction/norm2(direction)
-         if (.not. constraints%leaves_free(line%node(k), normal(:, k))) then
+         if (follower(line%node(k)) > 0) then
+            zone%shared_node = [zone%shared_node, line%node(k)]
+            if (line%next(k) == 0) cycle
+            ends = line%node([k, line%next(k)])
+            ! A side whose ends both belong to earlier sets, but not the side itself.
+            if (follower(ends(2)) > 0 .and. follower(ends(1)) /= ends(2)) zone%idle_side = reshape( &
+               [zone%idle_side, 0.5_dp*sum(body%mesh%coordinates(:, ends), dim=2)], shape(zone%idle_side) + [0, 1])
+         else if (.not. body%constraints%leaves_free(line%node(k), normal(:, k))) then
             zone%held_node = [zone%held_node, line%node(k)]
-            cycle
-         end if
-         if (abs(line%area(k)) <= negligible*maxval(line%area)) then
+         else if (abs(line%area(k)) <= negligible*maxval(line%area)) then
             zone%zero_area_node = [zone%zero_area_node, line%node(k)]
-            cycle
+         else
+            n = n + 1
+            kept(n) = k
+            point_of(k) = n
          end if
-         n = n + 1
-         kept(n) = k
-         point_of(k) = n
       end do
       associate (place => kept(:n), node => line%node(kept(:n)))
          points%n_points = n
          points%set = spread(set, 1, n)
          points%next = point_of(line%next(place))
          points%is_cell = spread(.false., 1, n)
-         points%is_tangent_fixed = [(.not. all(constraints%is_free(:, node(k))), k=1, n)]
-         points%position = mesh%coordinates(:, node)
+         points%is_tangent_fixed = [(.not. all(body%constraints%is_free(:, node(k))), k=1, n)]
+         points%position = body%mesh%coordinates(:, node)
          points%normal = normal(:, place)
          points%weight = line%weight(place)
          points%area = line%area(place)
-         points%rows = contact_rows_t(start=[(k, k=1, n + 1)], node=node, part=points%normal)
+         points%shear_area = points%area
+         points%foot = points%position
+         points%rows = contact_rows_t(start=[(k, k=1, n + 1)], node=node, part=points%normal, tangent=points%normal)
+         call points%rows%set_tangents()
          points%quadrature = contact_quadrature_t(start=points%rows%start, position=points%position, &
             normal=points%normal, outward=sum(points%normal*line%normal(:, place), dim=1), &
             arc_length=arc_length(place), gap=spread(0.0_dp, 1, n), share=spread(1.0_dp, 1, n))
@@ -223,27 +199,13 @@ contains
       call add_points(zone, points)
    end subroutine add_line
 
-   !> Notes a side whose ends both belong to earlier sets, but not the side itself.
-   pure subroutine note_idle_side(zone, ends, coordinates, follower)
-      type(contact_zone_t), intent(inout) :: zone !! the zone
-      integer, intent(in) :: ends(2) !! nodes of the side, the first of an earlier set
-      real(dp), intent(in) :: coordinates(:, :) !! those of the nodes (2, nodes) [L]
-      integer, intent(in) :: follower(:) !! the nodes of earlier sets, see `amontons_taken_sides` (nodes)
-
-      if (follower(ends(2)) == 0 .or. follower(ends(1)) == ends(2)) return
-      zone%idle_side = reshape([zone%idle_side, 0.5_dp*sum(coordinates(:, ends), dim=2)], &
-         shape(zone%idle_side) + [0, 1])
-   end subroutine note_idle_side
-
    !> Adds the cells of one line as points. A cell whose nodes supports hold along its normal is no point.
-   pure subroutine add_cells(zone, set, contact, line, mesh, materials, constraints, error)
+   pure subroutine add_cells(zone, set, contact, line, body, error)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
       type(contact_t), intent(in) :: contact !! the contact set
       type(boundary_line_t), intent(in) :: line !! its line
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
-      type(constraints_t), intent(in) :: constraints !! the supports
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(error_t), allocatable, intent(out) :: error !! the partition does not fit the line
       type(contact_cells_t) :: cells
       type(contact_zone_t) :: points
@@ -251,7 +213,7 @@ contains
       integer, allocatable :: kept(:), point_of(:)
       integer :: cell, k
 
-      call new_contact_cells(cells, mesh, materials, contact%set, line, contact%partition, contact%direction, error)
+      call new_contact_cells(cells, body, contact%set, line, contact%partition, contact%direction, error)
       if (allocated(error)) return
       zone%is_nodal = .false.
       do k = 1, line%n_nodes
@@ -259,7 +221,7 @@ contains
       end do
       allocate (is_held(cells%n_cells), point_of(0:cells%n_cells))
       do cell = 1, cells%n_cells
-         is_held(cell) = .not. any([(constraints%leaves_free(cells%rows%node(k), cells%normal(:, cell)), &
+         is_held(cell) = .not. any([(body%constraints%leaves_free(cells%rows%node(k), cells%normal(:, cell)), &
             k=cells%rows%start(cell), cells%rows%start(cell + 1) - 1)])
       end do
       zone%n_held_cells = zone%n_held_cells + count(is_held)
@@ -274,27 +236,27 @@ contains
       points%normal = cells%normal(:, kept)
       points%weight = cells%length(kept)
       points%area = cells%area(kept)
+      points%shear_area = points%area
+      points%foot = points%position
       points%rows = cells%rows%picked(kept)
       points%quadrature = cells%quadrature%picked(kept)
       allocate (points%is_tangent_fixed(size(kept)))
       do k = 1, size(kept)
          associate (node => cells%rows%node(cells%rows%start(kept(k)):cells%rows%start(kept(k) + 1) - 1))
-            points%is_tangent_fixed(k) = .not. any(all(constraints%is_free(:, node), dim=1))
+            points%is_tangent_fixed(k) = .not. any(all(body%constraints%is_free(:, node), dim=1))
          end associate
       end do
       call add_points(zone, points)
    end subroutine add_cells
 
    !> Adds the points of a pair of surfaces: corners of the slave, or cells.
-   subroutine add_pair(zone, set, contact, mesh, materials, constraints, follower, error)
+   subroutine add_pair(zone, set, contact, body, follower, error)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
       type(contact_t), intent(in) :: contact !! the contact set
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
-      type(constraints_t), intent(in) :: constraints !! the supports
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       integer, intent(inout) :: follower(:)
-         !! the nodes of earlier sets, see `amontons_taken_sides`; gains those of this one (nodes)
+         !! the nodes of earlier sets, see `amontons_mortar_pair`; gains those of this one (nodes)
       type(error_t), allocatable, intent(out) :: error !! the sets do not face each other, or overlap by far
       character(*), parameter :: remedy = 'exchange set and against'
       type(mortar_points_t) :: integrals
@@ -303,21 +265,19 @@ contains
       integer :: n
 
       associate (pair => zone%pairs(set))
-         call new_mortar_pair(pair, contact%set, contact%pairing, mesh, materials, constraints, follower, error)
+         call new_mortar_pair(pair, contact%set, contact%pairing, body, follower, error)
          if (allocated(error)) return
          if (contact%partition%is_constant) then
-            call choose_cells(pair, contact%set, contact%pairing%against, contact%partition, mesh, materials, &
-               constraints, error)
+            call choose_cells(pair, contact%partition, body, error)
          else
-            call check_ends(pair, contact%set, contact%pairing%against, remedy, .false., constraints, error)
+            call check_ends(pair, remedy, .false., body%constraints, error)
             if (allocated(error)) return
-            call check_ends(pair, contact%set, contact%pairing%against, remedy, .true., constraints, shear_fault)
+            call check_ends(pair, remedy, .true., body%constraints, shear_fault)
             if (allocated(shear_fault)) pair%shear_fault = shear_fault%message
          end if
          if (allocated(error)) return
          call integrate_pair(integrals, pair, pair%segments, n_quadrature_points)
-         if (contact%pairing%has_mesh_gap()) call check_overlap(pair, integrals, mesh, &
-            contact%set, contact%pairing%against, error)
+         if (contact%pairing%has_mesh_gap()) call check_overlap(pair, integrals, body%mesh, error)
          if (allocated(error)) return
          n = size(integrals%area)
          points%next = pair%next
@@ -328,7 +288,7 @@ contains
             points%position = integrals%center
          else
             zone%node = [zone%node, pair%node]
-            points%position = mesh%coordinates(:, pair%node)
+            points%position = body%mesh%coordinates(:, pair%node)
          end if
          zone%held_node = [zone%held_node, pair%held_node]
          zone%shared_node = [zone%shared_node, pair%shared_node]

@@ -23,7 +23,7 @@ module amontons_equilibrium
    implicit none (type, external)
    private
 
-   public :: check_balance, has_nodal_points, round_normals
+   public :: check_balance, round_normals
 
 contains
 
@@ -88,7 +88,7 @@ contains
                'no equilibrium: contact and friction cannot balance the loads; '//motion// &
                '; add a support, or a load that presses the body on its obstacle')
          end if
-      else if (has_nodal_points(body%zone)) then
+      else if (.not. any(body%zone%is_cell)) then
          call balance(pieces, body, load_case, round_parts(body%zone), remainder, scale)
          if (norm2(remainder) > unbalanced_when_round*scale) call new_error(error, numerical_failure, &
             'no equilibrium but for the irregularities of the mesh: contact and friction on the round line that '// &
@@ -120,13 +120,6 @@ contains
       most = [spread(huge(1.0_dp), 1, 3*body%zone%n_points), load_case%slip_bound, load_case%slip_bound]
       allocate (remainder, source=bounded_remainder(cone, most, work))
    end subroutine balance
-
-   !> Whether each contact point belongs to one node of its line, so that it lies on a line with its neighbors.
-   pure logical function has_nodal_points(zone)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-
-      has_nodal_points = .not. any(zone%is_cell)
-   end function has_nodal_points
 
    !> The parts of the points, turned from their normals to those of the round line (2, parts) [-].
    pure function round_parts(zone) result(part)
@@ -203,7 +196,7 @@ contains
                motion = motions%displacement(body%mesh%coordinates(:, zone%rows%node(i)))
                associate (normal => part(:, i), given => 3*zone%n_points + p)
                   shear = turned(normal)
-                  if (zone%pairs(zone%set(p))%is_set()) shear = zone%rows%along(i)
+                  if (zone%pairs(zone%set(p))%is_set()) shear = zone%rows%tangent(:, i)
                   if (zone%is_tangent_fixed(p)) shear = 0.0_dp
                   ! A given slip bound holds open points, too.
                   cone(:, given) = cone(:, given) + matmul(shear, motion)

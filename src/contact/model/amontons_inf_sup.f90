@@ -10,8 +10,7 @@ module amontons_inf_sup
    use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
-   use amontons_material, only: materials_t
-   use amontons_mesh, only: mesh_t
+   use amontons_surface, only: meshed_body_t
    implicit none (type, external)
    private
 
@@ -20,20 +19,18 @@ module amontons_inf_sup
 contains
 
    !> The constant of one contact set; 0 where some multiplier does not act on the body at all [-].
-   pure real(dp) function inf_sup_constant(zone, number, set, mesh, materials, constraints) result(beta)
+   pure real(dp) function inf_sup_constant(zone, number, set, body) result(beta)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: number !! number of the contact set
       character(*), intent(in) :: set !! name of its boundary set
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
-      type(constraints_t), intent(in) :: constraints !! the supports
-      integer :: place(2, mesh%n_nodes), n
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      integer :: place(2, body%mesh%n_nodes), n
       real(dp), allocatable :: mass(:, :), rows(:, :), projected(:, :), gram(:, :)
       integer :: info
 
       beta = 0.0_dp
-      call trace_mass(mass, place, n, set, mesh, materials, constraints)
-      rows = scaled_rows(zone, number, constraints, place, n)
+      call trace_mass(mass, place, n, set, body)
+      rows = scaled_rows(zone, number, body%constraints, place, n)
       if (size(rows, 1) > n) return
       call cholesky_factor(mass, info)
       if (info /= 0) return
@@ -45,14 +42,12 @@ contains
    end function inf_sup_constant
 
    !> The mass matrix of the free displacements on a contact line: (v, v) = |v|^2.
-   pure subroutine trace_mass(mass, place, n, set, mesh, materials, constraints)
+   pure subroutine trace_mass(mass, place, n, set, body)
       real(dp), allocatable, intent(out) :: mass(:, :) !! the matrix (n, n) [L^2]
       integer, intent(out) :: place(:, :) !! place of each displacement along e1, e2 in it, 0 for none (2, n_nodes)
       integer, intent(out) :: n !! number of free displacements on the line
       character(*), intent(in) :: set !! name of the boundary set
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, for the depth
-      type(constraints_t), intent(in) :: constraints !! the supports
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(side_geometry_t) :: geometry
       type(error_t), allocatable :: error
       integer, allocatable :: sides(:, :)
@@ -61,12 +56,12 @@ contains
 
       place = 0
       n = 0
-      call mesh%set_sides(set, sides, error)
+      call body%mesh%set_sides(set, sides, error)
       do side = 1, size(sides, 2)
          do k = 1, count(sides(:3, side) > 0)
             do a = 1, 2
                associate (of_component => place(a, sides(k, side)))
-                  if (of_component > 0 .or. .not. constraints%is_free(a, sides(k, side))) cycle
+                  if (of_component > 0 .or. .not. body%constraints%is_free(a, sides(k, side))) cycle
                   n = n + 1
                   of_component = n
                end associate
@@ -75,15 +70,15 @@ contains
       end do
       allocate (mass(n, n), source=0.0_dp)
       do side = 1, size(sides, 2)
-         call new_side_geometry(geometry, sides(:3, side), mesh%coordinates)
+         call new_side_geometry(geometry, sides(:3, side), body%mesh%coordinates)
          do point = 1, size(geometry%along, 2)
             area = norm2(geometry%along(:, point)) &
-               *materials%list(materials%of_element(sides(4, side)))%depth(geometry%position(1, point))
+               *body%materials%list(body%materials%of_element(sides(4, side)))%depth(geometry%position(1, point))
             do j = 1, count(sides(:3, side) > 0)
                do i = 1, count(sides(:3, side) > 0)
                   call add_pair(mass, place(:, sides(i, side)), place(:, sides(j, side)), &
                      area*geometry%values(i, point)*geometry%values(j, point) &
-                     *matmul(transpose(constraints%frame(sides(i, side))), constraints%frame(sides(j, side))))
+                     *matmul(transpose(body%constraints%frame(sides(i, side))), body%constraints%frame(sides(j, side))))
                end do
             end do
          end do
@@ -123,7 +118,7 @@ contains
          if (zone%set(p) /= number) cycle
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
             frame = constraints%frame(zone%rows%node(i))
-            parts = reshape([zone%rows%part(:, i), zone%rows%along(i)], [2, 2])
+            parts = reshape([zone%rows%part(:, i), zone%rows%tangent(:, i)], [2, 2])
             do k = 1, 2
                row = p + (k - 1)*zone%n_points
                do a = 1, 2

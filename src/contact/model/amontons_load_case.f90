@@ -266,12 +266,12 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case, condensed
       real(dp), intent(in) :: solution(:) !! displacements v of the contact problem (2m) [L]
-      real(dp), allocatable :: unknowns(:), v(:)
+      type(condensed_load_t) :: condensed(1)
+      real(dp), allocatable :: one(:, :, :)
 
-      v = solution
-      v(body%zone%n_points + 1:) = v(body%zone%n_points + 1:) - prescribed_slip(body, load_case)
-      call body%condensation%recover(load_case%condensed, v, unknowns)
-      displacement = from_unknowns(unknowns, load_case%prescribed, body%constraints, body%dof_map)
+      condensed(1) = load_case%condensed
+      call recover_displacements(one, body, load_case, condensed, reshape(solution, [size(solution), 1]))
+      displacement = one(:, :, 1)
    end subroutine recover_displacement
 
    !> Computes the displacements of all nodes from the solutions of several contact problems, with one pass over the
@@ -289,7 +289,7 @@ contains
       m = body%zone%n_points
       v = solution
       v(m + 1:, :) = v(m + 1:, :) - spread(prescribed_slip(body, load_case), 2, size(condensed))
-      call body%condensation%recover_all(condensed, v, unknowns)
+      call body%condensation%recover(condensed, v, unknowns)
       allocate (displacement(2, body%mesh%n_nodes, size(condensed)))
       do k = 1, size(condensed)
          displacement(:, :, k) = from_unknowns(unknowns(:, k), load_case%prescribed, body%constraints, body%dof_map)

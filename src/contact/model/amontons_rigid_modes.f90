@@ -21,6 +21,7 @@ contains
       type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
       real(dp), intent(in), optional :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
       logical, allocatable :: is_inside(:)
+      real(dp) :: position(2)
       integer :: i, j, k, p
 
       allocate (modes(2*zone%n_points, sum(motions%n_free)), source=0.0_dp)
@@ -32,11 +33,9 @@ contains
          do p = 1, zone%n_points
             do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
                if (.not. is_inside(zone%rows%node(i))) cycle
-               if (present(coordinates)) then
-                  call add_motion(modes, k, motions(j), coordinates(:, zone%rows%node(i)), zone, p, i)
-               else
-                  call add_motion(modes, k, motions(j), zone%position(:, p), zone, p, i)
-               end if
+               position = zone%position(:, p)
+               if (present(coordinates)) position = coordinates(:, zone%rows%node(i))
+               call add_motion(modes, k, motions(j), position, zone, p, i)
             end do
          end do
          k = k + motions(j)%n_free
@@ -61,7 +60,7 @@ contains
             mode(point) = mode(point) + dot_product(zone%rows%part(:, part), motion(:, i))
             ! The contact problem does not know the slip that a support prevents.
             if (.not. zone%is_tangent_fixed(point)) mode(m + point) = mode(m + point) &
-               + dot_product(zone%rows%along(part), motion(:, i))
+               + dot_product(zone%rows%tangent(:, part), motion(:, i))
          end associate
       end do
    end subroutine add_motion

@@ -17,6 +17,7 @@ module amontons_active_set
       integer, allocatable :: slip_direction(:) !! sign of its slip, 0 if it sticks (m)
    contains
       procedure :: equals => active_set_equals
+      procedure :: gives_force => active_set_gives_force
       procedure :: update => active_set_update
       procedure :: assume_stick => active_set_assume_stick
       procedure :: impose => active_set_impose
@@ -32,8 +33,6 @@ contains
       real(dp), intent(in) :: rho(:) !! stiffness that turns displacements into forces (2m) [F/L]
       real(dp), intent(in) :: force_scale !! the force that residuals are measured by [F]
 
-      if (.not. allocated(self%is_closed)) allocate (self%is_closed(problem%n_points), &
-         self%slip_direction(problem%n_points))
       self%is_closed = rho(:problem%n_points)*(problem%gap - minval(problem%gap)) <= problem%n_points*force_scale
       self%slip_direction = merge(0, 1, problem%friction + problem%slip_bound > 0.0_dp)
    end subroutine active_set_assume_stick
@@ -47,28 +46,17 @@ contains
       real(dp), intent(in) :: displacement(:) !! v (2m) [L]
       real(dp), intent(in) :: force(:) !! lambda (2m) [F]
       real(dp), intent(out) :: violation !! the largest violation of the contact law, with its weight [F]
-      real(dp) :: weight(problem%n_points), normal, tangential, bound, cut
-      integer :: p, t
+      real(dp) :: augmented(2*problem%n_points), bound(problem%n_points)
 
-      if (.not. allocated(self%is_closed)) allocate (self%is_closed(problem%n_points), &
-         self%slip_direction(problem%n_points))
-      violation = 0.0_dp
-      weight = problem%weight()
-      do p = 1, problem%n_points
-         t = p + problem%n_points
-         normal = force(p) + rho(p)*(displacement(p) - problem%gap(p))
-         tangential = force(t) + rho(t)*(displacement(t) - problem%anchor(p))
-         bound = problem%slip_bound(p) + problem%friction(p)*max(0.0_dp, normal)
-         self%is_closed(p) = normal > 0.0_dp
-         self%slip_direction(p) = 0
-         if (.not. bound > 0.0_dp) then
-            self%slip_direction(p) = 1
-         else if (abs(tangential) > bound) then
-            self%slip_direction(p) = nint(sign(1.0_dp, tangential))
-         end if
-         cut = bounded(tangential, problem%slip_bound(p) + problem%friction(p)*max(0.0_dp, force(p)))
-         violation = max(violation, weight(p)*abs(force(p) - max(0.0_dp, normal)), weight(p)*abs(force(t) - cut))
-      end do
+      augmented = force + rho*(displacement - problem%reference())
+      associate (m => problem%n_points)
+         bound = problem%bound(augmented(:m))
+         self%is_closed = augmented(:m) > 0.0_dp
+         self%slip_direction = merge(nint(sign(1.0_dp, augmented(m + 1:))), 0, abs(augmented(m + 1:)) > bound)
+         where (.not. bound > 0.0_dp) self%slip_direction = 1
+         violation = max(0.0_dp, maxval(problem%weight()*max(abs(force(:m) - max(0.0_dp, augmented(:m))), &
+            abs(force(m + 1:) - bounded(augmented(m + 1:), problem%bound(force(:m)))))))
+      end associate
    end subroutine active_set_update
 
    !> Puts what an active set says of the forces into those that are in equilibrium with displacements.
@@ -88,6 +76,15 @@ contains
       end associate
       imbalance = max(0.0_dp, maxval(abs(force - balanced)))
    end subroutine active_set_impose
+
+   !> Of which components the force is unknown and the displacement given: the normal ones of closed points, the
+   !> tangential ones of sticking points; of the others it is the displacement that is unknown (2m).
+   pure function active_set_gives_force(self) result(gives_force)
+      class(active_set_t), intent(in) :: self !! the active set
+      logical, allocatable :: gives_force(:)
+
+      gives_force = [self%is_closed, self%slip_direction == 0]
+   end function active_set_gives_force
 
    !> Whether two active sets are the same.
    pure logical function active_set_equals(self, other) result(equals)

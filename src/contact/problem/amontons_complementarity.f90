@@ -65,7 +65,8 @@ contains
             outcome = pivoting_solved
             exit
          end if
-         if (modulo(n_pivots, n_between_refreshes(tableau%n)) == 0) then
+         ! Rounding errors of one basis pass to the next, and a fresh tableau costs up to n pivots.
+         if (modulo(n_pivots, 100 + tableau%n) == 0) then
             call refresh(tableau, matrix, right, cover)
             if (present(effort)) call effort%factorize(.true.)
          end if
@@ -83,14 +84,6 @@ contains
          if (row > 0) z(i) = tableau%entry(row, 0)
       end do
    end subroutine lemke_pivoting
-
-   !> Pivots after which the tableau is made anew from the data: rounding errors of one basis pass to the next, and a
-   !> fresh tableau costs up to n of them.
-   pure integer function n_between_refreshes(n)
-      integer, intent(in) :: n !! order of the problem
-
-      n_between_refreshes = 100 + n
-   end function n_between_refreshes
 
    !> The tableau with w basic.
    pure subroutine new_tableau(tableau, matrix, right, cover)

@@ -5,20 +5,14 @@
 !> x = w, y is the force, H = S and h = q - S (d; a). Either way H is positive semidefinite; it is scaled to the
 !> diagonal 1, which turns every force and every distance into one unit, and with it the friction.
 module amontons_contact_relation
+   use amontons_active_set, only: active_set_t
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_dense, only: lu_solve, symmetric_multiply
+   use amontons_dense, only: cholesky_factor, cholesky_inverse, lu_solve, symmetric_multiply
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
 
-   public :: contact_relation_t, new_contact_relation, point_states_t
-
-   !> Which conditions are in force at every point. Closed: u_N = d; open: lambda_N = 0. Direction 0: u_T = a;
-   !> direction +1 or -1: lambda_T = +-(g + phi lambda_N).
-   type :: point_states_t
-      logical, allocatable :: is_closed(:) !! whether each point is closed (m)
-      integer, allocatable :: slip_direction(:) !! sign of its slip, 0 without (m)
-   end type point_states_t
+   public :: contact_relation_t, new_contact_relation
 
    !> The relation between forces and distances, with the friction of every point; all without units.
    type :: contact_relation_t
@@ -31,6 +25,7 @@ module amontons_contact_relation
       real(dp), allocatable :: force_unit(:) !! unit of each force (2m) [F]
       real(dp), allocatable :: distance_unit(:) !! unit of each distance (2m) [L]
    contains
+      procedure :: invert => contact_relation_invert
       procedure :: solve_states => contact_relation_solve_states
       procedure :: violation => contact_relation_violation
    end type contact_relation_t
@@ -66,7 +61,8 @@ contains
       integer :: j, m
 
       unit = sqrt(diagonal_units(matrix))
-      amount = magnitude(vector/unit)
+      amount = maxval(abs(vector/unit))
+      if (.not. amount > 0.0_dp) amount = 1.0_dp
       allocate (relation%distance_unit, source=merge(amount*unit, amount/unit, relation%is_dual))
       allocate (relation%force_unit, source=merge(amount/unit, amount*unit, relation%is_dual))
       relation%vector = vector/(amount*unit)
@@ -93,19 +89,27 @@ contains
       unit = merge(unit, maxval(unit), unit > 0.0_dp)
    end function diagonal_units
 
-   !> The largest absolute value, 1 for the zero vector.
-   pure real(dp) function magnitude(vector)
-      real(dp), intent(in) :: vector(:) !! the vector
+   !> The inverse of the symmetric part of H, if that is positive definite beyond rounding.
+   pure subroutine contact_relation_invert(self, inverse, is_definite)
+      class(contact_relation_t), intent(in) :: self !! the relation
+      real(dp), allocatable, intent(out) :: inverse(:, :) !! the inverse, if there is one (2m, 2m)
+      logical, intent(out) :: is_definite !! whether there is
+      ! The square of a smaller pivot's root may be rounding alone.
+      real(dp), parameter :: least_root = 1.0e-5_dp
+      integer :: i, info
 
-      magnitude = maxval(abs(vector))
-      if (.not. magnitude > 0.0_dp) magnitude = 1.0_dp
-   end function magnitude
+      inverse = 0.5_dp*(self%matrix + transpose(self%matrix))
+      call cholesky_factor(inverse, info)
+      is_definite = info == 0
+      if (is_definite) is_definite = minval([(inverse(i, i), i=1, size(inverse, 1))]) > least_root
+      if (is_definite) call cholesky_inverse(inverse)
+   end subroutine contact_relation_invert
 
    !> The forces and distances that given states lead to, without units: 2m linear equations for the 2m of them that the
    !> states leave open.
    pure subroutine contact_relation_solve_states(self, states, force, distance, info)
       class(contact_relation_t), intent(in) :: self !! the relation
-      type(point_states_t), intent(in) :: states !! state of every point
+      type(active_set_t), intent(in) :: states !! state of every point
       real(dp), intent(out) :: force(:) !! lambda (2m) [-]
       real(dp), intent(out) :: distance(:) !! w (2m) [-]
       integer, intent(out) :: info !! 0, or nonzero where the states leave the system singular
@@ -116,7 +120,7 @@ contains
 
       m = self%n_points
       allocate (matrix(2*m, 2*m))
-      has_force = [states%is_closed, states%slip_direction == 0]
+      has_force = states%gives_force()
       do p = 1, 2*m
          call take_column(p, has_force(p), matrix(:, p))
       end do
@@ -166,7 +170,7 @@ contains
    !> of friction or slip against the direction, over the largest force or distance, 1 at least [-].
    pure real(dp) function contact_relation_violation(self, states, force, distance) result(violation)
       class(contact_relation_t), intent(in) :: self !! the relation
-      type(point_states_t), intent(in) :: states !! state of every point (m)
+      type(active_set_t), intent(in) :: states !! state of every point (m)
       real(dp), intent(in) :: force(:) !! lambda (2m) [-]
       real(dp), intent(in) :: distance(:) !! w (2m) [-]
       real(dp) :: excess

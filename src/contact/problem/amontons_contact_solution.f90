@@ -23,6 +23,7 @@ module amontons_contact_solution
       real(dp), allocatable :: history(:) !! residual after each iteration (at least n_iterations) [-]
    contains
       procedure :: follow => contact_solution_follow
+      procedure :: measure => contact_solution_measure
       procedure :: reset => contact_solution_reset
       procedure :: record_residual => contact_solution_record_residual
       procedure :: record => contact_solution_record
@@ -64,13 +65,21 @@ contains
 
       self%displacement = displacement
       self%force = force
-      self%residual = problem%residual(displacement, force)
-      call self%effort%multiply(1.0_dp)
-      self%status = problem%status(displacement, force)
+      call self%measure(problem)
       call self%record_residual(self%residual)
       self%is_converged = self%residual <= tolerance
       may_continue = .not. self%is_converged .and. self%residual < huge(self%residual)
    end subroutine contact_solution_record
+
+   !> Measures the pair at hand by the problem alone: residual and statuses.
+   pure subroutine contact_solution_measure(self, problem)
+      class(contact_solution_t), intent(inout) :: self !! the solution
+      type(contact_problem_t), intent(in) :: problem !! the problem
+
+      self%residual = problem%residual(self%displacement, self%force)
+      call self%effort%multiply(1.0_dp)
+      self%status = problem%status(self%displacement, self%force)
+   end subroutine contact_solution_measure
 
    !> Puts the record of a solution that this one started from before its own.
    pure subroutine contact_solution_follow(self, first)

@@ -4,17 +4,17 @@
 !> their states one after the other; the equations are eliminated on the way, so that the inequalities of the points
 !> so far are known in terms of the points to come, and a branch ends as soon as one of them cannot hold.
 module amontons_all_solutions
+   use amontons_active_set, only: active_set_t
    use amontons_affine_rows, only: eliminate, has_extent, loose, no_pivot
    use amontons_contact_problem, only: contact_problem_t
-   use amontons_contact_relation, only: contact_relation_t, new_contact_relation, point_states_t
-   use amontons_dense, only: cholesky_factor, cholesky_inverse
+   use amontons_contact_relation, only: contact_relation_t, new_contact_relation
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: all_solutions_t, find_all_solutions, find_unsymmetric_solutions, most_points
+   public :: all_solutions_t, find_all_solutions, most_points
 
    !> Most points that all combinations of states are tried for: with Coulomb friction, a point has four states.
    integer, parameter :: most_points = 12
@@ -43,7 +43,7 @@ module amontons_all_solutions
       type(all_solutions_t) :: found !! the solutions so far, without units; distances in the place of displacements
       real(dp), allocatable :: lower(:) !! least value that each x can have in a solution, point by point (2m)
       real(dp), allocatable :: upper(:) !! its largest value (2m)
-      type(point_states_t) :: states !! states of the points so far (m)
+      type(active_set_t) :: states !! states of the points so far (m)
    end type search_t
 
 contains
@@ -51,52 +51,33 @@ contains
    !> Finds all solutions of a contact problem of at most `most_points` points.
    !>
    !> Where matrices of states are singular, solutions may form families (polyhedra): it is said that there are any.
-   subroutine find_all_solutions(solutions, problem, error)
+   subroutine find_all_solutions(solutions, problem, error, skew_part)
       type(all_solutions_t), intent(out) :: solutions !! the solutions
       type(contact_problem_t), intent(in) :: problem !! the problem
       type(error_t), allocatable, intent(out) :: error !! the problem has too many points
+      real(dp), intent(in), optional :: skew_part(:, :)
+         !! what the compliance of a reduced problem has besides its symmetric part (2m, 2m) [L/F]
       type(search_t) :: search
-
-      call check_size(problem, error)
-      if (allocated(error)) return
-      call new_contact_relation(search%relation, problem)
-      call find(solutions, search, problem)
-   end subroutine find_all_solutions
-
-   !> Finds all solutions of a reduced problem whose compliance is not quite symmetric.
-   subroutine find_unsymmetric_solutions(solutions, problem, skew_part, error)
-      type(all_solutions_t), intent(out) :: solutions !! the solutions
-      type(contact_problem_t), intent(in) :: problem !! the problem, with the symmetric part of its compliance
-      real(dp), intent(in) :: skew_part(:, :) !! the rest of its compliance (2m, 2m) [L/F]
-      type(error_t), allocatable, intent(out) :: error !! the problem has too many points
-      type(search_t) :: search
-      integer :: j
-
-      call check_size(problem, error)
-      if (allocated(error)) return
-      call new_contact_relation(search%relation, problem)
-      associate (relation => search%relation)
-         do j = 1, size(skew_part, 2)
-            relation%matrix(:, j) = relation%matrix(:, j) &
-               + skew_part(:, j)*relation%force_unit(j)/relation%distance_unit
-         end do
-      end associate
-      call find(solutions, search, problem)
-   end subroutine find_unsymmetric_solutions
-
-   !> Refuses a problem with too many points.
-   pure subroutine check_size(problem, error)
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      type(error_t), allocatable, intent(out) :: error !! the problem has too many points
-      integer :: most
+      integer :: j, most
 
       most = merge(most_points_with_bound, most_points, any(problem%slip_bound > 0.0_dp))
       if (problem%n_points > most) then
          call new_error(error, input_refused, 'all solutions can be found with at most '//to_text(most)// &
             ' contact points'//trim(merge(' where a slip bound is given', repeat(' ', 28), most < most_points))// &
             ', this problem has '//to_text(problem%n_points))
+         return
       end if
-   end subroutine check_size
+      call new_contact_relation(search%relation, problem)
+      if (present(skew_part)) then
+         associate (relation => search%relation)
+            do j = 1, size(skew_part, 2)
+               relation%matrix(:, j) = relation%matrix(:, j) &
+                  + skew_part(:, j)*relation%force_unit(j)/relation%distance_unit
+            end do
+         end associate
+      end if
+      call find(solutions, search, problem)
+   end subroutine find_all_solutions
 
    !> Searches for the solutions and gives them their units back.
    subroutine find(solutions, search, problem)
@@ -134,21 +115,16 @@ contains
    !> x^T H x <= x^T h: an ellipsoid if H is definite.
    pure subroutine bound_unknowns(search)
       type(search_t), intent(inout) :: search !! gains the bounds
-      ! A factor with a smaller diagonal may be that of a singular matrix, and rounding.
-      real(dp), parameter :: unbounded = huge(1.0_dp)/1.0e10_dp, definite = 1.0e-5_dp
+      real(dp), parameter :: unbounded = huge(1.0_dp)/1.0e10_dp
       real(dp), allocatable :: inverse(:, :), center(:), reach(:)
-      integer :: i, m, info
+      logical :: is_definite
+      integer :: i, m
 
       m = search%relation%n_points
       allocate (search%lower(2*m), source=-unbounded)
       allocate (search%upper(2*m), source=unbounded)
-      inverse = 0.5_dp*(search%relation%matrix + transpose(search%relation%matrix))
-      call cholesky_factor(inverse, info)
-      if (info == 0) then
-         if (minval([(inverse(i, i), i=1, 2*m)]) < definite) info = 1
-      end if
-      if (info == 0) then
-         call cholesky_inverse(inverse)
+      call search%relation%invert(inverse, is_definite)
+      if (is_definite) then
          center = matmul(inverse, search%relation%vector)
          associate (energy => dot_product(center, search%relation%vector))
             reach = [(sqrt(max(0.0_dp, inverse(i, i)*energy)), i=1, 2*m)]
@@ -298,7 +274,7 @@ contains
    !> Solves the present states afresh and keeps the solution, unless it violates an inequality after all or is known.
    pure subroutine keep_solution(search)
       type(search_t), intent(inout) :: search !! the search
-      type(point_states_t) :: states
+      type(active_set_t) :: states
       real(dp) :: force(2*search%relation%n_points), distance(2*search%relation%n_points), smallest
       integer :: info, m
 
@@ -321,7 +297,7 @@ contains
    !> no friction resists may have either sign.
    pure real(dp) function least_margin(relation, states, force, distance) result(margin)
       type(contact_relation_t), intent(in) :: relation !! the relation
-      type(point_states_t), intent(in) :: states !! states of all points
+      type(active_set_t), intent(in) :: states !! states of all points
       real(dp), intent(in) :: force(:) !! lambda (2m) [-]
       real(dp), intent(in) :: distance(:) !! w (2m) [-]
       real(dp) :: bound

@@ -74,7 +74,7 @@ contains
       real(dp), allocatable :: inverse(:, :)
       logical :: is_definite
 
-      call invert(relation%matrix, inverse, is_definite)
+      call relation%invert(inverse, is_definite)
       uniqueness%is_exact = is_definite .and. relation%n_points <= most_points_exact
       if (uniqueness%is_exact) then
          if (relation%is_dual) inverse = relation%matrix
@@ -86,22 +86,6 @@ contains
       end if
       uniqueness%has_bound = uniqueness%friction > 0.0_dp
    end subroutine bound_friction
-
-   !> The inverse of a symmetric matrix with the diagonal 1, if it is positive definite beyond rounding.
-   pure subroutine invert(matrix, inverse, is_definite)
-      real(dp), intent(in) :: matrix(:, :) !! the matrix (n, n)
-      real(dp), allocatable, intent(out) :: inverse(:, :) !! its inverse (n, n)
-      logical, intent(out) :: is_definite !! whether there is one
-      ! The square of a smaller pivot's root may be rounding alone.
-      real(dp), parameter :: least_root = 1.0e-5_dp
-      integer :: i, info
-
-      inverse = matrix
-      call cholesky_factor(inverse, info)
-      is_definite = info == 0
-      if (is_definite) is_definite = minval([(inverse(i, i), i=1, size(inverse, 1))]) > least_root
-      if (is_definite) call cholesky_inverse(inverse)
-   end subroutine invert
 
    !> The least multiple of given coefficients at which the determinant of some states is no longer positive.
    pure real(dp) function exact_bound(a, friction, has_slip_bound) result(bound)

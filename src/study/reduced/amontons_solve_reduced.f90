@@ -2,7 +2,7 @@
 !> contact by contact, on W as it was read.
 module amontons_solve_reduced
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_all_solutions, only: all_solutions_t, find_unsymmetric_solutions, most_points
+   use amontons_all_solutions, only: all_solutions_t, find_all_solutions, most_points
    use amontons_components, only: solve_components
    use amontons_config, only: config_t
    use amontons_contact_method, only: contact_method_t
@@ -153,7 +153,7 @@ contains
          force(j) = 1.0_dp
          skew_part(:, j) = -system%skew_displacement(force)
       end do
-      call find_unsymmetric_solutions(solutions, problem, skew_part, error)
+      call find_all_solutions(solutions, problem, error, skew_part)
       if (allocated(error)) return
       associate (length => system%length_unit(), force_unit => system%length_unit()/system%compliance_unit())
          solutions%displacement = length*solutions%displacement
