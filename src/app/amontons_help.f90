@@ -5,12 +5,11 @@ module amontons_help
    use amontons_config, only: reference_text
    use amontons_distributed, only: mpi_text
    use amontons_error, only: error_t
-   use amontons_libraries, only: blas_text
    use amontons_messages, only: print_error
    use amontons_suitesparse, only: suitesparse_text
    use amontons_terminal, only: print_line, standard_output
    use amontons_text, only: newline, to_text
-   use amontons_threads, only: n_threads, openmp_date
+   use amontons_threads, only: blas_text, n_threads, openmp_date
    use amontons_version, only: build_type, version
    implicit none (type, external)
    private

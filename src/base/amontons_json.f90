@@ -2,7 +2,7 @@
 module amontons_json
    use amontons_kinds, only: dp
    use amontons_quantity, only: expanded, quantity_t
-   use amontons_text, only: to_text, utf_8_width
+   use amontons_text, only: longest_decimal, to_text, utf_8_width
    implicit none (type, external)
    private
 
@@ -26,8 +26,8 @@ contains
    pure function json_numbers(values) result(text)
       real(dp), intent(in) :: values(:) !! the numbers
       character(:), allocatable :: text
-      ! A separator, and the longest number: '-1.2345678901234567e-308'.
-      integer, parameter :: longest = 26
+      ! A separator, and the longest number.
+      integer, parameter :: longest = longest_decimal + 2
       integer :: i, length
 
       allocate (character(longest*size(values)) :: text)

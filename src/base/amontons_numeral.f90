@@ -7,8 +7,8 @@ module amontons_numeral
 
    public :: ends_word, scan_integer, scan_real
 
-   !> A longer numeral is refused: nobody writes as many digits.
-   integer, parameter :: longest_numeral = 400
+   !> A longer exponent is refused: no number of any kind has it.
+   integer, parameter :: longest_exponent = 4
    !> Up to here powers of ten are numbers of kind `dp`, so that one division or product rounds as it must.
    integer, parameter :: largest_power = 22
    !> Up to here integers are numbers of kind `dp`.
@@ -100,7 +100,7 @@ contains
       call scan_mantissa(text, at, mantissa, power, is_exact, ok)
       if (.not. ok) return
       call scan_exponent(text, at, power_written, ok)
-      ok = ok .and. ends_word(text, at) .and. at - position <= longest_numeral
+      ok = ok .and. ends_word(text, at)
       if (.not. ok) return
       power = power + power_written
       if (mantissa == 0) power = 0
@@ -155,7 +155,7 @@ contains
       character(*), intent(in) :: text !! any text
       integer, intent(inout) :: position !! where its letter may stand; behind the exponent on return
       integer, intent(out) :: power !! the exponent, 0 where there is none
-      logical, intent(out) :: ok !! whether digits follow the letter, if there is a letter
+      logical, intent(out) :: ok !! whether digits follow the letter, if there is a letter, and not too many
       integer, parameter :: beyond_every_real = 10000
       integer :: digit, first
       logical :: is_negative
@@ -173,18 +173,18 @@ contains
          power = min(10*power + digit, beyond_every_real)
          position = position + 1
       end do
-      ok = position > first
+      ok = position > first .and. position <= first + longest_exponent
       if (is_negative) power = -power
    end subroutine scan_exponent
 
    !> Reads a numeral whose digits or power are too many for one rounding.
    pure subroutine read_rounded(numeral, value, ok)
-      character(*), intent(in) :: numeral !! the numeral, well formed, not 0, at most `longest_numeral` long
+      character(*), intent(in) :: numeral !! the numeral, well formed, not 0
       real(dp), intent(out) :: value !! the number, 0 on failure
       logical, intent(out) :: ok !! whether it is neither too large nor so small that it rounds to 0
       integer :: status
 
-      read (numeral, '(f400.0)', iostat=status) value
+      read (numeral, *, iostat=status) value
       ok = status == 0 .and. ieee_is_finite(value) .and. abs(value) > 0.0_dp
       if (.not. ok) value = 0.0_dp
    end subroutine read_rounded

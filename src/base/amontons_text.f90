@@ -1,14 +1,14 @@
 !> Text helpers: numbers to text, text to numbers, words.
 module amontons_text
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_decimal, only: longest_decimal, put_decimal, rounded_decimal
+   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
    use amontons_kinds, only: dp, int64
+   use amontons_numeral, only: scan_integer, scan_real
    implicit none (type, external)
    private
 
-   public :: as_lines, comma_separated, counted, line_end, lower_case, n_characters, nearest_word, newline, &
-      put_decimals, quoted, read_integer, read_real, read_reals, replaced, to_short_text, to_text, utf_8_width, &
-      xml_escaped
+   public :: as_lines, comma_separated, counted, line_end, longest_decimal, lower_case, n_characters, nearest_word, &
+      newline, put_decimal, put_decimals, quoted, read_integer, read_real, read_reals, replaced, to_short_text, &
+      to_text, utf_8_width, xml_escaped
 
    !> The end of a line.
    character(*), parameter :: newline = new_line('a')
@@ -17,6 +17,28 @@ module amontons_text
    interface to_text
       module procedure :: integer_to_text, long_to_text, real_to_text, logical_to_text
    end interface to_text
+
+   !> Most characters of such a text: '-1.2345678901234567e-308'.
+   integer, parameter :: longest_decimal = 24
+
+   ! allow(assumed-size, C072): C takes an address and knows no shape
+   interface
+      pure subroutine c_write_decimal(value, text, length) bind(c, name='amontons_write_decimal')
+         import :: c_char, c_double, c_int
+         implicit none (type, external)
+         real(c_double), value :: value
+         character(c_char), intent(inout) :: text(*)
+         integer(c_int), intent(out) :: length
+      end subroutine c_write_decimal
+
+      pure function c_rounded_decimal(value, n_digits) bind(c, name='amontons_rounded_decimal') result(rounded)
+         import :: c_double, c_int
+         implicit none (type, external)
+         real(c_double), value :: value
+         integer(c_int), value :: n_digits
+         real(c_double) :: rounded
+      end function c_rounded_decimal
+   end interface
 
 contains
 
@@ -77,7 +99,7 @@ contains
       integer, intent(in) :: n_digits !! number of digits, at most 17
       character(:), allocatable :: text
 
-      text = real_to_text(rounded_decimal(value, n_digits))
+      text = real_to_text(real(c_rounded_decimal(real(value, c_double), int(n_digits, c_int)), dp))
    end function to_short_text
 
    !> Reals with commas between them, as the tables hold them.
@@ -199,67 +221,27 @@ contains
       character(*), intent(in) :: word !! the word, without blanks
       integer, intent(out) :: value !! the number, 0 on failure
       logical, intent(out) :: ok !! whether the whole word is an integer in range
-      integer :: first, status
+      integer, parameter :: longest = 32
+      integer :: position
 
-      value = 0
-      first = first_digit(word)
-      ok = len(word) >= first .and. verify(word(first:), '0123456789') == 0
-      if (.not. ok) return
-      read (word, '(i32)', iostat=status) value
-      ok = status == 0 .and. len(word) <= 32
+      position = 1
+      call scan_integer(word, position, value, ok)
+      ok = ok .and. position > len(word) .and. len(word) <= longest
       if (.not. ok) value = 0
    end subroutine read_integer
 
-   !> Reads a whole word as a finite real: `5`, `5.`, `.5`, `5e-1`, `5d-1`; no number, however small, is taken for 0.
+   !> Reads a whole word as a finite real, as `scan_real` does.
    pure subroutine read_real(word, value, ok)
       character(*), intent(in) :: word !! the word, without blanks
       real(dp), intent(out) :: value !! the number, 0 on failure
       logical, intent(out) :: ok !! whether the whole word is a finite number
-      character(:), allocatable :: plain
-      integer :: at_exponent, status
+      integer :: position
 
-      value = 0.0_dp
-      plain = lower_case(word)
-      at_exponent = scan(plain, 'ed')
-      if (at_exponent == 0) then
-         at_exponent = len(word) + 1
-         plain = plain//'e0'
-      end if
-      ok = is_mantissa(plain(:at_exponent - 1)) .and. is_exponent(plain(at_exponent + 1:))
-      if (.not. ok) return
-      plain(at_exponent:at_exponent) = 'e'
-      read (plain, *, iostat=status) value
-      ok = status == 0 .and. ieee_is_finite(value)
-      if (ok) ok = abs(value) > 0.0_dp .or. scan(plain(:at_exponent), '123456789') == 0
+      position = 1
+      call scan_real(word, position, value, ok)
+      ok = ok .and. position > len(word)
       if (.not. ok) value = 0.0_dp
    end subroutine read_real
-
-   !> Where the digits of a number begin: behind its sign, if it has one.
-   pure integer function first_digit(text)
-      character(*), intent(in) :: text !! the number
-
-      first_digit = 1
-      if (index(text, '+') == 1 .or. index(text, '-') == 1) first_digit = 2
-   end function first_digit
-
-   !> Whether text is a sign, digits and at most one point, with at least one digit.
-   pure logical function is_mantissa(text)
-      character(*), intent(in) :: text !! text before the exponent letter
-      integer :: first
-
-      first = first_digit(text)
-      is_mantissa = verify(text(first:), '0123456789.') == 0 .and. scan(text(first:), '0123456789') > 0 &
-         .and. index(text, '.') == index(text, '.', back=.true.)
-   end function is_mantissa
-
-   !> Whether text is a sign and one to four digits.
-   pure logical function is_exponent(text)
-      character(*), intent(in) :: text !! text after the exponent letter
-      integer :: first
-
-      first = first_digit(text)
-      is_exponent = len(text) >= first .and. len(text) <= first + 3 .and. verify(text(first:), '0123456789') == 0
-   end function is_exponent
 
    !> The word of a list that is nearest to a misspelt one, or an empty text where none is near.
    pure function nearest_word(word, words) result(nearest)
@@ -373,5 +355,19 @@ contains
 
       value = replaced(replaced(replaced(text, '&', '&amp;'), '<', '&lt;'), '"', '&quot;')
    end function xml_escaped
+
+   !> Puts a number behind what a text holds so far: 0.1, 1250.0 or 1.25e-11, valid in JSON and in a namelist.
+   ! allow(C072): the text is the caller's, who knows its room
+   pure subroutine put_decimal(text, length, value)
+      character(*), intent(inout) :: text !! the text, with room for `longest_decimal` characters more
+      integer, intent(inout) :: length !! how much of it is filled
+      real(dp), intent(in) :: value !! the number
+      character(longest_decimal) :: decimal
+      integer(c_int) :: n
+
+      call c_write_decimal(real(value, c_double), decimal, n)
+      text(length + 1:length + n) = decimal(:n)
+      length = length + n
+   end subroutine put_decimal
 
 end module amontons_text

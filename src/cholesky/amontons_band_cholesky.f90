@@ -103,14 +103,16 @@ contains
    subroutine band_substitute_backward(self, n_steps, y)
       class(band_cholesky_t), intent(in) :: self !! the factorization
       integer, intent(in) :: n_steps !! how many columns
-      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
-      integer :: j, last
+      real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
+      integer :: j, k, last
 
-      do j = max(1, n_steps - self%width + 1), n_steps
-         last = min(self%n, j + self%width)
-         y(j) = y(j) - dot_product(y(n_steps + 1:last), self%band(n_steps - j + 2:last - j + 1, j))
+      do k = 1, size(y, 2)
+         do j = max(1, n_steps - self%width + 1), n_steps
+            last = min(self%n, j + self%width)
+            y(j, k) = y(j, k) - dot_product(y(n_steps + 1:last, k), self%band(n_steps - j + 2:last - j + 1, j))
+         end do
+         call dtbsv('L', 'T', 'N', n_steps, self%width, self%band, self%width + 1, y(:, k), 1)
       end do
-      call dtbsv('L', 'T', 'N', n_steps, self%width, self%band, self%width + 1, y, 1)
    end subroutine band_substitute_backward
 
    !> Copies the last block of L out of the band.

@@ -24,8 +24,8 @@ module amontons_cholesky
       type(sparse_matrix_t) :: matrix !! P K P^T, until `complete` has put it where the factor will be.
    contains
       procedure(analyze), deferred :: analyze
-      procedure(substitute), deferred :: substitute_forward
-      procedure(substitute), deferred :: substitute_backward
+      procedure(substitute_forward), deferred :: substitute_forward
+      procedure(substitute_backward), deferred :: substitute_backward
       procedure(schur_factor), deferred :: schur_factor
       procedure :: factorize => cholesky_factorize
       procedure :: solve => cholesky_solve
@@ -33,7 +33,6 @@ module amontons_cholesky
       procedure :: condense => cholesky_condense
       procedure :: expand => cholesky_expand
       procedure :: expand_all => cholesky_expand_all
-      procedure :: substitute_backward_all => cholesky_substitute_backward_all
       procedure :: set_order => cholesky_set_order
       procedure :: take_values => cholesky_take_values
       procedure :: check_pivots => cholesky_check_pivots
@@ -52,14 +51,24 @@ module amontons_cholesky
          type(error_t), allocatable, intent(out) :: error !! memory ran out
       end subroutine analyze
 
-      !> Does the steps of a substitution that belong to the first columns of L.
-      subroutine substitute(self, n_steps, y)
+      !> Does the steps of a forward substitution that belong to the first columns of L.
+      subroutine substitute_forward(self, n_steps, y)
          import :: cholesky_t, dp
          implicit none (type, external)
          class(cholesky_t), intent(in) :: self !! the factorization
          integer, intent(in) :: n_steps !! how many columns, at least those of the interior
          real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
-      end subroutine substitute
+      end subroutine substitute_forward
+
+      !> Does the steps of backward substitutions that belong to the first columns of L. What keeps its columns in
+      !> blocks reads them once for all vectors.
+      subroutine substitute_backward(self, n_steps, y)
+         import :: cholesky_t, dp
+         implicit none (type, external)
+         class(cholesky_t), intent(in) :: self !! the factorization
+         integer, intent(in) :: n_steps !! how many columns, at least those of the interior
+         real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
+      end subroutine substitute_backward
 
       !> The last block of L, the Cholesky factor of the Schur complement.
       subroutine schur_factor(self, l22)
@@ -121,12 +130,13 @@ contains
       class(cholesky_t), intent(in) :: self !! the factorization
       real(dp), intent(in) :: b(:) !! right-hand side (n)
       real(dp), intent(out) :: x(:) !! the solution (n)
-      real(dp), allocatable :: y(:)
+      real(dp), allocatable :: y(:, :)
 
-      y = b(self%order)
-      call self%substitute_forward(self%n, y)
+      allocate (y(self%n, 1))
+      y(:, 1) = b(self%order)
+      call self%substitute_forward(self%n, y(:, 1))
       call self%substitute_backward(self%n, y)
-      x(self%order) = y
+      x(self%order) = y(:, 1)
    end subroutine cholesky_solve
 
    !> The Schur complement S = L22 L22^T of the matrix that was factorized.
@@ -209,23 +219,10 @@ contains
       associate (n_interior => cholesky%n - cholesky%n_schur)
          allocate (work, source=partial)
          work(n_interior + 1:, :) = v(cholesky%schur_order, :)
-         call cholesky%substitute_backward_all(n_interior, work)
+         call cholesky%substitute_backward(n_interior, work)
       end associate
       x(cholesky%order, :) = work
    end subroutine expand_loads
-
-   !> Does the backward steps of the first columns for several vectors. What keeps its columns in blocks overrides this,
-   !> to read them once.
-   subroutine cholesky_substitute_backward_all(self, n_steps, y)
-      class(cholesky_t), intent(in) :: self !! the factorization
-      integer, intent(in) :: n_steps !! how many columns, at least those of the interior
-      real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
-      integer :: k
-
-      do k = 1, size(y, 2)
-         call self%substitute_backward(n_steps, y(:, k))
-      end do
-   end subroutine cholesky_substitute_backward_all
 
    !> Refuses a factor whose pivots have shrunk to rounding errors: its matrix is singular.
    pure subroutine cholesky_check_pivots(self, pivots, error)

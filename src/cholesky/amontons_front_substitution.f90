@@ -6,7 +6,7 @@
 module amontons_front_substitution
    use amontons_fronts, only: fronts_t
    use amontons_kinds, only: dp, int64
-   use amontons_supernode, only: backward_columns_all, forward_columns
+   use amontons_supernode, only: backward_columns, forward_columns
    implicit none (type, external)
    private
 
@@ -131,7 +131,7 @@ contains
             x(:n_pivots, v) = y(first:first + n_pivots - 1, v)
             x(n_pivots + 1:, v) = stack(v, top + 1:top + size(x, 1) - n_pivots)
          end do
-         call backward_columns_all(size(x, 1), min(n_pivots, n_steps - first + 1), size(y, 2), &
+         call backward_columns(size(x, 1), min(n_pivots, n_steps - first + 1), size(y, 2), &
             value(fronts%block_start(k):), x)
          do v = 1, size(y, 2)
             y(first:first + n_pivots - 1, v) = x(:n_pivots, v)

@@ -42,7 +42,6 @@ module amontons_multifrontal
       procedure, public :: complete => multifrontal_complete
       procedure, public :: substitute_forward => multifrontal_substitute_forward
       procedure, public :: substitute_backward => multifrontal_substitute_backward
-      procedure, public :: substitute_backward_all => multifrontal_substitute_backward_all
       procedure, public :: schur_factor => multifrontal_schur_factor
    end type multifrontal_t
 
@@ -244,23 +243,14 @@ contains
       call substitute(self, .true., n_steps, 1, y)
    end subroutine multifrontal_substitute_forward
 
-   !> Does the backward steps of the first columns.
+   !> Does the backward steps of the first columns, with one pass over the factor.
    subroutine multifrontal_substitute_backward(self, n_steps, y)
-      class(multifrontal_t), intent(in) :: self !! the factorization
-      integer, intent(in) :: n_steps !! how many columns, at least those of the interior
-      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
-
-      call substitute(self, .false., n_steps, 1, y)
-   end subroutine multifrontal_substitute_backward
-
-   !> Does the backward steps of the first columns for several vectors, with one pass over the factor.
-   subroutine multifrontal_substitute_backward_all(self, n_steps, y)
       class(multifrontal_t), intent(in) :: self !! the factorization
       integer, intent(in) :: n_steps !! how many columns, at least those of the interior
       real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
 
       call substitute(self, .false., n_steps, size(y, 2), y)
-   end subroutine multifrontal_substitute_backward_all
+   end subroutine multifrontal_substitute_backward
 
    !> Does the steps of the first columns, forward or backward, large subtrees on threads of their own.
    subroutine substitute(self, is_forward, n_steps, n_vectors, y)

@@ -266,20 +266,20 @@ contains
    subroutine sparse_substitute_backward(self, n_steps, y)
       class(sparse_cholesky_t), intent(in) :: self !! the factorization
       integer, intent(in) :: n_steps !! how many columns
-      real(dp), contiguous, intent(inout) :: y(:) !! the vector by position (n)
-      real(dp), allocatable :: x(:)
+      real(dp), contiguous, intent(inout) :: y(:, :) !! the vectors by position (n, vectors)
+      real(dp), allocatable :: x(:, :)
       integer(int64) :: at, rows
-      integer :: first, i, k, n_columns, n_rows
+      integer :: first, k, n_columns, n_rows, v
 
-      allocate (x(self%n))
+      allocate (x(self%n, size(y, 2)))
       do k = size(self%column) - 1, 1, -1
          if (self%column(k) >= n_steps) cycle
          call self%get_block(k, n_steps, first, n_columns, n_rows, at, rows)
-         do i = 1, n_rows
-            x(i) = y(self%row(rows + i) + 1)
+         do v = 1, size(y, 2)
+            x(:n_rows, v) = y(self%row(rows + 1:rows + n_rows) + 1, v)
+            call backward_columns(n_rows, n_columns, 1, self%value(at:at + int(n_rows, int64)*n_columns - 1), x(:, v))
          end do
-         call backward_columns(n_rows, n_columns, self%value(at:at + int(n_rows, int64)*n_columns - 1), x)
-         y(first:first + n_columns - 1) = x(:n_columns)
+         y(first:first + n_columns - 1, :) = x(:n_columns, :)
       end do
    end subroutine sparse_substitute_backward
 

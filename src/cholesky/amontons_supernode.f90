@@ -5,7 +5,7 @@ module amontons_supernode
    implicit none (type, external)
    private
 
-   public :: backward_columns, backward_columns_all, forward_columns
+   public :: backward_columns, forward_columns
 
    !> Blocks of at most so many columns are faster without BLAS, whose calls have a lock for all threads; measured.
    integer, parameter :: most_narrow = 16
@@ -33,7 +33,7 @@ contains
    end subroutine forward_columns
 
    !> Does the backward steps of some columns: x_1 := L_11^-T (x_1 - L_21^T x_2).
-   pure subroutine backward_columns(n_rows, n_columns, l, x)
+   pure subroutine backward_vector(n_rows, n_columns, l, x)
       integer, intent(in) :: n_rows !! how many rows, those of L_11 first
       integer, intent(in) :: n_columns !! how many columns
       real(dp), intent(in) :: l(n_rows, n_columns) !! the columns of L
@@ -55,10 +55,10 @@ contains
          end do
          x(j) = (x(j) - taken)/l(j, j)
       end do
-   end subroutine backward_columns
+   end subroutine backward_vector
 
    !> Does the backward steps of some columns for several vectors, with one pass over the columns.
-   pure subroutine backward_columns_all(n_rows, n_columns, n_vectors, l, x)
+   pure subroutine backward_columns(n_rows, n_columns, n_vectors, l, x)
       integer, intent(in) :: n_rows !! how many rows, those of L_11 first
       integer, intent(in) :: n_columns !! how many columns
       integer, intent(in) :: n_vectors !! how many vectors
@@ -74,8 +74,8 @@ contains
       end if
       ! Few columns stay in the cache from one vector to the next.
       do k = 1, n_vectors
-         call backward_columns(n_rows, n_columns, l, x(:, k))
+         call backward_vector(n_rows, n_columns, l, x(:, k))
       end do
-   end subroutine backward_columns_all
+   end subroutine backward_columns
 
 end module amontons_supernode

@@ -1,5 +1,6 @@
 !> Colors of the elements: no two elements of one color share a node, so a color can be worked on in parallel.
 module amontons_coloring
+   use amontons_bins, only: fill_bins
    use amontons_kinds, only: int64
    use amontons_mesh, only: mesh_t
    implicit none (type, external)
@@ -24,25 +25,11 @@ contains
    subroutine new_coloring(coloring, mesh)
       type(coloring_t), intent(out) :: coloring !! the colors
       type(mesh_t), intent(in) :: mesh !! the mesh
-      integer, allocatable :: color(:), next(:)
-      integer :: element, i
+      integer, allocatable :: color(:)
 
       color = greedy_colors(mesh)
       coloring%n_colors = maxval(color)
-      allocate (coloring%start(coloring%n_colors + 1), source=0)
-      do element = 1, mesh%n_elements
-         coloring%start(color(element) + 1) = coloring%start(color(element) + 1) + 1
-      end do
-      coloring%start(1) = 1
-      do i = 1, coloring%n_colors
-         coloring%start(i + 1) = coloring%start(i + 1) + coloring%start(i)
-      end do
-      next = coloring%start
-      allocate (coloring%element(mesh%n_elements))
-      do element = 1, mesh%n_elements
-         coloring%element(next(color(element))) = element
-         next(color(element)) = next(color(element)) + 1
-      end do
+      call fill_bins(coloring%start, coloring%element, color, coloring%n_colors)
    end subroutine new_coloring
 
    !> The color of each element: the first that none of its neighbors took before it.

@@ -79,35 +79,16 @@ contains
       allocate (constraints%axis(2, mesh%n_nodes), prescribed(2, mesh%n_nodes), source=0.0_dp)
       constraints%axis(1, :) = 1.0_dp
       do i = 1, size(supports)
-         if (len(supports(i)%set) == 0) then
-            call hold_point(constraints, prescribed, mesh, supports(i), error)
-         else
+         if (len(supports(i)%set) > 0) then
             call hold_set(constraints, prescribed, mesh, supports(i), error)
+         else
+            call hold_nodes(constraints, prescribed, mesh, [mesh%nearest_node(supports(i)%point)], supports(i), error)
          end if
          if (.not. allocated(error)) cycle
          error%message = supports(i)%origin//error%message
          return
       end do
    end subroutine new_constraints
-
-   !> Applies a support to the node at its point; normal and tangential components do not exist there.
-   subroutine hold_point(constraints, prescribed, mesh, support, error)
-      type(constraints_t), intent(inout) :: constraints !! the constraints
-      real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements (2, n_nodes) [L]
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(support_t), intent(in) :: support !! the support
-      type(error_t), allocatable, intent(out) :: error !! no node is there, or the supports contradict each other
-      integer :: node
-
-      node = mesh%nearest_node(support%point)
-      if (node == 0) then
-         call new_error(error, input_refused, 'no node at the point '//to_text(support%point(1))//', '// &
-            to_text(support%point(2)))
-         return
-      end if
-      call hold_node(constraints, prescribed(:, node), node, [0.0_dp, 0.0_dp], support, mesh%coordinates(:, node), &
-         error)
-   end subroutine hold_point
 
    !> Applies a support to all nodes of its set. Of a set of nodes all are held, where the support asks for no normal.
    subroutine hold_set(constraints, prescribed, mesh, support, error)
@@ -117,58 +98,53 @@ contains
       type(support_t), intent(in) :: support !! the support
       type(error_t), allocatable, intent(out) :: error !! no such set, or the supports contradict each other
       type(boundary_line_t) :: line
-      integer :: i, set
+      integer :: set
 
       set = mesh%find_node_set(support%set)
       if (set > 0 .and. .not. any(support%is_held(3:)) .and. any(support%is_held)) then
-         do i = 1, size(mesh%node_sets(set)%node)
-            associate (node => mesh%node_sets(set)%node(i))
-               call hold_node(constraints, prescribed(:, node), node, [0.0_dp, 0.0_dp], support, &
-                  mesh%coordinates(:, node), error)
-            end associate
-            if (allocated(error)) return
-         end do
+         call hold_nodes(constraints, prescribed, mesh, mesh%node_sets(set)%node, support, error)
          ! Where it covers sides, they are held as a whole: a refined mesh has more nodes on them.
-         if (mesh%find_set(support%set) == 0) return
+         if (allocated(error) .or. mesh%find_set(support%set) == 0) return
       end if
       call new_boundary_line(line, mesh, support%set, error)
-      if (allocated(error)) return
-      do i = 1, line%n_nodes
-         associate (node => line%node(i))
-            call hold_node(constraints, prescribed(:, node), node, line%normal(:, i), support, &
-               mesh%coordinates(:, node), error)
-         end associate
-         if (allocated(error)) return
-      end do
+      if (.not. allocated(error)) call hold_nodes(constraints, prescribed, mesh, line%node, support, error, line%normal)
    end subroutine hold_set
 
-   !> Holds the prescribed components of one node.
-   subroutine hold_node(constraints, prescribed, node, normal, support, position, error)
+   !> Holds the prescribed components of nodes.
+   subroutine hold_nodes(constraints, prescribed, mesh, nodes, support, error, normal)
       type(constraints_t), intent(inout) :: constraints !! the constraints
-      real(dp), intent(inout) :: prescribed(2) !! prescribed displacement of the node [L]
-      integer, intent(in) :: node !! the node
-      real(dp), intent(in) :: normal(2) !! outward normal at the node [-]
+      real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements (2, n_nodes) [L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: nodes(:) !! the nodes; 0 for none at the point of the support
       type(support_t), intent(in) :: support !! the support
-      real(dp), intent(in) :: position(2) !! coordinates of the node, for the message [L]
-      type(error_t), allocatable, intent(out) :: error !! the supports contradict each other at this node
+      type(error_t), allocatable, intent(out) :: error !! no node, or the supports contradict each other at one
+      real(dp), intent(in), optional :: normal(:, :)
+         !! outward normal at each; without it normal and tangential components do not exist (2, nodes) [-]
       real(dp) :: direction(2, 4)
       logical :: is_consistent
-      integer :: component
+      integer :: component, i
 
-      direction(:, 1) = [1.0_dp, 0.0_dp]
-      direction(:, 2) = [0.0_dp, 1.0_dp]
-      direction(:, 3) = normal
-      direction(:, 4) = [-normal(2), normal(1)]
-      do component = 1, 4
-         if (.not. support%is_held(component)) cycle
-         call constraints%hold(prescribed, node, direction(:, component), support%displacement(component), &
-            is_consistent)
-         if (is_consistent) cycle
-         call new_error(error, input_refused, 'the support contradicts an earlier one at the node '// &
-            to_text(position(1))//', '//to_text(position(2)))
+      if (any(nodes == 0)) then
+         call new_error(error, input_refused, 'no node at the point '//to_text(support%point(1))//', '// &
+            to_text(support%point(2)))
          return
+      end if
+      direction = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 4], pad=[0.0_dp])
+      do i = 1, size(nodes)
+         if (present(normal)) direction(:, 3:) = reshape([normal(:, i), -normal(2, i), normal(1, i)], [2, 2])
+         do component = 1, 4
+            if (.not. support%is_held(component)) cycle
+            call constraints%hold(prescribed(:, nodes(i)), nodes(i), direction(:, component), &
+               support%displacement(component), is_consistent)
+            if (is_consistent) cycle
+            associate (position => mesh%coordinates(:, nodes(i)))
+               call new_error(error, input_refused, 'the support contradicts an earlier one at the node '// &
+                  to_text(position(1))//', '//to_text(position(2)))
+            end associate
+            return
+         end do
       end do
-   end subroutine hold_node
+   end subroutine hold_nodes
 
    !> Holds one direction of a node: direction . u = displacement.
    pure subroutine constraints_hold(self, prescribed, node, direction, displacement, is_consistent)

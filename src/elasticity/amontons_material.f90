@@ -119,27 +119,27 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(error_t), allocatable, intent(out) :: error
          !! no such region, two materials for an element or none, different hypotheses, or a negative radius
-      integer :: i, region
+      integer, allocatable :: elements(:)
+      integer :: i
 
       materials%list = list
       allocate (materials%of_element(mesh%n_elements), source=0)
       do i = 1, size(list)
          if (list(i)%hypothesis /= list(1)%hypothesis) call new_error(error, input_refused, list(i)%origin// &
             'all materials of a body must have the same hypothesis')
+         if (allocated(error)) return
          if (len(list(i)%region) == 0) cycle
-         region = mesh%find_region(list(i)%region)
-         if (region == 0) then
-            call new_error(error, input_refused, list(i)%origin//"the mesh has no region '"//list(i)%region//"'" &
-               //mesh%region_names())
-         else if (any(materials%of_element(mesh%regions(region)%element) /= 0)) then
+         call mesh%region_elements(list(i)%region, elements, error)
+         if (allocated(error)) then
+            error%message = list(i)%origin//error%message
+         else if (any(materials%of_element(elements) /= 0)) then
             call new_error(error, input_refused, list(i)%origin//"an element of the region '"//list(i)%region// &
                "' has another material already")
          else
-            materials%of_element(mesh%regions(region)%element) = i
+            materials%of_element(elements) = i
          end if
          if (allocated(error)) return
       end do
-      if (allocated(error)) return
       call fill_rest(materials, error)
       if (allocated(error)) return
       if (any(list%is_axisymmetric)) call check_radii(mesh, error)

@@ -1,10 +1,11 @@
 !> Rigid motions of the pieces of a body, and those that its supports leave free.
 module amontons_rigid_motion
+   use amontons_bins, only: fill_bins
    use amontons_constraints, only: constraints_t, spring_side_t
    use amontons_dense, only: symmetric_eigenvectors
+   use amontons_incidence, only: number_pieces
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
-   use amontons_pieces, only: number_pieces
    use amontons_text, only: to_text
    implicit none (type, external)
    private
@@ -34,25 +35,15 @@ contains
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
       logical, intent(in) :: is_axisymmetric !! whether only the translation along the axis (y) is a rigid motion
       integer, intent(in), optional :: bonds(:, :) !! pairs of nodes that hold together, too (2, bonds)
-      integer, allocatable :: piece(:), spring_piece(:), place(:)
-      integer :: i, n_pieces, node
+      integer, allocatable :: piece(:), spring_piece(:), start(:), node(:)
+      integer :: i, n_pieces
 
       call number_pieces(mesh, piece, n_pieces, bonds)
+      call fill_bins(start, node, piece, n_pieces)
       spring_piece = [(piece(springs(i)%node(1)), i=1, size(springs))]
-      allocate (motions(n_pieces), place(n_pieces))
-      place = 0
-      do node = 1, mesh%n_nodes
-         place(piece(node)) = place(piece(node)) + 1
-      end do
+      allocate (motions(n_pieces))
       do i = 1, n_pieces
-         allocate (motions(i)%node(place(i)))
-      end do
-      place = 0
-      do node = 1, mesh%n_nodes
-         place(piece(node)) = place(piece(node)) + 1
-         motions(piece(node))%node(place(piece(node))) = node
-      end do
-      do i = 1, n_pieces
+         motions(i)%node = node(start(i):start(i + 1) - 1)
          call find_motions(motions(i), mesh, constraints, pack(springs, spring_piece == i), is_axisymmetric)
       end do
    end subroutine new_rigid_motions

@@ -36,46 +36,19 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
-      type(element_geometry_t) :: geometry
-      real(dp) :: to_nodes(max_nodes, max_points, size(element_names)), at_nodes(4, max_nodes), &
-         force(2, max_nodes)
-      integer, allocatable :: n_elements(:)
-      integer :: color, element, i, k
+      real(dp), allocatable :: node(:, :, :), strain(:, :)
 
-      to_nodes = extrapolations(materials%list(1)%is_axisymmetric)
       allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements))
-      allocate (field%node(4, mesh%n_nodes), source=0.0_dp)
       allocate (field%force(2, mesh%n_nodes), source=0.0_dp)
-      allocate (n_elements(mesh%n_nodes), source=0)
-      do color = 1, coloring%n_colors
-         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(element, at_nodes, force, k) &
-         !$omp shared(field, mesh, materials, coloring, displacement, thermal_strain, to_nodes, n_elements, color) &
-         !$omp if (mesh%n_elements >= worth_threads)
-         do i = coloring%start(color), coloring%start(color + 1) - 1
-            element = coloring%element(i)
-            associate (material => materials%list(materials%of_element(element)))
-               call new_element_geometry(geometry, mesh, element, material)
-               if (present(thermal_strain)) call set_thermal_strain(geometry, &
-                  thermal_strain(mesh%node_start(element):mesh%node_start(element + 1) - 1))
-               call evaluate_element(geometry, material, displacement, to_nodes(:, :, mesh%element_kind(element)), &
-                  field%element(:, element), field%energy_density(element), at_nodes, force)
-            end associate
-            do k = 1, geometry%n_nodes
-               field%node(:, geometry%node(k)) = field%node(:, geometry%node(k)) + at_nodes(:, k)
-               field%force(:, geometry%node(k)) = field%force(:, geometry%node(k)) + force(:, k)
-               n_elements(geometry%node(k)) = n_elements(geometry%node(k)) + 1
-            end do
-         end do
-         !$omp end parallel do
-      end do
-      do i = 1, mesh%n_nodes
-         field%node(:, i) = field%node(:, i)/max(1, n_elements(i))
-      end do
+      if (present(thermal_strain)) strain = reshape(thermal_strain, [size(thermal_strain), 1])
+      call find_node_stresses(node, mesh, materials, coloring, reshape(displacement, [2, mesh%n_nodes, 1]), strain, &
+         field)
+      field%node = node(:, :, 1)
    end subroutine new_stress_field
 
-   !> Evaluates the stresses at the nodes alone, as `new_stress_field` does, of several displacement fields: the shape
-   !> functions of each element serve all of them.
-   subroutine find_node_stresses(node, mesh, materials, coloring, displacement, thermal_strain)
+   !> Evaluates the stresses at the nodes of several displacement fields: the shape functions of each element serve all
+   !> of them.
+   subroutine find_node_stresses(node, mesh, materials, coloring, displacement, thermal_strain, field_of_one)
       real(dp), allocatable, intent(out) :: node(:, :, :) !! stress at each node (4, n_nodes, fields) [F/L^2]
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
@@ -83,6 +56,8 @@ contains
       real(dp), contiguous, intent(in) :: displacement(:, :, :) !! displacement of the nodes (2, n_nodes, fields) [L]
       real(dp), intent(in), optional :: thermal_strain(:, :)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` (any, fields) [-]
+      type(stress_field_t), intent(inout), optional :: field_of_one
+         !! gains means and nodal forces of the one displacement field; its arrays made, the forces 0
       type(element_geometry_t) :: geometry
       real(dp) :: to_nodes(max_nodes, max_points, size(element_names)), at_nodes(4, max_nodes)
       real(dp), dimension(4, max_points) :: strain, stress
@@ -95,7 +70,8 @@ contains
       do color = 1, coloring%n_colors
          !$omp parallel do default(none) schedule(static) firstprivate(geometry) if (mesh%n_elements >= worth_threads) &
          !$omp private(element, field, at_nodes, strain, stress, k) &
-         !$omp shared(node, mesh, materials, coloring, displacement, thermal_strain, to_nodes, n_elements, color)
+         !$omp shared(node, mesh, materials, coloring, displacement, thermal_strain, to_nodes, n_elements, color, &
+         !$omp field_of_one)
          do i = coloring%start(color), coloring%start(color + 1) - 1
             element = coloring%element(i)
             associate (material => materials%list(materials%of_element(element)))
@@ -109,6 +85,8 @@ contains
                      node(:, geometry%node(k), field) = node(:, geometry%node(k), field) + at_nodes(:, k)
                   end do
                end do
+               if (present(field_of_one)) call evaluate_element(field_of_one, element, geometry, material, strain, &
+                  stress)
             end associate
             do k = 1, geometry%n_nodes
                n_elements(geometry%node(k)) = n_elements(geometry%node(k)) + 1
@@ -123,24 +101,17 @@ contains
       end do
    end subroutine find_node_stresses
 
-   !> Evaluates one element: means over its volume, stresses and forces at its nodes.
-   pure subroutine evaluate_element(geometry, material, displacement, to_nodes, mean, energy_density, at_nodes, force)
-      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+   !> Evaluates one element: means over its volume, and forces at its nodes.
+   pure subroutine evaluate_element(field, element, geometry, material, strain, stress)
+      type(stress_field_t), intent(inout) :: field !! gains them
+      integer, intent(in) :: element !! the element
+      type(element_geometry_t), intent(in) :: geometry !! its shape functions
       type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: to_nodes(max_nodes, max_points)
-         !! weights of the quadrature points at each node (node, point) [-]
-      real(dp), intent(out) :: mean(4) !! mean stress [F/L^2]
-      real(dp), intent(out) :: energy_density !! mean strain energy density [F/L^2]
-      real(dp), intent(inout) :: at_nodes(4, max_nodes)
-         !! stress at the element's nodes; unchanged past the last node [F/L^2]
-      real(dp), intent(out) :: force(2, max_nodes) !! nodal forces that its stresses amount to [F]
-      real(dp), dimension(4, max_points) :: strain, stress
-      real(dp) :: volume
-      integer :: point
+      real(dp), intent(in) :: strain(4, max_points) !! elastic strain at its quadrature points [-]
+      real(dp), intent(in) :: stress(4, max_points) !! stress there [F/L^2]
+      real(dp) :: mean(4), energy_density, force(2, max_nodes), volume
+      integer :: k, point
 
-      call evaluate_points(geometry, material, displacement, strain, stress)
-      call carry_to_nodes(geometry, stress, to_nodes, at_nodes)
       mean = 0.0_dp
       energy_density = 0.0_dp
       force = 0.0_dp
@@ -151,8 +122,11 @@ contains
             + 0.5_dp*geometry%volume(point)*dot_product(strain(:, point), stress(:, point))
       end do
       volume = sum(geometry%volume(:geometry%n_points))
-      mean = mean/volume
-      energy_density = energy_density/volume
+      field%element(:, element) = mean/volume
+      field%energy_density(element) = energy_density/volume
+      do k = 1, geometry%n_nodes
+         field%force(:, geometry%node(k)) = field%force(:, geometry%node(k)) + force(:, k)
+      end do
    end subroutine evaluate_element
 
    !> Elastic strain and stress at the quadrature points of one element.

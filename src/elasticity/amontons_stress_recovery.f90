@@ -6,6 +6,7 @@
 !> at its sides on the boundary. In an element the recovered stress is the mean of the polynomials of its corners,
 !> weighted by the linear shape functions of the corners (Blacker and Belytschko, Int. J. Num. Meth. Eng. 37, 1994).
 module amontons_stress_recovery
+   use amontons_bins, only: fill_bins
    use amontons_coloring, only: worth_threads
    use amontons_elasticity, only: element_geometry_t, element_stress, new_element_geometry, set_thermal_strain
    use amontons_element, only: n_sampling_points, quad4
@@ -134,27 +135,16 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(known_traction_t), intent(in) :: tractions(:) !! the sides of known tractions
       integer :: patch(2, size(tractions)), i, k, first
-      integer, allocatable :: next(:)
 
-      allocate (start(size(patches%node) + 1), source=0)
       do i = 1, size(tractions)
          first = mesh%node_start(tractions(i)%element)
          do k = 1, 2
             patch(k, i) = patches%at_corner(tractions(i)%element, first - 1 &
                + findloc(mesh%node(first:mesh%node_start(tractions(i)%element + 1) - 1), tractions(i)%corner(k), dim=1))
          end do
-         start(patch(:, i) + 1) = start(patch(:, i) + 1) + 1
       end do
-      start(1) = 1
-      do i = 1, size(start) - 1
-         start(i + 1) = start(i + 1) + start(i)
-      end do
-      next = start
-      allocate (side(2*size(tractions)))
-      do i = 1, size(tractions)
-         side(next(patch(:, i))) = i
-         next(patch(:, i)) = next(patch(:, i)) + 1
-      end do
+      call fill_bins(start, side, reshape(patch, [size(patch)]), size(patches%node))
+      side = (side + 1)/2
    end subroutine sort_sides
 
    !> The stress of an element where it is most accurate, at the first point of them: that of all of it, where it is

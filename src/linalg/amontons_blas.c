@@ -64,11 +64,11 @@ __attribute__((constructor)) static void choose_blas_kernels(void)
     unsetenv(variable);
 }
 
-/* Puts the name, version and kernels of OpenBLAS into a text; an empty text for any other BLAS. Its own text is a list
-   of settings, the version among the first. */
+/* Puts the name, version and kernels of OpenBLAS into a text; for any other BLAS the name of the library that the build
+   found. OpenBLAS's own text is a list of settings, the version among the first. */
 void amontons_blas_text(char *text, int size)
 {
-    text[0] = '\0';
+    snprintf(text, (size_t)size, "%s", AMONTONS_BLAS);
     if (!openblas_get_config || !openblas_get_corename)
         return;
     const char *config = openblas_get_config(), *name = "OpenBLAS ";

@@ -3,7 +3,7 @@
 !> Every matrix argument is square; a symmetric one is read from its lower triangle. `info` = 0 means done.
 module amontons_dense
    use amontons_kinds, only: dp
-   use amontons_lapack, only: dgemm, dgemv, dgesv, dgetrf, dgetrs, dpotrf, dpotri, dpotrs, dsyev, dsymv, dsyrk, dtrsm
+   use amontons_lapack, only: dgemm, dgemv, dgetrf, dgetrs, dpotrf, dpotri, dpotrs, dsyev, dsymv, dsyrk, dtrsm
    implicit none (type, external)
    private
 
@@ -151,8 +151,8 @@ contains
       integer, intent(out) :: info !! 0, or the number of the first pivot that is exactly zero; b is then untouched
       integer, allocatable :: pivots(:)
 
-      allocate (pivots(size(a, 1)))
-      call dgesv(size(a, 1), 1, a, max(1, size(a, 1)), pivots, b, max(1, size(b)), info)
+      call lu_factor(a, pivots, info)
+      if (info == 0) call dgetrs('N', size(b), 1, a, max(1, size(b)), pivots, b, max(1, size(b)), info)
    end subroutine lu_solve
 
    !> Replaces a general matrix by its triangular factors, by elimination with row exchanges.

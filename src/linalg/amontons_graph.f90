@@ -5,7 +5,7 @@
 !> a quarter of the size, and every ordering made on it keeps the unknowns of a node together.
 module amontons_graph
    use amontons_kinds, only: dp, int64
-   use amontons_sparse_matrix, only: positions, sparse_matrix_t
+   use amontons_sparse_matrix, only: positions, sorting_order, sparse_matrix_t
    implicit none (type, external)
    private
 
@@ -246,7 +246,10 @@ contains
          end if
          old_n = queue%n
          call take_neighbors(graph, queue%item(at), lowest, queue)
-         call sort_by_degree(graph, queue%item(old_n + 1:queue%n))
+         ! By their number of neighbors, ascending; ties keep their order.
+         associate (list => queue%item(old_n + 1:queue%n))
+            list = list(sorting_order(int(graph%start(list + 1) - graph%start(list))))
+         end associate
          at = at + 1
       end do
       if (present(n_levels)) n_levels = depth
@@ -270,24 +273,6 @@ contains
          queue%item(queue%n) = other
       end do
    end subroutine take_neighbors
-
-   !> Sorts a short list of supervariables by their number of neighbors, ascending; ties keep their order.
-   pure subroutine sort_by_degree(graph, list)
-      type(graph_t), intent(in) :: graph !! the graph
-      integer, intent(inout) :: list(:) !! the list
-      integer(int64) :: degree
-      integer :: i, k, item
-
-      do i = 2, size(list)
-         item = list(i)
-         degree = graph%start(item + 1) - graph%start(item)
-         do k = i - 1, 1, -1
-            if (graph%start(list(k) + 1) - graph%start(list(k)) <= degree) exit
-            list(k + 1) = list(k)
-         end do
-         list(k + 1) = item
-      end do
-   end subroutine sort_by_degree
 
    !> The largest distance between two positions whose unknowns couple.
    pure integer function half_bandwidth(matrix, order)

@@ -3,7 +3,7 @@ module amontons_lapack
    implicit none (type, external)
    private
 
-   public :: daxpy, dgbtrf, dgbtrs, dgemm, dgemv, dgesv, dgetrf, dgetrs, dlacn2, dlauum, dpbtrf, dpotrf, dpotri, &
+   public :: daxpy, dgbtrf, dgbtrs, dgemm, dgemv, dgetrf, dgetrs, dlacn2, dlauum, dpbtrf, dpotrf, dpotri, &
       dpotrs, dsbmv, dsyev, dsymv, dsyrk, dtbsv, dtrsm, dtrsv
 
    ! allow(assumed-size): these routines take the shape apart from the address
@@ -52,14 +52,6 @@ module amontons_lapack
          real(dp), intent(in) :: alpha, beta, a(lda, *), x(*)
          real(dp), intent(inout) :: y(*)
       end subroutine dgemv
-
-      pure subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
-         use amontons_kinds, only: dp
-         implicit none (type, external)
-         integer, intent(in) :: n, nrhs, lda, ldb
-         real(dp), intent(inout) :: a(lda, *), b(ldb, *)
-         integer, intent(out) :: ipiv(*), info
-      end subroutine dgesv
 
       pure subroutine dgetrf(m, n, a, lda, ipiv, info)
          use amontons_kinds, only: dp

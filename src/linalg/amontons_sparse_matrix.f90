@@ -6,7 +6,7 @@ module amontons_sparse_matrix
    implicit none (type, external)
    private
 
-   public :: new_sparse_pattern, positions, sparse_matrix_t
+   public :: new_sparse_pattern, positions, sorting_order, sparse_matrix_t
 
    !> A symmetric matrix, its lower triangle stored by columns: every column starts with its diagonal entry.
    type :: sparse_matrix_t
@@ -118,7 +118,9 @@ contains
                row(at) = i
             end do
          end do
-         call sort(row(matrix%column_start(j):at))
+         associate (rows => row(matrix%column_start(j):at))
+            rows = rows(sorting_order(rows))
+         end associate
       end do
       matrix%column_start(matrix%n + 1) = at + 1
       allocate (matrix%row(at), stat=status)
@@ -154,21 +156,6 @@ contains
          most_entries = most_entries + m*(m - 1)/2
       end do
    end function most_entries
-
-   !> Sorts a short list of integers in place, ascending.
-   pure subroutine sort(list)
-      integer, intent(inout) :: list(:) !! the list
-      integer :: i, k, item
-
-      do i = 2, size(list)
-         item = list(i)
-         do k = i - 1, 1, -1
-            if (list(k) <= item) exit
-            list(k + 1) = list(k)
-         end do
-         list(k + 1) = item
-      end do
-   end subroutine sort
 
    !> Adds a small symmetric block. Calls that touch disjoint unknowns may run at the same time.
    pure subroutine sparse_matrix_add_element(self, unknowns, block)

@@ -1,6 +1,6 @@
 !> A symmetric matrix to multiply with: dense, or sparse with both triangles stored.
 module amontons_symmetric_matrix
-   use amontons_dense, only: symmetric_multiply
+   use amontons_bins, only: fill_bins
    use amontons_kinds, only: dp
    use amontons_lapack, only: daxpy, dgemv, dsymv
    implicit none (type, external)
@@ -46,23 +46,20 @@ contains
       integer, intent(in) :: row(:) !! rows of the entries, 1 to n
       integer, intent(in) :: column(:) !! their columns, 1 to n
       real(dp), intent(in) :: entry(:) !! their values
-      integer :: by_row(size(row)), by_column(size(row))
+      integer, allocatable :: by_row(:), by_column(:), start(:)
       integer :: i, j, last, previous
 
       ! Sorted by row and then, stably, by column: the entries of a column stand in the order of their rows.
-      by_row = sorted_by(row, n, [(i, i=1, size(row))])
-      by_column = sorted_by(column, n, by_row)
+      call fill_bins(start, by_row, row, n)
+      call fill_bins(start, by_column, column(by_row), n)
       matrix%n = n
       allocate (matrix%first(n + 1), matrix%row(size(row)), matrix%entry(size(row)))
       last = 0
-      i = 1
       do j = 1, n
          matrix%first(j) = last + 1
          previous = 0
-         do
-            if (i > size(row)) exit
-            associate (k => by_column(i))
-               if (column(k) /= j) exit
+         do i = start(j), start(j + 1) - 1
+            associate (k => by_row(by_column(i)))
                if (row(k) == previous) then
                   matrix%entry(last) = matrix%entry(last) + entry(k)
                else
@@ -72,37 +69,12 @@ contains
                   previous = row(k)
                end if
             end associate
-            i = i + 1
          end do
       end do
       matrix%first(n + 1) = last + 1
       matrix%row = matrix%row(:last)
       matrix%entry = matrix%entry(:last)
    end subroutine new_sparse_matrix
-
-   !> An order of items by their keys 1 to n, stable against the order given.
-   pure function sorted_by(key, n, order) result(sorted)
-      integer, intent(in) :: key(:) !! key of each item
-      integer, intent(in) :: n !! the largest key
-      integer, intent(in) :: order(:) !! the items in their present order
-      integer :: sorted(size(order))
-      integer :: next(n + 1), i
-
-      next = 0
-      do i = 1, size(key)
-         next(key(i) + 1) = next(key(i) + 1) + 1
-      end do
-      next(1) = 1
-      do i = 2, n
-         next(i) = next(i) + next(i - 1)
-      end do
-      do i = 1, size(order)
-         associate (k => key(order(i)))
-            sorted(next(k)) = order(i)
-            next(k) = next(k) + 1
-         end associate
-      end do
-   end function sorted_by
 
    !> Whether the matrix is stored as sparse.
    pure logical function symmetric_matrix_is_sparse(self)
@@ -116,15 +88,8 @@ contains
       class(symmetric_matrix_t), intent(in) :: self !! the matrix A
       real(dp), contiguous, intent(in) :: x(:) !! the vector (n)
       real(dp), contiguous, intent(out) :: y(:) !! the product (n)
-      integer :: j
 
-      if (allocated(self%values)) then
-         call symmetric_multiply(self%values, x, y)
-      else
-         do j = 1, self%n
-            y(j) = self%column_product(j, x)
-         end do
-      end if
+      call self%part_multiply([1, self%n], [1, self%n], x, y)
    end subroutine symmetric_matrix_multiply
 
    !> The product y = A(rows, columns) x of a part of the matrix that runs from row to row and from column to column.
@@ -211,17 +176,10 @@ contains
    pure function symmetric_matrix_diagonal(self) result(diagonal)
       class(symmetric_matrix_t), intent(in) :: self !! the matrix
       real(dp) :: diagonal(self%n)
-      integer :: j, k
+      integer :: j
 
-      diagonal = 0.0_dp
       do j = 1, self%n
-         if (allocated(self%values)) then
-            diagonal(j) = self%values(j, j)
-         else
-            do k = self%first(j), self%first(j + 1) - 1
-               if (self%row(k) == j) diagonal(j) = self%entry(k)
-            end do
-         end if
+         diagonal(j) = self%element(j, j)
       end do
    end function symmetric_matrix_diagonal
 

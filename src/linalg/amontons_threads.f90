@@ -1,13 +1,14 @@
-!> Threads, that is how many the program's own loops use, and one for what runs inside the foreign libraries.
+!> Threads, that is how many the program's own loops use, and one for what runs inside the foreign libraries; and which
+!> BLAS the program runs with.
 module amontons_threads
-   use, intrinsic :: iso_c_binding, only: c_int
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
    use omp_lib, only: omp_get_active_level, omp_get_max_active_levels, omp_get_max_threads, &
       omp_set_max_active_levels, omp_set_num_threads, openmp_version
    implicit none (type, external)
    private
 
-   public :: limit_nested_threads, n_threads, openmp_date, restore_nested_threads, set_threads, thread_state_t, &
-      use_blas_threads
+   public :: blas_text, limit_nested_threads, n_threads, openmp_date, restore_nested_threads, set_threads, &
+      thread_state_t, use_blas_threads
 
    !> Year and month of the OpenMP standard that the compiler follows.
    integer, parameter :: openmp_date = openmp_version
@@ -19,16 +20,26 @@ module amontons_threads
       integer(c_int) :: blas_threads = 1 !! Threads inside the BLAS.
    end type thread_state_t
 
+   ! allow(assumed-size): C takes an address and knows no shape
    interface
+      subroutine c_blas_text(text, size) bind(c, name='amontons_blas_text')
+         import :: c_char, c_int
+         implicit none (type, external)
+         ! allow(assumed-size-character-intent): C writes here
+         character(c_char), intent(out) :: text(*)
+         integer(c_int), value :: size
+      end subroutine c_blas_text
+
       subroutine end_blas_threads() bind(c, name='amontons_end_blas_threads')
          implicit none (type, external)
       end subroutine end_blas_threads
 
-      subroutine set_blas_threads(n) bind(c, name='amontons_set_blas_threads')
+      !> Lets the BLAS have threads of its own, for a library that has no other; one gives them back.
+      subroutine use_blas_threads(n) bind(c, name='amontons_set_blas_threads')
          import :: c_int
          implicit none (type, external)
-         integer(c_int), value, intent(in) :: n
-      end subroutine set_blas_threads
+         integer(c_int), value, intent(in) :: n !! number of threads, at least 1
+      end subroutine use_blas_threads
 
       function blas_threads() bind(c, name='amontons_blas_threads') result(n)
          import :: c_int
@@ -39,22 +50,24 @@ module amontons_threads
 
 contains
 
+   !> The BLAS, with its version and its kernels where it tells them.
+   function blas_text() result(text)
+      character(:), allocatable :: text
+      character(100) :: buffer
+
+      call c_blas_text(buffer, len(buffer, c_int))
+      text = buffer(:index(buffer, c_null_char) - 1)
+   end function blas_text
+
    !> Sets the number of threads of the parallel loops, and one for the BLAS, since its own gain little and fight ours.
    !> Not to be called from a parallel loop.
    subroutine set_threads(n)
       integer, intent(in) :: n !! number of threads, at least 1
 
       call omp_set_num_threads(n)
-      call set_blas_threads(1_c_int)
+      call use_blas_threads(1_c_int)
       call end_blas_threads()
    end subroutine set_threads
-
-   !> Lets the BLAS have threads of its own, for a library that has no other; one gives them back.
-   subroutine use_blas_threads(n)
-      integer, intent(in) :: n !! number of threads, at least 1
-
-      call set_blas_threads(int(n, c_int))
-   end subroutine use_blas_threads
 
    !> The number of threads a parallel loop gets.
    integer function n_threads()
@@ -74,7 +87,7 @@ contains
       else
          call omp_set_max_active_levels(omp_get_active_level())
       end if
-      call set_blas_threads(1_c_int)
+      call use_blas_threads(1_c_int)
    end subroutine limit_nested_threads
 
    !> Puts back what `limit_nested_threads` found.
@@ -82,7 +95,7 @@ contains
       type(thread_state_t), intent(in) :: state !! what it found
 
       call omp_set_max_active_levels(state%active_levels)
-      call set_blas_threads(state%blas_threads)
+      call use_blas_threads(state%blas_threads)
    end subroutine restore_nested_threads
 
 end module amontons_threads

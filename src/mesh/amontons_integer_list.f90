@@ -1,6 +1,7 @@
 !> Lists of integers that grow at their end, and maps from the numbers that a file gives its things, in any order and
 !> with gaps, to their places in a list.
 module amontons_integer_list
+   use amontons_bins, only: fill_bins
    implicit none (type, external)
    private
 
@@ -14,7 +15,6 @@ module amontons_integer_list
       procedure :: append => integer_list_append
       procedure :: append_all => integer_list_append_all
       procedure :: items => integer_list_items
-      procedure :: make_room => integer_list_make_room
    end type integer_list_t
 
    !> The tags of a list in ascending order, and which items of the list have them.
@@ -34,11 +34,7 @@ contains
       class(integer_list_t), intent(inout) :: self !! the list
       integer, intent(in) :: item !! the item
 
-      if (.not. allocated(self%item)) then
-         call self%make_room(1)
-      else if (self%n == size(self%item)) then
-         call self%make_room(1)
-      end if
+      call make_room(self, 1)
       self%n = self%n + 1
       self%item(self%n) = item
    end subroutine integer_list_append
@@ -48,7 +44,7 @@ contains
       class(integer_list_t), intent(inout) :: self !! the list
       integer, intent(in) :: items(:) !! the items
 
-      call self%make_room(size(items))
+      call make_room(self, size(items))
       self%item(self%n + 1:self%n + size(items)) = items
       self%n = self%n + size(items)
    end subroutine integer_list_append_all
@@ -66,21 +62,21 @@ contains
    end function integer_list_items
 
    !> Makes room for more items; room that does not suffice grows by at least half.
-   pure subroutine integer_list_make_room(self, n_more)
-      class(integer_list_t), intent(inout) :: self !! the list
+   pure subroutine make_room(list, n_more)
+      type(integer_list_t), intent(inout) :: list !! the list
       integer, intent(in) :: n_more !! number of items to come
       integer, parameter :: least_room = 16
       integer, allocatable :: longer(:)
 
-      if (allocated(self%item)) then
-         if (self%n + n_more <= size(self%item)) return
-         allocate (longer(max(self%n + n_more, self%n + self%n/2)))
-         longer(:self%n) = self%item(:self%n)
-         call move_alloc(longer, self%item)
+      if (allocated(list%item)) then
+         if (list%n + n_more <= size(list%item)) return
+         allocate (longer(max(list%n + n_more, list%n + list%n/2)))
+         longer(:list%n) = list%item(:list%n)
+         call move_alloc(longer, list%item)
       else
-         allocate (self%item(max(n_more, least_room)))
+         allocate (list%item(max(n_more, least_room)))
       end if
-   end subroutine integer_list_make_room
+   end subroutine make_room
 
    !> Makes the map of a list of tags, in a time that grows with their number only.
    pure subroutine new_tag_map(map, tags)
@@ -115,27 +111,11 @@ contains
       type(tag_map_t), intent(inout) :: map !! the map, sorted by the bits below
       integer, intent(in) :: shift !! number of bits below
       integer, intent(in) :: n_bits !! number of bits to sort by
-      integer, allocatable :: tag(:), item(:)
-      integer :: start(0:2**n_bits), i, key
+      integer, allocatable :: start(:), order(:)
 
-      allocate (tag(size(map%tag)), item(size(map%tag)))
-      start = 0
-      do i = 1, size(map%tag)
-         key = ibits(ishft(map%tag(i), -shift), 0, n_bits)
-         start(key + 1) = start(key + 1) + 1
-      end do
-      start(0) = 1
-      do key = 1, 2**n_bits
-         start(key) = start(key) + start(key - 1)
-      end do
-      do i = 1, size(map%tag)
-         key = ibits(ishft(map%tag(i), -shift), 0, n_bits)
-         tag(start(key)) = map%tag(i)
-         item(start(key)) = map%item(i)
-         start(key) = start(key) + 1
-      end do
-      call move_alloc(tag, map%tag)
-      call move_alloc(item, map%item)
+      call fill_bins(start, order, 1 + ibits(map%tag, shift, min(n_bits, bit_size(shift) - shift)), 2**n_bits)
+      map%tag = map%tag(order)
+      map%item = map%item(order)
    end subroutine sort_by_bits
 
    !> The first of the list's items with a tag, 0 where none has it.

@@ -1,7 +1,6 @@
 !> Several bodies in one mesh: names that tell their sets apart, and meshes put behind each other. No nodes are merged.
 module amontons_joined_mesh
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_kinds, only: dp
    use amontons_mesh, only: boundary_set_t, mesh_t, node_set_t, parents_t, region_t
    implicit none (type, external)
    private
@@ -45,20 +44,16 @@ contains
       type(mesh_t), intent(inout) :: mesh !! the first mesh, both on return
       type(mesh_t), intent(in) :: other !! the mesh to append
       type(error_t), allocatable, intent(out) :: error !! both have a set or region of the same name
-      real(dp), allocatable :: coordinates(:, :)
       integer :: i
 
       call append_sets(mesh, other, error)
       if (allocated(error)) return
       call append_tags(mesh, other)
       call append_parents(mesh, other)
-      allocate (coordinates(2, mesh%n_nodes + other%n_nodes))
-      coordinates(:, :mesh%n_nodes) = mesh%coordinates
-      coordinates(:, mesh%n_nodes + 1:) = other%coordinates
-      call move_alloc(coordinates, mesh%coordinates)
-      call append(mesh%node_start, size(mesh%node) + other%node_start(2:))
-      call append(mesh%node, mesh%n_nodes + other%node)
-      call append(mesh%element_kind, other%element_kind)
+      mesh%coordinates = reshape([mesh%coordinates, other%coordinates], [2, mesh%n_nodes + other%n_nodes])
+      mesh%node_start = [mesh%node_start, size(mesh%node) + other%node_start(2:)]
+      mesh%node = [mesh%node, mesh%n_nodes + other%node]
+      mesh%element_kind = [mesh%element_kind, other%element_kind]
       mesh%n_nodes = mesh%n_nodes + other%n_nodes
       mesh%n_elements = mesh%n_elements + other%n_elements
       mesh%source = mesh%source//'; '//other%source
@@ -147,7 +142,7 @@ contains
       if (.not. (allocated(mesh%node_tag) .or. allocated(other%node_tag))) return
       tags = tags_of(mesh)
       before = maxval(tags)
-      call append(tags, tags_of(other))
+      tags = [tags, tags_of(other)]
       where (tags(mesh%n_nodes + 1:) > 0) tags(mesh%n_nodes + 1:) = before + tags(mesh%n_nodes + 1:)
       call move_alloc(tags, mesh%node_tag)
    end subroutine append_tags
@@ -161,8 +156,8 @@ contains
       if (.not. (allocated(mesh%parents) .or. allocated(other%parents))) return
       behind = parents_of(other)
       mesh%parents = parents_of(mesh)
-      call append(mesh%parents%start, size(mesh%parents%node) + behind%start(2:))
-      call append(mesh%parents%node, mesh%n_nodes + behind%node)
+      mesh%parents%start = [mesh%parents%start, size(mesh%parents%node) + behind%start(2:)]
+      mesh%parents%node = [mesh%parents%node, mesh%n_nodes + behind%node]
       mesh%parents%weight = [mesh%parents%weight, behind%weight]
    end subroutine append_parents
 
@@ -194,17 +189,5 @@ contains
          end do
       end if
    end function tags_of
-
-   !> Appends whole numbers to others.
-   pure subroutine append(numbers, more)
-      integer, allocatable, intent(inout) :: numbers(:) !! the numbers
-      integer, intent(in) :: more(:) !! those to append
-      integer, allocatable :: longer(:)
-
-      allocate (longer(size(numbers) + size(more)))
-      longer(:size(numbers)) = numbers
-      longer(size(numbers) + 1:) = more
-      call move_alloc(longer, numbers)
-   end subroutine append
 
 end module amontons_joined_mesh

@@ -8,6 +8,9 @@
 #include <time.h>
 #include <unistd.h>
 
+/* What a call reports of a lock that another process has; the Fortran side has the same number. */
+enum { taken = -1 };
+
 /* Locks an open file unless somebody else has. A file system without locks is taken for one where nobody has. */
 static int try_lock(int file)
 {
@@ -15,7 +18,7 @@ static int try_lock(int file)
     do
         code = flock(file, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
     while (code == EINTR);
-    return code == EWOULDBLOCK ? code : 0;
+    return code == EWOULDBLOCK ? taken : 0;
 }
 
 /* Whether a name still stands for an open file, and this is a plain one. */
@@ -27,7 +30,7 @@ static int is_at(const char *path, int file)
 }
 
 /* Opens a file, makes it if it is not there, and locks it; a link or anything else that is no plain file is put out of
-   the way. Gives the open file, EWOULDBLOCK where another process has the lock, or the system's error number. */
+   the way. Gives the open file; returns 0, `taken` or the system's error number. */
 int amontons_lock_path(const char *path, int *lock)
 {
     enum { most_attempts = 100 };
@@ -53,7 +56,7 @@ int amontons_lock_path(const char *path, int *lock)
         if (unlink(path) != 0 && errno != ENOENT)
             return errno;
     }
-    return EWOULDBLOCK;
+    return taken;
 }
 
 /* Locks a directory for the short time that files in it change hands. Returns a number for amontons_unlock, -1 where
@@ -78,10 +81,4 @@ void amontons_unlock(int lock)
 {
     if (lock >= 0)
         close(lock);
-}
-
-/* The error number of a lock that another process has. */
-int amontons_would_block(void)
-{
-    return EWOULDBLOCK;
 }

@@ -77,12 +77,6 @@ module amontons_output_file
          integer(c_int) :: lock
       end function c_lock_directory
 
-      function c_would_block() bind(c, name='amontons_would_block') result(code)
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int) :: code
-      end function c_would_block
-
       subroutine c_unlock(lock) bind(c, name='amontons_unlock')
          import :: c_int
          implicit none (type, external)
@@ -224,7 +218,7 @@ contains
       if (allocated(error)) then
          call file%discard()
       else
-         call forget_temporary(file%temporary_path)
+         call c_forget_temporary(file%temporary_path//c_null_char)
       end if
       call release_signals()
    end subroutine put_in_place
@@ -240,7 +234,7 @@ contains
       self%is_open = .false.
       if (.not. allocated(self%temporary_path)) return
       if (.not. self%is_kept) call remove_file(self%temporary_path)
-      call forget_temporary(self%temporary_path)
+      call c_forget_temporary(self%temporary_path//c_null_char)
       deallocate (self%temporary_path)
    end subroutine output_file_discard
 
@@ -259,13 +253,6 @@ contains
          call new_error(error, system_failure, path//': cannot write this file: '//error_text(code))
       end if
    end subroutine create_temporary
-
-   !> Leaves a file alone that has been renamed or removed.
-   subroutine forget_temporary(name)
-      character(*), intent(in) :: name !! name of the file
-
-      call c_forget_temporary(name//c_null_char)
-   end subroutine forget_temporary
 
    !> Removes the temporary grids that a run which was killed has left in its folder.
    subroutine remove_temporaries(folder)
@@ -301,10 +288,11 @@ contains
       type(file_lock_t), intent(out) :: lock !! the lock
       character(*), intent(in) :: path !! name of the file
       type(error_t), allocatable, intent(out) :: error !! another run has it, or the file cannot be made
+      integer(c_int), parameter :: taken = -1
       integer(c_int) :: code
 
       code = c_lock_path(path//c_null_char, lock%file)
-      if (code == c_would_block()) then
+      if (code == taken) then
          call new_error(error, input_refused, path//': another run is writing this file; wait until it ends, or '// &
             'choose another directory with --output')
       else if (code /= 0) then

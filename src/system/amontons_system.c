@@ -1,6 +1,7 @@
 /* The few system calls that Fortran has no name for. */
 #define _XOPEN_SOURCE 700
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -61,16 +62,36 @@ int amontons_rename(int directory, const char *from, const char *to)
         : errno;
 }
 
-/* Removes a file. Returns 0 or the system's error number. */
-int amontons_remove(const char *path)
+/* Finds the names in a directory, in the order of their bytes, each ended by a zero, one behind the other. Returns 0 or
+   the system's error number. The caller takes the names with amontons_take_names. */
+int amontons_list_directory(const char *path, char **names, int *n_names, long *length)
 {
-    return unlink(path) == 0 ? 0 : errno;
+    struct dirent **entries;
+    int n = scandir(path, &entries, NULL, alphasort);
+    if (n < 0)
+        return errno;
+    size_t size = 0;
+    for (int i = 0; i < n; i++)
+        size += strlen(entries[i]->d_name) + 1;
+    char *place = *names = malloc(size + 1);
+    for (int i = 0; i < n; i++) {
+        if (place) {
+            strcpy(place, entries[i]->d_name);
+            place += strlen(place) + 1;
+        }
+        free(entries[i]);
+    }
+    free(entries);
+    *n_names = n;
+    *length = (long)size;
+    return *names ? 0 : ENOMEM;
 }
 
-/* Removes a directory that holds nothing. Returns 0 or the system's error number. */
-int amontons_remove_directory(const char *path)
+/* Copies the names and gives their memory up. */
+void amontons_take_names(char *names, char *text, long length)
 {
-    return rmdir(path) == 0 ? 0 : errno;
+    memcpy(text, names, (size_t)length);
+    free(names);
 }
 
 /* Puts the system's words for an error number into a text of a given size, ended by a zero. */
@@ -80,7 +101,7 @@ void amontons_error_text(int code, char *text, int size)
 }
 
 /* The most memory this process ever held, in kibibytes. */
-long amontons_peak_memory(void)
+long long amontons_peak_memory(void)
 {
     struct rusage usage;
     return getrusage(RUSAGE_SELF, &usage) == 0 ? usage.ru_maxrss : 0;

@@ -16,14 +16,32 @@ module amontons_system
    end type file_name_t
 
    ! allow(assumed-size): C takes an address and knows no shape
-   interface
-      function c_make_directory(path) bind(c, name='amontons_make_directory') result(code)
+   abstract interface
+      !> Does something with a file or directory.
+      function path_action(path) bind(c) result(code)
          import :: c_char, c_int
          implicit none (type, external)
-         character(c_char), intent(in) :: path(*)
+         character(c_char), intent(in) :: path(*) !! its name, with a zero behind it
          integer(c_int) :: code
-      end function c_make_directory
+      end function path_action
 
+      !> A size of memory.
+      function memory() bind(c) result(kibibytes)
+         import :: c_long_long
+         implicit none (type, external)
+         integer(c_long_long) :: kibibytes
+      end function memory
+   end interface
+
+   procedure(path_action), bind(c, name='amontons_make_directory') :: c_make_directory
+   procedure(path_action), bind(c, name='unlink') :: c_remove
+   procedure(path_action), bind(c, name='rmdir') :: c_remove_directory
+   procedure(memory), bind(c, name='amontons_peak_memory') :: c_peak_memory
+   procedure(memory), bind(c, name='amontons_resident_memory') :: c_resident_memory
+   procedure(memory), bind(c, name='amontons_available_memory') :: c_available_memory
+
+   ! allow(assumed-size): see above
+   interface
       subroutine c_absolute_path(path, text, size) bind(c, name='amontons_absolute_path')
          import :: c_char, c_int
          implicit none (type, external)
@@ -40,20 +58,6 @@ module amontons_system
          character(c_char), intent(in) :: from(*), to(*)
          integer(c_int) :: code
       end function c_rename
-
-      function c_remove(path) bind(c, name='amontons_remove') result(code)
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(c_char), intent(in) :: path(*)
-         integer(c_int) :: code
-      end function c_remove
-
-      function c_remove_directory(path) bind(c, name='amontons_remove_directory') result(code)
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(c_char), intent(in) :: path(*)
-         integer(c_int) :: code
-      end function c_remove_directory
 
       function c_truncate(path, n_bytes) bind(c, name='amontons_truncate') result(code)
          import :: c_char, c_int, c_long
@@ -80,33 +84,16 @@ module amontons_system
          character(c_char), intent(out) :: text(*)
       end subroutine c_error_text
 
-      function c_peak_memory() bind(c, name='amontons_peak_memory') result(kibibytes)
-         import :: c_long
-         implicit none (type, external)
-         integer(c_long) :: kibibytes
-      end function c_peak_memory
-
-      function c_resident_memory() bind(c, name='amontons_resident_memory') result(kibibytes)
-         import :: c_long_long
-         implicit none (type, external)
-         integer(c_long_long) :: kibibytes
-      end function c_resident_memory
-
       !> From now on large arrays go back to the system as soon as they are freed. For the program to call; the library
       !> leaves its user's memory alone.
       subroutine return_large_arrays() bind(c, name='amontons_return_large_arrays')
          implicit none (type, external)
       end subroutine return_large_arrays
 
-      subroutine c_return_memory() bind(c, name='amontons_return_memory')
+      !> Gives memory that was freed back to the system.
+      subroutine return_memory() bind(c, name='amontons_return_memory')
          implicit none (type, external)
-      end subroutine c_return_memory
-
-      function c_available_memory() bind(c, name='amontons_available_memory') result(kibibytes)
-         import :: c_long_long
-         implicit none (type, external)
-         integer(c_long_long) :: kibibytes
-      end function c_available_memory
+      end subroutine return_memory
 
       function c_list_directory(path, names, n_names, length) bind(c, name='amontons_list_directory') result(code)
          import :: c_char, c_int, c_long, c_ptr
@@ -230,11 +217,6 @@ contains
    real(dp) function resident_memory_mb()
       resident_memory_mb = real(c_resident_memory(), dp)*1024.0e-6_dp
    end function resident_memory_mb
-
-   !> Gives memory that was freed back to the system.
-   subroutine return_memory()
-      call c_return_memory()
-   end subroutine return_memory
 
    !> The memory this process can still get, a huge number where the system does not tell [MB].
    real(dp) function available_memory_mb()

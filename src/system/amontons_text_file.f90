@@ -167,7 +167,7 @@ contains
          if (is_row) then
             n_rows = n_rows + 1
             rows(:, n_rows) = row
-         else if (.not. (is_empty .or. may_be_headings .and. is_word(text(start:)))) then
+         else if (.not. (is_empty .or. may_be_headings .and. scan(text(start:start), '+-.0123456789') == 0)) then
             call new_error(error, input_refused, file//':'//to_text(line)//': expected '//numbers)
             return
          end if
@@ -176,13 +176,6 @@ contains
       table = rows(:, :n_rows)
       if (n_rows < 2) call new_error(error, input_refused, file//': expected at least two rows of '//numbers)
    end subroutine read_number_table
-
-   !> Whether a text begins as no number does.
-   pure logical function is_word(text)
-      character(*), intent(in) :: text !! the text
-
-      is_word = scan(text(:1), '+-.0123456789') == 0
-   end function is_word
 
    !> Number of lines of a text.
    pure integer function count_lines(text)

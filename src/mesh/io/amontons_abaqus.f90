@@ -268,22 +268,17 @@ contains
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: type !! name of the type
       integer, intent(out) :: kind !! kind of the elements, `no_cell` where there is a fault
+      ! By the digit behind the first three letters.
+      integer, parameter :: plane_kinds(0:4) = [no_cell, tri3, quad4, tri6, quad8]
+      integer, parameter :: line_kinds(0:2) = [no_cell, line2, line3]
       character(:), allocatable :: name
 
       name = lower_case(type)//'     '
-      select case (name(:4))
-      case ('cpe3', 'cps3', 'cax3')
-         kind = tri3
-      case ('cpe4', 'cps4', 'cax4')
-         kind = quad4
-      case ('cpe6', 'cps6', 'cax6')
-         kind = tri6
-      case ('cpe8', 'cps8', 'cax8')
-         kind = quad8
-      case ('t2d2', 't3d2')
-         kind = line2
-      case ('t2d3', 't3d3')
-         kind = line3
+      select case (name(:3))
+      case ('cpe', 'cps', 'cax')
+         kind = plane_kinds(index('3468', name(4:4)))
+      case ('t2d', 't3d')
+         kind = line_kinds(index('23', name(4:4)))
       case default
          kind = no_cell
       end select

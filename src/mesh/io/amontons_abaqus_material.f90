@@ -197,24 +197,15 @@ contains
    pure subroutine expect_nodes(temperatures, tags)
       type(file_temperatures_t), intent(inout) :: temperatures !! the temperatures
       integer, intent(in) :: tags(:) !! numbers of the nodes in the file
-      real(dp), allocatable :: zeros(:)
-      logical, allocatable :: none(:)
       integer :: n
 
-      n = 0
-      if (allocated(temperatures%step)) n = size(temperatures%step)
-      if (allocated(temperatures%step) .and. n == size(tags)) return
-      allocate (zeros(size(tags) - n), source=0.0_dp)
-      allocate (none(size(tags) - n), source=.false.)
-      if (n == 0) then
-         temperatures%initial = zeros
-         temperatures%step = zeros
-         temperatures%is_given = none
-      else
-         temperatures%initial = [temperatures%initial, zeros]
-         temperatures%step = [temperatures%step, zeros]
-         temperatures%is_given = [temperatures%is_given, none]
-      end if
+      if (.not. allocated(temperatures%step)) allocate (temperatures%initial(0), temperatures%step(0), &
+         temperatures%is_given(0))
+      n = size(tags) - size(temperatures%step)
+      if (n == 0 .and. allocated(temperatures%map%tag)) return
+      temperatures%initial = [temperatures%initial, spread(0.0_dp, 1, n)]
+      temperatures%step = [temperatures%step, spread(0.0_dp, 1, n)]
+      temperatures%is_given = [temperatures%is_given, spread(.false., 1, n)]
       call new_tag_map(temperatures%map, tags)
    end subroutine expect_nodes
 

@@ -73,21 +73,22 @@ contains
          if (group == 0) call input%refuse('expected '//keyword//'= and a name', input%position - 1)
          if (is_range) call take_ranges(raw, input, members)
          if (.not. is_range) call take_members(raw, input, keyword == 'nset', members)
-         if (group > 0) call put(raw%groups(group), keyword == 'nset', members%items())
+         if (group > 0) call put(raw%groups(group), keyword == 'nset', members%items(), spread(0, 1, members%n))
       end if
    end subroutine read_set
 
-   !> Puts nodes or elements into a set.
-   pure subroutine put(group, of_nodes, members)
+   !> Puts nodes, or elements and sides, into a set.
+   pure subroutine put(group, of_nodes, members, sides)
       type(raw_group_t), intent(inout) :: group !! the set
       logical, intent(in) :: of_nodes !! whether the members are nodes rather than elements
       integer, intent(in) :: members(:) !! their numbers in the file
+      integer, intent(in) :: sides(:) !! side of each element, 0 for the element itself
 
       if (of_nodes) then
          call group%node%append_all(members)
       else
          call group%cell%append_all(members)
-         call group%side%append_all(0*members)
+         call group%side%append_all(sides)
       end if
    end subroutine put
 
@@ -203,12 +204,7 @@ contains
       if (group == 0) call input%refuse('expected NAME= and a name', input%position - 1)
       call take_sides(raw, input, of_nodes, members, sides)
       if (allocated(input%error)) return
-      if (of_nodes) then
-         call raw%groups(group)%node%append_all(members%items())
-      else
-         call raw%groups(group)%cell%append_all(members%items())
-         call raw%groups(group)%side%append_all(sides%items())
-      end if
+      call put(raw%groups(group), of_nodes, members%items(), sides%items())
    end subroutine read_surface
 
    !> Takes the lines of a surface: an element, or a set, and a side of it; of a surface of nodes, nodes.

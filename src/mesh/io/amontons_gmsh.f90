@@ -1,8 +1,7 @@
 !> Meshes in Gmsh's MSH format, versions 2.2 and 4.1, text and binary.
 module amontons_gmsh
-   use amontons_gmsh_2, only: read_elements_2, read_nodes_2
-   use amontons_gmsh_4, only: read_elements_4, read_entities_4, read_nodes_4
    use amontons_gmsh_groups, only: gmsh_groups_t
+   use amontons_gmsh_sections, only: read_elements_2, read_elements_4, read_entities_4, read_nodes_2, read_nodes_4
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: new_tag_map, tag_map_t
    use amontons_kinds, only: dp
@@ -206,7 +205,8 @@ contains
       name = trim(adjustl(name(2:len(name) - 1)))
       if (len(name) == 0) return
       call raw%get_group(input, name, group)
-      call groups%add_name(dimension, tag, group)
+      call groups%of_dimension(dimension)%named_tag%append(tag)
+      call groups%of_dimension(dimension)%named_group%append(group)
    end subroutine read_name
 
 end module amontons_gmsh

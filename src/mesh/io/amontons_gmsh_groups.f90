@@ -11,11 +11,15 @@ module amontons_gmsh_groups
 
    public :: dimension_of, gmsh_groups_t, take_cell_kind
 
+   !> Kind of cell of each of Gmsh's first types, `no_cell` where it is not read.
+   integer, parameter :: kind_of_type(*) = [line2, tri3, quad4, no_cell, no_cell, no_cell, no_cell, line3, tri6, &
+      quad9, no_cell, no_cell, no_cell, no_cell, point1, quad8]
+
    !> The groups of one dimension.
    type :: dimension_t
-      type(integer_list_t) :: named_tag !! number of each physical group that has a name
-      type(integer_list_t) :: named_group !! its set in the raw mesh
-      type(integer_list_t) :: entity !! numbers of entities
+      type(integer_list_t) :: named_tag !! number of each physical group that has a name, positive
+      type(integer_list_t) :: named_group !! its set in the raw mesh; a name without members is still a set
+      type(integer_list_t) :: entity !! numbers of entities, not negative
       type(integer_list_t) :: entity_tag !! number of a physical group that each belongs to
       type(integer_list_t) :: run_owner !! what a run of cells belongs to: an entity or a physical group
       type(integer_list_t) :: run_first !! first cell of the run
@@ -27,35 +31,11 @@ module amontons_gmsh_groups
       logical :: has_entities = .false. !! whether runs belong to entities, and those to groups
       type(dimension_t) :: of_dimension(0:2) !! the groups of each dimension
    contains
-      procedure :: add_entity => gmsh_groups_add_entity
-      procedure :: add_name => gmsh_groups_add_name
       procedure :: add_run => gmsh_groups_add_run
       procedure :: put => gmsh_groups_put
    end type gmsh_groups_t
 
 contains
-
-   !> Names a physical group; a name without a group's members is still a set.
-   pure subroutine gmsh_groups_add_name(self, dimension, tag, group)
-      class(gmsh_groups_t), intent(inout) :: self !! the groups
-      integer, intent(in) :: dimension !! dimension of the physical group
-      integer, intent(in) :: tag !! its number, positive
-      integer, intent(in) :: group !! its set in the raw mesh
-
-      call self%of_dimension(dimension)%named_tag%append(tag)
-      call self%of_dimension(dimension)%named_group%append(group)
-   end subroutine gmsh_groups_add_name
-
-   !> Notes that an entity belongs to a physical group.
-   pure subroutine gmsh_groups_add_entity(self, dimension, entity, tag)
-      class(gmsh_groups_t), intent(inout) :: self !! the groups
-      integer, intent(in) :: dimension !! dimension of both
-      integer, intent(in) :: entity !! number of the entity, not negative
-      integer, intent(in) :: tag !! number of the physical group, positive
-
-      call self%of_dimension(dimension)%entity%append(entity)
-      call self%of_dimension(dimension)%entity_tag%append(tag)
-   end subroutine gmsh_groups_add_entity
 
    !> Notes that consecutive cells belong to an entity or a group.
    pure subroutine gmsh_groups_add_run(self, dimension, owner, first, last)
@@ -182,23 +162,9 @@ contains
       place = input%position
       call input%take_integer(type, 'the type of an element')
       kind = no_cell
+      if (type >= 1 .and. type <= size(kind_of_type)) kind = kind_of_type(type)
+      if (kind /= no_cell) return
       select case (type)
-      case (1)
-         kind = line2
-      case (2)
-         kind = tri3
-      case (3)
-         kind = quad4
-      case (8)
-         kind = line3
-      case (9)
-         kind = tri6
-      case (10)
-         kind = quad9
-      case (15)
-         kind = point1
-      case (16)
-         kind = quad8
       case (4:7, 11:14, 17:19, 29:33)
          call input%refuse('3-D mesh: found a '//solid_name(type)//' (Gmsh type '//to_text(type)// &
             '), expected plane elements', place)

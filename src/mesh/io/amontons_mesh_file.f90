@@ -17,7 +17,7 @@ module amontons_mesh_file
    implicit none (type, external)
    private
 
-   public :: mesh_part_t, new_mesh, read_file_model, read_mesh_file, read_used_mesh
+   public :: mesh_part_t, new_mesh, read_file_model, read_mesh_file
 
    !> A part of a mesh.
    type :: mesh_part_t
@@ -127,7 +127,9 @@ contains
          if (len(notes) > 0 .and. len(more) > 0) notes = notes//newline
          notes = notes//more
       end do
-      if (.not. allocated(error)) call refine(mesh, n_common, parts(1), error)
+      if (allocated(error)) return
+      call refine_mesh(mesh, n_common, error)
+      if (allocated(error)) error%message = parts(1)%place//error%message
    end subroutine new_mesh
 
    !> Makes or reads one part of a mesh.
@@ -151,18 +153,8 @@ contains
          mesh%coordinates(:, node) = part%origin + mesh%coordinates(:, node)
       end do
       if (len(part%name) > 0) call name_mesh(mesh, part%name)
-      call refine(mesh, part%n_refinements - n_common, part, error)
-   end subroutine new_part
-
-   !> Refines a mesh.
-   subroutine refine(mesh, n_times, part, error)
-      type(mesh_t), intent(inout) :: mesh !! the mesh
-      integer, intent(in) :: n_times !! how often
-      type(mesh_part_t), intent(in) :: part !! the part that messages name
-      type(error_t), allocatable, intent(out) :: error !! more nodes than numbers or memory allow
-
-      call refine_mesh(mesh, n_times, error)
+      call refine_mesh(mesh, part%n_refinements - n_common, error)
       if (allocated(error)) error%message = part%place//error%message
-   end subroutine refine
+   end subroutine new_part
 
 end module amontons_mesh_file

@@ -65,9 +65,7 @@ module amontons_raw_mesh
       procedure :: add_note => raw_mesh_add_note
       procedure :: add_node => raw_mesh_add_node
       procedure :: cell_nodes => raw_mesh_cell_nodes
-      procedure :: expect_cells => raw_mesh_expect_cells
       procedure :: expect_members => raw_mesh_expect_members
-      procedure :: expect_nodes => raw_mesh_expect_nodes
       procedure :: find_group => raw_mesh_find_group
       procedure :: get_group => raw_mesh_get_group
    end type raw_mesh_t
@@ -97,27 +95,6 @@ contains
       end if
       self%n_notes = self%n_notes + 1
    end subroutine raw_mesh_add_note
-
-   !> Makes room for nodes to come.
-   pure subroutine raw_mesh_expect_nodes(self, n)
-      class(raw_mesh_t), intent(inout) :: self !! the raw mesh
-      integer, intent(in) :: n !! number of nodes, which the file must be long enough for
-
-      if (.not. allocated(self%coordinates)) allocate (self%coordinates(3, n))
-      call self%node_tag%make_room(n)
-      call self%node_place%make_room(n)
-   end subroutine raw_mesh_expect_nodes
-
-   !> Makes room for cells to come.
-   pure subroutine raw_mesh_expect_cells(self, n)
-      class(raw_mesh_t), intent(inout) :: self !! the raw mesh
-      integer, intent(in) :: n !! number of cells, which the file must be long enough for
-
-      call self%cell_kind%make_room(n)
-      call self%cell_tag%make_room(n)
-      call self%cell_place%make_room(n)
-      call self%cell_start%make_room(n)
-   end subroutine raw_mesh_expect_cells
 
    !> Adds a node.
    pure subroutine raw_mesh_add_node(self, tag, place, coordinates)

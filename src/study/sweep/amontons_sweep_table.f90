@@ -3,12 +3,11 @@
 !> Threads make rows side by side, without any function that returns a text: gfortran 12 keeps the length of such a text
 !> in a place that all threads share.
 module amontons_sweep_table
-   use amontons_decimal, only: longest_decimal
    use amontons_result_warnings, only: case_warning_names
    use amontons_row_text, only: field
    use amontons_sweep, only: sweep_t
    use amontons_sweep_statistics, only: case_result_t, outcome_names
-   use amontons_text, only: newline, put_decimals
+   use amontons_text, only: longest_decimal, newline, put_decimals
    implicit none (type, external)
    private
 
