@@ -10,13 +10,13 @@ module amontons_distributed
    use amontons_mesh, only: mesh_t
    use amontons_mumps, only: mumps_text
    use amontons_rank_work, only: check_room
-   use amontons_ranks, only: all_ranks, begin_ranks, end_ranks, give_order, has_begun, line_t, n_ranks, next_order, &
-      on_all_ranks, rank
+   use amontons_ranks, only: all_ranks, begin_ranks, broadcast, end_ranks, give_order, has_begun, line_t, n_ranks, &
+      next_order, on_all_ranks, rank
    implicit none (type, external)
    private
 
-   public :: all_ranks, begin_ranks, check_room, dismiss_ranks, end_ranks, first_free_order, follow_order, give_order, &
-      line_t, mpi_text, n_ranks, new_distributed_condenser, next_order, on_all_ranks, order_end, rank, &
+   public :: all_ranks, begin_ranks, broadcast, check_room, dismiss_ranks, end_ranks, first_free_order, follow_order, &
+      give_order, line_t, mpi_text, n_ranks, new_distributed_condenser, next_order, on_all_ranks, order_end, rank, &
       share_condenser
 
 contains

@@ -12,7 +12,6 @@ module amontons_distributed_condenser
    use amontons_condenser, only: condenser_t
    use amontons_constraints, only: constraints_t, spring_side_t
    use amontons_dof_map, only: dof_map_t
-   use amontons_elimination_order, only: find_positions
    use amontons_error, only: error_t
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dpotrf, dpotrs
@@ -20,7 +19,7 @@ module amontons_distributed_condenser
    use amontons_mesh, only: mesh_t
    use amontons_rank_work, only: check_room, rank_work_t
    use amontons_ranks, only: all_ranks, broadcast, give_order, line_t, n_ranks, next_order, rank
-   use amontons_subdomain, only: assembly_mb, find_owners, new_subdomain, subdomain_t
+   use amontons_subdomain, only: assembly_mb, find_owners, find_positions, new_subdomain, subdomain_t
    use amontons_system, only: return_memory
    implicit none (type, external)
    private
@@ -114,16 +113,12 @@ contains
       type(error_t), allocatable, intent(out) :: error !! memory does not suffice for assembly
       real(dp) :: megabytes(0:n_ranks - 1)
       integer, allocatable :: owner(:), all_elements(:), elements(:), last_nodes(:), number(:)
-      type(line_t) :: line
       integer :: i
 
       call give_order(order_take)
       call find_owners(owner, n_ranks, position, mesh, dof_map)
       megabytes = assembly_mb(owner, n_ranks, mesh)
-      do i = 1, n_ranks - 1
-         line = line_t(i, .true.)
-         call line%pass(megabytes(i))
-      end do
+      call broadcast(megabytes)
       call check_room(assembly, megabytes(0), error)
       if (allocated(error)) return
       all_elements = [(i, i=1, mesh%n_elements)]
@@ -159,10 +154,11 @@ contains
    !> Passes from rank 0 how a condenser has regularized the matrix.
    subroutine pass_regularization(condenser)
       type(distributed_condenser_t), intent(inout) :: condenser !! the condenser
-      type(line_t) :: line
+      real(dp) :: regularization(1)
 
-      line = line_t(all_ranks, rank == 0)
-      call line%pass(condenser%regularization)
+      regularization = condenser%regularization
+      call broadcast(regularization)
+      condenser%regularization = regularization(1)
    end subroutine pass_regularization
 
    !> Follows an order that rank 0 gives for its condenser; for the other ranks.
@@ -210,15 +206,13 @@ contains
    !> Takes a rank's subdomain, if there is memory for it.
    subroutine take_subdomain(error)
       type(error_t), allocatable, intent(out) :: error !! memory does not suffice for assembly
-      type(line_t) :: line
-      real(dp) :: megabytes
+      real(dp) :: megabytes(0:n_ranks - 1)
 
-      line = line_t(0, .false.)
-      call line%pass(megabytes)
-      call check_room(assembly, megabytes, error)
+      call broadcast(megabytes)
+      call check_room(assembly, megabytes(rank), error)
       if (allocated(error)) return
       allocate (work%subdomain)
-      call work%subdomain%pass(line)
+      call work%subdomain%pass(line_t(0, .false.))
    end subroutine take_subdomain
 
    !> Ends the service of the other ranks.

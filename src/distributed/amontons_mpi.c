@@ -48,25 +48,18 @@ void amontons_mpi_order(int *order, int is_giver)
     }
 }
 
-/* Sends bytes to a rank. */
-void amontons_mpi_send(const void *bytes, int64_t n, int to)
+/* Passes bytes: to the peer or from it, or, where the peer is negative, from rank 0 to all others. */
+void amontons_mpi_pass(void *bytes, int64_t n, int peer, int is_sender)
 {
-    for (const char *at = bytes; n > 0; at += longest, n -= longest)
-        MPI_Send(at, (int)(n < longest ? n : longest), MPI_BYTE, to, message_tag, MPI_COMM_WORLD);
-}
-
-/* Sends bytes of rank 0 to all others. */
-void amontons_mpi_broadcast(void *bytes, int64_t n)
-{
-    for (char *at = bytes; n > 0; at += longest, n -= longest)
-        MPI_Bcast(at, (int)(n < longest ? n : longest), MPI_BYTE, 0, MPI_COMM_WORLD);
-}
-
-/* Receives bytes from a rank. */
-void amontons_mpi_receive(void *bytes, int64_t n, int from)
-{
-    for (char *at = bytes; n > 0; at += longest, n -= longest)
-        MPI_Recv(at, (int)(n < longest ? n : longest), MPI_BYTE, from, message_tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    for (char *at = bytes; n > 0; at += longest, n -= longest) {
+        int size = (int)(n < longest ? n : longest);
+        if (peer < 0)
+            MPI_Bcast(at, size, MPI_BYTE, 0, MPI_COMM_WORLD);
+        else if (is_sender)
+            MPI_Send(at, size, MPI_BYTE, peer, message_tag, MPI_COMM_WORLD);
+        else
+            MPI_Recv(at, size, MPI_BYTE, peer, message_tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    }
 }
 
 /* The least of a number over all ranks. */

@@ -27,12 +27,11 @@ module amontons_ranks
       logical :: is_sender = .true. !! whether this end sends
    contains
       procedure, private :: pass_number => line_pass_number
-      procedure, private :: pass_real => line_pass_real
       procedure, private :: pass_text => line_pass_text
       procedure, private :: pass_numbers => line_pass_numbers
       procedure, private :: pass_columns => line_pass_columns
       procedure, private :: pass_real_columns => line_pass_real_columns
-      generic :: pass => pass_number, pass_real, pass_text, pass_numbers, pass_columns, pass_real_columns
+      generic :: pass => pass_number, pass_text, pass_numbers, pass_columns, pass_real_columns
    end type line_t
 
    ! allow(assumed-size): C takes an address and knows no shape
@@ -55,30 +54,14 @@ module amontons_ranks
          integer(c_int), value, intent(in) :: is_giver
       end subroutine mpi_order
 
-      subroutine mpi_send(bytes, n, to) bind(c, name='amontons_mpi_send')
+      subroutine mpi_pass(bytes, n, peer, is_sender) bind(c, name='amontons_mpi_pass')
          import :: c_int, c_int64_t
          implicit none (type, external)
-         type(*), intent(in) :: bytes(*)
-         integer(c_int64_t), value, intent(in) :: n
-         integer(c_int), value, intent(in) :: to
-      end subroutine mpi_send
-
-      subroutine mpi_broadcast(bytes, n) bind(c, name='amontons_mpi_broadcast')
-         import :: c_int64_t
-         implicit none (type, external)
-         ! allow(assumed-size-character-intent): C writes here
+         ! allow(assumed-size-character-intent): C reads or writes here
          type(*), intent(inout) :: bytes(*)
          integer(c_int64_t), value, intent(in) :: n
-      end subroutine mpi_broadcast
-
-      subroutine mpi_receive(bytes, n, from) bind(c, name='amontons_mpi_receive')
-         import :: c_int, c_int64_t
-         implicit none (type, external)
-         ! allow(assumed-size-character-intent): C writes here
-         type(*), intent(inout) :: bytes(*)
-         integer(c_int64_t), value, intent(in) :: n
-         integer(c_int), value, intent(in) :: from
-      end subroutine mpi_receive
+         integer(c_int), value, intent(in) :: peer, is_sender
+      end subroutine mpi_pass
 
       function mpi_least(number) bind(c, name='amontons_mpi_least') result(least)
          import :: c_int
@@ -180,20 +163,14 @@ contains
       type(*), intent(inout) :: bytes(*) !! the bytes
       integer(int64), intent(in) :: n !! how many
 
-      if (line%peer == all_ranks) then
-         call mpi_broadcast(bytes, int(n, c_int64_t))
-      else if (line%is_sender) then
-         call mpi_send(bytes, int(n, c_int64_t), int(line%peer, c_int))
-      else
-         call mpi_receive(bytes, int(n, c_int64_t), int(line%peer, c_int))
-      end if
+      call mpi_pass(bytes, int(n, c_int64_t), int(line%peer, c_int), merge(1_c_int, 0_c_int, line%is_sender))
    end subroutine pass_bytes
 
    !> Gives all ranks numbers of rank 0. Every rank calls it with as many.
    subroutine broadcast(list)
       real(dp), contiguous, intent(inout) :: list(:) !! the numbers
 
-      call mpi_broadcast(list, int(real_bytes*size(list), c_int64_t))
+      call pass_bytes(line_t(all_ranks, rank == 0), list, real_bytes*size(list))
    end subroutine broadcast
 
    !> Passes a number.
@@ -206,17 +183,6 @@ contains
       call pass_bytes(self, list, integer_bytes)
       number = list(1)
    end subroutine line_pass_number
-
-   !> Passes a real number.
-   subroutine line_pass_real(self, number)
-      class(line_t), intent(in) :: self !! the line
-      real(dp), intent(inout) :: number !! the number
-      real(dp) :: list(1)
-
-      list = number
-      call pass_bytes(self, list, real_bytes)
-      number = list(1)
-   end subroutine line_pass_real
 
    !> Passes a text.
    subroutine line_pass_text(self, text)
@@ -253,25 +219,25 @@ contains
    subroutine line_pass_columns(self, columns)
       class(line_t), intent(in) :: self !! the line
       integer, allocatable, intent(inout) :: columns(:, :) !! the numbers
-      integer :: extent(2)
+      integer, allocatable :: list(:), extent(:)
 
-      if (self%is_sender) extent = shape(columns)
-      call pass_bytes(self, extent, 2*integer_bytes)
-      if (.not. self%is_sender) then
-         if (allocated(columns)) deallocate (columns)
-         allocate (columns(extent(1), extent(2)))
+      if (self%is_sender) then
+         extent = shape(columns)
+         list = reshape(columns, [size(columns)])
       end if
-      call pass_bytes(self, columns, integer_bytes*extent(1)*extent(2))
+      call self%pass(extent)
+      call self%pass(list)
+      if (.not. self%is_sender) columns = reshape(list, [extent(1), extent(2)])
    end subroutine line_pass_columns
 
    !> Passes real numbers in columns.
    subroutine line_pass_real_columns(self, columns)
       class(line_t), intent(in) :: self !! the line
       real(dp), allocatable, intent(inout) :: columns(:, :) !! the numbers
-      integer :: extent(2)
+      integer, allocatable :: extent(:)
 
       if (self%is_sender) extent = shape(columns)
-      call pass_bytes(self, extent, 2*integer_bytes)
+      call self%pass(extent)
       if (.not. self%is_sender) then
          if (allocated(columns)) deallocate (columns)
          allocate (columns(extent(1), extent(2)))

@@ -245,6 +245,7 @@ contains
       type(case_result_t), intent(out) :: kept !! what is kept of it
       integer, parameter :: n_newton_steps = 8
       type(newton_t) :: newton
+      real(dp), allocatable :: amounts(:)
       type(error_t), allocatable :: error
       integer :: n_iterations
       logical :: is_solved, has_equilibrium
@@ -261,7 +262,10 @@ contains
       end if
       has_equilibrium = .true.
       if (.not. is_solved) call solve_from_rest(task, body, number, problem, solution, has_equilibrium)
-      if (has_equilibrium) has_equilibrium = .not. spins(task, body, problem, solution)
+      if (has_equilibrium) then
+         call find_spin(amounts, body, task%model%fixed%is_in_reach, problem, solution)
+         has_equilibrium = .not. allocated(amounts)
+      end if
       if (.not. has_equilibrium) then
          solution%is_converged = .false.
          kept%outcome = case_no_equilibrium
@@ -297,18 +301,6 @@ contains
       call task%method%solve(problem, solution, error)
       if (allocated(error)) solution%is_converged = .false.
    end subroutine solve_from_rest
-
-   !> Whether a body moves on without end although friction resists.
-   logical function spins(task, body, problem, solution)
-      type(sweep_task_t), intent(in) :: task !! the sweep
-      type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(in) :: problem !! the contact problem of a case
-      type(contact_solution_t), intent(in) :: solution !! its solution
-      real(dp), allocatable :: amounts(:)
-
-      call find_spin(amounts, body, task%model%fixed%is_in_reach, problem, solution)
-      spins = allocated(amounts)
-   end function spins
 
    !> What residual and rounding errors, as forces, are of the largest force that acts in a case [-].
    pure real(dp) function force_error(problem, solution, largest_load)

@@ -237,9 +237,11 @@ contains
    pure function sweep_statistics_text(self) result(text)
       class(sweep_statistics_t), intent(in) :: self !! the statistics
       character(:), allocatable :: text
-      integer :: i
+      integer :: n, i
 
-      text = to_text(self%n_cases)//' '//to_text(self%n_iterations)
+      n = 0
+      if (allocated(self%least)) n = size(self%least)
+      text = to_text(self%n_cases)//' '//to_text(n)//' '//to_text(self%n_iterations)
       do i = 1, size(outcome_names)
          text = text//' '//to_text(self%n_outcomes(i))
       end do
@@ -248,9 +250,7 @@ contains
       do i = 1, size(case_warning_names)
          text = text//' '//to_text(self%n_warned(i))//' '//to_text(self%warned_case(i))
       end do
-      if (.not. allocated(self%least)) return
-      text = text//' '//to_text(size(self%least))
-      do i = 1, size(self%least)
+      do i = 1, n
          text = text//' '//to_text(self%least_case(i))//' '//to_text(self%least(i)) &
             //' '//to_text(self%greatest_case(i))//' '//to_text(self%greatest(i))
       end do
@@ -261,21 +261,17 @@ contains
       class(sweep_statistics_t), intent(inout) :: self !! the statistics
       character(*), intent(in) :: text !! the line
       logical, intent(out) :: ok !! whether it is the line of a statistics
-      integer :: numbers(size(outcome_names) + 4), n, status, i
-      real(dp) :: reals(2)
+      integer :: n, status, i
 
-      read (text, *, iostat=status) self%n_cases, self%n_iterations, self%n_outcomes, self%residual_case, &
-         self%residual, self%worst_case, self%force_error, &
-         (self%n_warned(i), self%warned_case(i), i=1, size(case_warning_names))
-      ok = status == 0
-      if (.not. ok .or. self%residual_case == 0) return
-      read (text, *, iostat=status) numbers(:size(outcome_names) + 3), reals(1), numbers(size(numbers)), reals(2), &
-         (self%n_warned(i), self%warned_case(i), i=1, size(case_warning_names)), n
-      ok = status == 0 .and. n > 0
+      read (text, *, iostat=status) self%n_cases, n
+      ! Each number takes at least two characters.
+      ok = status == 0 .and. n >= 0 .and. n < len(text)
       if (.not. ok) return
-      allocate (self%least(n), self%greatest(n), self%least_case(n), self%greatest_case(n))
-      read (text, *, iostat=status) numbers(:size(outcome_names) + 3), reals(1), numbers(size(numbers)), reals(2), &
-         (self%n_warned(i), self%warned_case(i), i=1, size(case_warning_names)), n, &
+      if (allocated(self%least)) deallocate (self%least, self%greatest, self%least_case, self%greatest_case)
+      if (n > 0) allocate (self%least(n), self%greatest(n), self%least_case(n), self%greatest_case(n))
+      read (text, *, iostat=status) self%n_cases, n, self%n_iterations, self%n_outcomes, self%residual_case, &
+         self%residual, self%worst_case, self%force_error, &
+         (self%n_warned(i), self%warned_case(i), i=1, size(case_warning_names)), &
          (self%least_case(i), self%least(i), self%greatest_case(i), self%greatest(i), i=1, n)
       ok = status == 0
    end subroutine sweep_statistics_read
