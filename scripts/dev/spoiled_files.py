@@ -1,4 +1,4 @@
-"""Spoilt input for fuzz.py: the seeds of each format, and what is changed in them, the same in every run."""
+"""Spoiled input for fuzz.py: the seeds of each format, and what is changed in them, the same in every run."""
 
 import pathlib
 import random

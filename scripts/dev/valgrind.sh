@@ -51,7 +51,7 @@ done
 check 0 "$program" --output "$work" input/hertz.nml input/long_bar_1.nml
 check 1 "$program" --output "$work" tests/bad/*.nml
 check 1 "$program" --output "$work" --reduced tests/reduced/bad/*
-for test in base/base case/deck fem/mesh_file case/reduced binding/binding; do
+for test in base/base deck/deck mesh/mesh_file study/reduced binding/binding; do
    # Each test writes where ctest lets it write.
    folder=build/debug/tests/$test.run
    [[ -d $folder ]] || folder=build/debug/tests/${test%/*}

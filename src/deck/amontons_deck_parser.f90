@@ -113,7 +113,7 @@ contains
          call contents%faults%add(group%line, '&'//excerpt(group%name)//' is not closed: '//next)
       end if
       group%is_malformed = contents%faults%n > n_faults
-      ! Behind a fault of form, the rest of the group may be the next one, its name spoilt.
+      ! Behind a fault of form, the rest of the group may be the next one, its name spoiled.
       contents%hides_groups = contents%hides_groups .or. group%is_malformed
       call append_group(contents, group)
    end subroutine read_group

@@ -65,7 +65,7 @@ contains
       type(materials_t), intent(in) :: materials !! its materials
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
       type(constraints_t), intent(in) :: constraints !! the supports
-      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns; the trailing ones are the Schur variables
+      type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns; the last ones are the Schur variables
       type(error_t), allocatable, intent(out) :: error !! memory ran out
       integer, allocatable :: position(:)
       real(dp), allocatable :: sums(:, :)
@@ -101,7 +101,7 @@ contains
       end associate
    end subroutine new_distributed_condenser
 
-   !> Gives every rank its subdomain. Rank 0 has the springs, and the nodes of all trailing unknowns.
+   !> Gives every rank its subdomain. Rank 0 has the springs, and the nodes of all Schur variables.
    subroutine spread_body(own, position, mesh, materials, springs, constraints, dof_map, error)
       type(subdomain_t), intent(out) :: own !! that of rank 0
       integer, intent(in) :: position(:) !! position of each unknown in the order of elimination

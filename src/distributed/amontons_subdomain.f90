@@ -36,7 +36,7 @@ module amontons_subdomain
 
 contains
 
-   !> Finds the position of each unknown in the order of a nested dissection, the trailing unknowns last.
+   !> Finds the position of each unknown in the order of a nested dissection, the Schur variables last.
    subroutine find_positions(position, mesh, dof_map, error)
       integer, allocatable, intent(out) :: position(:) !! position of each unknown (n_dofs)
       type(mesh_t), intent(in) :: mesh !! the mesh
@@ -79,7 +79,7 @@ contains
    !> Lists the nodes that have unknowns, in the order of these.
    pure subroutine list_nodes(node, n_last, mesh, dof_map)
       integer, allocatable, intent(out) :: node(:) !! the nodes
-      integer, intent(out) :: n_last !! how many of them have trailing unknowns
+      integer, intent(out) :: n_last !! how many of them, the last ones, have Schur variables
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(dof_map_t), intent(in) :: dof_map !! numbers of the unknowns
       integer, allocatable :: node_of(:)

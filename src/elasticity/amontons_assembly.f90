@@ -15,7 +15,7 @@ module amontons_assembly
    private
 
    public :: assemble_stiffness, from_unknowns, internal_forces, spring_forces, strained_share, thermal_work, &
-      to_unknowns, uncancelled_forces
+      to_unknowns, uncanceled_forces
 
 contains
 
@@ -217,9 +217,9 @@ contains
       end do
    end function thermal_work
 
-   !> Norm of the nodal forces |K| |u|, to which stiffness times displacement would add up if no two terms cancelled:
+   !> Norm of the nodal forces |K| |u|, to which stiffness times displacement would add up if no two terms canceled:
    !> the size that rounding errors of the internal forces are a share of [F].
-   pure real(dp) function uncancelled_forces(mesh, materials, displacement) result(size_of_terms)
+   pure real(dp) function uncanceled_forces(mesh, materials, displacement) result(size_of_terms)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
@@ -241,10 +241,10 @@ contains
          end associate
       end do
       size_of_terms = norm2(forces)
-   end function uncancelled_forces
+   end function uncanceled_forces
 
    !> The largest share that the forces of an element are of what they would be if its nodes had the largest of all
-   !> displacements and no two terms cancelled: as small as rounding errors where no element is strained. The
+   !> displacements and no two terms canceled: as small as rounding errors where no element is strained. The
    !> displacements of an element at rest, beside others that move, are such errors themselves [-].
    pure real(dp) function strained_share(mesh, materials, displacement) result(share)
       type(mesh_t), intent(in) :: mesh !! the mesh

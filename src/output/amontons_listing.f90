@@ -256,7 +256,7 @@ contains
       text = to_text(count(status /= open_point))//' of '//to_text(size(status))//' points closed'
    end function closed_text
 
-   !> What a solution must fulfil, a line on each violation, and the verdict.
+   !> What a solution must fulfill, a line on each violation, and the verdict.
    pure function violations_text(violations, limit) result(text)
       type(quantity_t), intent(in) :: violations(:) !! the violations, each over its natural scale [-]
       real(dp), intent(in) :: limit !! what each may be at most [-]

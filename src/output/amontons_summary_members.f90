@@ -114,7 +114,7 @@ contains
       text = member(name, '{'//quantity_members(quantities)//'}')
    end function quantities_member
 
-   !> What a solution must fulfil, as a member: the verdict, the limit, the violations, and numbers that go with them.
+   !> What a solution must fulfill, as a member: the verdict, the limit, the violations, and numbers that go with them.
    pure function certificate_member(violations, limit, others, head) result(text)
       type(quantity_t), intent(in) :: violations(:) !! the violations [-]
       real(dp), intent(in) :: limit !! what each may be at most [-]

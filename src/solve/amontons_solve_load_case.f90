@@ -2,7 +2,7 @@
 !> histories and `--verify` take steps of it.
 module amontons_solve_load_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: uncancelled_forces
+   use amontons_assembly, only: uncanceled_forces
    use amontons_auto, only: auto_t
    use amontons_body, only: body_t, condense_body
    use amontons_case_error, only: estimate_error, prepare_estimates
@@ -261,7 +261,7 @@ contains
       ! Prescribed displacements and heat are loads that no force tells.
       if (any(abs(result%load_case%prescribed) > 0.0_dp) .or. allocated(result%load_case%thermal_strain)) return
       forces = max(norm2(result%load_case%force), norm2(result%solution%force))
-      if (forces > 0.0_dp) cancellation = uncancelled_forces(body%mesh, body%materials, result%displacement)/forces
+      if (forces > 0.0_dp) cancellation = uncanceled_forces(body%mesh, body%materials, result%displacement)/forces
    end function cancellation
 
    !> Whether what the certificate finds may come from the rounding errors of an ill-conditioned stiffness: of what

@@ -55,7 +55,7 @@ class Interruption(SweepTest):
                 self.assertEqual(found[member], expected[member])
             (self.directory / "sweep.sweep.csv").unlink()
 
-    def test_spoilt_checkpoint_is_never_believed(self):
+    def test_spoiled_checkpoint_is_never_believed(self):
         self.write("sweep.nml", map_of_states(6))
         self.run_program("--quiet", "--output", "reference", "sweep.nml")
         expected = self.contents("reference")["sweep.sweep.csv"]

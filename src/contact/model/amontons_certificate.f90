@@ -1,7 +1,7 @@
-!> The certificate: what a solution fulfils on the full model, computed from displacements and contact forces alone.
+!> The certificate: what a solution fulfills on the full model, computed from displacements and contact forces alone.
 module amontons_certificate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: spring_forces, strained_share, thermal_work, uncancelled_forces
+   use amontons_assembly, only: spring_forces, strained_share, thermal_work, uncanceled_forces
    use amontons_body, only: body_t
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_rows_t, turned
@@ -145,12 +145,12 @@ contains
       real(dp), parameter :: negligible_share = 1.0e-11_dp
 
       scale = 0.0_dp
-      associate (uncancelled => uncancelled_forces(body%mesh, body%materials, displacement))
-         if (force_size > rounding*uncancelled) return
+      associate (uncanceled => uncanceled_forces(body%mesh, body%materials, displacement))
+         if (force_size > rounding*uncanceled) return
          if (.not. is_heated) then
             if (strained_share(body%mesh, body%materials, displacement) > negligible_share) return
          end if
-         scale = rounding_share*uncancelled
+         scale = rounding_share*uncanceled
       end associate
    end function unstrained_scale
 
@@ -166,7 +166,7 @@ contains
 
       violation = relative(imbalance, force_size)
       if (violation > suspicious) violation = relative(imbalance, max(force_size, &
-         rounding_share*uncancelled_forces(body%mesh, body%materials, displacement)))
+         rounding_share*uncanceled_forces(body%mesh, body%materials, displacement)))
    end function relative_imbalance
 
    !> Splits what the forces lack for equilibrium into reactions (held directions) and imbalance (free ones).

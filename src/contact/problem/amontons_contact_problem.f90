@@ -261,12 +261,12 @@ contains
       real(dp), parameter :: rounding = 1.0e-13_dp, rounding_share = 1.0e-5_dp
       ! A residual within the usual tolerance is still larger than rounding errors.
       real(dp), parameter :: share_of_moves = 1.0e-3_dp
-      real(dp), dimension(2*self%n_points) :: held, force, uncancelled
+      real(dp), dimension(2*self%n_points) :: held, force, uncanceled
       real(dp) :: acting
 
       if (self%is_reduced()) then
          force = self%augmentation()*self%dual_load(self%free_displacement)
-         uncancelled = 0.0_dp
+         uncanceled = 0.0_dp
       else
          held = [min(0.0_dp, self%gap), self%anchor]
          force = self%load
@@ -274,14 +274,14 @@ contains
             call self%multiply_stiffness(held, force)
             force = self%load - force
          end if
-         uncancelled = self%augmentation()*(self%prescribed + maxval(abs(held)))
+         uncanceled = self%augmentation()*(self%prescribed + maxval(abs(held)))
       end if
       scale = maxval(abs(force))
-      if (all(abs(force) <= rounding*uncancelled)) scale = rounding_share*maxval(uncancelled)
+      if (all(abs(force) <= rounding*uncanceled)) scale = rounding_share*maxval(uncanceled)
       if (present(contact_force) .and. .not. self%is_reduced()) then
          acting = max(merge(share_of_moves, 1.0_dp, self%prescribed > 0.0_dp)*maxval(abs(self%load)), &
             maxval(abs(contact_force)))
-         if (acting > 0.0_dp) scale = min(scale, max(acting, rounding_share*maxval(uncancelled)))
+         if (acting > 0.0_dp) scale = min(scale, max(acting, rounding_share*maxval(uncanceled)))
       end if
       if (scale > 0.0_dp) return
       force = self%augmentation()

@@ -79,7 +79,7 @@ contains
          abs(max(min(-rho_tangential*slip, tangential_force + bound), tangential_force - bound)))
    end function law_violation
 
-   !> The force that fulfils the contact law best; of several that do, the one next to a given force.
+   !> The force that fulfills the contact law best; of several that do, the one next to a given force.
    pure function solve_point(w_nn, w_nt, w_tt, free, friction, slip_bound, force) result(best)
       real(dp), intent(in) :: w_nn !! normal compliance, at least 0 [L/F]
       real(dp), intent(in) :: w_nt !! compliance that couples normal and tangent [L/F]
