@@ -142,7 +142,7 @@ class History(HistoryTest):
         return {path.name: path.read_bytes() for path in paths}
 
     def test_interrupted_history_goes_on(self):
-        text = BAR.replace("substeps = 4", "substeps = 200000")
+        text = BAR.replace("substeps = 4", "substeps = 2000000")
         run = self.start(text)
         while self.n_noted() == 0 and run.poll() is None:
             time.sleep(0.005)
