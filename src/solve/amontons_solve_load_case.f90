@@ -138,8 +138,10 @@ contains
       real(dp), allocatable :: laid(:)
 
       call fit_rigid_motion(motion, body, load_case)
-      if (any(abs(motion) > 0.0_dp)) then
-         if (any(abs(problem%load) > 0.0_dp) .or. all(problem%gap >= motion(:problem%n_points))) return
+      if (any(abs(problem%load) > 0.0_dp)) then
+         if (any(abs(motion) > 0.0_dp)) return
+      else
+         if (all(problem%gap >= motion(:problem%n_points))) return
       end if
       call lay_rigid_body(laid, body, load_case, problem%load)
       if (any(abs(laid) > 0.0_dp)) motion = laid
