@@ -1,4 +1,4 @@
-!> Subdomains: the elements of a body that one rank owns by its share of the order of elimination, and what assembly
+!> Subdomains, the elements of a body that one rank owns by its share of the order of elimination, and what assembly
 !> needs of them. The order is found on the mesh: no matrix is needed.
 module amontons_subdomain
    use amontons_coloring, only: coloring_t, new_coloring

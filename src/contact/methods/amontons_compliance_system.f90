@@ -80,7 +80,7 @@ contains
    subroutine compliance_system_solve_unknown(self, right, info)
       class(compliance_system_t), intent(in) :: self !! the system
       real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand sides, the solutions on return
-      integer, intent(out) :: info !! 0: a factor that was made is not singular
+      integer, intent(out) :: info !! 0, as a factor that was made is not singular
 
       info = 0
       call solve_entries(self, size(right, 1), self%entries, right)
