@@ -128,8 +128,9 @@ contains
       solution%displacement = solution%displacement + motion
    end subroutine solve_from_obstacles
 
-   !> Finds the rigid motion that displacements are counted from: that which comes closest to the gaps or, if none is
-   !> close or if it leaves overlaps that no load presses on, that of a rigid body laid on its obstacles.
+   !> Finds the rigid motion that displacements are counted from: that which comes closest to the gaps, if any is close
+   !> and, without loads, leaves no overlap. Else that of a rigid body laid on its obstacles, where loads or overlaps
+   !> move it.
    subroutine find_origin(motion, body, load_case, problem)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (2m) [L]
       type(body_t), intent(in) :: body !! the body

@@ -164,4 +164,12 @@ def words_of(group, key):
 SUPPORT = "support set = 'left'  ux = 0.0"
 PRESSURE = "load set = 'top'  pressure = 1.0"
 CONTACT = "contact set = 'bottom'  friction = 0.3"
+TWO_BODIES = """&mesh name = 'a'  size = 4.0, 2.0  cells = 8, 4 /
+&mesh name = 'b'  size = 6.0, 2.0  cells = 9, 3  origin = -1.0, -2.0 /
+&material young = 100.0  poisson = 0.25 /
+&support set = 'b.bottom'  ux = 0.0  uy = 0.0 /
+&support set = 'a.left'  ux = 0.0 /
+&load set = 'a.top'  pressure = 1.0  traction = 0.3, 0.0 /
+&contact set = 'a.bottom'  against = 'b.top'  friction = 0.2 /
+"""
 SOUND = block(SUPPORT, PRESSURE, CONTACT)

@@ -6,19 +6,11 @@ import re
 import unittest
 from pathlib import Path
 
-from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block, read_vtu
+from harness import CONTACT, PRESSURE, SUPPORT, TWO_BODIES, ProgramTest, block, read_vtu
 
 PAGES = Path(__file__).resolve().parents[2] / "doc"
 PUSH = "load name = 'push'  set = 'right'  traction = -1.5, 0.3"
 WALL = "contact set = 'left'  friction = 0.2  obstacle = 'plane'  normal = 1.0, 0.0"
-TWO_BODIES = """&mesh name = 'a'  size = 4.0, 2.0  cells = 8, 4 /
-&mesh name = 'b'  size = 6.0, 2.0  cells = 9, 3  origin = -1.0, -2.0 /
-&material young = 100.0  poisson = 0.25 /
-&support set = 'b.bottom'  ux = 0.0  uy = 0.0 /
-&support set = 'a.left'  ux = 0.0 /
-&load set = 'a.top'  pressure = 1.0  traction = 0.3, 0.0 /
-&contact set = 'a.bottom'  against = 'b.top'  friction = 0.2 /
-"""
 DECKS = {
     "case": block(SUPPORT, PRESSURE, CONTACT, PUSH),
     "sets": block("load set = 'right'  traction = -0.5, 0.0", PRESSURE, CONTACT, WALL),

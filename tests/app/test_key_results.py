@@ -5,18 +5,9 @@ import math
 import re
 import unittest
 
-from harness import CONTACT, PRESSURE, SUPPORT, ProgramTest, block, read_vtu
+from harness import CONTACT, PRESSURE, SUPPORT, TWO_BODIES, ProgramTest, block, read_vtu
 
 PUSH = "load set = 'right'  traction = -1.5, 0.3"  # part of the floor sticks, part slides, part opens
-
-TWO_BODIES = """&mesh name = 'a'  size = 4.0, 2.0  cells = 8, 4 /
-&mesh name = 'b'  size = 6.0, 2.0  cells = 9, 3  origin = -1.0, -2.0 /
-&material young = 100.0  poisson = 0.25 /
-&support set = 'b.bottom'  ux = 0.0  uy = 0.0 /
-&support set = 'a.left'  ux = 0.0 /
-&load set = 'a.top'  pressure = 1.0  traction = 0.3, 0.0 /
-&contact set = 'a.bottom'  against = 'b.top'  friction = 0.2 /
-"""
 
 
 class KeyResults(ProgramTest):
