@@ -62,7 +62,12 @@ contains
             trim(stated)//', the deck computes '//trim(hypothesis))
       end associate
       do i = 1, size(load_case%contacts)
-         if (any(body%zone%set == i)) call add_contact_warnings(warnings, body, load_case, i)
+         if (any(body%zone%set == i)) then
+            call add_contact_warnings(warnings, body, load_case, i)
+         else
+            call warnings%add("contact set '"//load_case%contacts(i)%set//"': no contact points; supports hold all "// &
+               'its nodes along their normals, or it lies on the axis of revolution')
+         end if
          if (.not. body%zone%pairs(i)%is_set()) cycle
          call add_pair_warnings(warnings, body%zone%pairs(i))
          if (load_case%contacts(i)%pairing%has_mesh_gap()) call add_gap_warnings(warnings, body%zone%pairs(i), &

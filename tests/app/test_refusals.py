@@ -29,6 +29,10 @@ def expected_message(deck):
     return message
 
 
+# A box with the free side on the left of the way along its points, its top the floor.
+BOX = (-1.0, -1.0), (-1.0, 0.0), (5.0, 0.0), (5.0, -1.0), (-1.0, -1.0)
+
+
 class Corpus(ProgramTest):
     """The decks in tests/bad."""
 
@@ -128,6 +132,19 @@ class Tables(ProgramTest):
         deck = SOUND.replace("friction = 0.3", "line = 'table.txt'")
         run = self.run_program(self.write("case.nml", deck), status=1)
         self.assertEqual(run.stderr, "case.nml:5: line is only for obstacle = 'polyline'\n")
+
+
+    def test_polyline_the_other_way_round(self):
+        # A box and a floor below the block; with the free side on the right, the block lies in them.
+        for name, points in ("box", BOX), ("floor", BOX[1:3]):
+            for way in 1, -1:
+                self.write("line.csv", "".join(f"{s}, {h}\n" for s, h in points[::way]))
+                deck = SOUND.replace("friction = 0.3", "friction = 0.3  obstacle = 'polyline'  line = 'line.csv'")
+                with self.subTest(name=name, way=way):
+                    run = self.run_program("--check", self.write("case.nml", deck), status=0 if way > 0 else 1)
+                    self.assertEqual(run.stderr, "" if way > 0 else (
+                        "case.nml:5: the boundary does not face its obstacle; check the place of the obstacle, and "
+                        "that its normal points to the body, its free side on the left of the way along its points\n"))
 
 
 class Builds(ProgramTest):

@@ -29,7 +29,9 @@ module amontons_obstacle
    contains
       procedure, private :: crossings => obstacle_crossings
       procedure :: depth => obstacle_depth
+      procedure, private :: has_ends => obstacle_has_ends
       procedure :: has_radius => obstacle_has_radius
+      procedure, private :: is_passed => obstacle_is_passed
       procedure :: measure => obstacle_measure
    end type obstacle_t
 
@@ -71,16 +73,61 @@ contains
       end select
    end function obstacle_crossings
 
-   !> How deep a point lies in the obstacle, measured along the obstacle's normal; 0 in free space [L].
+   !> How deep a point lies in the obstacle, measured along the obstacle's normal: back to where the line entered or,
+   !> around a hollow, on to where it leaves; 0 in free space [L].
    pure real(dp) function obstacle_depth(self, position) result(depth)
       class(obstacle_t), intent(in) :: self !! the obstacle
       real(dp), intent(in) :: position(2) !! the point [L]
-      real(dp) :: gap, cosine
+      type(crossing_t), allocatable :: crossings(:)
+      real(dp) :: direction(2), gap, cosine
       logical :: is_met
+      integer :: first
 
-      call self%measure(position, -self%normal/norm2(self%normal), gap, is_met, cosine)
+      direction = -self%normal/norm2(self%normal)
+      call self%measure(position, direction, gap, is_met, cosine)
       depth = merge(max(0.0_dp, -gap), 0.0_dp, is_met)
+      if (is_met .or. self%has_ends()) return
+      crossings = self%crossings(position, direction)
+      if (size(crossings) == 0) return
+      ! A line that leaves first has been inside all the way.
+      first = minloc(crossings%way, dim=1)
+      if (crossings(first)%cosine < 0.0_dp) depth = max(0.0_dp, crossings(first)%way)
    end function obstacle_depth
+
+   !> Whether the surface of the obstacle has ends, beside which there is no telling whether a point is inside.
+   pure logical function obstacle_has_ends(self) result(has_ends)
+      class(obstacle_t), intent(in) :: self !! the obstacle
+      integer :: n
+
+      has_ends = .false.
+      if (self%kind /= 'polyline') return
+      n = size(self%line, 2)
+      has_ends = norm2(self%line(:, n) - self%line(:, 1)) > rounding*maxval(abs(self%line))
+   end function obstacle_has_ends
+
+   !> Whether a point lies beside the surface: the nearest place of it is an end, and the point is beyond it.
+   pure logical function obstacle_is_passed(self, position) result(is_passed)
+      class(obstacle_t), intent(in) :: self !! the obstacle
+      real(dp), intent(in) :: position(2) !! the point [L]
+      real(dp) :: x(2), share, nearest, distance
+      integer :: i, n
+
+      is_passed = .false.
+      if (.not. self%has_ends()) return
+      x = in_frame(self%normal/norm2(self%normal), position - self%point)
+      n = size(self%line, 2) - 1
+      nearest = huge(nearest)
+      do i = 1, n
+         associate (start => self%line(:, i), along => self%line(:, i + 1) - self%line(:, i))
+            if (.not. any(abs(along) > 0.0_dp)) cycle
+            share = dot_product(x - start, along)/dot_product(along, along)
+            distance = norm2(x - start - min(1.0_dp, max(0.0_dp, share))*along)
+         end associate
+         if (.not. distance < nearest) cycle
+         nearest = distance
+         is_passed = (i == 1 .and. share < -rounding) .or. (i == n .and. share > 1.0_dp + rounding)
+      end do
+   end function obstacle_is_passed
 
    !> Whether an obstacle of this kind has a radius.
    pure logical function obstacle_has_radius(self) result(has_radius)
@@ -175,7 +222,7 @@ contains
 
    !> The gap from a point along a direction. In free space it is the way to the first place ahead where the line
    !> enters; inside it is the way back, negative, to the place where the line entered last. A line that does not enter,
-   !> or enters too aslant, meets nothing.
+   !> or enters too aslant, meets nothing. Beside the end of a polyline nothing is inside.
    pure subroutine obstacle_measure(self, position, direction, gap, is_met, cosine)
       class(obstacle_t), intent(in) :: self !! the obstacle
       real(dp), intent(in) :: position(2) !! the point [L]
@@ -187,6 +234,7 @@ contains
       integer :: found
 
       crossings = self%crossings(position, direction)
+      if (self%is_passed(position)) crossings = pack(crossings, crossings%way > 0.0_dp)
       found = find_entry(crossings)
       gap = 0.0_dp
       cosine = 0.0_dp
@@ -197,28 +245,41 @@ contains
       is_met = cosine >= steepest_cosine
    end subroutine obstacle_measure
 
-   !> The place where a line entered the obstacle that its start is in, or where it enters next; 0 if it does not.
+   !> The place where a line entered the obstacle that its start is in, or where it enters next; 0 if it does not. None
+   !> from a start on a surface that the line leaves there: what is behind the start lies inside.
    pure integer function find_entry(crossings) result(found)
       type(crossing_t), intent(in) :: crossings(:) !! where the line crosses the surface
       ! A point this near to a surface that it faces away from lies on it, as a share of the lengths at hand.
       real(dp), parameter :: rounding = 1.0e-9_dp
-      real(dp) :: near, last_exit, next_exit
+      logical :: is_here(size(crossings))
+
+      associate (way => abs(crossings%way), enters => crossings%cosine > 0.0_dp)
+         is_here = way <= rounding*maxval(way)
+         if (any(is_here .and. .not. enters)) then
+            ! Of a tip that the line enters and leaves at once the start is outside.
+            found = minloc(way, dim=1, mask=is_here .and. enters)
+         else
+            found = find_entry_elsewhere(crossings)
+         end if
+      end associate
+   end function find_entry
+
+   !> The same from a start that is on no surface that the line leaves.
+   pure integer function find_entry_elsewhere(crossings) result(found)
+      type(crossing_t), intent(in) :: crossings(:) !! where the line crosses the surface
       integer :: last, next
 
-      associate (way => crossings%way, enters => crossings%cosine > 0.0_dp)
-         near = rounding*maxval(abs(way))
-         last_exit = maxval(way, mask=.not. enters .and. way <= near)
-         next_exit = minval(way, mask=.not. enters .and. way > near)
-         last = maxloc(way, dim=1, mask=enters .and. way <= 0.0_dp)
-         next = minloc(way, dim=1, mask=enters .and. way > 0.0_dp)
-      end associate
       found = 0
-      if (next > 0) then
-         if (crossings(next)%way <= next_exit) found = next
-      end if
-      if (last > 0) then
-         if (crossings(last)%way > last_exit) found = last
-      end if
-   end function find_entry
+      associate (way => crossings%way, enters => crossings%cosine > 0.0_dp)
+         next = minloc(way, dim=1, mask=enters .and. way > 0.0_dp)
+         if (next > 0) then
+            if (way(next) <= minval(way, mask=way > 0.0_dp)) found = next
+         end if
+         last = maxloc(way, dim=1, mask=enters .and. way <= 0.0_dp)
+         if (last > 0) then
+            if (way(last) > maxval(way, mask=way <= 0.0_dp .and. .not. enters)) found = last
+         end if
+      end associate
+   end function find_entry_elsewhere
 
 end module amontons_obstacle
