@@ -44,8 +44,8 @@ contains
       ! The way without obstacles, over the largest gap; a gap that stays open, likewise, where nothing would close it.
       real(dp), parameter :: far = 100.0_dp, apart = 1.0e-6_dp
       real(dp), parameter :: longest = 10.0_dp, impossible = 1.0e-10_dp
-      real(dp), allocatable :: way(:, :), columns(:, :), remainder(:)
-      real(dp) :: aim(2*body%zone%n_points), drive(3*size(body%motions)), unit
+      real(dp), allocatable :: in_modes(:, :), way(:, :), columns(:, :), remainder(:)
+      real(dp) :: aim(2*body%zone%n_points), drive(3*size(body%motions)), amounts(size(body%rigid_modes, 2)), unit
       logical :: counts(2*body%zone%n_points)
       integer :: k, m, n
 
@@ -55,12 +55,14 @@ contains
       allocate (motion(2*m), source=0.0_dp)
       unit = maxval(abs(aim(:m)))
       if (size(body%rigid_modes, 2) == 0 .or. .not. unit > 0.0_dp) return
-      call find_ways(way, body%rigid_modes, counts)
+      call find_ways(in_modes, body%rigid_modes, counts)
+      way = matmul(body%rigid_modes, in_modes)
       n = size(way, 2)
-      motion = matmul(body%rigid_modes, amounts_of(merge(body%rigid_modes, 0.0_dp, spread(counts, 2, &
-         size(body%rigid_modes, 2))), aim))
+      amounts = amounts_of(merge(body%rigid_modes, 0.0_dp, spread(counts, 2, size(body%rigid_modes, 2))), aim)
       drive(:n) = matmul(load, way)
-      if (any(abs(load) > 0.0_dp)) motion = motion + far*unit*matmul(way, drive(:n)/max(norm2(drive(:n)), tiny(1.0_dp)))
+      if (any(abs(load) > 0.0_dp)) amounts = amounts + far*unit*matmul(in_modes, &
+         drive(:n)/max(norm2(drive(:n)), tiny(1.0_dp)))
+      motion = matmul(body%rigid_modes, amounts)
       ! The least distance under inequalities, G x >= h, from least squares (Lawson and Hanson, chapter 23).
       allocate (columns(n + 1, count(counts(:m))))
       do k = 1, n
@@ -72,16 +74,18 @@ contains
       if (remainder(n + 1) <= impossible) then
          motion = 0.0_dp
       else
-         motion = motion - unit/remainder(n + 1)*matmul(way, remainder(:n))
+         ! The sum of the amounts, not of the displacements, which would leave the rounding of the long way in the short
+         ! one: no rigid motion, and with forces that nothing balances.
+         motion = matmul(body%rigid_modes, amounts - unit/remainder(n + 1)*matmul(in_modes, remainder(:n)))
          if (maxval(abs(motion)) > longest*unit) motion = 0.0_dp
       end if
    end subroutine lay_rigid_body
 
    !> The ways in which a rigid body can move so that the normals of the points notice, each with the least slip and of
    !> the mean square 1 along the normals.
-   subroutine find_ways(way, modes, counts)
-      real(dp), allocatable, intent(out) :: way(:, :) !! displacements (u_N; u_T) under each (2m, ways) [-]
-      real(dp), intent(in) :: modes(:, :) !! those of the free motions (2m, k) [-]
+   subroutine find_ways(in_modes, modes, counts)
+      real(dp), allocatable, intent(out) :: in_modes(:, :) !! amount of each mode in each of them (k, ways) [-]
+      real(dp), intent(in) :: modes(:, :) !! displacements (u_N; u_T) under the free motions (2m, k) [-]
       logical, intent(in) :: counts(:) !! which of the displacements count (2m)
       ! Squares of the modes have half of the digits.
       real(dp), parameter :: negligible = 1.0e-12_dp
@@ -97,13 +101,12 @@ contains
       call symmetric_eigenvectors(vector, value, info)
       n_slips = size(value)
       if (info == 0) n_slips = count(value <= negligible*maxval(value))
-      way = matmul(modes, vector)
-      slip = merge(way, 0.0_dp, spread(counts .and. [(k > m, k=1, 2*m)], 2, size(value)))
+      slip = merge(matmul(modes, vector), 0.0_dp, spread(counts .and. [(k > m, k=1, 2*m)], 2, size(value)))
       do k = n_slips + 1, size(value)
-         way(:, k) = (way(:, k) - matmul(way(:, :n_slips), amounts_of(slip(:, :n_slips), slip(:, k)))) &
+         vector(:, k) = (vector(:, k) - matmul(vector(:, :n_slips), amounts_of(slip(:, :n_slips), slip(:, k)))) &
             *sqrt(real(count(counts(:m)), dp)/value(k))
       end do
-      way = way(:, n_slips + 1:)
+      in_modes = vector(:, n_slips + 1:)
    end subroutine find_ways
 
    !> Finds the free rigid motion in displacements of the points that are little else; none in others.
