@@ -113,7 +113,7 @@ contains
       if (has_place) solution%displacement = solution%displacement - motion
       call solve_from(motion, method, problem, solution, error)
       ! Of displacements that the motion is a part of, rounding would look like travel.
-      call fit_travel(travel, body, solution%displacement)
+      call fit_travel(travel, body, problem%load, solution%displacement)
       if (.not. (allocated(error) .or. solution%is_at_rest) .and. any(abs(travel) > 0.0_dp)) then
          first = solution
          solution%displacement = solution%displacement - travel
@@ -138,7 +138,7 @@ contains
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       real(dp), allocatable :: laid(:)
 
-      call fit_rigid_motion(motion, body, load_case)
+      call fit_rigid_motion(motion, body, load_case, problem%load)
       if (any(abs(problem%load) > 0.0_dp)) then
          if (any(abs(motion) > 0.0_dp)) return
       else

@@ -72,10 +72,11 @@ contains
       allocate (stages%history(0))
       if (any(solution%force > 0.0_dp)) then
          call stages%run(newton_t(tolerance=self%tolerance, max_iterations=n_first_steps, &
-            stagnation_limit=stagnation_limit), problem, solution, error)
+            stagnation_limit=stagnation_limit, patience=huge(1)), problem, solution, error)
       end if
       call new_contact_solution(solution, problem%n_points)
-      call stages%run(newton_t(tolerance=self%tolerance, max_iterations=n_first_steps), problem, solution, error)
+      call stages%run(newton_t(tolerance=self%tolerance, max_iterations=n_first_steps, patience=huge(1)), problem, &
+         solution, error)
       if (allocated(problem%band)) call follow_fronts(stages, problem, solution, error)
       solution = stages%best
       if (suits_splitting(problem)) then
@@ -100,10 +101,12 @@ contains
 
       front = stages%best
       call stages%run(newton_t(tolerance=stages%tolerance, max_iterations=n_newton_steps, &
-         stagnation_limit=front_stagnation_limit, starts_with_springs=.true.), problem, solution, error)
+         stagnation_limit=front_stagnation_limit, starts_with_springs=.true., patience=huge(1)), problem, solution, &
+         error)
       solution = front
       call stages%run(newton_t(tolerance=stages%tolerance, max_iterations=stages%max_iterations, &
-         stagnation_limit=front_stagnation_limit, decrease=slow_decrease), problem, solution, error)
+         stagnation_limit=front_stagnation_limit, decrease=slow_decrease, patience=huge(1)), problem, solution, &
+         error)
    end subroutine follow_fronts
 
    !> Until the iterations are used up, Newton at length and sweeps from the best pair so far, each time four times as

@@ -83,10 +83,7 @@ contains
          if (solution%is_converged) return
          if (solution%residual < best%residual) best = solution
       end do
-      solution%force = best%force
-      solution%displacement = best%displacement
-      solution%status = best%status
-      solution%residual = best%residual
+      call solution%take_pair(best)
    end subroutine lemke_solve
 
    !> Finds a solution of a relation between forces and distances.

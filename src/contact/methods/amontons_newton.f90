@@ -19,6 +19,7 @@ module amontons_newton
    use amontons_friction_law, only: bounded
    use amontons_kinds, only: dp
    use amontons_newton_system, only: newton_system_t, stiffness_system_t
+   use amontons_proximal_path, only: follow_proximal_path
    use amontons_visited_sets, only: visited_sets_t
    implicit none (type, external)
    private
@@ -39,6 +40,7 @@ module amontons_newton
       integer :: stagnation_limit = huge(1) !! how many steps without a better pair end the iteration
       real(dp) :: decrease = 0.9_dp !! least residual after a better pair, at the most, over the one before [-]
       logical :: starts_with_springs = .false. !! whether springs lead to the first active set, on a band matrix
+      integer :: patience = 15 !! how many steps without a better pair lead to proximal ones; none in the forces
    contains
       procedure :: solve => newton_solve
       procedure, private :: find_start => newton_find_start
@@ -48,12 +50,39 @@ module amontons_newton
 
 contains
 
-   !> Takes steps, and keeps the best pair where none is the solution.
-   subroutine newton_solve(self, problem, solution, error)
+   !> Takes steps and, where these lead nowhere, proximal steps from the start; keeps the best pair where none is the
+   !> solution.
+   recursive subroutine newton_solve(self, problem, solution, error)
       class(newton_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
+      ! Of a step between springs; those that are solved take about three.
+      integer, parameter :: steps_of_one = 6
+      type(contact_solution_t) :: first
+      type(newton_t) :: alone
+
+      alone = self
+      if (problem%is_reduced()) alone%patience = huge(1)
+      first = solution
+      call take_steps(alone, problem, first)
+      if (first%is_converged .or. first%n_iterations >= self%max_iterations .or. alone%patience == huge(1)) then
+         solution = first
+         return
+      end if
+      alone%patience = huge(1)
+      alone%max_iterations = steps_of_one
+      alone%starts_with_springs = .false.
+      call follow_proximal_path(alone, problem, self%max_iterations - first%n_iterations, solution, error)
+      call solution%follow(first)
+      if (first%residual < solution%residual) call solution%take_pair(first)
+   end subroutine newton_solve
+
+   !> Takes steps, and keeps the best pair where none is the solution.
+   subroutine take_steps(self, problem, solution)
+      class(newton_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_solution_t), intent(inout) :: solution !! start and result
       class(newton_system_t), allocatable :: system
       type(active_set_t) :: active_set, last
       type(visited_sets_t) :: visited
@@ -102,7 +131,7 @@ contains
       end do
       ! A residual still at its first value, the largest number, means that there was no step.
       if (solution%residual < huge(solution%residual)) call solution%measure(problem)
-   end subroutine newton_solve
+   end subroutine take_steps
 
    !> Makes the first active set. From rest it is that all points stick, unless nothing acts.
    subroutine newton_find_start(self, system, problem, rho, scale, active_set, displacement, solution)
@@ -216,12 +245,25 @@ contains
       class(newton_t), intent(in) :: self !! the method
       type(contact_solution_t), intent(in) :: solution !! the solution
       integer, intent(in) :: n_spring_steps !! how many steps went before, with springs
-      integer :: n
+      ! Fronts that advance along a contact line may make each step only a little better than the one before.
+      real(dp), parameter :: slow_decrease = 0.999_dp
 
-      n = solution%n_iterations - self%stagnation_limit
-      is_stuck = n > n_spring_steps
-      if (is_stuck) is_stuck = minval(solution%history(n + 1:n + self%stagnation_limit)) &
-         > self%decrease*minval(solution%history(n_spring_steps + 1:n))
+      is_stuck = is_stagnant(self%stagnation_limit, self%decrease) .or. is_stagnant(self%patience, slow_decrease)
+
+   contains
+
+      !> Whether the best of the last residuals is no smaller part of the best before than it has to be.
+      pure logical function is_stagnant(limit, decrease)
+         integer, intent(in) :: limit !! how many residuals are the last ones
+         real(dp), intent(in) :: decrease !! the part [-]
+         integer :: n
+
+         n = solution%n_iterations - limit
+         is_stagnant = n > n_spring_steps
+         if (is_stagnant) is_stagnant = minval(solution%history(n + 1:n + limit)) &
+            > decrease*minval(solution%history(n_spring_steps + 1:n))
+      end function is_stagnant
+
    end function newton_is_stuck
 
    !> Makes the regularization of the next step.

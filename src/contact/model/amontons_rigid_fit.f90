@@ -19,17 +19,18 @@ contains
 
    !> Finds the free rigid motion that comes closest to the gaps of the points in reach, without a slip; none if it
    !> leaves much of them.
-   subroutine fit_rigid_motion(motion, body, load_case)
+   subroutine fit_rigid_motion(motion, body, load_case, load)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (2m) [L]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its obstacles and anchors
+      real(dp), intent(in) :: load(:) !! condensed load (2m) [F]
       real(dp), parameter :: much = 0.1_dp
       real(dp) :: aim(2*body%zone%n_points)
       logical :: counts(2*body%zone%n_points)
 
       counts = counted(body, load_case)
       aim = merge([load_case%free_gap, load_case%anchor], 0.0_dp, counts)
-      call fit(motion, body, aim, counts, much)
+      call fit(motion, body, load, aim, counts, much)
    end subroutine fit_rigid_motion
 
    !> Finds the free rigid motion by which loads lay a rigid body on its obstacles, sliding as little as can be: of the
@@ -110,13 +111,14 @@ contains
    end subroutine find_ways
 
    !> Finds the free rigid motion in displacements of the points that are little else; none in others.
-   subroutine fit_travel(motion, body, displacement)
+   subroutine fit_travel(motion, body, load, displacement)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (2m) [L]
       type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: load(:) !! condensed load (2m) [F]
       real(dp), intent(in) :: displacement(:) !! displacements (u_N; u_T) of the points (2m) [L]
       real(dp), parameter :: much = 0.01_dp
 
-      call fit(motion, body, displacement, spread(.true., 1, size(displacement)), much)
+      call fit(motion, body, load, displacement, spread(.true., 1, size(displacement)), much)
    end subroutine fit_travel
 
    !> The free rigid motion of each piece that comes closest to the displacements of its nodes (2, n_nodes) [L].
@@ -151,11 +153,13 @@ contains
       counts = [load_case%is_in_reach, load_case%is_in_reach .and. .not. body%zone%is_tangent_fixed]
    end function counted
 
-   !> Finds the free rigid motion that comes closest to an aim; none if it leaves much of it, the aim itself where it
-   !> leaves rounding errors alone.
-   subroutine fit(motion, body, aim, counts, much)
+   !> Finds the free rigid motion that comes closest to an aim; none if it leaves much of it. Of pieces without loads it
+   !> is the aim itself where rounding errors alone are left: these would be all that acts on them. Where loads act,
+   !> small ones on a stiff body at the least, a motion that is not quite rigid would spoil their equilibrium.
+   subroutine fit(motion, body, load, aim, counts, much)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (2m) [L]
       type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: load(:) !! condensed load (2m) [F]
       real(dp), intent(in) :: aim(:) !! displacements to come close to, 0 where they do not count (2m) [L]
       logical, intent(in) :: counts(:) !! whether they count (2m)
       real(dp), intent(in) :: much !! how much of the aim is much [-]
@@ -172,10 +176,23 @@ contains
       if (left > much*maxval(abs(aim))) then
          motion = 0.0_dp
       else if (left <= rounding*max(maxval(abs(aim)), maxval(abs(body%mesh%coordinates)))) then
-         ! Else these differences would be all that acts on a body without loads.
-         motion = merge(aim, motion, counts)
+         motion = merge(aim, motion, counts .and. is_unloaded(body%rigid_modes, load))
       end if
    end subroutine fit
+
+   !> Which displacements are those of loose pieces without loads (2m).
+   pure function is_unloaded(modes, load)
+      real(dp), intent(in) :: modes(:, :) !! displacements under the free motions, each of one piece (2m, k) [-]
+      real(dp), intent(in) :: load(:) !! condensed load (2m) [F]
+      logical :: is_unloaded(size(load)), is_of_piece(size(load))
+      integer :: k
+
+      is_unloaded = .true.
+      do k = 1, size(modes, 2)
+         is_of_piece = abs(modes(:, k)) > 0.0_dp
+         if (any(is_of_piece .and. abs(load) > 0.0_dp)) is_unloaded = is_unloaded .and. .not. is_of_piece
+      end do
+   end function is_unloaded
 
    !> The least amounts of some modes whose sum comes closest to an aim.
    function amounts_of(modes, aim) result(amounts)

@@ -23,6 +23,7 @@ module amontons_band_stiffness
       integer, allocatable, private :: interior(:) !! position of each unknown that is of no contact point
       type(symmetric_band_t), private :: factor !! Cholesky factor of `whole`, its contact rows those of the unit matrix
    contains
+      procedure :: add_diagonal => band_stiffness_add_diagonal
       procedure :: condensed => band_stiffness_condensed
       procedure :: dense => band_stiffness_dense
       procedure :: interior_displacement => band_stiffness_interior_displacement
@@ -63,6 +64,15 @@ contains
          stiffness%whole%entry(1, stiffness%place(p + m)) = stiffness%diagonal(p)
       end do
    end subroutine new_band_stiffness
+
+   !> Adds to the diagonal of S, as springs that hold the points do.
+   pure subroutine band_stiffness_add_diagonal(self, springs)
+      class(band_stiffness_t), intent(inout) :: self !! the stiffness
+      real(dp), intent(in) :: springs(:) !! stiffness of the springs in (u_N; u_T) (2m) [F/L]
+
+      self%whole%entry(1, self%place) = self%whole%entry(1, self%place) + springs
+      self%diagonal = self%diagonal + springs
+   end subroutine band_stiffness_add_diagonal
 
    !> Finds the positions of all displacements. An unknown of a contact point is a sum of two of them; slips that
    !> supports prevent are behind all others.

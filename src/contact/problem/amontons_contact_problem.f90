@@ -40,6 +40,7 @@ module amontons_contact_problem
          !! the matrix A = (S + alpha I)^-1 of the paper's (2.3), made by `prepare_compliance`; always there in a
          !! reduced problem (2m, 2m) [L/F]
    contains
+      procedure :: add_springs => contact_problem_add_springs
       procedure :: augmentation => contact_problem_augmentation
       procedure :: bound => contact_problem_bound
       procedure :: displacement => contact_problem_displacement
@@ -130,6 +131,25 @@ contains
          rho = [(self%stiffness(i, i), i=1, 2*self%n_points)]
       end if
    end function contact_problem_augmentation
+
+   !> Adds springs that hold the points to where they are: a proximal step from there, (S + D) v = q + D c - lambda.
+   pure subroutine contact_problem_add_springs(self, springs, center)
+      class(contact_problem_t), intent(inout) :: self !! the problem, with a stiffness
+      real(dp), intent(in) :: springs(:) !! diagonal of D, all of it above 0 (2m) [F/L]
+      real(dp), intent(in) :: center(:) !! c (2m) [L]
+      integer :: i
+
+      if (allocated(self%band)) call self%band%add_diagonal(springs)
+      if (allocated(self%stiffness)) then
+         do i = 1, size(springs)
+            self%stiffness(i, i) = self%stiffness(i, i) + springs(i)
+         end do
+      end if
+      if (allocated(self%compliance)) deallocate (self%compliance)
+      self%proximal_parameter = 0.0_dp
+      self%is_held = .true.
+      self%load = self%load + springs*center
+   end subroutine contact_problem_add_springs
 
    !> The slip bounds g + phi max(0, lambda_N) of given normal forces (m) [F].
    pure function contact_problem_bound(self, normal_force) result(bound)

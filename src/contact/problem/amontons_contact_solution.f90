@@ -24,6 +24,7 @@ module amontons_contact_solution
    contains
       procedure :: follow => contact_solution_follow
       procedure :: measure => contact_solution_measure
+      procedure :: take_pair => contact_solution_take_pair
       procedure :: reset => contact_solution_reset
       procedure :: record_residual => contact_solution_record_residual
       procedure :: record => contact_solution_record
@@ -80,6 +81,17 @@ contains
       call self%effort%multiply(1.0_dp)
       self%status = problem%status(self%displacement, self%force)
    end subroutine contact_solution_measure
+
+   !> Takes the pair of another solution, with its residual and statuses, and keeps its own record.
+   pure subroutine contact_solution_take_pair(self, other)
+      class(contact_solution_t), intent(inout) :: self !! the solution
+      type(contact_solution_t), intent(in) :: other !! the other one
+
+      self%force = other%force
+      self%displacement = other%displacement
+      self%status = other%status
+      self%residual = other%residual
+   end subroutine contact_solution_take_pair
 
    !> Puts the record of a solution that this one started from before its own.
    pure subroutine contact_solution_follow(self, first)
