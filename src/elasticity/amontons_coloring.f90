@@ -1,4 +1,6 @@
-!> Colors of the elements: no two elements of one color share a node, so a color can be worked on in parallel.
+!> Colors of the elements: no two elements of one color share a node, so a color can be worked on in parallel. Elements
+!> far apart in their order have different colors: what the elements of one color and the next have in common stays in
+!> the cache.
 module amontons_coloring
    use amontons_bins, only: fill_bins
    use amontons_kinds, only: int64
@@ -11,6 +13,9 @@ module amontons_coloring
    !> Fewest elements whose work outweighs waking other threads, which takes up to some ten milliseconds.
    integer, parameter :: worth_threads = 10000
 
+   !> So many elements and their nodes stay in a cache of a few megabytes.
+   integer, parameter :: block_size = 8192
+
    !> Elements sorted by color. Sums over the elements of a mesh taken color by color are the same for any
    !> number of threads.
    type :: coloring_t
@@ -21,15 +26,22 @@ module amontons_coloring
 
 contains
 
-   !> Colors the elements of a mesh greedily, in their own order.
+   !> Colors the elements of a mesh greedily, in their own order, block by block.
    subroutine new_coloring(coloring, mesh)
       type(coloring_t), intent(out) :: coloring !! the colors
       type(mesh_t), intent(in) :: mesh !! the mesh
-      integer, allocatable :: color(:)
+      integer, allocatable :: color(:), used(:), number(:)
+      integer :: i, n_each
 
       color = greedy_colors(mesh)
-      coloring%n_colors = maxval(color)
-      call fill_bins(coloring%start, coloring%element, color, coloring%n_colors)
+      n_each = maxval(color)
+      color = color + n_each*[((i - 1)/block_size, i=1, mesh%n_elements)]
+      ! Not every block has all colors.
+      allocate (used(maxval(color)), source=0)
+      used(color) = 1
+      coloring%n_colors = sum(used)
+      number = unpack([(i, i=1, coloring%n_colors)], used == 1, used)
+      call fill_bins(coloring%start, coloring%element, number(color), coloring%n_colors)
    end subroutine new_coloring
 
    !> The color of each element: the first that none of its neighbors took before it.

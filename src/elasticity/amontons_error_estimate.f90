@@ -4,13 +4,14 @@
 module amontons_error_estimate
    use amontons_coloring, only: worth_threads
    use amontons_elasticity, only: element_geometry_t, find_elastic_strains, new_element_geometry, set_thermal_strain
-   use amontons_element, only: element_names, is_triangle, max_nodes, max_points, n_corners, n_fine_points, quad4, &
-      quadrature_point, shape_functions, tri3
+   use amontons_element, only: element_names, is_triangle, max_corners, max_nodes, max_points, n_corners, &
+      n_fine_points, quad4, quadrature_point, shape_functions, tri3
    use amontons_kinds, only: dp
    use amontons_material, only: material_t, materials_t
    use amontons_mesh, only: mesh_t
    use amontons_patch_frame, only: is_linear
    use amontons_patch_table, only: block_size, patch_table_t
+   use amontons_plane_quadrilateral, only: is_plain_quadrilateral, plane_quadrilateral_t, quadrilateral_shapes
    use amontons_quantity, only: quantity_t
    use amontons_stress_patch, only: add_linear_stresses, add_stresses
    use amontons_stress_recovery, only: recovered_stress_t
@@ -18,9 +19,6 @@ module amontons_error_estimate
    private
 
    public :: error_estimate_t, new_error_estimate
-
-   !> Most corners that an element has.
-   integer, parameter :: max_corners = 4
 
    !> The estimate. The norm of a stress field is the root of the integral of stress times strain: that of a solution
    !> is the root of twice its strain energy.
@@ -86,7 +84,7 @@ contains
             if (kind == tri3 .and. is_plain) then
                squares(:, i) = triangle_squares(mesh, i, material, patches, coefficient, &
                   recovered%at_sample(patches, i), weights(:, :3, tri3))
-            else if (kind == quad4 .and. is_plain .and. patches%is_linear .and. .not. material%has_mean_dilatation) then
+            else if (is_plain .and. patches%is_linear .and. is_plain_quadrilateral(kind, material)) then
                squares(:, i) = quadrilateral_squares(mesh, i, material, displacement, patches, coefficient)
             else
                call new_element_geometry(geometry, mesh, i, material, n_fine_points(kind))
@@ -158,52 +156,29 @@ contains
    pure function quadrilateral_squares(mesh, element, material, displacement, patches, coefficient) result(squares)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! the element
-      type(material_t), intent(in) :: material !! its material, without a mean dilatation
+      type(material_t), intent(in) :: material !! its material
       real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh, all linear
       real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit`
       real(dp) :: squares(2)
-      real(dp), parameter :: near = 0.5_dp + 0.5_dp/sqrt(3.0_dp), far = 1.0_dp - near
-      ! What the points, in the order of the corners, have of values at the first side and at the last one.
-      real(dp), parameter :: first(4) = [near, near, far, far], last(4) = [near, far, far, near]
-      real(dp), parameter :: weights(4, 4) = reshape([last*first, (1.0_dp - last)*first, &
-         (1.0_dp - last)*(1.0_dp - first), last*(1.0_dp - first)], [4, 4])
-      ! Coordinates and displacements at the corners and their derivatives by the reference coordinates at the points.
-      real(dp), dimension(4, 4) :: v, by_xi, by_eta
-      real(dp) :: determinant(4), strain(4, 4), position(4, 2), smooth(4, 3), stress(4)
-      integer :: i, k, start
+      type(plane_quadrilateral_t) :: plain
+      real(dp) :: position(4, 2), difference(4, 3)
+      integer :: i, k
 
-      start = mesh%node_start(element) - 1
+      call plain%place(mesh, element)
+      call plain%deform(material, displacement)
+      position = matmul(quadrilateral_shapes, plain%corner)
+      difference = -plain%stress(:, :3)
       do i = 1, 4
-         v(i, 1:2) = mesh%coordinates(:, mesh%node(start + i))
-         v(i, 3:4) = displacement(:, mesh%node(start + i))
-      end do
-      do k = 1, 4
-         by_xi(:, k) = 0.5_dp*(first*(v(2, k) - v(1, k)) + (1.0_dp - first)*(v(3, k) - v(4, k)))
-         by_eta(:, k) = 0.5_dp*(last*(v(4, k) - v(1, k)) + (1.0_dp - last)*(v(3, k) - v(2, k)))
-      end do
-      determinant = by_xi(:, 1)*by_eta(:, 2) - by_eta(:, 1)*by_xi(:, 2)
-      strain(:, 1) = (by_xi(:, 3)*by_eta(:, 2) - by_eta(:, 3)*by_xi(:, 2))/determinant
-      strain(:, 2) = (by_eta(:, 4)*by_xi(:, 1) - by_xi(:, 4)*by_eta(:, 1))/determinant
-      strain(:, 3) = (by_eta(:, 3)*by_xi(:, 1) - by_xi(:, 3)*by_eta(:, 1) + by_xi(:, 4)*by_eta(:, 2) &
-         - by_eta(:, 4)*by_xi(:, 2))/determinant
-      strain(:, 4) = 0.0_dp
-      position = matmul(weights, v(:, 1:2))
-      smooth = 0.0_dp
-      do i = 1, 4
-         associate (c => coefficient(:, :, patches%of_corner(start + i)))
+         associate (c => coefficient(:, :, patches%of_corner(mesh%node_start(element) - 1 + i)))
             do k = 1, 3
-               smooth(:, k) = smooth(:, k) + weights(:, i)*(c(k, 1) + (position(:, 1) - v(i, 1))*c(k, 2) &
-                  + (position(:, 2) - v(i, 2))*c(k, 3))
+               difference(:, k) = difference(:, k) + quadrilateral_shapes(:, i)*(c(k, 1) &
+                  + (position(:, 1) - plain%corner(i, 1))*c(k, 2) + (position(:, 2) - plain%corner(i, 2))*c(k, 3))
             end do
          end associate
       end do
-      squares = 0.0_dp
-      do i = 1, 4
-         stress = material%stress(strain(i, :))
-         squares = squares + determinant(i)*material%thickness*[material%squared_norm([smooth(i, :) - stress(:3), &
-            0.0_dp]), dot_product(strain(i, :), stress)]
-      end do
+      squares = material%thickness*[dot_product(plain%area, material%squared_norms(difference)), &
+         dot_product(plain%area, sum(plain%strain*plain%stress(:, :3), dim=2))]
    end function quadrilateral_squares
 
    !> The recovered stresses at points of an element: xx, yy, xy, zz [F/L^2].

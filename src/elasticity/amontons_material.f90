@@ -41,6 +41,7 @@ module amontons_material
       procedure :: has_chosen_b_bar => material_has_chosen_b_bar
       procedure :: locks => material_locks
       procedure :: squared_norm => material_squared_norm
+      procedure :: squared_norms => material_squared_norms
       procedure :: stress => material_stress
    end type material_t
 
@@ -209,6 +210,17 @@ contains
       product = ((1.0_dp + self%poisson)*(stress(1)**2 + stress(2)**2 + across**2 + 2.0_dp*stress(3)**2) &
          - self%poisson*(stress(1) + stress(2) + across)**2)/self%young
    end function material_squared_norm
+
+   !> The same of stresses in a plane body, at several points side by side. There both hypotheses have one formula: in
+   !> two dimensions the stress leaves no choice of its own lambda [F/L^2].
+   pure function material_squared_norms(self, stress) result(products)
+      class(material_t), intent(in) :: self !! the material
+      real(dp), intent(in) :: stress(4, 3) !! stresses (point; xx, yy, xy) [F/L^2]
+      real(dp) :: products(4)
+
+      products = (stress(:, 1)**2 + stress(:, 2)**2 + 2.0_dp*stress(:, 3)**2 &
+         - self%lambda/(2.0_dp*(self%lambda + self%mu))*(stress(:, 1) + stress(:, 2))**2)/(2.0_dp*self%mu)
+   end function material_squared_norms
 
    !> What an area of the plane is multiplied by: the thickness, or the circumference at a radius [L].
    pure real(dp) function material_depth(self, x) result(depth)

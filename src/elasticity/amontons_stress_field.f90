@@ -10,6 +10,7 @@ module amontons_stress_field
    use amontons_kinds, only: dp
    use amontons_material, only: material_t, materials_t
    use amontons_mesh, only: mesh_t
+   use amontons_plane_quadrilateral, only: is_plain_quadrilateral, plane_quadrilateral_t
    implicit none (type, external)
    private
 
@@ -25,6 +26,18 @@ module amontons_stress_field
          !! nodal forces that the stresses amount to, x and y; K u - f_th where there are no springs (2, n_nodes) [F]
    end type stress_field_t
 
+   !> One element at work.
+   type :: element_stress_t
+      integer :: n_nodes = 0 !! number of its nodes
+      integer :: n_points = 0 !! number of its quadrature points
+      integer :: node(max_nodes) = 0 !! its nodes
+      logical :: is_plain = .false. !! whether it is a plane quadrilateral without thermal strain
+      type(plane_quadrilateral_t) :: plain !! then this
+      type(element_geometry_t) :: geometry !! else its shape functions
+      real(dp) :: strain(4, max_points) = 0.0_dp !! and the elastic strains at its points [-]
+      real(dp) :: stress(4, max_points) = 0.0_dp !! stresses at its points [F/L^2]
+   end type element_stress_t
+
 contains
 
    !> Evaluates the stresses of a displacement field.
@@ -33,131 +46,155 @@ contains
       type(mesh_t), intent(in) :: mesh !! a checked mesh
       type(materials_t), intent(in) :: materials !! its materials
       type(coloring_t), intent(in) :: coloring !! colors of the elements
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
-      real(dp), allocatable :: node(:, :, :), strain(:, :)
+      real(dp), allocatable :: node(:, :), strain(:, :)
 
-      allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements))
+      allocate (field%element(4, mesh%n_elements), field%energy_density(mesh%n_elements), node(4, mesh%n_nodes))
       allocate (field%force(2, mesh%n_nodes), source=0.0_dp)
       if (present(thermal_strain)) strain = reshape(thermal_strain, [size(thermal_strain), 1])
-      call find_node_stresses(node, mesh, materials, coloring, reshape(displacement, [2, mesh%n_nodes, 1]), strain, &
-         field)
-      field%node = node(:, :, 1)
+      call find_node_stresses(node, 1, mesh, materials, coloring, displacement, strain, field)
+      call move_alloc(node, field%node)
    end subroutine new_stress_field
 
    !> Evaluates the stresses at the nodes of several displacement fields: the shape functions of each element serve all
    !> of them.
-   subroutine find_node_stresses(node, mesh, materials, coloring, displacement, thermal_strain, field_of_one)
-      real(dp), allocatable, intent(out) :: node(:, :, :) !! stress at each node (4, n_nodes, fields) [F/L^2]
+   subroutine find_node_stresses(node, n_fields, mesh, materials, coloring, displacement, thermal_strain, field_of_one)
+      integer, intent(in) :: n_fields !! number of fields
       type(mesh_t), intent(in) :: mesh !! a checked mesh
+      real(dp), intent(out) :: node(4, mesh%n_nodes, n_fields) !! stress at each node (4, n_nodes, fields) [F/L^2]
       type(materials_t), intent(in) :: materials !! its materials
       type(coloring_t), intent(in) :: coloring !! colors of the elements
-      real(dp), contiguous, intent(in) :: displacement(:, :, :) !! displacement of the nodes (2, n_nodes, fields) [L]
+      real(dp), intent(in) :: displacement(2, mesh%n_nodes, n_fields) !! displacement of the nodes [L]
       real(dp), intent(in), optional :: thermal_strain(:, :)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` (any, fields) [-]
       type(stress_field_t), intent(inout), optional :: field_of_one
          !! gains means and nodal forces of the one displacement field; its arrays made, the forces 0
-      type(element_geometry_t) :: geometry
+      type(element_stress_t) :: own
       real(dp) :: to_nodes(max_nodes, max_points, size(element_names)), at_nodes(4, max_nodes)
-      real(dp), dimension(4, max_points) :: strain, stress
       integer, allocatable :: n_elements(:)
-      integer :: color, element, field, i, k
+      integer :: color, field, i, k
 
       to_nodes = extrapolations(materials%list(1)%is_axisymmetric)
-      allocate (node(4, mesh%n_nodes, size(displacement, 3)), source=0.0_dp)
+      node = 0.0_dp
       allocate (n_elements(mesh%n_nodes), source=0)
       do color = 1, coloring%n_colors
-         !$omp parallel do default(none) schedule(static) firstprivate(geometry) if (mesh%n_elements >= worth_threads) &
-         !$omp private(element, field, at_nodes, strain, stress, k) &
-         !$omp shared(node, mesh, materials, coloring, displacement, thermal_strain, to_nodes, n_elements, color, &
-         !$omp field_of_one)
+         !$omp parallel do default(none) schedule(static) firstprivate(own) if (mesh%n_elements >= worth_threads) &
+         !$omp private(field, at_nodes, k) &
+         !$omp shared(n_fields, node, mesh, materials, coloring, displacement, thermal_strain, to_nodes, n_elements, &
+         !$omp color, field_of_one)
          do i = coloring%start(color), coloring%start(color + 1) - 1
-            element = coloring%element(i)
-            associate (material => materials%list(materials%of_element(element)))
-               call new_element_geometry(geometry, mesh, element, material)
-               do field = 1, size(displacement, 3)
-                  if (present(thermal_strain)) call set_thermal_strain(geometry, &
-                     thermal_strain(mesh%node_start(element):mesh%node_start(element + 1) - 1, field))
-                  call evaluate_points(geometry, material, displacement(:, :, field), strain, stress)
-                  call carry_to_nodes(geometry, stress, to_nodes(:, :, mesh%element_kind(element)), at_nodes)
-                  do k = 1, geometry%n_nodes
-                     node(:, geometry%node(k), field) = node(:, geometry%node(k), field) + at_nodes(:, k)
+            associate (element => coloring%element(i), material => materials%list( &
+               materials%of_element(coloring%element(i))), first => mesh%node_start(coloring%element(i)))
+               call place(own, mesh, element, material, present(thermal_strain))
+               do field = 1, n_fields
+                  if (present(thermal_strain)) call set_thermal_strain(own%geometry, &
+                     thermal_strain(first:first + own%n_nodes - 1, field))
+                  call deform(own, material, displacement(:, :, field))
+                  call carry_to_nodes(own, to_nodes(:, :, mesh%element_kind(element)), at_nodes)
+                  do k = 1, own%n_nodes
+                     node(:, own%node(k), field) = node(:, own%node(k), field) + at_nodes(:, k)
                   end do
                end do
-               if (present(field_of_one)) call evaluate_element(field_of_one, element, geometry, material, strain, &
-                  stress)
+               do k = 1, own%n_nodes
+                  n_elements(own%node(k)) = n_elements(own%node(k)) + 1
+               end do
+               if (present(field_of_one)) call integrate(field_of_one, element, own, material)
             end associate
-            do k = 1, geometry%n_nodes
-               n_elements(geometry%node(k)) = n_elements(geometry%node(k)) + 1
-            end do
          end do
          !$omp end parallel do
       end do
-      do field = 1, size(node, 3)
+      do field = 1, n_fields
          do i = 1, mesh%n_nodes
             node(:, i, field) = node(:, i, field)/max(1, n_elements(i))
          end do
       end do
    end subroutine find_node_stresses
 
-   !> Evaluates one element: means over its volume, and forces at its nodes.
-   pure subroutine evaluate_element(field, element, geometry, material, strain, stress)
-      type(stress_field_t), intent(inout) :: field !! gains them
-      integer, intent(in) :: element !! the element
-      type(element_geometry_t), intent(in) :: geometry !! its shape functions
+   !> Takes the place of an element.
+   pure subroutine place(own, mesh, element, material, is_heated)
+      type(element_stress_t), intent(inout) :: own !! the element
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: element !! its number
       type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: strain(4, max_points) !! elastic strain at its quadrature points [-]
-      real(dp), intent(in) :: stress(4, max_points) !! stress there [F/L^2]
-      real(dp) :: mean(4), energy_density, force(2, max_nodes), volume
-      integer :: k, point
+      logical, intent(in) :: is_heated !! whether it has a thermal strain
 
-      mean = 0.0_dp
-      energy_density = 0.0_dp
-      force = 0.0_dp
-      do point = 1, geometry%n_points
-         call add_point_forces(force, geometry, material, stress(:, point), point)
-         mean = mean + geometry%volume(point)*stress(:, point)
-         energy_density = energy_density &
-            + 0.5_dp*geometry%volume(point)*dot_product(strain(:, point), stress(:, point))
-      end do
-      volume = sum(geometry%volume(:geometry%n_points))
-      field%element(:, element) = mean/volume
-      field%energy_density(element) = energy_density/volume
-      do k = 1, geometry%n_nodes
-         field%force(:, geometry%node(k)) = field%force(:, geometry%node(k)) + force(:, k)
-      end do
-   end subroutine evaluate_element
+      own%is_plain = is_plain_quadrilateral(mesh%element_kind(element), material) .and. .not. is_heated
+      if (own%is_plain) then
+         call own%plain%place(mesh, element)
+         own%n_nodes = 4
+         own%n_points = 4
+         own%node(:4) = own%plain%node
+      else
+         call new_element_geometry(own%geometry, mesh, element, material)
+         own%n_nodes = own%geometry%n_nodes
+         own%n_points = own%geometry%n_points
+         own%node(:own%n_nodes) = own%geometry%node(:own%n_nodes)
+      end if
+   end subroutine place
 
-   !> Elastic strain and stress at the quadrature points of one element.
-   pure subroutine evaluate_points(geometry, material, displacement, strain, stress)
-      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+   !> Finds elastic strains and stresses of a displacement field at the quadrature points.
+   pure subroutine deform(own, material, displacement)
+      type(element_stress_t), intent(inout) :: own !! the element; gains them
       type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp), intent(inout) :: strain(4, max_points) !! the strains; unchanged past the last point [-]
-      real(dp), intent(inout) :: stress(4, max_points) !! the stresses; unchanged past the last point [F/L^2]
+      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       integer :: point
 
-      call find_elastic_strains(geometry, material, displacement, strain)
-      do point = 1, geometry%n_points
-         stress(:, point) = material%stress(strain(:, point))
+      if (own%is_plain) then
+         call own%plain%deform(material, displacement)
+         own%stress(:, :4) = transpose(own%plain%stress)
+         return
+      end if
+      call find_elastic_strains(own%geometry, material, displacement, own%strain)
+      do point = 1, own%n_points
+         own%stress(:, point) = material%stress(own%strain(:, point))
       end do
-   end subroutine evaluate_points
+   end subroutine deform
+
+   !> Integrates over one element: means over its volume, and forces at its nodes.
+   pure subroutine integrate(field, element, own, material)
+      type(stress_field_t), intent(inout) :: field !! gains them
+      integer, intent(in) :: element !! number of the element
+      type(element_stress_t), intent(in) :: own !! the element
+      type(material_t), intent(in) :: material !! its material
+      real(dp) :: share(max_points), density(max_points), force(2, max_nodes)
+      integer :: k, point
+
+      associate (n => own%n_points)
+         if (own%is_plain) then
+            share(:n) = own%plain%area/sum(own%plain%area)
+            density(:n) = 0.5_dp*sum(own%plain%strain*own%plain%stress(:, :3), dim=2)
+            force(:, :4) = own%plain%forces(material%thickness)
+         else
+            share(:n) = own%geometry%volume(:n)/sum(own%geometry%volume(:n))
+            density(:n) = 0.5_dp*sum(own%strain(:, :n)*own%stress(:, :n), dim=1)
+            force = 0.0_dp
+            do point = 1, n
+               call add_point_forces(force, own%geometry, material, own%stress(:, point), point)
+            end do
+         end if
+         field%element(:, element) = matmul(own%stress(:, :n), share(:n))
+         field%energy_density(element) = dot_product(share(:n), density(:n))
+      end associate
+      do k = 1, own%n_nodes
+         field%force(:, own%node(k)) = field%force(:, own%node(k)) + force(:, k)
+      end do
+   end subroutine integrate
 
    !> Carries the stresses of an element from its quadrature points to its nodes.
-   pure subroutine carry_to_nodes(geometry, stress, to_nodes, at_nodes)
-      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
-      real(dp), intent(in) :: stress(4, max_points) !! the stresses at the points [F/L^2]
+   pure subroutine carry_to_nodes(own, to_nodes, at_nodes)
+      type(element_stress_t), intent(in) :: own !! the element
       real(dp), intent(in) :: to_nodes(max_nodes, max_points)
          !! weights of the quadrature points at each node (node, point) [-]
       real(dp), intent(inout) :: at_nodes(4, max_nodes)
          !! stress at the element's nodes; unchanged past the last node [F/L^2]
       integer :: i, point
 
-      do i = 1, geometry%n_nodes
+      do i = 1, own%n_nodes
          at_nodes(:, i) = 0.0_dp
-         do point = 1, geometry%n_points
-            at_nodes(:, i) = at_nodes(:, i) + to_nodes(i, point)*stress(:, point)
+         do point = 1, own%n_points
+            at_nodes(:, i) = at_nodes(:, i) + to_nodes(i, point)*own%stress(:, point)
          end do
       end do
    end subroutine carry_to_nodes

@@ -7,10 +7,10 @@ module amontons_element
    implicit none (type, external)
    private
 
-   public :: element_names, is_triangle, max_nodes, max_points, n_corners, n_element_nodes, n_element_points, &
-      n_fine_points, n_sampling_points, n_side_points, new_side_geometry, node_coordinates, quad4, quad8, quad9, &
-      quadrature_point, shape_functions, side_abscissa, side_geometry_t, side_nodes, side_shapes, side_weight, tri3, &
-      tri6
+   public :: element_names, is_triangle, max_corners, max_nodes, max_points, n_corners, n_element_nodes, &
+      n_element_points, n_fine_points, n_sampling_points, n_side_points, new_side_geometry, node_coordinates, quad4, &
+      quad8, quad9, quadrature_point, shape_functions, side_abscissa, side_geometry_t, side_nodes, side_shapes, &
+      side_weight, tri3, tri6
 
    !> Kind of the three-node triangle.
    integer, parameter :: tri3 = 1
@@ -33,6 +33,8 @@ module amontons_element
    integer, parameter :: n_sampling_points(*) = [1, 1, 3, 4, 4]
    !> Number of quadrature points that are exact for products of two stresses of one order higher than those of a kind.
    integer, parameter :: n_fine_points(*) = [3, 4, 6, 9, 9]
+   !> Most corners that an element has.
+   integer, parameter :: max_corners = 4
    !> Most nodes that an element has.
    integer, parameter :: max_nodes = 9
    !> Most quadrature points that an element has.

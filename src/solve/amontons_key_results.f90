@@ -180,7 +180,7 @@ contains
       end do
       list = body_peaks_at_rest()
       call find_peak(list(1), mises, mesh%coordinates)
-      call find_peak(list(2), norm2(displacement, dim=1), mesh%coordinates)
+      call find_peak(list(2), hypot(displacement(1, :), displacement(2, :)), mesh%coordinates)
    end function body_peaks
 
    !> What `body_peaks` finds of a body that nothing loads.

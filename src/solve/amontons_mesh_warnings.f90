@@ -103,9 +103,10 @@ contains
       integer :: p
 
       if (.not. any(is_end)) return
+      if (.not. allocated(result%error_estimate)) return
+      if (result%error_estimate%relative < large_error) return
       share = share_at(result, body, is_end)
       if (share <= most_of_it) return
-      if (result%error_estimate%relative < large_error) return
       p = findloc(is_end, .true., dim=1)
       call result%warnings%add(percent(share)//' of the estimated error is in the elements at the ends of the '// &
          'contact and stick zones, the first at '//result%warnings%place(body%zone%position(:, p))// &

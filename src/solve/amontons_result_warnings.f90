@@ -5,7 +5,7 @@ module amontons_result_warnings
    use amontons_contact_rows, only: turned
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_element, only: n_corners
+   use amontons_element, only: max_corners, n_corners
    use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
@@ -171,7 +171,7 @@ contains
 
       if (.not. result%condition > 0.0_dp) return
       call find_strain(body%mesh, result%displacement, strain, at)
-      distance = maxval(norm2(result%displacement, dim=1))
+      distance = maxval(hypot(result%displacement(1, :), result%displacement(2, :)))
       travel = ''
       if (distance > far*strain*body_size(body)) travel = '; the body moves by '// &
          result%warnings%number(distance, 'L')//', far more than it is strained: place it closer to its obstacle'
@@ -188,7 +188,7 @@ contains
       real(dp) :: strain, largest
       integer :: node, at
 
-      largest = maxval(norm2(displacement, dim=1))
+      largest = maxval(hypot(displacement(1, :), displacement(2, :)))
       if (largest > large_displacement*body_size(body)) call warnings%add('displacement of '// &
          warnings%number(largest, 'L')//', '// &
          percent(largest/body_size(body))//" of the body's size; the theory is for small displacements (up to "// &
@@ -216,22 +216,25 @@ contains
       integer, intent(out) :: at !! one of the two nodes; 0 if there is no strain
       ! Of strains that differ by rounding alone the first is taken, whatever the compiler.
       real(dp), parameter :: clearly = 1.0_dp + 1.0e-6_dp
-      real(dp) :: distance(2), difference(2), elongation
-      integer :: element, i, k, first
+      real(dp), dimension(2, max_corners) :: x, u
+      real(dp) :: distance(2), elongation
+      integer :: element, i, k, n, node
 
       strain = 0.0_dp
       at = 0
       do element = 1, mesh%n_elements
-         first = mesh%node_start(element)
-         do i = first, first + n_corners(mesh%element_kind(element)) - 1
-            do k = first, i - 1
-               distance = mesh%coordinates(:, mesh%node(i)) - mesh%coordinates(:, mesh%node(k))
-               difference = displacement(:, mesh%node(i)) - displacement(:, mesh%node(k))
+         n = n_corners(mesh%element_kind(element))
+         do i = 1, n
+            node = mesh%node(mesh%node_start(element) - 1 + i)
+            x(:, i) = mesh%coordinates(:, node)
+            u(:, i) = displacement(:, node)
+            do k = 1, i - 1
+               distance = x(:, i) - x(:, k)
                ! Times the distance, whose square an element's area has in it, too.
-               elongation = abs(dot_product(difference, distance))
-               if (.not. elongation > clearly*strain*dot_product(distance, distance)) cycle
-               strain = elongation/dot_product(distance, distance)
-               at = mesh%node(i)
+               elongation = abs((u(1, i) - u(1, k))*distance(1) + (u(2, i) - u(2, k))*distance(2))
+               if (.not. elongation > clearly*strain*(distance(1)**2 + distance(2)**2)) cycle
+               strain = elongation/(distance(1)**2 + distance(2)**2)
+               at = node
             end do
          end do
       end do

@@ -120,6 +120,8 @@ contains
          do i = j + 1, 2*m
             if (abs(matrix(i, j)) > 0.0_dp) call join(parent, 1 + mod(i - 1, m), 1 + mod(j - 1, m))
          end do
+         ! A body in one piece couples all points in the first column.
+         if (all(parent == 1)) return
       end do
    end subroutine join_coupled
 

@@ -7,7 +7,7 @@ module amontons_certificate
    use amontons_contact_rows, only: contact_rows_t, turned
    use amontons_kinds, only: dp
    use amontons_load_case, only: load_case_t
-   use amontons_node_sums, only: node_sums_t, norm_of, sum_nodes
+   use amontons_node_sums, only: node_sums_t, norm_of, sum_nodes, binary_scale
    use amontons_quantity, only: quantity_t
    use amontons_rigid_fit, only: travel_of_nodes
    implicit none (type, external)
@@ -175,29 +175,29 @@ contains
       real(dp), intent(inout) :: reaction(:, :)
          !! what is missing, and then its part along held directions (2, n_nodes) [F]
       real(dp), intent(out) :: imbalance !! norm of the part along free directions [F]
-      real(dp) :: along, across, largest
+      real(dp) :: along, across, unit
       integer :: node
 
       ! Squares over that of the largest force neither overflow nor vanish.
-      largest = max(maxval(abs(reaction)), tiny(largest))
+      unit = binary_scale(max(maxval(abs(reaction)), tiny(unit)))
       imbalance = 0.0_dp
       do node = 1, size(reaction, 2)
          associate (axis => constraints%axis(:, node), is_free => constraints%is_free(:, node))
             along = axis(1)*reaction(1, node) + axis(2)*reaction(2, node)
             across = axis(1)*reaction(2, node) - axis(2)*reaction(1, node)
             if (is_free(1)) then
-               imbalance = imbalance + (along/largest)**2
+               imbalance = imbalance + (along*unit)**2
                along = 0.0_dp
             end if
             if (is_free(2)) then
-               imbalance = imbalance + (across/largest)**2
+               imbalance = imbalance + (across*unit)**2
                across = 0.0_dp
             end if
             reaction(1, node) = along*axis(1) - across*axis(2)
             reaction(2, node) = along*axis(2) + across*axis(1)
          end associate
       end do
-      imbalance = largest*sqrt(imbalance)
+      imbalance = sqrt(imbalance)/unit
    end subroutine split_imbalance
 
    !> Checks the contact law at every point.

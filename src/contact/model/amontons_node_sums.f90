@@ -4,7 +4,7 @@ module amontons_node_sums
    implicit none (type, external)
    private
 
-   public :: node_sums_t, norm_of, sum_nodes
+   public :: node_sums_t, norm_of, sum_nodes, binary_scale
 
    !> Forces and their work, summed up over the nodes.
    type :: node_sums_t
@@ -63,14 +63,25 @@ contains
    pure real(dp) function norm_of(forces, largest) result(norm)
       real(dp), intent(in) :: forces(:, :) !! the forces (2, n_nodes) [F]
       real(dp), intent(in) :: largest !! their largest component [F]
+      real(dp) :: unit
       integer :: node
 
       norm = 0.0_dp
       if (.not. largest > 0.0_dp) return
+      unit = binary_scale(largest)
       do node = 1, size(forces, 2)
-         norm = norm + ((forces(1, node)/largest)**2 + (forces(2, node)/largest)**2)
+         norm = norm + ((forces(1, node)*unit)**2 + (forces(2, node)*unit)**2)
       end do
-      norm = largest*sqrt(norm)
+      norm = sqrt(norm)/unit
    end function norm_of
+
+   !> The power of two that brings a number near 1: a factor that rounds nothing, quicker than a divisor.
+   pure real(dp) function binary_scale(number) result(unit)
+      real(dp), intent(in) :: number !! the number, positive
+      ! Beyond it a power of two, or the number times it, would leave the range.
+      integer, parameter :: most = 1000
+
+      unit = scale(1.0_dp, max(-most, min(most, -exponent(number))))
+   end function binary_scale
 
 end module amontons_node_sums

@@ -55,7 +55,8 @@ contains
          strains(:, k) = strain
       end do
       call recover_displacements(field, body, model%fixed, condensed, displacement)
-      call find_node_stresses(stress, body%mesh, body%materials, body%coloring, field, strains)
+      allocate (stress(4, body%mesh%n_nodes, size(condensed)))
+      call find_node_stresses(stress, size(condensed), body%mesh, body%materials, body%coloring, field, strains)
       do k = 1, size(condensed)
          peaks(:, k) = body_peaks(body%mesh, field(:, :, k), stress(:, :, k))
       end do
