@@ -21,6 +21,7 @@ module amontons_solve_case
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_load_case
    use amontons_timings, only: new_timings, phase_condense, phase_recover
+   use amontons_uniqueness, only: uniqueness_t
    implicit none (type, external)
    private
 
@@ -30,6 +31,7 @@ module amontons_solve_case
    type :: state_t
       character(:), allocatable :: case_name !! name of the case whose state it is
       type(contact_solution_t) :: solution !! its solution
+      type(uniqueness_t) :: uniqueness !! the friction below which it is the only one
       integer, allocatable :: set(:) !! which contact set each point belongs to (m)
       real(dp), allocatable :: position(:, :) !! coordinates of the points (2, m) [L]
       real(dp), allocatable :: area(:) !! their tributary areas (m) [L^2]
@@ -145,6 +147,7 @@ contains
       associate (state => cache%state, zone => cache%body%zone)
          state%case_name = config%name
          state%solution = result%solution
+         state%uniqueness = result%uniqueness
          state%set = zone%set
          state%position = zone%position
          state%area = zone%area
@@ -179,6 +182,7 @@ contains
          call cache%state%prolong(result%solution, cache%body%zone)
       else if (allocated(cache%state)) then
          result%solution = cache%state%solution
+         result%uniqueness = cache%state%uniqueness
          result%started_from = cache%state%case_name
       else
          call new_contact_solution(result%solution, cache%body%zone%n_points)

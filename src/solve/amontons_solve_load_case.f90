@@ -31,7 +31,7 @@ module amontons_solve_load_case
    use amontons_spin, only: check_spin
    use amontons_stress_field, only: new_stress_field
    use amontons_timings, only: new_timings, phase_condense, phase_recover, phase_solve, phase_write
-   use amontons_uniqueness, only: new_uniqueness
+   use amontons_uniqueness, only: new_uniqueness, uniqueness_t
    implicit none (type, external)
    private
 
@@ -42,13 +42,15 @@ contains
    !> Solves a load case of a body and certifies the result.
    subroutine solve_load_case(result, body, problem, method, error)
       type(result_t), intent(inout) :: result
-         !! the result: with its load case, times begun and a solution to start from; gains everything else
+         !! the result: with its load case, times begun, a solution to start from, and what is known of its uniqueness
+         !! from another load case of the body; gains everything else
       type(body_t), intent(in) :: body !! the body, condensed
       type(contact_problem_t), intent(inout) :: problem
          !! its contact problem; left with this load case, and the compliance if the method makes it
       class(contact_method_t), intent(in) :: method !! the contact method
       type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
       type(known_tractions_t) :: tractions
+      type(uniqueness_t) :: known
 
       call result%timings%begin(phase_condense)
       call set_factor(result%factor, body)
@@ -75,7 +77,8 @@ contains
          if (allocated(error)) return
       end if
       call add_result_warnings(result, body)
-      call new_uniqueness(result%uniqueness, problem)
+      known = result%uniqueness
+      call new_uniqueness(result%uniqueness, problem, known)
       ! What the caller does with the result is to write it.
       call result%timings%begin(phase_write)
    end subroutine solve_load_case
@@ -309,16 +312,19 @@ contains
       type(error_t), allocatable, intent(out) :: error !! supports, contacts, loads or the numbers are at fault
       class(contact_method_t), allocatable :: method
       type(contact_solution_t) :: start
+      type(uniqueness_t) :: known
       type(result_t) :: empty
 
       call new_contact_solution(start, body%zone%n_points)
       if (result%solution%is_converged) then
          if (size(result%solution%force) == size(start%force)) start = result%solution
+         known = result%uniqueness
       end if
       ! It is a start, and no result of this load case.
       start%is_converged = .false.
       result = empty
       result%solution = start
+      result%uniqueness = known
       result%method = options
       result%wants_error_estimate = .true.
       call new_timings(result%timings)

@@ -25,6 +25,8 @@ module amontons_uniqueness
          !! the largest coefficient for which the solution is unique, those of all points being in the ratios of the
          !! problem, equal if it has none [-]
       logical :: is_unique = .false. !! whether the problem itself is below the bound
+      real(dp), allocatable :: ratio(:) !! friction of each point over the largest that the bound was found for (m) [-]
+      logical, allocatable :: has_slip_bound(:) !! whether each point had a given slip bound (m)
    end type uniqueness_t
 
    !> A bound above this coefficient is none.
@@ -39,46 +41,63 @@ module amontons_uniqueness
 
 contains
 
-   !> Computes the bound of a contact problem.
-   pure subroutine new_uniqueness(uniqueness, problem)
+   !> Computes the bound of a contact problem. It depends on the body and on the ratios of friction alone.
+   pure subroutine new_uniqueness(uniqueness, problem, known)
       type(uniqueness_t), intent(out) :: uniqueness !! the bound
       type(contact_problem_t), intent(inout) :: problem !! the problem; gains a dense stiffness if it has few points
+      type(uniqueness_t), intent(in), optional :: known
+         !! the bound of another load case of the same body, which may serve again, or none
       ! Cholesky factors of so many rows take about a second together.
       integer, parameter :: most_points = 500
-      type(contact_relation_t) :: relation
-      real(dp) :: friction(problem%n_points)
+      real(dp) :: ratio(problem%n_points)
 
+      ratio = problem%friction
+      if (.not. any(ratio > 0.0_dp)) ratio = 1.0_dp
+      if (problem%n_points > 0) ratio = ratio/maxval(ratio)
+      uniqueness%ratio = ratio
+      uniqueness%has_slip_bound = problem%slip_bound > 0.0_dp
+      if (serves(known, uniqueness)) then
+         uniqueness = known
+      else if (problem%n_points > 0 .and. problem%n_points <= most_points) then
+         call bound_friction(uniqueness, problem)
+      end if
       ! Without Coulomb friction the problem is a convex program, and S determines the forces.
       uniqueness%is_unique = .not. (problem%is_reduced() .or. any(problem%friction > 0.0_dp))
-      if (problem%n_points < 1 .or. problem%n_points > most_points) return
-      call problem%prepare_stiffness()
-      call new_contact_relation(relation, problem)
-      friction = problem%friction
-      if (.not. any(friction > 0.0_dp)) friction = 1.0_dp
-      associate (m => problem%n_points, largest => maxval(friction))
-         call bound_friction(uniqueness, relation, &
-            friction/largest*relation%force_unit(:m)/relation%force_unit(m + 1:))
-      end associate
       if (.not. uniqueness%has_bound) return
       uniqueness%is_for_any = uniqueness%friction >= any_friction
       if (uniqueness%is_for_any .or. maxval(problem%friction) < uniqueness%friction) uniqueness%is_unique = .true.
    end subroutine new_uniqueness
 
+   !> Whether a bound of the same body is that of the ratios of another one.
+   pure logical function serves(known, wanted)
+      type(uniqueness_t), intent(in), optional :: known !! the bound, or none
+      type(uniqueness_t), intent(in) :: wanted !! the ratios of the other
+
+      serves = present(known)
+      if (serves) serves = allocated(known%ratio)
+      if (serves) serves = size(known%ratio) == size(wanted%ratio)
+      if (serves) serves = all(abs(known%ratio - wanted%ratio) <= 0.0_dp) &
+         .and. all(known%has_slip_bound .eqv. wanted%has_slip_bound)
+   end function serves
+
    !> Finds the exact bound where there are few points, else the estimate.
-   pure subroutine bound_friction(uniqueness, relation, friction)
-      type(uniqueness_t), intent(inout) :: uniqueness !! gains the bound
-      type(contact_relation_t), intent(in) :: relation !! the problem
-      real(dp), intent(in) :: friction(:) !! coefficients whose largest multiple is asked for (m) [-]
+   pure subroutine bound_friction(uniqueness, problem)
+      type(uniqueness_t), intent(inout) :: uniqueness !! the ratios; gains the bound
+      type(contact_problem_t), intent(inout) :: problem !! the problem; gains a dense stiffness
       ! Four states for each point and fifty halvings: a tenth of a second.
       integer, parameter :: most_points_exact = 7
-      real(dp), allocatable :: inverse(:, :)
+      type(contact_relation_t) :: relation
+      real(dp), allocatable :: inverse(:, :), friction(:)
       logical :: is_definite
 
+      call problem%prepare_stiffness()
+      call new_contact_relation(relation, problem)
+      friction = uniqueness%ratio*relation%force_unit(:problem%n_points)/relation%force_unit(problem%n_points + 1:)
       call relation%invert(inverse, is_definite)
       uniqueness%is_exact = is_definite .and. relation%n_points <= most_points_exact
       if (uniqueness%is_exact) then
          if (relation%is_dual) inverse = relation%matrix
-         uniqueness%friction = exact_bound(inverse, friction, relation%slip_bound > 0.0_dp)
+         uniqueness%friction = exact_bound(inverse, friction, uniqueness%has_slip_bound)
       else if (.not. relation%is_dual) then
          uniqueness%friction = estimated_bound(relation%matrix, friction)
       else if (is_definite) then
