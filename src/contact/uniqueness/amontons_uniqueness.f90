@@ -53,8 +53,7 @@ contains
 
       ratio = problem%friction
       if (.not. any(ratio > 0.0_dp)) ratio = 1.0_dp
-      if (problem%n_points > 0) ratio = ratio/maxval(ratio)
-      uniqueness%ratio = ratio
+      uniqueness%ratio = ratio/maxval(ratio)
       uniqueness%has_slip_bound = problem%slip_bound > 0.0_dp
       if (serves(known, uniqueness)) then
          uniqueness = known
@@ -63,9 +62,8 @@ contains
       end if
       ! Without Coulomb friction the problem is a convex program, and S determines the forces.
       uniqueness%is_unique = .not. (problem%is_reduced() .or. any(problem%friction > 0.0_dp))
-      if (.not. uniqueness%has_bound) return
-      uniqueness%is_for_any = uniqueness%friction >= any_friction
-      if (uniqueness%is_for_any .or. maxval(problem%friction) < uniqueness%friction) uniqueness%is_unique = .true.
+      if (uniqueness%has_bound) uniqueness%is_unique = uniqueness%is_unique .or. uniqueness%is_for_any &
+         .or. maxval(problem%friction) < uniqueness%friction
    end subroutine new_uniqueness
 
    !> Whether a bound of the same body is that of the ratios of another one.
@@ -104,6 +102,7 @@ contains
          uniqueness%friction = estimated_bound(inverse, friction)
       end if
       uniqueness%has_bound = uniqueness%friction > 0.0_dp
+      uniqueness%is_for_any = uniqueness%friction >= any_friction
    end subroutine bound_friction
 
    !> The least multiple of given coefficients at which the determinant of some states is no longer positive.
