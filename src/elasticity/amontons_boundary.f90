@@ -3,7 +3,7 @@ module amontons_boundary
    use amontons_element, only: new_side_geometry, side_geometry_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
-   use amontons_material, only: materials_t
+   use amontons_material, only: materials_t, on_axis
    use amontons_mesh, only: mesh_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -40,7 +40,7 @@ contains
       call link_sides(sides, after, before, set, error)
       if (allocated(error)) return
       call order_nodes(line, sides, after, before)
-      call measure_sides(line, sides, mesh%coordinates, materials)
+      call measure_sides(line, sides, mesh, materials)
       call normalize_normals(line, mesh%coordinates, set, error)
    end subroutine new_boundary_line
 
@@ -113,21 +113,28 @@ contains
    end subroutine follow_piece
 
    !> Integrals of the nodes' shape functions: alone, times the normal and, where there are materials, times the depth.
-   pure subroutine measure_sides(line, sides, coordinates, materials)
+   !> Sides on the axis of revolution lie inside the body: they turn no normal of the sides beside them.
+   pure subroutine measure_sides(line, sides, mesh, materials)
       type(boundary_line_t), intent(inout) :: line !! the line, its nodes in order; its normals are no unit vectors yet
       integer, intent(in) :: sides(:, :) !! first corner, second corner, middle or 0, element of each side (4, sides)
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in), optional :: materials !! materials of the elements, for the areas
       type(side_geometry_t) :: geometry
-      integer :: place(size(coordinates, 2)), i, k, point, p
-      real(dp) :: length, area
+      integer :: place(mesh%n_nodes), i, k, point, p
+      logical :: is_on_axis(mesh%n_nodes)
+      real(dp) :: length, area, axial(2, line%n_nodes)
 
       place = 0
       place(line%node) = [(i, i=1, line%n_nodes)]
       allocate (line%normal(2, line%n_nodes), line%weight(line%n_nodes), source=0.0_dp)
-      if (present(materials)) allocate (line%area(line%n_nodes), source=0.0_dp)
+      is_on_axis = .false.
+      axial = 0.0_dp
+      if (present(materials)) then
+         allocate (line%area(line%n_nodes), source=0.0_dp)
+         is_on_axis = on_axis(mesh, materials)
+      end if
       do i = 1, size(sides, 2)
-         call new_side_geometry(geometry, sides(:3, i), coordinates)
+         call new_side_geometry(geometry, sides(:3, i), mesh%coordinates)
          do point = 1, size(geometry%along, 2)
             length = norm2(geometry%along(:, point))
             area = 0.0_dp
@@ -137,12 +144,18 @@ contains
                p = place(sides(k, i))
                associate (value => geometry%values(k, point), along => geometry%along(:, point))
                   line%weight(p) = line%weight(p) + value*length
-                  line%normal(:, p) = line%normal(:, p) + value*[along(2), -along(1)]
+                  if (all(is_on_axis(sides(:2, i)))) then
+                     axial(:, p) = axial(:, p) + value*[along(2), -along(1)]
+                  else
+                     line%normal(:, p) = line%normal(:, p) + value*[along(2), -along(1)]
+                  end if
                   if (present(materials)) line%area(p) = line%area(p) + value*area
                end associate
             end do
          end do
       end do
+      ! What has no other side keeps the normal of the axis.
+      where (spread(.not. any(abs(line%normal) > 0.0_dp, dim=1), 1, 2)) line%normal = axial
    end subroutine measure_sides
 
    !> Gives the normals of the nodes the length 1.

@@ -6,7 +6,7 @@ module amontons_loads
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_integer_list, only: new_tag_map, tag_map_t
    use amontons_kinds, only: dp
-   use amontons_material, only: materials_t
+   use amontons_material, only: materials_t, on_axis
    use amontons_mesh, only: mesh_t
    use amontons_text, only: to_text
    implicit none (type, external)
@@ -77,7 +77,7 @@ contains
          case (load_on_sides)
             call add_side_forces(forces, mesh, materials, loads(i), error)
          case (load_on_nodes)
-            call add_point_forces(forces, mesh, loads(i), error)
+            call add_point_forces(forces, mesh, materials, loads(i), error)
          case (load_on_region)
             call add_body_force(forces, mesh, materials, loads(i), error)
          case default
@@ -121,12 +121,15 @@ contains
    end subroutine add_side_forces
 
    !> Adds a point force to the node at a point, or to every node of a set.
-   subroutine add_point_forces(forces, mesh, load, error)
+   subroutine add_point_forces(forces, mesh, materials, load, error)
       real(dp), intent(inout) :: forces(:, :) !! nodal forces (2, n_nodes) [F]
       type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, which say whether it is a body of revolution
       type(load_t), intent(in) :: load !! the load
-      type(error_t), allocatable, intent(out) :: error !! no such node set, or no node at the point
+      type(error_t), allocatable, intent(out) :: error
+         !! no such node set, no node at the point, or a force away from the axis of revolution
       integer, allocatable :: nodes(:)
+      logical :: is_on_axis(mesh%n_nodes)
       integer :: i
 
       if (len(load%set) == 0) then
@@ -137,6 +140,11 @@ contains
          call mesh%set_nodes(load%set, nodes, error)
       end if
       if (allocated(error)) return
+      is_on_axis = on_axis(mesh, materials)
+      if (abs(load%force(1)) > 0.0_dp .and. any(is_on_axis(nodes))) then
+         call new_error(error, input_refused, 'a force on the axis of revolution must be along it: force = 0.0, ...')
+         return
+      end if
       do i = 1, size(nodes)
          forces(:, nodes(i)) = forces(:, nodes(i)) + load%force
       end do

@@ -7,7 +7,7 @@ module amontons_material
    implicit none (type, external)
    private
 
-   public :: formulation_names, hypothesis_names, material_t, materials_t, new_material, new_materials
+   public :: formulation_names, hypothesis_names, material_t, materials_t, new_material, new_materials, on_axis
 
    !> Hypotheses that reduce a body to the plane, as a deck writes them. Under 'axisymmetric' x is the radius and y the
    !> axis of revolution.
@@ -18,6 +18,8 @@ module amontons_material
    character(8), parameter :: formulation_names(*) = [character(8) :: 'auto', 'standard', 'b-bar']
    !> From this Poisson's ratio on linear elements lock in plane strain and in bodies of revolution.
    real(dp), parameter :: nearly_incompressible = 0.49_dp
+   !> By how much nodes on the axis may miss it in the digits of a mesh file, over the largest coordinate.
+   real(dp), parameter :: missed_axis = 1.0e-6_dp
 
    !> A material. Under every hypothesis stress = lambda tr(strain) I + 2 mu strain, with a lambda of its own.
    type :: material_t
@@ -146,16 +148,25 @@ contains
       if (any(list%is_axisymmetric)) call check_radii(mesh, error)
    end subroutine new_materials
 
+   !> Whether a node of a body of revolution lies on the axis (n_nodes).
+   pure function on_axis(mesh, materials)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials, which say whether it is a body of revolution
+      logical :: on_axis(mesh%n_nodes)
+
+      on_axis = .false.
+      if (any(materials%list%is_axisymmetric)) on_axis = abs(mesh%coordinates(1, :)) &
+         <= missed_axis*maxval(abs(mesh%coordinates))
+   end function on_axis
+
    !> Checks that a body of revolution lies on one side of its axis.
    pure subroutine check_radii(mesh, error)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(error_t), allocatable, intent(out) :: error !! a node has a negative radius
-      ! Nodes on the axis may miss it by the last digits of a mesh file.
-      real(dp), parameter :: negligible = 1.0e-6_dp
       integer :: node
 
       node = minloc(mesh%coordinates(1, :), dim=1)
-      if (mesh%coordinates(1, node) < -negligible*maxval(abs(mesh%coordinates))) call new_error(error, input_refused, &
+      if (mesh%coordinates(1, node) < -missed_axis*maxval(abs(mesh%coordinates))) call new_error(error, input_refused, &
          'node '//to_text(node)//' has the negative radius '//to_text(mesh%coordinates(1, node))// &
          "; under 'axisymmetric' x is the radius")
    end subroutine check_radii

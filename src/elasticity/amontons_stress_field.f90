@@ -252,8 +252,13 @@ contains
    pure real(dp) function von_mises(stress)
       real(dp), intent(in) :: stress(4) !! stress xx, yy, xy, zz [F/L^2]
 
-      von_mises = sqrt(0.5_dp*((stress(1) - stress(2))**2 + (stress(2) - stress(4))**2 + (stress(4) - stress(1))**2) &
-         + 3.0_dp*stress(3)**2)
+      real(dp) :: s(4)
+      integer :: power
+
+      ! Squares of numbers near 1 stay in the range of numbers.
+      power = exponent(maxval(abs(stress)))
+      s = scale(stress, -power)
+      von_mises = scale(sqrt(0.5_dp*((s(1) - s(2))**2 + (s(2) - s(4))**2 + (s(4) - s(1))**2) + 3.0_dp*s(3)**2), power)
    end function von_mises
 
 end module amontons_stress_field

@@ -150,7 +150,8 @@ contains
       has_name = is_filled(support%name)
       has_set = is_filled(support%set)
       has_point = allocated(support%set) .and. .not. has_set
-      has_spring = any(support%spring > 0.0_dp)
+      ! A support that holds nothing else has them even if they are 0.
+      has_spring = any(support%spring > 0.0_dp) .or. all(.not. support%is_held)
       call visitor%open_group(support_group)
       call visitor%text(key_t('name', 'by which `&steps` know it; several supports may share a name', default='none', &
          is_filled=.true., is_free=.true., also='label'), support%name, has_name)
@@ -170,7 +171,7 @@ contains
       call visitor%locate('set', support%origin)
       if (.not. visitor%is_judging()) return
       call visitor%require(has_set .neqv. has_point, 'set', '&support needs either set or point')
-      call visitor%require(any(support%is_held) .or. any(has_spring), '', &
+      call visitor%require(any([support%is_held, has_spring]), '', &
          '&support needs one of ux, uy, un, ut, spring_n and spring_t')
       call visitor%require(.not. (has_point .and. (any(has_spring) .or. any(support%is_held(3:)))), 'point', &
          'un, ut, spring_n and spring_t need set: a point has no normal')

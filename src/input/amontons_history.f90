@@ -38,6 +38,7 @@ module amontons_history
       procedure :: acts_on => steps_acts_on
       procedure :: changes => steps_changes
       procedure :: label => steps_label
+      procedure :: largest => steps_largest
       procedure :: n_numbers => steps_n_numbers
    end type steps_t
 
@@ -110,6 +111,17 @@ contains
          label = 'factor_'//self%name
       end select
    end function steps_label
+
+   !> The largest of their numbers [-], [L] or [rad].
+   pure real(dp) function steps_largest(self) result(largest)
+      class(steps_t), intent(in) :: self !! the steps
+
+      if (allocated(self%table)) then
+         largest = maxval(self%table(2:, :))
+      else
+         largest = maxval(self%values)
+      end if
+   end function steps_largest
 
    !> How many numbers change at once.
    pure integer function steps_n_numbers(self) result(n)

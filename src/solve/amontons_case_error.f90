@@ -103,7 +103,7 @@ contains
    end subroutine set_contact_tractions
 
    !> Makes tractions of the forces on the nodes of a line. On the axis of revolution a corner of a quadratic side has
-   !> no area: its traction continues those of the two nodes beside it linearly.
+   !> no area: its traction continues those of the two nodes beside it linearly. Nothing acts on sides that lie on it.
    pure subroutine divide_by_area(traction, line)
       real(dp), intent(inout) :: traction(:, :)
          !! forces on the nodes of the mesh, and on return, on those of the line, over their areas (2, n_nodes) [F/L^2]
@@ -111,7 +111,7 @@ contains
       ! Areas that are rounding errors of those of the other nodes.
       real(dp), parameter :: negligible = 1.0e-10_dp
       logical :: is_bare(line%n_nodes)
-      integer :: k, way
+      integer :: k, way, nearest(2)
 
       is_bare = line%area <= negligible*maxval(line%area)
       do k = 1, line%n_nodes
@@ -120,7 +120,10 @@ contains
       do k = 1, line%n_nodes
          if (.not. is_bare(k)) cycle
          way = merge(1, -1, line%next(k) > 0)
-         traction(:, line%node(k)) = 2.0_dp*traction(:, line%node(k + way)) - traction(:, line%node(k + 2*way))
+         nearest = k + [way, 2*way]
+         if (any(nearest < 1 .or. nearest > line%n_nodes)) cycle
+         if (any(is_bare(nearest))) cycle
+         traction(:, line%node(k)) = 2.0_dp*traction(:, line%node(nearest(1))) - traction(:, line%node(nearest(2)))
       end do
    end subroutine divide_by_area
 

@@ -1,13 +1,17 @@
 !> Warnings on a model before it is solved: a body, its contact sets and pairs, a sweep.
 module amontons_model_warnings
    use amontons_body, only: body_t, poor_inf_sup
-   use amontons_contact_set, only: contact_t
+   use amontons_contact_set, only: line_field_t
+   use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: element_names, quad4, tri3
+   use amontons_history, only: history_t, stepped_friction
    use amontons_kinds, only: dp
    use amontons_listing_text, only: short_text
    use amontons_load_case, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes
    use amontons_mortar_pair, only: mortar_pair_t
+   use amontons_obstacle, only: obstacle_t
+   use amontons_self_crossing, only: find_self_crossing
    use amontons_surface, only: surface_t
    use amontons_sweep, only: sweep_axis_t, sweep_t, swept_friction, swept_friction_factor
    use amontons_text, only: counted, to_text
@@ -15,8 +19,7 @@ module amontons_model_warnings
    implicit none (type, external)
    private
 
-   public :: add_model_warnings, add_sweep_warnings, body_size, &
-      mean_length, percent
+   public :: add_history_warnings, add_model_warnings, add_sweep_warnings, body_size, mean_length, percent
 
    !> Initial overlap from which on it is warned about, as a share of the body's size [-].
    real(dp), parameter :: large_overlap = 0.01_dp
@@ -178,13 +181,13 @@ contains
             if (overlap > large_overlap*size) call warnings%add(name//'initial overlap of '// &
                warnings%number(overlap, 'L')//', '//percent(overlap/size)//" of the body's size")
          end associate
-         associate (friction => maxval(load_case%friction, mask=is_of_set))
-            if (friction > large_friction) call warnings%add(name//'friction of '//short_text(friction)// &
-               '; coefficients above '//short_text(large_friction)//' are rare')
-         end associate
+         call add_large_friction(warnings, name, maxval(load_case%friction, mask=is_of_set))
          if (all(zone%is_tangent_fixed .or. .not. is_of_set) .and. &
             any(is_of_set .and. max(load_case%friction, load_case%slip_bound) > 0.0_dp)) call warnings%add(name// &
             'friction has no effect: supports hold all its points tangentially')
+         call add_obstacle_warnings(warnings, name, load_case%contacts(set)%obstacle)
+         call add_table_warning(warnings, name//'friction_table', load_case%contacts(set)%friction, zone, set)
+         call add_table_warning(warnings, name//'slip_bound_table', load_case%contacts(set)%slip_bound, zone, set)
          associate (n_buried => count(is_of_set .and. load_case%depth > rounding*size))
             if (n_buried > 0) call warnings%add(name//'left open inside the obstacle: '// &
                counted(n_buried, 'point')//'; their normals do not meet its surface, or at more than '// &
@@ -193,30 +196,94 @@ contains
       end associate
    end subroutine add_contact_warnings
 
+   !> Warns of a polyline that crosses itself.
+   pure subroutine add_obstacle_warnings(warnings, name, obstacle)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warning
+      character(*), intent(in) :: name !! how the warning begins
+      type(obstacle_t), intent(in) :: obstacle !! the obstacle
+      real(dp) :: place(2)
+      logical :: crosses
+
+      if (.not. allocated(obstacle%line)) return
+      call find_self_crossing(obstacle%line, crosses, place)
+      if (crosses) call warnings%add(name//'the polyline of the obstacle crosses itself at '//warnings%place(place)// &
+         ' of its file: its inside is undefined there')
+   end subroutine add_obstacle_warnings
+
+   !> Warns of a table along the line that has no station on it.
+   pure subroutine add_table_warning(warnings, name, field, zone, set)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warning
+      character(*), intent(in) :: name !! what the table is called
+      type(line_field_t), intent(in) :: field !! the quantity, with or without a table
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      integer, intent(in) :: set !! number of the contact set
+      ! What rounding leaves of a length.
+      real(dp), parameter :: rounding = 1.0e-9_dp
+      real(dp) :: length
+      integer :: p
+
+      if (.not. allocated(field%table)) return
+      length = 0.0_dp
+      do p = 1, zone%n_points
+         if (zone%set(p) == set) length = max(length, maxval(zone%quadrature%arc_length(zone%quadrature%start(p): &
+            zone%quadrature%start(p + 1) - 1)))
+      end do
+      if (minval(field%table(1, :)) < (1.0_dp - rounding)*length .and. maxval(field%table(1, :)) > 0.0_dp) return
+      call warnings%add(name//' has no station on the contact line, whose length is '// &
+         warnings%number(length, 'L')//': it gives one value')
+   end subroutine add_table_warning
+
+   !> Warns of friction that is rarely meant.
+   pure subroutine add_large_friction(warnings, name, friction)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warning
+      character(*), intent(in) :: name !! how the warning begins
+      real(dp), intent(in) :: friction !! the largest coefficient [-]
+
+      if (friction > large_friction) call warnings%add(name//'friction of '//short_text(friction)// &
+         '; coefficients above '//short_text(large_friction)//' are rare')
+   end subroutine add_large_friction
+
    !> Adds the warnings on a sweep.
-   pure subroutine add_sweep_warnings(warnings, sweep, contacts)
+   pure subroutine add_sweep_warnings(warnings, sweep, load_case, set)
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(sweep_t), intent(in) :: sweep !! the sweep, which is given
-      type(contact_t), intent(in) :: contacts(:) !! the contact sets
-      logical :: is_frictionless
+      type(load_case_t), intent(in) :: load_case !! the load case of the deck as it stands
+      integer, intent(in) :: set(:) !! the contact set of each point (m)
+      logical :: is_varied(size(load_case%contacts))
       integer :: i, k
 
       do i = 1, size(sweep%axes)
          associate (axis => sweep%axes(i), name => 'sweep of '//sweep%axes(i)%label()//': ')
             call add_repetition(warnings, name, axis)
-            if (axis%target == swept_friction .and. maxval(axis%values) > large_friction) call warnings%add(name// &
-               'friction of '//short_text(maxval(axis%values))//'; coefficients above '//short_text(large_friction)// &
-               ' are rare')
+            if (axis%target == swept_friction) call add_large_friction(warnings, name, maxval(axis%values))
             if (axis%target /= swept_friction_factor) cycle
-            is_frictionless = .true.
-            do k = 1, size(contacts)
-               if (axis%acts_on(contacts(k)%set)) is_frictionless = is_frictionless .and. &
-                  contacts(k)%friction%vanishes()
-            end do
-            if (is_frictionless) call warnings%add(name//'no effect: the friction is 0')
+            is_varied = [(axis%acts_on(load_case%contacts(k)%set), k=1, size(is_varied))]
+            call add_large_friction(warnings, name, maxval(axis%values)*maxval(load_case%friction, &
+               mask=is_varied(set)))
+            is_varied = is_varied .and. [(.not. load_case%contacts(k)%friction%vanishes(), k=1, size(is_varied))]
+            if (.not. any(is_varied)) call warnings%add(name//'no effect: the friction is 0')
          end associate
       end do
    end subroutine add_sweep_warnings
+
+   !> Adds the warnings on the changes of a load history.
+   pure subroutine add_history_warnings(warnings, history, load_case, set)
+      type(warning_list_t), intent(inout) :: warnings !! gains the warnings
+      type(history_t), intent(in) :: history !! the history, which is given
+      type(load_case_t), intent(in) :: load_case !! the load case of the deck as it stands
+      integer, intent(in) :: set(:) !! the contact set of each point (m)
+      logical :: is_varied(size(load_case%contacts))
+      integer :: i, k
+
+      do i = 1, size(history%steps)
+         associate (steps => history%steps(i))
+            if (steps%target /= stepped_friction) cycle
+            is_varied = [(steps%acts_on(load_case%contacts(k)), k=1, size(is_varied))]
+            call add_large_friction(warnings, steps%label(1)//': ', steps%largest()*maxval(load_case%friction, &
+               mask=is_varied(set)))
+         end associate
+      end do
+   end subroutine add_history_warnings
 
    !> Warns of a value that a list gives twice.
    pure subroutine add_repetition(warnings, name, axis)

@@ -31,6 +31,11 @@ module amontons_result_warnings
       'the largest pressure is more than twice that of the points beside it: the mesh is too coarse for it', &
       "contact pressure above 2 % of Young's modulus; the theory is for small strains"]
 
+   !> Their number.
+   integer, parameter, public :: n_case_warnings = size(case_warning_names)
+   !> Which of them tell that displacements or strains are too large for the theory.
+   logical, parameter, public :: is_limit_of_theory(n_case_warnings) = [.true., .false., .false., .false., .true.]
+
    !> Number of the one that nothing touches.
    integer, parameter :: no_contact = 2
 

@@ -16,7 +16,7 @@ module amontons_solve_case
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: new_mesh
    use amontons_methods, only: new_contact_method
-   use amontons_model_warnings, only: add_model_warnings, add_sweep_warnings
+   use amontons_model_warnings, only: add_history_warnings, add_model_warnings, add_sweep_warnings
    use amontons_name_check, only: check_names
    use amontons_result, only: result_t
    use amontons_solve_load_case, only: solve_load_case
@@ -85,8 +85,10 @@ contains
       call add_model_warnings(result%warnings, cache%body, result%load_case)
       ! Loads and friction that a sweep or a history varies need not balance as they stand.
       if (config%sweep%is_given()) then
-         call add_sweep_warnings(result%warnings, config%sweep, config%contacts)
-      else if (.not. config%history%is_given) then
+         call add_sweep_warnings(result%warnings, config%sweep, result%load_case, cache%body%zone%set)
+      else if (config%history%is_given) then
+         call add_history_warnings(result%warnings, config%history, result%load_case, cache%body%zone%set)
+      else
          call check_balance(cache%body, result%load_case, error)
          result%has_no_equilibrium = allocated(error)
       end if

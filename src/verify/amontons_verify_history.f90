@@ -78,7 +78,7 @@ contains
          call read_tables(case, again, cache)
          if (case%faults%n == n_faults) call retrace(case, again, cache)
          if (case%faults%n > n_faults) return
-         call again%result%add_jumps()
+         call again%result%add_warnings(cache%body)
          last%is_complete = case%value('load_history', 'complete') == 'true'
          last%has_no_equilibrium = case%value('', 'outcome') == '"'//word_no_equilibrium//'"'
          last%earlier_violation = case%number('load_history', 'violation')
@@ -210,7 +210,7 @@ contains
          if (len(fault) == 0) then
             call walk%note(again%model, next)
             walk%is_jump = .not. has_balance(next, again%model%history)
-            call again%result%note_step(cache%body, again%model%history)
+            call again%result%note_step(cache%body, again%model)
             ! What the method took is its own affair.
             next%solution%residual = numbers(2)
             next%solution%n_iterations = nint(numbers(3))

@@ -68,6 +68,18 @@ class History(HistoryTest):
                          max(abs(float(row["slip_step"])) for row in last))
         self.run_program("--verify", "out")
 
+    def test_obstacle_that_ends_does_no_work_where_it_is_lost(self):
+        # Half of a floor is drawn away under a block: the gaps of the points it leaves are no way that it goes.
+        self.write("floor.csv", "-3.0, 0.0\n5.0, 0.0\n")
+        self.walk("&case name = 'moved' /\n&mesh size = 4.0, 2.0  cells = 8, 4 /\n"
+                  "&material young = 100.0  poisson = 0.3 /\n&support set = 'left'  ux = 0.0 /\n"
+                  "&load set = 'top'  pressure = 1.0 /\n"
+                  "&contact name = 'floor'  set = 'bottom'  obstacle = 'polyline'  line = 'floor.csv' /\n"
+                  "&history times = 0.0, 1.0  substeps = 5 /\n&steps obstacle = 'floor'  shift_x = 0.0, 4.6 /\n")
+        # Without friction the floor moves along itself.
+        self.assertEqual([abs(float(row["work_obstacles"])) for row in self.table("moved.history.csv")], 6*[0.0])
+        self.run_program("--verify", "out")
+
     def test_energies_of_a_body_that_moves_as_a_whole_are_rounding_errors(self):
         self.walk("&case name = 'moved' /\n&mesh size = 4.0, 2.0  cells = 12, 6 /\n"
                   "&material young = 100.0  poisson = 0.3 /\n"

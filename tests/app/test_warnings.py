@@ -42,7 +42,8 @@ $Elements
 $EndElements
 """
 FILES = {"squares.msh": SQUARES, "box.csv": "4.05, 1.0\n6.0, 1.0\n6.0, -1.0\n4.05, -1.0\n4.05, 1.0\n",
-         "ball.msh": disc_mesh()}
+         "loop.csv": "-5.0, 0.0\n9.0, 0.0\n9.0, -3.0\n2.0, 1.0\n-5.0, -3.0\n-5.0, 0.0\n",
+         "far.csv": "10.0, 0.3\n20.0, 0.9\n", "ball.msh": disc_mesh()}
 BALL = "mesh kind = 'file'  file = 'ball.msh'", "material young = 1000.0  poisson = 0.3"
 
 # Groups of a deck, what else is different about its block, and how each warning of it begins.
@@ -86,6 +87,13 @@ CASES = {
     "ring": (("support set = 'top'  uy = 0.0", "load set = 'right'  pressure = 4.0", "contact set = 'bottom'"),
              {"mesh": "size = 1.0, 1.0  cells = 4, 4", "material": "young = 100.0  poisson = 0.25  "
               "hypothesis = 'axisymmetric'"}, ["strain of 2.5 % at "]),
+    "looped": ((SUPPORT, PRESSURE, CONTACT + "  obstacle = 'polyline'  line = 'loop.csv'"), {},
+               ["contact set 'bottom': the polyline of the obstacle crosses itself at (3.75, 0.0) of its file"]),
+    "table": ((SUPPORT, PRESSURE, "contact set = 'bottom'  friction_table = 'far.csv'"), {},
+              ["contact set 'bottom': friction_table has no station on the contact line, whose length is 4.0"]),
+    "axis": ((PRESSURE, CONTACT, "contact set = 'left'  normal = 1.0, 0.0"),
+             {"material": "young = 100.0  poisson = 0.25  hypothesis = 'axisymmetric'"},
+             ["contact set 'left': no contact points", "68.6 % of the estimated error "]),
     "passed": (("support set = 'top'  ux = 0.1  uy = -0.6", "contact set = 'right'  obstacle = 'polyline'  "
                 "line = 'box.csv'"), {},
                ["displacement of ", "strain of ", "the largest pressure ",
@@ -185,6 +193,8 @@ class Warnings(ProgramTest):
             "sweep of friction_factor: no effect: the friction is 0")
         self.assert_warnings(block(SUPPORT, load, CONTACT, "sweep friction = 0.5, 2.5"),
                              "sweep of friction: friction of 2.5; coefficients above 2.0 are rare")
+        self.assert_warnings(block(SUPPORT, load, CONTACT, "sweep friction_factor = 0.5, 10.0"),
+                             "sweep of friction_factor: friction of 3.0; coefficients above 2.0 are rare")
         self.assert_warnings(block(SUPPORT, load, CONTACT, "sweep friction = 0.5, 0.5  count = 3"),
                              "sweep of friction: the value 0.5 is given twice")
 
@@ -206,6 +216,14 @@ class Warnings(ProgramTest):
                   "sweep load = 'press'  factor = 0.1, 0.4, 1.0"),
             "2 of 3 cases, case 1 the first: fewer than 3 contact points closed")
         self.assertEqual(self.row_warnings(), ["warnings", "few_points", "few_points", ""])
+
+    def test_steps_of_a_history(self):
+        # The last step is small, the one before it is not.
+        groups = (SUPPORT, PRESSURE + "  name = 'press'", CONTACT, "history times = 0.0, 1.0, 2.0",
+                  "steps load = 'press'  factor = 0.0, 50.0, 1.0", "steps contact = 'bottom'  "
+                  "friction_factor = 1.0, 10.0, 1.0")
+        self.assert_warnings(block(*groups), "friction_factor_bottom: friction of 3.0; coefficients above 2.0 are rare",
+                             "1 of 3 steps, step 2 the first: contact pressure above 2 % of Young's modulus")
 
     def row_warnings(self):
         """The warnings in the rows of the sweep, below their heading."""

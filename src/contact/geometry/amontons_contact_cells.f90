@@ -13,6 +13,7 @@ module amontons_contact_cells
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_mortar_points, only: cell_pieces, mortar_piece_t
    use amontons_mortar_segments, only: mortar_segment_t
+   use amontons_obstacle, only: unit_vector
    use amontons_pair_refusals, only: held_slave_text
    use amontons_surface, only: meshed_body_t, side_order
    use amontons_text, only: to_text
@@ -223,7 +224,7 @@ contains
             area = norm2(along)*body%materials%list(body%materials%of_element(side(4)))%depth(position(1))
             outward = [along(2), -along(1)]/norm2(along)
             normal = outward
-            if (any(abs(direction) > 0.0_dp)) normal = direction/norm2(direction)
+            if (any(abs(direction) > 0.0_dp)) normal = unit_vector(direction)
             place = n_segment_points*(i - 1) + point
             cells%quadrature%outward(place) = dot_product(normal, outward)
             cells%quadrature%position(:, place) = position

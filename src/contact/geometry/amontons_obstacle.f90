@@ -10,7 +10,7 @@ module amontons_obstacle
    implicit none (type, external)
    private
 
-   public :: obstacle_names, obstacle_t, steepest_cosine
+   public :: obstacle_names, obstacle_t, steepest_cosine, unit_vector
 
    !> Kinds of obstacles, as a deck writes them.
    character(8), parameter :: obstacle_names(*) = [character(8) :: 'plane', 'circle', 'parabola', 'polyline']
@@ -56,7 +56,7 @@ contains
       type(crossing_t), allocatable :: crossings(:)
       real(dp) :: axis(2), x(2), e(2)
 
-      axis = self%normal/norm2(self%normal)
+      axis = unit_vector(self%normal)
       x = in_frame(axis, position - self%point)
       e = in_frame(axis, direction)
       select case (self%kind)
@@ -83,7 +83,7 @@ contains
       logical :: is_met
       integer :: first
 
-      direction = -self%normal/norm2(self%normal)
+      direction = -unit_vector(self%normal)
       call self%measure(position, direction, gap, is_met, cosine)
       depth = merge(max(0.0_dp, -gap), 0.0_dp, is_met)
       if (is_met .or. self%has_ends()) return
@@ -114,7 +114,7 @@ contains
 
       is_passed = .false.
       if (.not. self%has_ends()) return
-      x = in_frame(self%normal/norm2(self%normal), position - self%point)
+      x = in_frame(unit_vector(self%normal), position - self%point)
       n = size(self%line, 2) - 1
       nearest = huge(nearest)
       do i = 1, n
@@ -135,6 +135,15 @@ contains
 
       has_radius = self%kind == 'circle' .or. self%kind == 'parabola'
    end function obstacle_has_radius
+
+   !> The unit vector along a vector of any length but 0, whose square may be beyond the range of numbers [-].
+   pure function unit_vector(vector)
+      real(dp), intent(in) :: vector(2) !! the vector
+      real(dp) :: unit_vector(2)
+
+      unit_vector = vector/maxval(abs(vector))
+      unit_vector = unit_vector/norm2(unit_vector)
+   end function unit_vector
 
    !> The coordinates (s, h) of a vector in the frame of an axis.
    pure function in_frame(axis, vector) result(local)

@@ -10,6 +10,7 @@ module amontons_contact_zone
    use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, n_quadrature_points, new_mortar_pair, &
       take_facing_sides, take_line
    use amontons_mortar_points, only: mortar_points_t
+   use amontons_obstacle, only: unit_vector
    use amontons_pair_refusals, only: check_ends, check_overlap
    use amontons_surface, only: meshed_body_t
    implicit none (type, external)
@@ -159,7 +160,7 @@ contains
             - body%mesh%coordinates(:, line%node(k - 1)))
          arc_length(k) = along
          normal(:, k) = line%normal(:, k)
-         if (any(abs(direction) > 0.0_dp)) normal(:, k) = direction/norm2(direction)
+         if (any(abs(direction) > 0.0_dp)) normal(:, k) = unit_vector(direction)
          if (follower(line%node(k)) > 0) then
             zone%shared_node = [zone%shared_node, line%node(k)]
             if (line%next(k) == 0) cycle

@@ -11,6 +11,7 @@ module amontons_load_case
    use amontons_kinds, only: dp
    use amontons_listing_text, only: place_text
    use amontons_loads, only: load_t, load_vector, sum_thermal_strain
+   use amontons_material, only: on_axis
    use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: steepest_cosine
    use amontons_text, only: to_text
@@ -73,6 +74,11 @@ contains
       if (any(constraints%is_free .neqv. body%constraints%is_free)) then
          call new_error(error, input_refused, &
             'the supports of a load case hold other components than those of its body')
+         return
+      end if
+      if (any(abs(load_case%prescribed(1, :)) > 0.0_dp .and. on_axis(body%mesh, body%materials))) then
+         call new_error(error, input_refused, 'a support moves nodes on the axis of revolution away from it: their '// &
+            'radial displacement can be 0 only')
          return
       end if
       call set_obstacles(load_case, body%zone, body%mesh, contacts, error)

@@ -5,7 +5,7 @@ module amontons_solve_history
    use amontons_config, only: config_t, effective_deck
    use amontons_cycle_watch, only: n_cycle_numbers
    use amontons_error, only: error_t, new_error
-   use amontons_history, only: history_t, is_shown
+   use amontons_history, only: is_shown
    use amontons_history_files, only: history_files_t, history_milestone_t, new_history_files, read_start
    use amontons_history_model, only: history_model_t, new_history_model
    use amontons_history_walk, only: history_walk_t, new_history_walk
@@ -16,7 +16,8 @@ module amontons_solve_history
    use amontons_manifest, only: manifest_t
    use amontons_report, only: study_files_t
    use amontons_result, only: result_t
-   use amontons_result_warnings, only: add_result_warnings
+   use amontons_result_warnings, only: add_result_warnings, case_warning_sentence, find_case_warnings, &
+      is_limit_of_theory, n_case_warnings
    use amontons_solve_case, only: cache_t, condense_case, prepare_case
    use amontons_solve_load_case, only: certify, set_factor
    use amontons_study_monitor, only: study_monitor_t
@@ -56,11 +57,14 @@ module amontons_solve_history
       type(worst_step_t) :: violation !! largest violation of the certificates
       type(worst_step_t) :: jump !! largest energy error of a step that cannot be made shorter, over its energies
       integer :: n_jumps = 0 !! number of such steps
+      integer :: n_warned(n_case_warnings) = 0 !! number of steps that each warning on a case is about
+      integer :: warned_step(n_case_warnings) = 0 !! the first of them
+      integer :: last_warned(n_case_warnings) = 0 !! the last of them
       integer :: n_certified = 0 !! number of steps that were certified
       integer :: n_resumed = 0 !! number of the last step that an earlier run had done
       logical :: is_interrupted = .false. !! whether the monitor stopped it
    contains
-      procedure :: add_jumps => history_result_add_jumps
+      procedure :: add_warnings => history_result_add_warnings
       procedure :: note_step => history_result_note_step
    end type history_result_t
 
@@ -139,8 +143,9 @@ contains
 
       if (result%walk%n_steps == 0) return
       milestone%numbers = [real(result%n_certified, dp), result%residual%numbers(), result%imbalance%numbers(), &
-         result%indicator%numbers(), result%violation%numbers(), result%jump%numbers(), real(result%n_jumps, dp), &
-         real([size(result%reached, 2), size(result%cycles, 2)], dp), reshape(result%reached, [size(result%reached)]), &
+         result%indicator%numbers(), result%violation%numbers(), result%jump%numbers(), &
+         real([result%n_jumps, result%n_warned, result%warned_step, result%last_warned, size(result%reached, 2), &
+         size(result%cycles, 2)], dp), reshape(result%reached, [size(result%reached)]), &
          reshape(result%cycles, [size(result%cycles)]), result%walk%numbers()]
       call files%checkpoint%save(milestone, error)
    end subroutine note_milestone
@@ -152,7 +157,7 @@ contains
       real(dp), intent(in) :: numbers(:) !! the numbers of the note
       type(history_result_t), intent(inout) :: result !! the history, new
       type(error_t), allocatable, intent(out) :: error !! the note does not fit
-      integer, parameter :: n_before = 14
+      integer, parameter :: n = n_case_warnings, n_before = 14 + 3*n
       integer :: first, last
 
       result%n_certified = nint(numbers(1))
@@ -162,6 +167,9 @@ contains
       result%violation = worst_step_t(numbers(8), nint(numbers(9)))
       result%jump = worst_step_t(numbers(10), nint(numbers(11)))
       result%n_jumps = nint(numbers(12))
+      result%n_warned = nint(numbers(13:12 + n))
+      result%warned_step = nint(numbers(13 + n:12 + 2*n))
+      result%last_warned = nint(numbers(13 + 2*n:12 + 3*n))
       first = n_before + n_reached_numbers*nint(numbers(n_before - 1))
       last = first + n_cycle_numbers*nint(numbers(n_before))
       result%reached = reshape(numbers(n_before + 1:first), [n_reached_numbers, nint(numbers(n_before - 1))])
@@ -239,7 +247,7 @@ contains
             call walk%advance(model, cache%body, cache%problem)
             result%is_interrupted = monitor%is_stopped()
             if (walk%n_steps == n_kept) exit
-            call result%note_step(cache%body, history)
+            call result%note_step(cache%body, model)
             call files%add_step(model, cache%body, walk)
             if (is_shown(walk%n_steps, history%fields_every)) call add_fields(cache, model, files, result, &
                error)
@@ -252,16 +260,17 @@ contains
             if (allocated(error)) return
          end do
       end associate
-      call result%add_jumps()
+      call result%add_warnings(cache%body)
       call note_milestone(files, result, error)
    end subroutine take_steps
 
    !> Notes what is remarkable of the last step.
-   pure subroutine history_result_note_step(self, body, history)
+   pure subroutine history_result_note_step(self, body, model)
       class(history_result_t), intent(inout) :: self !! the history so far
       type(body_t), intent(in) :: body !! the body
-      type(history_t), intent(in) :: history !! the history
+      type(history_model_t), intent(in) :: model !! the history
       type(lengths_t) :: lengths
+      logical :: is_warned(n_case_warnings)
 
       if (.not. allocated(self%reached)) allocate (self%reached(n_reached_numbers, 0), self%cycles(n_cycle_numbers, 0))
       associate (walk => self%walk, state => self%walk%state, m => body%zone%n_points)
@@ -270,9 +279,14 @@ contains
          call self%residual%note(state%solution%residual, walk%n_steps)
          call self%imbalance%note(state%imbalance, walk%n_steps)
          call self%indicator%note(state%indicator, walk%n_steps)
+         call find_case_warnings(is_warned, body%zone, model%size_of_body, maxval(body%materials%list%young), &
+            state%solution)
+         where (is_warned .and. self%n_warned == 0) self%warned_step = walk%n_steps
+         where (is_warned) self%last_warned = walk%n_steps
+         self%n_warned = self%n_warned + merge(1, 0, is_warned)
          if (walk%watch%is_finished) self%cycles = reshape([self%cycles, walk%watch%numbers], &
             [n_cycle_numbers, size(self%cycles, 2) + 1])
-         if (.not. any(abs(state%instant%time - history%times) <= 0.0_dp)) return
+         if (.not. any(abs(state%instant%time - model%history%times) <= 0.0_dp)) return
          call new_lengths(lengths, body%zone, state%solution%status)
          self%reached = reshape([self%reached, state%instant%time, lengths%open, lengths%slip, lengths%stick, &
             sum(state%solution%force(:m)), sum(state%solution%force(m + 1:)), state%strain_energy, &
@@ -281,14 +295,24 @@ contains
       end associate
    end subroutine history_result_note_step
 
-   !> Warns of jumps.
-   subroutine history_result_add_jumps(self)
-      class(history_result_t), intent(inout) :: self !! the history; its last step gains the warning
+   !> Warns of jumps, and of displacements and strains of earlier steps that are too large for the theory where those of
+   !> the last one are not: the last step has its own warnings.
+   subroutine history_result_add_warnings(self, body)
+      class(history_result_t), intent(inout) :: self !! the history; its last step gains the warnings
+      type(body_t), intent(in) :: body !! the body
+      integer :: i
 
-      if (self%n_jumps > 0) call self%last%warnings%add(to_text(self%n_jumps)//' of '//to_text(self%walk%n_steps)// &
-         ' steps cannot be made shorter although their energy error is above step_tolerance: the state jumps there;'// &
-         ' most in step '//to_text(self%jump%step)//', '//scientific(self%jump%value)//' of its energies')
-   end subroutine history_result_add_jumps
+      associate (n_steps => self%walk%n_steps, warnings => self%last%warnings)
+         if (self%n_jumps > 0) call warnings%add(to_text(self%n_jumps)//' of '//to_text(n_steps)// &
+            ' steps cannot be made shorter although their energy error is above step_tolerance: the state jumps '// &
+            'there; most in step '//to_text(self%jump%step)//', '//scientific(self%jump%value)//' of its energies')
+         do i = 1, n_case_warnings
+            if (.not. is_limit_of_theory(i) .or. self%n_warned(i) == 0 .or. self%last_warned(i) == n_steps) cycle
+            call warnings%add(to_text(self%n_warned(i))//' of '//to_text(n_steps)//' steps, step '// &
+               to_text(self%warned_step(i))//' the first: '//case_warning_sentence(i, body%zone))
+         end do
+      end associate
+   end subroutine history_result_add_warnings
 
    !> Certifies the present step and writes its grids.
    subroutine add_fields(cache, model, files, result, error)

@@ -72,6 +72,7 @@ contains
          source=0.0_dp)
       state%instant%time = model%history%times(1)
       state%instant%gap = max(0.0_dp, model%fixed%gap)
+      state%instant%is_in_reach = model%fixed%is_in_reach
       state%bound = merge(0.0_dp, model%fixed%slip_bound, body%zone%is_tangent_fixed)
    end subroutine new_step_state
 
@@ -261,7 +262,7 @@ contains
       type(step_state_t), intent(in) :: before !! the state before it
       ! Of sums of some hundred products that cancel each other.
       real(dp), parameter :: rounding = 1.0e-13_dp
-      real(dp), dimension(problem%n_points) :: gap_before, gap_after, taken, missing
+      real(dp), dimension(problem%n_points) :: approach, taken, missing
       real(dp), dimension(2*problem%n_points) :: mean_force, v_change
       real(dp), dimension(size(after%reaction)) :: change
       real(dp) :: load_work, support_work, obstacle_work, energies
@@ -273,21 +274,23 @@ contains
       mean_force = 0.5_dp*(after%solution%force + before%solution%force)
       load_work = model%energies%load_work(0.5_dp*(after%instant%factor + before%instant%factor), change, v_change)
       support_work = dot_product(0.5_dp*(after%reaction + before%reaction), change)
-      obstacle_work = -dot_product(mean_force, [after%instant%gap - before%instant%gap, &
-         after%instant%motion - before%instant%motion])
+      ! An obstacle that a point loses, or meets, does nothing on the way that the gap jumps.
+      approach = merge(after%instant%gap - before%instant%gap, 0.0_dp, &
+         after%instant%is_in_reach .and. before%instant%is_in_reach)
+      obstacle_work = -dot_product(mean_force, [approach, after%instant%motion - before%instant%motion])
       taken = 0.5_dp*(after%bound + before%bound)*abs(after%slip)
-      gap_after = problem%gap - after%solution%displacement(:m)
-      gap_before = before%instant%gap - matmul(model%energies%prescribed(:m, :), before%instant%factor) &
-         - before%solution%displacement(:m)
+      approach = approach - matmul(model%energies%prescribed(:m, :), change) - v_change(:m)
       ! What is left of the contact work: the points' shares of the energy error.
-      missing = mean_force(m + 1:)*after%slip - taken - mean_force(:m)*(gap_after - gap_before)
+      missing = mean_force(m + 1:)*after%slip - taken - mean_force(:m)*approach
       after%step_dissipation = sum(taken)
       after%dissipation = before%dissipation + taken
       after%worn = before%worn + mean_force(:m)*abs(after%slip)
       after%load_work = before%load_work + load_work
       after%support_work = before%support_work + support_work
       after%obstacle_work = before%obstacle_work + obstacle_work
-      after%closing_loss = dot_product(after%solution%force(:m), gap_before)
+      after%closing_loss = dot_product(after%solution%force(:m), merge(before%instant%gap, 0.0_dp, &
+         before%instant%is_in_reach) - matmul(model%energies%prescribed(:m, :), before%instant%factor) &
+         - before%solution%displacement(:m))
       energies = max(rounding*uncanceled_energy(after, problem), after%step_dissipation, abs(after%strain_energy &
          - before%strain_energy), abs(load_work + support_work + obstacle_work))
       if (energies > 0.0_dp) after%indicator = sum(abs(missing))/energies

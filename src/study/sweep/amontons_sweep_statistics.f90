@@ -135,6 +135,10 @@ contains
       list = expanded(case_quantities(body, solution, friction, slip_bound, free_gap, peaks))
       result%quantity = list%value
       result%has_solution = all(abs(result%quantity) <= huge(1.0_dp)) .and. result%residual < huge(1.0_dp)
+      if (result%has_solution) return
+      ! What leaves the range of numbers is no solution, however small its residual.
+      result%outcome = case_not_converged
+      result%is_warned = .false.
    end subroutine set_numbers
 
    !> Adds the next case.
