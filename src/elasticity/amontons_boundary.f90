@@ -17,7 +17,9 @@ module amontons_boundary
       integer :: n_nodes = 0 !! number of nodes
       integer, allocatable :: node(:) !! number of each node in the mesh (n_nodes)
       real(dp), allocatable :: normal(:, :) !! unit outward normal, a mean by the shape function (2, n_nodes) [-]
-      real(dp), allocatable :: area(:) !! tributary area, where materials give the depth (n_nodes) [L^2]
+      real(dp), allocatable :: area(:)
+         !! tributary area, where materials give the depth; 0 for a corner of a quadratic side on the axis of revolution
+         !! (n_nodes) [L^2]
       real(dp), allocatable :: weight(:) !! tributary length: integral of the node's shape function (n_nodes) [L]
       integer, allocatable :: next(:) !! place in this list of the node a side leads to, 0 for none (n_nodes)
    end type boundary_line_t
@@ -153,6 +155,11 @@ contains
                end associate
             end do
          end do
+         ! Of a straight quadratic side a corner on the axis has no area. Of a curved one, or with its middle node off the
+         ! middle, the integral is a small number of either sign, over which a force is no stress.
+         if (sides(3, i) > 0 .and. present(materials)) then
+            where (is_on_axis(sides(:2, i))) line%area(place(sides(:2, i))) = 0.0_dp
+         end if
       end do
       ! What has no other side keeps the normal of the axis.
       where (spread(.not. any(abs(line%normal) > 0.0_dp, dim=1), 1, 2)) line%normal = axial

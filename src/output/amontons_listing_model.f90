@@ -200,8 +200,8 @@ contains
          text = text//points_text(body%mesh%coordinates(:, zone%held_node), 'node', &
             ' is not a contact point: supports hold it', ' are not contact points: supports hold them', units)
          text = text//points_text(body%mesh%coordinates(:, zone%zero_area_node), 'node', &
-            ' is not a contact point: on the axis it has no area that a pressure could act on', &
-            ' are not contact points: on the axis they have no area that a pressure could act on', units)
+            ' is not a contact point: at the axis it has no area that a pressure could act on', &
+            ' are not contact points: at the axis they have no area that a pressure could act on', units)
          text = text//points_text(body%mesh%coordinates(:, zone%shared_node), 'node', &
             ' belongs to two sets: to a tie, or else to the contact set named first', &
             ' belong to two sets: to a tie, or else to the contact set named first', units)

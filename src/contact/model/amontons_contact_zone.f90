@@ -146,7 +146,7 @@ contains
       type(boundary_line_t), intent(in) :: line !! its line
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       integer, intent(in) :: follower(:) !! the nodes of earlier sets, see `amontons_mortar_pair` (nodes)
-      ! What rounding leaves of an area of 0, over the largest one.
+      ! What rounding leaves of an area of 0, over the largest one; next to the axis it may even be negative.
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(contact_zone_t) :: points
       real(dp) :: arc_length(line%n_nodes), normal(2, line%n_nodes), along
@@ -170,7 +170,7 @@ contains
                [zone%idle_side, 0.5_dp*sum(body%mesh%coordinates(:, ends), dim=2)], shape(zone%idle_side) + [0, 1])
          else if (.not. body%constraints%leaves_free(line%node(k), normal(:, k))) then
             zone%held_node = [zone%held_node, line%node(k)]
-         else if (abs(line%area(k)) <= negligible*maxval(line%area)) then
+         else if (line%area(k) <= negligible*maxval(line%area)) then
             zone%zero_area_node = [zone%zero_area_node, line%node(k)]
          else
             n = n + 1
