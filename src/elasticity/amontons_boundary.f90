@@ -155,8 +155,8 @@ contains
                end associate
             end do
          end do
-         ! Of a straight quadratic side a corner on the axis has no area. Of a curved one, or with its middle node off the
-         ! middle, the integral is a small number of either sign, over which a force is no stress.
+         ! Of a straight quadratic side a corner on the axis has no area. Of a curved one, or with its middle node off
+         ! the middle, the integral is a small number of either sign, over which a force is no stress.
          if (sides(3, i) > 0 .and. present(materials)) then
             where (is_on_axis(sides(:2, i))) line%area(place(sides(:2, i))) = 0.0_dp
          end if
