@@ -97,14 +97,34 @@ contains
       type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
       type(result_t) :: result
       type(estimate_t) :: estimate
+      integer :: n_dense
 
       call prepare_case(cache, config, result, error)
       if (allocated(error)) return
-      call estimate_body(cache%body, config%condensation, result%timings, estimate, error)
+      n_dense = dense_matrices(config%method%method)
+      call estimate_body(cache%body, config%condensation, n_dense, result%timings, estimate, error)
       if (allocated(error)) return
       outcome%warnings = result%warnings
-      outcome%text = config%name//': deck OK; '//size_text(cache%body)//cases//'; '//estimate_text(estimate)
+      outcome%text = config%name//': deck OK; '//size_text(cache%body)//cases//'; '// &
+         estimate_text(estimate, n_dense > 0)
    end subroutine check_body
+
+   !> How many dense matrices of the contact points a method holds at a time; 0 for Newton's, which works on a band, too.
+   pure integer function dense_matrices(method) result(n)
+      character(*), intent(in) :: method !! name of the method
+
+      select case (method)
+      case ('auto', 'newton')
+         n = 0
+      case ('lemke')
+         ! Compliance and tableau, of twice as many rows.
+         n = 7
+      case ('fixed_point')
+         n = 4
+      case default
+         n = 2
+      end select
+   end function dense_matrices
 
    !> The size of a body.
    pure function size_text(body) result(text)
@@ -116,13 +136,15 @@ contains
    end function size_text
 
    !> What solving it would take.
-   pure function estimate_text(estimate) result(text)
+   pure function estimate_text(estimate, is_dense) result(text)
       type(estimate_t), intent(in) :: estimate !! what solving the deck would take
+      logical, intent(in) :: is_dense !! whether the method makes a dense matrix of a band
       character(:), allocatable :: text
 
       if (estimate%half_width > 0) then
          text = 'band contact matrix of '//to_text(estimate%n_rows)//' rows with half width '// &
             to_text(estimate%half_width)
+         if (is_dense) text = text//', made dense for the method'
       else
          text = 'dense contact matrix of '//to_text(estimate%n_rows)//' rows'
       end if

@@ -19,8 +19,9 @@ module amontons_single_study
    use amontons_result, only: result_t
    use amontons_siconos_text, only: write_reduced_file
    use amontons_solve_case, only: cache_t, solve_case
-   use amontons_study, only: study_options_t, study_t
+   use amontons_study, only: check_body, study_options_t, study_t
    use amontons_study_monitor, only: study_monitor_t
+   use amontons_text, only: to_text
    use amontons_timings, only: phase_solve, phase_write
    implicit none (type, external)
    private
@@ -30,6 +31,7 @@ module amontons_single_study
    !> The study of a single case.
    type, extends(study_t) :: single_study_t
    contains
+      procedure :: check => single_study_check
       procedure :: solve => single_study_solve
    end type single_study_t
 
@@ -39,6 +41,24 @@ module amontons_single_study
    end type level_t
 
 contains
+
+   !> Checks the case, and reports the size of the finest of its meshes.
+   subroutine single_study_check(self, cache, outcome, error)
+      class(single_study_t), intent(in) :: self !! the study
+      type(cache_t), intent(inout) :: cache !! the body at hand, replaced if the case needs another
+      type(outcome_t), intent(inout) :: outcome !! gains the size, and the warnings on the model
+      type(error_t), allocatable, intent(out) :: error !! what is wrong with the deck
+      type(config_t) :: config
+      character(:), allocatable :: meshes
+
+      config = self%config
+      meshes = ''
+      associate (n => config%accuracy%n_refinements)
+         if (n > 0) meshes = ', on the finest of '//to_text(n + 1)//' meshes'
+         config%meshes%n_refinements = config%meshes%n_refinements + n
+      end associate
+      call check_body(config, meshes, cache, outcome, error)
+   end subroutine single_study_check
 
    !> Solves the case on every mesh, the coarsest first, and writes the files of the finest.
    subroutine single_study_solve(self, cache, options, monitor, outcome, error)
