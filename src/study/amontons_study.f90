@@ -109,7 +109,7 @@ contains
          estimate_text(estimate, n_dense > 0)
    end subroutine check_body
 
-   !> How many dense matrices of the contact points a method holds at a time; 0 for Newton's, which works on a band, too.
+   !> How many dense matrices of the contact points a method holds; 0 for Newton's, which works on a band, too.
    pure integer function dense_matrices(method) result(n)
       character(*), intent(in) :: method !! name of the method
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Runs of several decks: batch.csv, the tally, decks whose results are unchanged."""
+"""Runs of several decks: batch.csv, the tally, decks whose results are unchanged; what they will cost."""
 import csv
+import re
 import shutil
 import subprocess
 import unittest
@@ -30,6 +31,35 @@ class Runs(ProgramTest):
         """Checks that the deck is solved again, and then is unchanged."""
         self.assertTrue(self.skip().stdout.startswith("case: solved, "), what)
         self.assertEqual(self.skip().stdout, UNCHANGED, what)
+
+
+class Costs(ProgramTest):
+    """What --check tells of the cost of a run."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("case.nml", SOUND)
+
+    def test_check_tells_that_a_long_contact_line_takes_a_band_matrix(self):
+        self.write("strip.nml", "&mesh size = 600.0, 1.0  cells = 600, 1 /\n"
+                                "&material young = 100.0  poisson = 0.25 /\n"
+                                "&support set = 'left'  ux = 0.0 /\n"
+                                "&load set = 'top'  pressure = 1.0 /\n"
+                                "&contact set = 'bottom'  friction = 0.3 /\n")
+        self.assertIn("2402 unknowns, 601 contact points; band contact matrix of 2402 rows with half width 7, ",
+                      self.run_program("--check", "strip.nml").stdout)
+        # A method that works on dense matrices makes one, of 1202 rows and 11.6 MB, and another for its own; what the
+        # check itself took at its peak may cover a part of them.
+        told = [self.run_program("--check", *options, "strip.nml").stdout for options in (
+            (), ("--set", "solver.method=splitting"))]
+        self.assertIn("with half width 7, made dense for the method, ", told[1])
+        least, most = (int(re.search(r"about (\d+) MB", text).group(1)) for text in told)
+        self.assertGreater(most - least, 11)
+
+    def test_check_tells_the_size_of_the_finest_mesh(self):
+        told = self.run_program("--check", "--refine", "2", "case.nml").stdout
+        self.assertTrue(told.startswith("case: deck OK; 561 nodes, 512 elements, "), told)
+        self.assertIn(" 33 contact points, on the finest of 3 meshes; ", told)
 
 
 class Tally(Runs):
