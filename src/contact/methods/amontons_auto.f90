@@ -132,8 +132,8 @@ contains
          solution = stages%best
          if (is_long(problem)) cycle
          if (round == 2 .and. suits_splitting(problem)) then
-            call stages%run(splitting_t(tolerance=stages%tolerance, max_iterations=n_patient_steps), problem, &
-               solution, error)
+            call stages%run(splitting_t(tolerance=stages%tolerance, max_iterations=n_patient_steps, &
+               patience=huge(1)), problem, solution, error)
             cycle
          end if
          call stages%run(psor_t(tolerance=stages%tolerance, max_iterations=n_sweeps, &

@@ -83,7 +83,7 @@ contains
          if (solution%is_converged) return
          if (solution%residual < best%residual) best = solution
       end do
-      call solution%take_pair(best)
+      call solution%take_better(best)
    end subroutine lemke_solve
 
    !> Finds a solution of a relation between forces and distances.

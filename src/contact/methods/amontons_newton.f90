@@ -75,7 +75,7 @@ contains
       alone%starts_with_springs = .false.
       call follow_proximal_path(alone, problem, self%max_iterations - first%n_iterations, solution, error)
       call solution%follow(first)
-      if (first%residual < solution%residual) call solution%take_pair(first)
+      call solution%take_better(first)
    end subroutine newton_solve
 
    !> Takes steps, and keeps the best pair where none is the solution.
@@ -248,22 +248,8 @@ contains
       ! Fronts that advance along a contact line may make each step only a little better than the one before.
       real(dp), parameter :: slow_decrease = 0.999_dp
 
-      is_stuck = is_stagnant(self%stagnation_limit, self%decrease) .or. is_stagnant(self%patience, slow_decrease)
-
-   contains
-
-      !> Whether the best of the last residuals is no smaller part of the best before than it has to be.
-      pure logical function is_stagnant(limit, decrease)
-         integer, intent(in) :: limit !! how many residuals are the last ones
-         real(dp), intent(in) :: decrease !! the part [-]
-         integer :: n
-
-         n = solution%n_iterations - limit
-         is_stagnant = n > n_spring_steps
-         if (is_stagnant) is_stagnant = minval(solution%history(n + 1:n + limit)) &
-            > decrease*minval(solution%history(n_spring_steps + 1:n))
-      end function is_stagnant
-
+      is_stuck = solution%is_stagnant(self%stagnation_limit, self%decrease, n_spring_steps + 1) &
+         .or. solution%is_stagnant(self%patience, slow_decrease, n_spring_steps + 1)
    end function newton_is_stuck
 
    !> Makes the regularization of the next step.

@@ -21,6 +21,7 @@
 !> zero, which is right only if nothing separates. `printed` is the left-hand side to the letter; it comes to rest at a
 !> wrong answer, and says so.
 module amontons_splitting
+   use amontons_acceleration, only: acceleration_t, new_acceleration
    use amontons_box_program, only: solve_box_program
    use amontons_contact_method, only: contact_method_t
    use amontons_contact_problem, only: contact_problem_t
@@ -30,6 +31,9 @@ module amontons_splitting
    use amontons_error, only: error_t
    use amontons_friction_law, only: bounded
    use amontons_kinds, only: dp
+   use amontons_newton, only: newton_t
+   use amontons_proximal_center, only: accelerate, proximal_center_t
+   use amontons_proximal_path, only: finish, follow_proximal_path
    implicit none (type, external)
    private
 
@@ -43,6 +47,7 @@ module amontons_splitting
 
    !> The splitting method.
    type, extends(contact_method_t) :: splitting_t
+      integer :: patience = 50 !! how many iterations without a better pair lead to proximal steps
    contains
       procedure :: solve => splitting_solve
    end type splitting_t
@@ -53,36 +58,67 @@ module amontons_splitting
       real(dp), allocatable :: schur(:, :) !! the paper's S, for `printed` (m, m) [L/F]
    end type printed_matrices_t
 
-   !> Where the proximal steps of a body that only contact holds are counted from.
-   type :: proximal_center_t
-      real(dp), allocatable :: place(:) !! the displacements (2m) [L]
-      real(dp), allocatable :: step(:) !! the last step from them (2m) [L]
-      real(dp) :: ahead = 0.0_dp !! how many steps the last move went ahead [-]
-   contains
-      procedure :: move => proximal_center_move
-   end type proximal_center_t
-
 contains
 
-   !> Alternates the two half steps until the residual is small or, in the inexact variants, the forces come to rest.
-   subroutine splitting_solve(self, problem, solution, error)
+   !> Alternates the two half steps. Where these lead nowhere, the statuses may be right all the same, so that a linear
+   !> system gives the forces; else takes proximal steps from the start, until they are.
+   recursive subroutine splitting_solve(self, problem, solution, error)
       class(splitting_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
       type(contact_solution_t), intent(inout) :: solution !! start and result
       type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
-      real(dp), allocatable :: force(:), displacement(:)
+      ! Of a step between springs; and of Newton's, one more than exact statuses need.
+      integer, parameter :: steps_of_one = 30, n_last_steps = 3
+      type(splitting_t) :: alone
+      type(newton_t) :: last
+      type(contact_solution_t) :: first
+
+      alone = self
+      if (problem%is_reduced() .or. self%variant /= 'exact') alone%patience = huge(1)
+      first = solution
+      call alternate(alone, problem, first, error)
+      if (allocated(error)) return
+      last = newton_t(tolerance=self%tolerance, max_iterations=n_last_steps, patience=huge(1))
+      if (alone%patience < huge(1)) then
+         if (.not. first%is_converged) call finish(problem, self%max_iterations, first, error, last)
+      end if
+      if (first%is_converged .or. first%n_iterations >= self%max_iterations .or. alone%patience == huge(1)) then
+         solution = first
+         return
+      end if
+      alone%patience = huge(1)
+      alone%max_iterations = steps_of_one
+      call follow_proximal_path(alone, problem, self%max_iterations - first%n_iterations, solution, error, last)
+      if (allocated(error)) return
+      call solution%follow(first)
+      call solution%take_better(first)
+   end subroutine splitting_solve
+
+   !> Alternates the two half steps until the residual is small, the forces come to rest in the inexact variants, or
+   !> nothing is better for long; keeps the best pair where none is the solution.
+   subroutine alternate(self, problem, solution, error)
+      type(splitting_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(inout) :: problem !! the problem
+      type(contact_solution_t), intent(inout) :: solution !! start and result
+      type(error_t), allocatable, intent(out) :: error !! S is not positive (semi)definite
+      real(dp), allocatable :: force(:), displacement(:), place(:)
       type(printed_matrices_t) :: printed
       type(proximal_center_t) :: center
+      type(acceleration_t) :: acceleration
+      type(contact_solution_t) :: best
       ! An iteration that leaves more of the residual may have met the rounding errors of A.
       real(dp), parameter :: slow = 0.9_dp
+      real(dp), parameter :: half = 0.5_dp
       real(dp) :: change, force_scale, previous
       integer :: iteration
       logical :: may_continue, is_refining
 
       call solution%reset()
+      best = solution
       call solution%effort%factorize(.not. allocated(problem%compliance))
       call problem%prepare_compliance(error)
       if (allocated(error)) return
+      call new_acceleration(acceleration, 'anderson')
       force = solution%force
       force(:problem%n_points) = max(0.0_dp, force(:problem%n_points))
       center%place = solution%displacement
@@ -95,19 +131,43 @@ contains
 
       do iteration = 1, self%max_iterations
          solution%force = force
+         place = center%place
          call iterate(self, problem, center%place, is_refining, printed, force, displacement, solution%effort)
          ! A proximal step counts as the force that it takes.
          change = maxval(abs([force - solution%force, problem%proximal_parameter*(displacement - center%place)])) &
             /force_scale
-         call solution%record(problem, displacement, force, self%tolerance, may_continue)
-         if (.not. may_continue) return
-         solution%is_at_rest = is_stopped(self, change, solution%residual)
-         if (solution%is_at_rest) return
-         is_refining = is_refining .or. solution%residual > slow*previous .and. .not. problem%is_reduced()
-         previous = solution%residual
-         if (.not. problem%is_held) call center%move(problem, displacement, solution%effort)
+         associate (start => [solution%force, problem%proximal_parameter*place])
+            call solution%record(problem, displacement, force, self%tolerance, may_continue)
+            if (.not. may_continue) return
+            solution%is_at_rest = is_stopped(self, change, solution%residual)
+            if (solution%is_at_rest) return
+            call best%take_better(solution)
+            if (solution%is_stagnant(self%patience, half)) exit
+            is_refining = is_refining .or. solution%residual > slow*previous .and. .not. problem%is_reduced()
+            previous = solution%residual
+            call move_on(self, problem, start, center, force, displacement, acceleration, solution)
+         end associate
       end do
-   end subroutine splitting_solve
+      call solution%take_better(best)
+   end subroutine alternate
+
+   !> Makes the start of the next iteration: moves the center of a loose body, and accelerates slow iterations.
+   subroutine move_on(self, problem, start, center, force, displacement, acceleration, solution)
+      type(splitting_t), intent(in) :: self !! the method
+      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
+      real(dp), intent(in) :: start(:) !! forces, and the center times alpha, before the iteration (4m) [F]
+      type(proximal_center_t), intent(inout) :: center !! the center
+      real(dp), intent(inout) :: force(:) !! lambda after it (2m) [F]
+      real(dp), intent(inout) :: displacement(:) !! v of these forces and the center (2m) [L]
+      type(acceleration_t), intent(inout) :: acceleration !! the last iterations
+      type(contact_solution_t), intent(inout) :: solution !! its record
+      integer, parameter :: recent = 10
+      real(dp), parameter :: tenth = 0.1_dp
+
+      if (.not. problem%is_held) call center%move(problem, displacement, solution%effort)
+      if (self%variant /= 'exact' .or. .not. solution%is_stagnant(recent, tenth)) return
+      call accelerate(acceleration, problem, start, force, center%place, displacement, solution)
+   end subroutine move_on
 
    !> One iteration: both half steps, and the displacements of the forces that they lead to.
    pure subroutine iterate(self, problem, center, is_refining, printed, force, displacement, effort)
@@ -314,34 +374,5 @@ contains
       call effort%multiply(2.0_dp)
       displacement = displacement + change
    end subroutine refine
-
-   !> Moves the center of the proximal steps to the displacements just found, and these along with it. Where steps
-   !> follow each other in one direction and hardly become shorter, the body travels to its obstacles: ahead by what is
-   !> left of such steps if each is the same part of the one before (Aitken), at most twice as far as the last time.
-   pure subroutine proximal_center_move(self, problem, displacement, effort)
-      class(proximal_center_t), intent(inout) :: self !! the center
-      type(contact_problem_t), intent(in) :: problem !! the problem, its compliance prepared
-      real(dp), intent(inout) :: displacement(:) !! v of the old center, and then of the new one (2m) [L]
-      type(effort_t), intent(inout) :: effort !! gains that of the product
-      real(dp), parameter :: steady = 0.9_dp, deviation = 0.1_dp
-      real(dp), dimension(size(displacement)) :: step, product
-      real(dp) :: ratio, ahead
-
-      step = displacement - self%place
-      ahead = 0.0_dp
-      if (allocated(self%step)) then
-         ratio = dot_product(step, self%step)/max(dot_product(self%step, self%step), tiny(1.0_dp))
-         if (ratio > steady .and. norm2(step - ratio*self%step) < deviation*norm2(step)) then
-            ahead = min(2.0_dp*self%ahead + 1.0_dp, 1.0_dp/max(1.0_dp - ratio, epsilon(1.0_dp)))
-         end if
-      end if
-      self%ahead = ahead
-      self%step = step
-      step = (1.0_dp + ahead)*step
-      self%place = self%place + step
-      call problem%compliance%multiply(problem%proximal_parameter*step, product)
-      displacement = displacement + product
-      call effort%multiply(1.0_dp)
-   end subroutine proximal_center_move
 
 end module amontons_splitting

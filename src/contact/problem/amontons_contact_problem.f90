@@ -132,13 +132,19 @@ contains
       end if
    end function contact_problem_augmentation
 
-   !> Adds springs that hold the points to where they are: a proximal step from there, (S + D) v = q + D c - lambda.
+   !> Adds springs that hold the points to where they are, and counts displacements from there: a proximal step w from
+   !> c, (S + D) w = q - S c - lambda. Small steps keep their digits after a long way.
    pure subroutine contact_problem_add_springs(self, springs, center)
       class(contact_problem_t), intent(inout) :: self !! the problem, with a stiffness
       real(dp), intent(in) :: springs(:) !! diagonal of D, all of it above 0 (2m) [F/L]
       real(dp), intent(in) :: center(:) !! c (2m) [L]
+      real(dp) :: stiffening(2*self%n_points)
       integer :: i
 
+      call self%multiply_stiffness(center, stiffening)
+      self%load = self%load - stiffening
+      self%gap = self%gap - center(:self%n_points)
+      self%anchor = self%anchor - center(self%n_points + 1:)
       if (allocated(self%band)) call self%band%add_diagonal(springs)
       if (allocated(self%stiffness)) then
          do i = 1, size(springs)
@@ -148,7 +154,6 @@ contains
       if (allocated(self%compliance)) deallocate (self%compliance)
       self%proximal_parameter = 0.0_dp
       self%is_held = .true.
-      self%load = self%load + springs*center
    end subroutine contact_problem_add_springs
 
    !> The slip bounds g + phi max(0, lambda_N) of given normal forces (m) [F].

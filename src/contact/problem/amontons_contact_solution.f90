@@ -23,8 +23,9 @@ module amontons_contact_solution
       real(dp), allocatable :: history(:) !! residual after each iteration (at least n_iterations) [-]
    contains
       procedure :: follow => contact_solution_follow
+      procedure :: is_stagnant => contact_solution_is_stagnant
       procedure :: measure => contact_solution_measure
-      procedure :: take_pair => contact_solution_take_pair
+      procedure :: take_better => contact_solution_take_better
       procedure :: reset => contact_solution_reset
       procedure :: record_residual => contact_solution_record_residual
       procedure :: record => contact_solution_record
@@ -82,16 +83,32 @@ contains
       self%status = problem%status(self%displacement, self%force)
    end subroutine contact_solution_measure
 
-   !> Takes the pair of another solution, with its residual and statuses, and keeps its own record.
-   pure subroutine contact_solution_take_pair(self, other)
+   !> Whether the best of the last residuals is a larger part of the best before them than it should be.
+   pure logical function contact_solution_is_stagnant(self, limit, decrease, first) result(is_stagnant)
+      class(contact_solution_t), intent(in) :: self !! the solution
+      integer, intent(in) :: limit !! how many residuals are the last ones
+      real(dp), intent(in) :: decrease !! the part that it should be at the most [-]
+      integer, intent(in), optional :: first !! number of the first iteration that counts; 1 if absent
+      integer :: n, before
+
+      before = 0
+      if (present(first)) before = first - 1
+      n = self%n_iterations - limit
+      is_stagnant = n > before
+      if (is_stagnant) is_stagnant = minval(self%history(n + 1:n + limit)) > decrease*minval(self%history(before + 1:n))
+   end function contact_solution_is_stagnant
+
+   !> Takes the pair of another solution, with its residual and statuses, if it is better; keeps its own record.
+   pure subroutine contact_solution_take_better(self, other)
       class(contact_solution_t), intent(inout) :: self !! the solution
       type(contact_solution_t), intent(in) :: other !! the other one
 
+      if (.not. other%residual < self%residual) return
       self%force = other%force
       self%displacement = other%displacement
       self%status = other%status
       self%residual = other%residual
-   end subroutine contact_solution_take_pair
+   end subroutine contact_solution_take_better
 
    !> Puts the record of a solution that this one started from before its own.
    pure subroutine contact_solution_follow(self, first)
