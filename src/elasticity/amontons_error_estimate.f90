@@ -177,8 +177,9 @@ contains
             end do
          end associate
       end do
-      squares = material%thickness*[dot_product(plain%area, material%squared_norms(difference)), &
-         dot_product(plain%area, sum(plain%strain*plain%stress(:, :3), dim=2))]
+      squares(1) = material%thickness*dot_product(plain%area, material%squared_norms(difference))
+      squares(2) = material%thickness*dot_product(plain%area, plain%strain(:, 1)*plain%stress(:, 1) &
+         + plain%strain(:, 2)*plain%stress(:, 2) + plain%strain(:, 3)*plain%stress(:, 3))
    end function quadrilateral_squares
 
    !> The recovered stresses at points of an element: xx, yy, xy, zz [F/L^2].

@@ -251,14 +251,25 @@ contains
    !> Von Mises stress [F/L^2].
    pure real(dp) function von_mises(stress)
       real(dp), intent(in) :: stress(4) !! stress xx, yy, xy, zz [F/L^2]
-
-      real(dp) :: s(4)
+      real(dp), parameter :: least = tiny(least)/epsilon(least)
+      real(dp) :: square
       integer :: power
 
-      ! Squares of numbers near 1 stay in the range of numbers.
-      power = exponent(maxval(abs(stress)))
-      s = scale(stress, -power)
-      von_mises = scale(sqrt(0.5_dp*((s(1) - s(2))**2 + (s(2) - s(4))**2 + (s(4) - s(1))**2) + 3.0_dp*s(3)**2), power)
+      square = deviatoric_square(stress)
+      if (square > least .and. square < huge(square)) then
+         von_mises = sqrt(square)
+      else
+         ! Squares of numbers near 1 stay in the range of numbers.
+         power = exponent(maxval(abs(stress)))
+         von_mises = scale(sqrt(deviatoric_square(scale(stress, -power))), power)
+      end if
    end function von_mises
+
+   !> The square of the von Mises stress [F^2/L^4].
+   pure real(dp) function deviatoric_square(s)
+      real(dp), intent(in) :: s(4) !! stress xx, yy, xy, zz [F/L^2]
+
+      deviatoric_square = 0.5_dp*((s(1) - s(2))**2 + (s(2) - s(4))**2 + (s(4) - s(1))**2) + 3.0_dp*s(3)**2
+   end function deviatoric_square
 
 end module amontons_stress_field

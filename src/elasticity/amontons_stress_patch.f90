@@ -25,13 +25,14 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       real(dp), contiguous, intent(in) :: stress(:, :) !! the stresses of the samples: xx, yy, xy, zz (4, any) [F/L^2]
       type(known_traction_t), intent(in) :: tractions(:) !! the known tractions at sides that meet at the node
-      real(dp) :: normal(max_terms, max_terms), right(4, max_terms), p(max_terms), weight
-      logical :: is_determined
+      real(dp) :: normal(max_terms, max_terms), right(4, max_terms), along(4, 2), distance(2), weight
+      logical :: is_determined, has_plane
       integer :: i
 
+      has_plane = is_linear(patches%frame(patch))
       associate (frame => patches%frame(patch), n => patches%frame(patch)%n_terms, node => patches%node(patch), &
          elements => patches%element(patches%start(patch):patches%start(patch + 1) - 1))
-         if (is_linear(frame)) then
+         if (has_plane) then
             call sum_linear_samples(weight, right, frame, patches%samples, stress, elements, patches%n_near(patch))
             coefficient(:, :3) = right(:, :3)/weight
          else
@@ -39,7 +40,7 @@ contains
             call solve_normal(coefficient, n, normal, right, is_determined)
          end if
          if (size(tractions) > 0) then
-            if (is_linear(frame)) then
+            if (has_plane) then
                normal(:n, :n) = 0.0_dp
                do i = 1, n
                   normal(i, i) = weight
@@ -47,12 +48,12 @@ contains
             end if
             call fit_tractions(coefficient, frame, normal(:n, :n), transpose(right(:3, :n)), tractions, node)
          end if
-         if (.not. is_linear(frame)) return
-         call find_terms(frame, 3, mesh%coordinates(:, node), p)
-         coefficient(:, 1) = coefficient(:, 1) + p(2)*coefficient(:, 2) + p(3)*coefficient(:, 3)
-         right(:, 2:3) = coefficient(:, 2:3)
-         coefficient(:, 2) = frame%scale(1, 1)*right(:, 2) + frame%scale(2, 1)*right(:, 3)
-         coefficient(:, 3) = frame%scale(2, 2)*right(:, 3)
+         if (.not. has_plane) return
+         along(:, 1) = frame%scale(1, 1)*coefficient(:, 2) + frame%scale(2, 1)*coefficient(:, 3)
+         along(:, 2) = frame%scale(2, 2)*coefficient(:, 3)
+         distance = mesh%coordinates(:, node) - frame%center
+         coefficient(:, 1) = coefficient(:, 1) + distance(1)*along(:, 1) + distance(2)*along(:, 2)
+         coefficient(:, 2:3) = along
       end associate
    end subroutine fit_polynomial
 
@@ -63,7 +64,7 @@ contains
       type(frame_t), intent(in) :: frame !! coordinates of the patch
       type(samples_t), intent(in) :: samples !! the samples of all elements
       real(dp), contiguous, intent(in) :: stress(:, :) !! their stresses (4, n_samples) [F/L^2]
-      integer, intent(in) :: elements(:) !! the elements of the patch
+      integer, contiguous, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! how many of them meet at its node
       real(dp) :: p(max_terms), weight
       integer :: i, j, k, n
@@ -92,7 +93,7 @@ contains
       type(frame_t), intent(in) :: frame !! coordinates of the patch
       type(samples_t), intent(in) :: samples !! the samples of all elements
       real(dp), contiguous, intent(in) :: stress(:, :) !! their stresses (4, n_samples) [F/L^2]
-      integer, intent(in) :: elements(:) !! the elements of the patch
+      integer, contiguous, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! how many of them meet at its node
       real(dp) :: distance(2), weight, x, y
       integer :: i, k
