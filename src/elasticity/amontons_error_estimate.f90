@@ -163,7 +163,7 @@ contains
       real(dp) :: squares(2)
       type(plane_quadrilateral_t) :: plain
       real(dp) :: position(4, 2), difference(4, 3)
-      integer :: i, k
+      integer :: i, k, point
 
       call plain%place(mesh, element)
       call plain%deform(material, displacement)
@@ -172,14 +172,17 @@ contains
       do i = 1, 4
          associate (c => coefficient(:, :, patches%of_corner(mesh%node_start(element) - 1 + i)))
             do k = 1, 3
-               difference(:, k) = difference(:, k) + quadrilateral_shapes(:, i)*(c(k, 1) &
-                  + (position(:, 1) - plain%corner(i, 1))*c(k, 2) + (position(:, 2) - plain%corner(i, 2))*c(k, 3))
+               !$omp simd
+               do point = 1, 4
+                  difference(point, k) = difference(point, k) + quadrilateral_shapes(point, i)*(c(k, 1) &
+                     + (position(point, 1) - plain%corner(i, 1))*c(k, 2) &
+                     + (position(point, 2) - plain%corner(i, 2))*c(k, 3))
+               end do
             end do
          end associate
       end do
       squares(1) = material%thickness*dot_product(plain%area, material%squared_norms(difference))
-      squares(2) = material%thickness*dot_product(plain%area, plain%strain(:, 1)*plain%stress(:, 1) &
-         + plain%strain(:, 2)*plain%stress(:, 2) + plain%strain(:, 3)*plain%stress(:, 3))
+      squares(2) = 2.0_dp*material%thickness*dot_product(plain%area, plain%energy_density())
    end function quadrilateral_squares
 
    !> The recovered stresses at points of an element: xx, yy, xy, zz [F/L^2].

@@ -28,6 +28,7 @@ module amontons_plane_quadrilateral
       real(dp), private :: by_eta(4, 2) = 0.0_dp !! by the second one [L]
    contains
       procedure :: deform => plane_quadrilateral_deform
+      procedure :: energy_density => plane_quadrilateral_energy_density
       procedure :: forces => plane_quadrilateral_forces
       procedure :: place => plane_quadrilateral_place
    end type plane_quadrilateral_t
@@ -83,31 +84,41 @@ contains
       end associate
    end subroutine plane_quadrilateral_deform
 
+   !> Strain energy densities at the points [F/L^2].
+   pure function plane_quadrilateral_energy_density(self) result(density)
+      class(plane_quadrilateral_t), intent(in) :: self !! the quadrilateral, deformed
+      real(dp) :: density(4)
+
+      associate (strain => self%strain, stress => self%stress)
+         density = 0.5_dp*(strain(:, 1)*stress(:, 1) + strain(:, 2)*stress(:, 2) + strain(:, 3)*stress(:, 3))
+      end associate
+   end function plane_quadrilateral_energy_density
+
    !> Nodal forces that its stresses amount to: what each derivative of the displacements has to do with the work of the
    !> stresses, handed back to the corners whose differences make it (x and y, corner) [F].
    pure function plane_quadrilateral_forces(self, thickness) result(forces)
       class(plane_quadrilateral_t), intent(in) :: self !! the quadrilateral, deformed
       real(dp), intent(in) :: thickness !! its thickness [L]
       real(dp) :: forces(2, 4)
-      real(dp) :: along(4), across(4), sides(4)
+      ! What derivatives along the first and the third side, and along the last and the second one have to do.
+      real(dp), dimension(4, 2) :: along, across
+      real(dp) :: side(4), half
       integer :: i
 
       associate (x_xi => self%by_xi(:, 1), y_xi => self%by_xi(:, 2), x_eta => self%by_eta(:, 1), &
-         y_eta => self%by_eta(:, 2), shear => self%stress(:, 3))
-         do i = 1, 2
-            if (i == 1) then
-               along = self%stress(:, 1)*y_eta - shear*x_eta
-               across = shear*x_xi - self%stress(:, 1)*y_xi
-            else
-               along = shear*y_eta - self%stress(:, 2)*x_eta
-               across = self%stress(:, 2)*x_xi - shear*y_xi
-            end if
-            ! Of the first side, the third, the last and the second, each in the direction of its derivative.
-            sides = 0.5_dp*thickness*[dot_product(first, along), dot_product(1.0_dp - first, along), &
-               dot_product(last, across), dot_product(1.0_dp - last, across)]
-            forces(i, :) = [-sides(1) - sides(3), sides(1) - sides(4), sides(2) + sides(4), sides(3) - sides(2)]
-         end do
+         y_eta => self%by_eta(:, 2), stress => self%stress)
+         along(:, 1) = stress(:, 1)*y_eta - stress(:, 3)*x_eta
+         along(:, 2) = stress(:, 3)*y_eta - stress(:, 2)*x_eta
+         across(:, 1) = stress(:, 3)*x_xi - stress(:, 1)*y_xi
+         across(:, 2) = stress(:, 2)*x_xi - stress(:, 3)*y_xi
       end associate
+      half = 0.5_dp*thickness
+      do i = 1, 2
+         ! The weights `first` and `last`, summed where they are alike.
+         side(1:2) = half*([near, far]*(along(1, i) + along(2, i)) + [far, near]*(along(3, i) + along(4, i)))
+         side(3:4) = half*([near, far]*(across(1, i) + across(4, i)) + [far, near]*(across(2, i) + across(3, i)))
+         forces(i, :) = [-side(1) - side(3), side(1) - side(4), side(2) + side(4), side(3) - side(2)]
+      end do
    end function plane_quadrilateral_forces
 
    !> Derivatives by the reference coordinates at the points, from what changes along the sides.

@@ -158,13 +158,13 @@ contains
       integer, intent(in) :: element !! number of the element
       type(element_stress_t), intent(in) :: own !! the element
       type(material_t), intent(in) :: material !! its material
-      real(dp) :: share(max_points), density(max_points), force(2, max_nodes)
+      real(dp) :: share(max_points), density(max_points), force(2, max_nodes), mean(4)
       integer :: k, point
 
       associate (n => own%n_points)
          if (own%is_plain) then
             share(:n) = own%plain%area/sum(own%plain%area)
-            density(:n) = 0.5_dp*sum(own%plain%strain*own%plain%stress(:, :3), dim=2)
+            density(:n) = own%plain%energy_density()
             force(:, :4) = own%plain%forces(material%thickness)
          else
             share(:n) = own%geometry%volume(:n)/sum(own%geometry%volume(:n))
@@ -174,7 +174,11 @@ contains
                call add_point_forces(force, own%geometry, material, own%stress(:, point), point)
             end do
          end if
-         field%element(:, element) = matmul(own%stress(:, :n), share(:n))
+         mean = 0.0_dp
+         do point = 1, n
+            mean = mean + share(point)*own%stress(:, point)
+         end do
+         field%element(:, element) = mean
          field%energy_density(element) = dot_product(share(:n), density(:n))
       end associate
       do k = 1, own%n_nodes
