@@ -32,25 +32,25 @@ contains
       type(element_geometry_t) :: geometry
       real(dp) :: block(2*max_nodes, 2*max_nodes)
       integer, allocatable :: start(:), unknowns(:)
-      integer :: color, i, n
+      integer :: color, element, i, n
 
       call list_unknowns(start, unknowns, mesh, springs, dof_map)
       call new_sparse_pattern(stiffness, dof_map%n_dofs, start, unknowns, error)
       if (allocated(error)) return
       call place_unknowns(stiffness, mesh, dof_map)
       do color = 1, coloring%n_colors
-         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(block, n) &
+         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(element, block, n) &
          !$omp shared(stiffness, mesh, materials, coloring, constraints, dof_map, color) &
          !$omp if (mesh%n_elements >= worth_threads)
          do i = coloring%start(color), coloring%start(color + 1) - 1
-            associate (element => coloring%element(i))
-               ! Elements of one color may share the unknowns that substituted displacements are made of.
+            do element = coloring%first(i), coloring%last(i)
+               ! Chunks of one color may share the unknowns that substituted displacements are made of.
                if (is_substituted(dof_map, mesh, element)) cycle
                call new_element_geometry(geometry, mesh, element, materials%list(materials%of_element(element)))
                call element_stiffness(geometry, materials%list(materials%of_element(element)), block)
-            end associate
-            n = geometry%n_nodes
-            call add_block(stiffness, geometry%node(:n), block(:2*n, :2*n), constraints, dof_map)
+               n = geometry%n_nodes
+               call add_block(stiffness, geometry%node(:n), block(:2*n, :2*n), constraints, dof_map)
+            end do
          end do
          !$omp end parallel do
       end do
@@ -168,24 +168,25 @@ contains
       real(dp), intent(in), optional :: thermal_strain(:)
          !! strain of free thermal expansion at the nodes of each element, in the order of `mesh%node` [-]
       type(element_geometry_t) :: geometry
-      real(dp) :: element(2, max_nodes)
-      integer :: color, i, k
+      real(dp) :: own(2, max_nodes)
+      integer :: color, element, i, k
 
       allocate (forces(2, mesh%n_nodes), source=0.0_dp)
       do color = 1, coloring%n_colors
-         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(element, k) &
+         !$omp parallel do default(none) schedule(static) firstprivate(geometry) private(element, own, k) &
          !$omp shared(forces, mesh, materials, coloring, displacement, thermal_strain, color) &
          !$omp if (mesh%n_elements >= worth_threads)
          do i = coloring%start(color), coloring%start(color + 1) - 1
-            associate (material => materials%list(materials%of_element(coloring%element(i))), &
-               first => mesh%node_start(coloring%element(i)))
-               call new_element_geometry(geometry, mesh, coloring%element(i), material)
-               if (present(thermal_strain)) call set_thermal_strain(geometry, &
-                  thermal_strain(first:first + geometry%n_nodes - 1))
-               element = element_forces(geometry, material, displacement)
-            end associate
-            do k = 1, geometry%n_nodes
-               forces(:, geometry%node(k)) = forces(:, geometry%node(k)) + element(:, k)
+            do element = coloring%first(i), coloring%last(i)
+               associate (material => materials%list(materials%of_element(element)))
+                  call new_element_geometry(geometry, mesh, element, material)
+                  if (present(thermal_strain)) call set_thermal_strain(geometry, &
+                     thermal_strain(mesh%node_start(element):mesh%node_start(element + 1) - 1))
+                  own = element_forces(geometry, material, displacement)
+               end associate
+               do k = 1, geometry%n_nodes
+                  forces(:, geometry%node(k)) = forces(:, geometry%node(k)) + own(:, k)
+               end do
             end do
          end do
          !$omp end parallel do

@@ -74,34 +74,35 @@ contains
       type(element_stress_t) :: own
       real(dp) :: to_nodes(max_nodes, max_points, size(element_names)), at_nodes(4, max_nodes)
       integer, allocatable :: n_elements(:)
-      integer :: color, field, i, k
+      integer :: color, element, field, i, k
 
       to_nodes = extrapolations(materials%list(1)%is_axisymmetric)
       node = 0.0_dp
       allocate (n_elements(mesh%n_nodes), source=0)
       do color = 1, coloring%n_colors
          !$omp parallel do default(none) schedule(static) firstprivate(own) if (mesh%n_elements >= worth_threads) &
-         !$omp private(field, at_nodes, k) &
+         !$omp private(element, field, at_nodes, k) &
          !$omp shared(n_fields, node, mesh, materials, coloring, displacement, thermal_strain, to_nodes, n_elements, &
          !$omp color, field_of_one)
          do i = coloring%start(color), coloring%start(color + 1) - 1
-            associate (element => coloring%element(i), material => materials%list( &
-               materials%of_element(coloring%element(i))), first => mesh%node_start(coloring%element(i)))
-               call place(own, mesh, element, material, present(thermal_strain))
-               do field = 1, n_fields
-                  if (present(thermal_strain)) call set_thermal_strain(own%geometry, &
-                     thermal_strain(first:first + own%n_nodes - 1, field))
-                  call deform(own, material, displacement(:, :, field))
-                  call carry_to_nodes(own, to_nodes(:, :, mesh%element_kind(element)), at_nodes)
-                  do k = 1, own%n_nodes
-                     node(:, own%node(k), field) = node(:, own%node(k), field) + at_nodes(:, k)
+            do element = coloring%first(i), coloring%last(i)
+               associate (material => materials%list(materials%of_element(element)), first => mesh%node_start(element))
+                  call place(own, mesh, element, material, present(thermal_strain))
+                  do field = 1, n_fields
+                     if (present(thermal_strain)) call set_thermal_strain(own%geometry, &
+                        thermal_strain(first:first + own%n_nodes - 1, field))
+                     call deform(own, material, displacement(:, :, field))
+                     call carry_to_nodes(own, to_nodes(:, :, mesh%element_kind(element)), at_nodes)
+                     do k = 1, own%n_nodes
+                        node(:, own%node(k), field) = node(:, own%node(k), field) + at_nodes(:, k)
+                     end do
                   end do
-               end do
-               do k = 1, own%n_nodes
-                  n_elements(own%node(k)) = n_elements(own%node(k)) + 1
-               end do
-               if (present(field_of_one)) call integrate(field_of_one, element, own, material)
-            end associate
+                  do k = 1, own%n_nodes
+                     n_elements(own%node(k)) = n_elements(own%node(k)) + 1
+                  end do
+                  if (present(field_of_one)) call integrate(field_of_one, element, own, material)
+               end associate
+            end do
          end do
          !$omp end parallel do
       end do

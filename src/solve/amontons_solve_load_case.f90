@@ -57,6 +57,7 @@ contains
       call condense_load_case(result%load_case, body)
       call pose_problem(problem, body, result%load_case)
       call result%timings%begin(phase_solve)
+      call forget_start(result, problem)
       call solve_from_obstacles(method, body, result%load_case, problem, result%solution, error)
       if (allocated(error)) return
       call check_numbers(body, problem, result%solution, error)
@@ -108,11 +109,11 @@ contains
       real(dp), allocatable :: motion(:), travel(:)
       logical :: has_place
 
-      call find_origin(motion, body, load_case, problem)
       ! Nothing has a place before it meets its obstacles: a start at rest is there.
       associate (normal => solution%displacement(:body%zone%n_points))
          has_place = any(abs(solution%force) > 0.0_dp) .or. any(abs(normal) > 0.0_dp)
       end associate
+      call find_origin(motion, body, load_case, problem, is_at_rest=.not. has_place)
       if (has_place) solution%displacement = solution%displacement - motion
       call solve_from(motion, method, problem, solution, error)
       ! Of displacements that the motion is a part of, rounding would look like travel.
@@ -131,16 +132,32 @@ contains
       solution%displacement = solution%displacement + motion
    end subroutine solve_from_obstacles
 
-   !> Finds the rigid motion that displacements are counted from: that which comes closest to the gaps, if any is close
-   !> and, without loads, leaves no overlap. Else that of a rigid body laid on its obstacles, where loads or overlaps
-   !> move it.
-   subroutine find_origin(motion, body, load_case, problem)
+   !> Starts from rest where nothing acts: where the loads of another case left the body is no place of it without them.
+   pure subroutine forget_start(result, problem)
+      type(result_t), intent(inout) :: result !! the result with its start
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+
+      if (.not. allocated(result%started_from)) return
+      if (.not. problem%is_unloaded()) return
+      call new_contact_solution(result%solution, problem%n_points)
+      deallocate (result%started_from)
+   end subroutine forget_start
+
+   !> Finds the rigid motion that displacements are counted from: none at rest where nothing acts; that which comes
+   !> closest to the gaps, if any is close and, without loads, leaves no overlap. Else that of a rigid body laid on its
+   !> obstacles, where loads or overlaps move it.
+   subroutine find_origin(motion, body, load_case, problem, is_at_rest)
       real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (2m) [L]
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
       type(contact_problem_t), intent(in) :: problem !! its contact problem
+      logical, intent(in) :: is_at_rest !! whether no force and no displacement is known of
       real(dp), allocatable :: laid(:)
 
+      if (is_at_rest .and. problem%is_unloaded()) then
+         allocate (motion(2*problem%n_points), source=0.0_dp)
+         return
+      end if
       call fit_rigid_motion(motion, body, load_case, problem%load)
       if (any(abs(problem%load) > 0.0_dp)) then
          if (any(abs(motion) > 0.0_dp)) return

@@ -152,6 +152,23 @@ class Bodies(HistoryTest):
                         for force, other in zip(found, expected):
                             self.assertAlmostEqual(force, other, delta=1e-7*max(expected))
 
+    def test_unloaded_body_stays_where_it_was_drawn(self):
+        above = PLANE + "&contact set = 'bottom'  friction = 0.3  extra_gap = 0.1 /\n{rest}"
+        pressed = "&load name = 'press'  set = 'top'  pressure = 1.0 /\n"
+        self.walk("&case name = 'body' /\n" + above.format(rest=""))
+        alone = self.table("body.contact.csv")
+        self.assertEqual({(row["gap"], row["slip"], row["status"]) for row in alone}, {("0.1", "0.0", "open")})
+        # Nor does it stay where a deck before, or a step, has pressed it.
+        self.write("first.nml", "&case name = 'first' /\n" + above.format(rest=pressed))
+        self.run_program("--output", "out", "first.nml", self.write("deck.nml", "&case name = 'body' /\n"
+                                                                   + above.format(rest="")))
+        self.assertEqual(self.table("body.contact.csv"), alone)
+        self.assertNotIn("Started from", self.text("body.lst"))
+        self.walk("&case name = 'body' /\n" + above.format(rest=pressed + "&history times = 0.0, 1.0 /\n"
+                                                            "&steps load = 'press'  factor = 0.0, 1.0 /\n"))
+        self.assertAlmostEqual(sum(float(row["normal_force"]) for row in self.table("body.contact.csv")), 4.0)
+        self.assertEqual(self.table("body.history.csv")[0]["normal_force"], "0.0")
+
     def test_work_on_a_long_way_is_measured_by_this_way(self):
         self.walk(NEARLY_UNLOADED)
         self.assertTrue(self.summary("body")["certificate"]["passed"])
