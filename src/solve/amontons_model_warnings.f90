@@ -1,5 +1,6 @@
 !> Warnings on a model before it is solved: a body, its contact sets and pairs, a sweep.
 module amontons_model_warnings
+   use amontons_axis_warning, only: add_free_axis
    use amontons_body, only: body_t, poor_inf_sup
    use amontons_contact_set, only: line_field_t
    use amontons_contact_zone, only: contact_zone_t
@@ -81,6 +82,7 @@ contains
          call add_pair_warnings(warnings, body%ties(i))
       end do
       call add_shared_places(warnings, body, load_case)
+      call add_free_axis(warnings, body)
    end subroutine add_model_warnings
 
    !> Adds the warnings on the materials of a body.

@@ -40,7 +40,7 @@ contains
       call find_spin(amounts, body, is_in_reach, problem, solution)
       if (.not. allocated(amounts)) return
       motion = largest_motion(body%motions, amounts)
-      if (solution%is_converged) then
+      if (solution%is_converged .and. is_round(body%zone)) then
          call new_error(error, numerical_failure, 'no equilibrium but for the irregularities of the mesh: on the '// &
             'round line that its nodes lie on friction is exhausted and cannot balance the loads; '//motion// &
             '; add a support or friction')
@@ -50,13 +50,22 @@ contains
       end if
    end subroutine check_spin
 
+   !> Whether the normal of some point is not that of the round line through it.
+   pure logical function is_round(zone)
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      ! What rounding leaves of normals that agree.
+      real(dp), parameter :: same = 1.0e-9_dp
+
+      is_round = any(abs(round_normals(zone) - zone%normal) > same)
+   end function is_round
+
    !> Whether a body has a motion that friction alone opposes where all points are in reach that are now.
    logical function can_spin(body, is_in_reach)
       type(body_t), intent(in) :: body !! the body
       logical, intent(in) :: is_in_reach(:) !! which points can close (m)
       real(dp), allocatable :: spins(:, :)
 
-      can_spin = size(body%rigid_modes, 2) > 0 .and. .not. any(body%zone%is_cell)
+      can_spin = size(body%rigid_modes, 2) > 0
       if (.not. can_spin) return
       call new_spins(spins, on_round_line(body%zone, body%motions), body, is_in_reach)
       can_spin = size(spins, 2) > 0
@@ -72,7 +81,7 @@ contains
       type(contact_solution_t), intent(in) :: solution !! what a method found, converged or not
       real(dp), allocatable :: on_round(:, :), spins(:, :), force(:)
 
-      if (size(body%rigid_modes, 2) == 0 .or. any(body%zone%is_cell)) return
+      if (size(body%rigid_modes, 2) == 0) return
       ! Loads drive a spin: without any, all that forces leave is rounding errors.
       if (.not. any(abs(problem%load) > 0.0_dp)) return
       on_round = on_round_line(body%zone, body%motions)

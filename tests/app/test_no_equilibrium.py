@@ -112,6 +112,18 @@ class NoEquilibrium(ProgramTest):
             run = self.run_program("--output", "results", "sweep.nml")
             self.assertIn("2 cases, 1 solved, 1 without equilibrium", run.stdout)
 
+    def test_cells_that_slide_along_a_plane(self):
+        # A plug in a bore: pressed on it by 1 by heat alone, it bears less shear than the force along the axis is,
+        # whichever multipliers the contact has.
+        for multipliers in ("nodal", "constant"):
+            with self.subTest(multipliers=multipliers):
+                self.assert_no_equilibrium(block(
+                    "support set = 'left'  ux = 0.0", "load temperature = 10.0", "load body_force = 0.0, 1.0",
+                    f"contact set = 'right'  normal = -1.0, 0.0  point = 4.0, 0.0  friction = 0.1  "
+                    f"multipliers = '{multipliers}'", material="young = 100.0  poisson = 0.25  expansion = 1e-5  "
+                    "hypothesis = 'axisymmetric'"), SPINNING.format("translate along (0.0, 1.0)"),
+                    is_seen_before=False)
+
     def test_body_without_loads_does_not_spin(self):
         # On a round obstacle without friction; forces of 1e-15 would turn it.
         for cells, normal, gap in ((2, 0.0, -1e-5), (3, 0.002, 0.0), (7, 0.002, 0.0)):

@@ -117,7 +117,7 @@ contains
          last = active_set
          call halt(problem, scale, before, displacement, force, imbalance, solution%effort)
          call active_set%update(problem, rho, displacement, force, violation)
-         residual = max(violation, imbalance)/problem%force_scale(force)
+         residual = max(violation, imbalance)/problem%force_scale(force, displacement)
          call self%record_step(problem, displacement, force, residual, solution, may_continue)
          if (.not. may_continue) return
          call visited%note_residual(residual)

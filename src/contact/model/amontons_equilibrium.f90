@@ -142,7 +142,7 @@ contains
    !> The normals of the points on the circles through each point and its neighbors; where the line is straight, ends or
    !> turns by more than 30 degrees, those of the facets (2, m) [-].
    pure function round_normals(zone) result(normals)
-      type(contact_zone_t), intent(in) :: zone !! the contact points, each of a node
+      type(contact_zone_t), intent(in) :: zone !! the contact points; a cell keeps the normal of its sides
       real(dp), allocatable :: normals(:, :)
       real(dp), parameter :: least_cosine = 0.8660254037844386_dp, straight = 1.0e-9_dp
       real(dp) :: before(2), after(2), tangent(2), lengths
@@ -152,6 +152,7 @@ contains
       do q = 1, zone%n_points
          p = zone%next(q)
          if (p == 0) cycle
+         if (zone%is_cell(p)) cycle
          r = zone%next(p)
          ! A direction that the deck gives is the same at all points.
          if (r == 0 .or. norm2(zone%normal(:, p) - zone%normal(:, q)) < straight) cycle

@@ -24,6 +24,7 @@ module amontons_contact_problem
    type :: contact_problem_t
       integer :: n_points = 0 !! number m of contact points
       logical :: is_held = .true. !! whether the supports alone hold the body, so that S is positive definite
+      logical :: is_loose = .false. !! whether springs of `add_springs` are all that holds the body
       real(dp), allocatable :: stiffness(:, :)
          !! condensed stiffness S; where there is a band, not before `prepare_stiffness` (2m, 2m) [F/L]
       type(band_stiffness_t), allocatable :: band !! S of a slender body with a long contact line
@@ -57,6 +58,9 @@ module amontons_contact_problem
       procedure :: violation => contact_problem_violation
       procedure :: weight => contact_problem_weight
    end type contact_problem_t
+
+   ! What rounding errors of forces are negligible in, of the forces whose difference they are.
+   real(dp), parameter :: rounding_share = 1.0e-5_dp
 
 contains
 
@@ -153,6 +157,7 @@ contains
       end if
       if (allocated(self%compliance)) deallocate (self%compliance)
       self%proximal_parameter = 0.0_dp
+      self%is_loose = self%is_loose .or. .not. self%is_held
       self%is_held = .true.
    end subroutine contact_problem_add_springs
 
@@ -271,21 +276,35 @@ contains
       is_unloaded = .not. any(abs(acting) > 0.0_dp)
    end function contact_problem_is_unloaded
 
-   !> The force that residuals are measured by: the largest force that would act on a point if none could move or slip,
-   !> interference included; in a reduced problem, if only this point could not. Where all are rounding errors of what
-   !> interference and prescribed displacements would do to single points, a small share of this. Where nothing acts,
-   !> what would close the smallest gap, or 1 if there is none [F].
-   !>
-   !> A loose body does not feel an interference that it moves out of: with the forces of a pair known, it is no more
-   !> than these and the loads, as far as rounding lets forces be known. Nor need contact feel what expands a body or
-   !> moves it: of a load that heat or prescribed displacements have part in, a share counts.
-   pure real(dp) function contact_problem_force_scale(self, contact_force) result(scale)
+   !> The force that residuals are measured by: what acts on the points, see `acting_force`. Where nothing acts, what
+   !> would close the smallest gap, or 1 if there is none [F].
+   !> With v known, it is no less than a small share of rho |v|: what rounding of S v needs. A loose body may flee.
+   pure real(dp) function contact_problem_force_scale(self, contact_force, displacement) result(scale)
       class(contact_problem_t), intent(in) :: self !! the problem
       real(dp), intent(in), optional :: contact_force(:) !! lambda (2m) [F]
-      ! Some hundred times the relative rounding error of a sum of a few dozen terms, and what that is negligible in.
-      real(dp), parameter :: rounding = 1.0e-13_dp, rounding_share = 1.0e-5_dp
-      ! A residual within the usual tolerance is still larger than rounding errors.
-      real(dp), parameter :: share_of_moves = 1.0e-3_dp
+      real(dp), intent(in), optional :: displacement(:) !! v (2m) [L]
+      real(dp) :: rho(2*self%n_points)
+
+      rho = self%augmentation()
+      scale = acting_force(self, contact_force)
+      if (present(displacement) .and. self%is_held .and. .not. (self%is_loose .or. self%is_reduced())) then
+         scale = max(scale, rounding_share*maxval(rho*abs(displacement)))
+      end if
+      if (scale > 0.0_dp) return
+      scale = minval(rho(:self%n_points)*self%gap, mask=self%gap > 0.0_dp)
+      if (.not. any(self%gap > 0.0_dp)) scale = 1.0_dp
+   end function contact_problem_force_scale
+
+   !> The largest force on a point if none could move or slip (in a reduced problem, if it alone could not). Where all
+   !> are rounding of what interference and prescribed displacements do to single points, a share of that [F].
+   !>
+   !> A loose body does not feel an interference that it moves out of: with forces known, it is no more than these and
+   !> the loads, as far as rounding lets them be known. Of loads by heat or prescribed displacements a share counts.
+   pure real(dp) function acting_force(self, contact_force) result(scale)
+      class(contact_problem_t), intent(in) :: self !! the problem
+      real(dp), intent(in), optional :: contact_force(:) !! lambda (2m) [F]
+      real(dp), parameter :: rounding = 1.0e-13_dp ! some hundred times that of a sum of a few dozen terms
+      real(dp), parameter :: share_of_moves = 1.0e-3_dp ! residuals within tolerance are larger than rounding errors
       real(dp), dimension(2*self%n_points) :: held, force, uncanceled
       real(dp) :: acting
 
@@ -308,11 +327,7 @@ contains
             maxval(abs(contact_force)))
          if (acting > 0.0_dp) scale = min(scale, max(acting, rounding_share*maxval(uncanceled)))
       end if
-      if (scale > 0.0_dp) return
-      force = self%augmentation()
-      scale = minval(force(:self%n_points)*self%gap, mask=self%gap > 0.0_dp)
-      if (.not. any(self%gap > 0.0_dp)) scale = 1.0_dp
-   end function contact_problem_force_scale
+   end function acting_force
 
    !> What the violations of each point count by. In a reduced problem a violation is as large as its part of the force
    !> scale or of the largest free displacement, whichever part is larger: else stiff points, whose forces are large,
@@ -350,7 +365,8 @@ contains
       ! maxval passes over what is not a number.
       residual = huge(residual)
       if (.not. all(ieee_is_finite(imbalance))) return
-      residual = max(maxval(abs(imbalance)), self%violation(displacement, force))/self%force_scale(force)
+      residual = max(maxval(abs(imbalance)), self%violation(displacement, force))/ &
+         self%force_scale(force, displacement)
    end function contact_problem_residual
 
    !> The largest violation of the contact law by a pair (v, lambda), with its weight [F].
