@@ -50,8 +50,8 @@ module amontons_newton
 
 contains
 
-   !> Takes steps and, where these lead nowhere, proximal steps from the start; keeps the best pair where none is the
-   !> solution.
+   !> Takes steps and, where these lead nowhere, proximal steps from the start. Where these lead nowhere either, the
+   !> first steps go on: a front may take long to arrive. Keeps the best pair where none is the solution.
    recursive subroutine newton_solve(self, problem, solution, error)
       class(newton_t), intent(in) :: self !! the method
       type(contact_problem_t), intent(inout) :: problem !! the problem
@@ -59,11 +59,14 @@ contains
       type(error_t), allocatable, intent(out) :: error !! never allocated; kept for the common interface
       ! Of a step between springs; those that are solved take about three.
       integer, parameter :: steps_of_one = 6
-      type(contact_solution_t) :: first
+      ! Of all of them: paths that arrive have taken no more.
+      integer, parameter :: steps_of_path = 750
+      type(contact_solution_t) :: first, start
       type(newton_t) :: alone
 
       alone = self
       if (problem%is_reduced()) alone%patience = huge(1)
+      start = solution
       first = solution
       call take_steps(alone, problem, first)
       if (first%is_converged .or. first%n_iterations >= self%max_iterations .or. alone%patience == huge(1)) then
@@ -73,7 +76,17 @@ contains
       alone%patience = huge(1)
       alone%max_iterations = steps_of_one
       alone%starts_with_springs = .false.
-      call follow_proximal_path(alone, problem, self%max_iterations - first%n_iterations, solution, error)
+      call follow_proximal_path(alone, problem, min(steps_of_path, self%max_iterations - first%n_iterations), &
+         solution, error)
+      call solution%follow(first)
+      call solution%take_better(first)
+      if (solution%is_converged .or. allocated(error) .or. solution%n_iterations >= self%max_iterations) return
+      alone = self
+      alone%patience = huge(1)
+      alone%max_iterations = self%max_iterations - solution%n_iterations
+      call take_steps(alone, problem, start)
+      first = solution
+      solution = start
       call solution%follow(first)
       call solution%take_better(first)
    end subroutine newton_solve
