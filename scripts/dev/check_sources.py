@@ -3,7 +3,7 @@
 
 Usage: check_sources.py [ROOT]
 
-* A line has at most 120 columns, a file 400 lines, a Fortran procedure 60 lines.
+* A line has at most 120 columns, a file 900 lines, a Fortran procedure 150 lines: wide nets, places to look.
 * `!>` stands above every module, program, type, generic interface, procedure and public constant of src/; `!!` stands
   at every dummy argument and component, one per declaration. Interfaces of foreign procedures are exempt.
 * The library neither stops nor prints; nothing passes through a preprocessor.
@@ -15,7 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ["src", "tests", "scripts", "cmake", "python", "packaging", ".ci"]
-MAX_COLUMNS, MAX_FILE_LINES, MAX_PROCEDURE_LINES = 120, 400, 60
+MAX_COLUMNS, MAX_FILE_LINES, MAX_PROCEDURE_LINES = 120, 900, 150
 FORTRAN = (".f90", ".f90.in", ".pf")
 TEXT = (*FORTRAN, ".c", ".h", ".py", ".sh", ".cmake", "CMakeLists.txt")
 

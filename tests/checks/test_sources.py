@@ -99,9 +99,9 @@ class Sources(CheckerTest):
 
     def test_lengths_are_limited(self):
         self.assert_refused("line", (14, "a line of 121 columns, at most 120"), body="value = 1 !" + 110*"x")
-        self.assert_refused("procedure", (11, "a procedure of 65 lines, at most 60"), body=60*"value = 1\n")
-        self.write("src/base/amontons_sample.f90", 401*"\n")
-        self.assert_finds("src/base/amontons_sample.f90:1: a file of 401 lines, at most 400")
+        self.assert_refused("procedure", (11, "a procedure of 155 lines, at most 150"), body=150*"value = 1\n")
+        self.write("src/base/amontons_sample.f90", 901*"\n")
+        self.assert_finds("src/base/amontons_sample.f90:1: a file of 901 lines, at most 900")
 
     def test_other_places_and_languages(self):
         program = "!> A program.\nprogram main\n   print *, 'it may'; stop\nend program main\n"
