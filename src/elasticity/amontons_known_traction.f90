@@ -30,9 +30,7 @@ module amontons_known_traction
       type(known_traction_t), allocatable :: side(:) !! the sides
       integer, allocatable, private :: number(:) !! which side of an element each is, by `side_number`; ascending
    contains
-      procedure :: add => known_tractions_add
       procedure :: add_loads => known_tractions_add_loads
-      procedure :: at => known_tractions_at
       procedure :: forget => known_tractions_forget
       procedure :: add_nodal => known_tractions_add_nodal
       procedure, private :: place_of => known_tractions_place_of
@@ -207,30 +205,6 @@ contains
          if (all(is_marked(self%side(i)%corner))) self%side(i)%is_known = .false.
       end do
    end subroutine known_tractions_forget
-
-   !> The side of an element at the boundary.
-   pure function known_tractions_at(self, element, place) result(side)
-      class(known_tractions_t), intent(in) :: self !! the sides
-      integer, intent(in) :: element !! the element
-      integer, intent(in) :: place !! the side's place in it
-      type(known_traction_t) :: side
-
-      side = self%side(self%place_of(side_number(element, place)))
-   end function known_tractions_at
-
-   !> Adds a traction that is linear between the corners of a side.
-   pure subroutine known_tractions_add(self, element, place, traction)
-      class(known_tractions_t), intent(inout) :: self !! the sides
-      integer, intent(in) :: element !! the element of the side
-      integer, intent(in) :: place !! the side's place in it
-      real(dp), intent(in) :: traction(2, 2) !! x and y at its first and at its second corner [F/L^2]
-
-      associate (sum => self%side(self%place_of(side_number(element, place)))%traction)
-         sum(:, 1) = sum(:, 1) + traction(:, 1)
-         sum(:, 2) = sum(:, 2) + 0.5_dp*(traction(:, 1) + traction(:, 2))
-         sum(:, 3) = sum(:, 3) + traction(:, 2)
-      end associate
-   end subroutine known_tractions_add
 
    !> Whether another side goes on smoothly at a node that both meet: by less than 30 degrees.
    pure logical function known_traction_goes_on(self, other, place) result(goes_on)

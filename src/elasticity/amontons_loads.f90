@@ -12,7 +12,7 @@ module amontons_loads
    implicit none (type, external)
    private
 
-   public :: load_t, load_vector, new_load, sum_body_force, sum_thermal_strain
+   public :: load_t, load_vector, new_load, sum_thermal_strain
 
    !> What a load acts on: the sides of a set.
    integer, parameter, public :: load_on_sides = 1
@@ -178,31 +178,6 @@ contains
          end associate
       end do
    end subroutine add_body_force
-
-   !> Sums the forces per volume of loads that are sound, where they are uniform in every element.
-   pure subroutine sum_body_force(density, is_uniform, mesh, materials, loads)
-      real(dp), allocatable, intent(out) :: density(:, :) !! force per volume, x and y (2, n_elements) [F/L^3]
-      logical, intent(out) :: is_uniform !! whether no load makes the body spin
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      type(materials_t), intent(in) :: materials !! the materials, for the densities
-      type(load_t), intent(in) :: loads(:) !! the loads
-      type(error_t), allocatable :: error
-      integer, allocatable :: elements(:)
-      integer :: i, k
-
-      allocate (density(2, mesh%n_elements), source=0.0_dp)
-      is_uniform = .not. any(abs(loads%angular_speed) > 0.0_dp)
-      do i = 1, size(loads)
-         if (loads(i)%target /= load_on_region) cycle
-         call mesh%region_elements(loads(i)%region, elements, error)
-         do k = 1, size(elements)
-            associate (element => elements(k))
-               density(:, element) = density(:, element) + loads(i)%body_force &
-                  + materials%list(materials%of_element(element))%density*loads(i)%gravity
-            end associate
-         end do
-      end do
-   end subroutine sum_body_force
 
    !> Refuses a force per volume that the materials or the body of revolution cannot have.
    pure subroutine check_body_force(materials, load, elements, error)

@@ -57,8 +57,6 @@ contains
          if (allocated(result%study_listing)) call listing%record(result%study_listing)
          call listing%record(solution_text(body, result))
          if (allocated(result%convergence)) call listing%record(convergence_text(result%convergence, label%units))
-         if (allocated(result%error_bound)) call listing%record(heading('Error in the constitutive relation')// &
-            quantities_text(result%error_bound%quantities(), label%units))
          if (body%zone%n_points > 0) call listing%add(zones_text(result, label%units), [line_scale(body)])
          call listing%add(resultants_text(result, label%units), [force_scale(result)])
          call listing%add(certificate_text(result%certificate, result%method%tolerance), [1.0_dp])

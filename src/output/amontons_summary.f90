@@ -57,8 +57,6 @@ contains
          if (allocated(result%error_estimate)) call summary%add(quantities_member('accuracy', &
             result%error_estimate%quantities()))
          if (allocated(result%convergence)) call summary%record(convergence_member(result%convergence))
-         if (allocated(result%error_bound)) call summary%record(quantities_member('constitutive_relation', &
-            result%error_bound%quantities()))
          call summary%record(last_members(result%timings))
       end associate
    end subroutine new_summary

@@ -27,45 +27,32 @@ contains
       call new_recovery_tables(body%recovery, body%mesh, body%materials, body%constraints, body%springs)
    end subroutine prepare_estimates
 
-   !> Estimates the error of the stresses of a load case's solution.
-   subroutine estimate_error(estimate, body, load_case, displacement, force, tractions)
+   !> Estimates the error of the stresses of a load case's solution, with the tables of the body where it has them.
+   subroutine estimate_error(estimate, body, load_case, displacement, force)
       type(error_estimate_t), intent(out) :: estimate !! the estimate
-      type(body_t), intent(in) :: body !! the body
+      type(body_t), intent(in), target :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads
       real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (2m) [F]
-      type(known_tractions_t), intent(out), optional :: tractions
-         !! what is known of the tractions but for those of contact
-      type(recovery_tables_t), allocatable :: tables
+      type(recovery_tables_t), allocatable, target :: own
+      type(recovery_tables_t), pointer :: tables
+      type(known_tractions_t) :: tractions
+      type(recovered_stress_t) :: recovered
 
       if (allocated(body%recovery)) then
-         call estimate_by_tables(body%recovery)
+         tables => body%recovery
       else
-         allocate (tables)
-         call new_recovery_tables(tables, body%mesh, body%materials, body%constraints, body%springs)
-         call estimate_by_tables(tables)
+         allocate (own)
+         call new_recovery_tables(own, body%mesh, body%materials, body%constraints, body%springs)
+         tables => own
       end if
-
-   contains
-
-      !> Estimates it by the tables at hand.
-      subroutine estimate_by_tables(tables_at_hand)
-         type(recovery_tables_t), intent(in) :: tables_at_hand !! the tables of the body
-         type(known_tractions_t) :: known
-         type(recovered_stress_t) :: recovered
-
-         known = tables_at_hand%sides
-         call known%add_loads(body%mesh, load_case%loads, load_case%factor)
-         if (present(tractions)) tractions = known
-         call set_contact_tractions(known, body, load_case, force)
-         associate (patches => tables_at_hand%patches)
-            call new_recovered_stress(recovered, patches, body%mesh, body%materials, known%side, displacement, &
-               load_case%thermal_strain)
-            call new_error_estimate(estimate, body%mesh, body%materials, displacement, patches, recovered, &
-               load_case%thermal_strain)
-         end associate
-      end subroutine estimate_by_tables
-
+      tractions = tables%sides
+      call tractions%add_loads(body%mesh, load_case%loads, load_case%factor)
+      call set_contact_tractions(tractions, body, load_case, force)
+      call new_recovered_stress(recovered, tables%patches, body%mesh, body%materials, tractions%side, displacement, &
+         load_case%thermal_strain)
+      call new_error_estimate(estimate, body%mesh, body%materials, displacement, tables%patches, recovered, &
+         load_case%thermal_strain)
    end subroutine estimate_error
 
    !> Sets the tractions on the sides of the contact sets: the force on each node over its area. What a master bears

@@ -4,7 +4,6 @@ module amontons_result
    use amontons_certificate, only: certificate_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_convergence, only: refined_quantity_t
-   use amontons_error_bound, only: error_bound_t
    use amontons_error_estimate, only: error_estimate_t
    use amontons_key_results, only: lengths_t
    use amontons_kinds, only: dp, int64
@@ -51,7 +50,6 @@ module amontons_result
       logical :: has_reduced_files = .false. !! whether its reduced problem was written
       logical :: wants_error_estimate = .false. !! whether the error of the stresses is to be estimated
       type(error_estimate_t), allocatable :: error_estimate !! the estimate, where it is wanted
-      type(error_bound_t), allocatable :: error_bound !! the error in the constitutive relation, where there is one
       type(refined_quantity_t), allocatable :: convergence(:) !! its numbers on refined meshes, where asked for
       type(quantity_t), allocatable :: key_results(:) !! largest values with their places, and what contact sets carry
       type(interval_t), allocatable :: closed(:) !! the closed parts of the contact line

@@ -16,10 +16,8 @@ module amontons_solve_load_case
    use amontons_contact_solution, only: contact_solution_t, new_contact_solution
    use amontons_equilibrium, only: check_balance
    use amontons_error, only: error_t, new_error, numerical_failure
-   use amontons_error_bound, only: find_error_bound, has_error_bound
    use amontons_key_results, only: body_peaks, contact_peaks, find_zones, new_lengths, set_results
    use amontons_kinds, only: dp
-   use amontons_known_traction, only: known_tractions_t
    use amontons_listing_text, only: short_text
    use amontons_load_case, only: condense_load_case, load_case_t, new_load_case, pose_problem, recover_displacement
    use amontons_loads, only: load_t
@@ -49,7 +47,6 @@ contains
          !! its contact problem; left with this load case, and the compliance if the method makes it
       class(contact_method_t), intent(in) :: method !! the contact method
       type(error_t), allocatable, intent(out) :: error !! the numbers are at fault
-      type(known_tractions_t) :: tractions
       type(uniqueness_t) :: known
 
       call result%timings%begin(phase_condense)
@@ -68,15 +65,8 @@ contains
       if (result%solution%is_at_rest) call compare_with_exact(problem, method%tolerance, result, error)
       if (allocated(error)) return
       call result%timings%begin(phase_recover)
-      if (result%wants_error_estimate .and. result%solution%is_converged .and. has_error_bound(body)) then
-         call certify(result, body, error, tractions)
-         if (allocated(error)) return
-         call find_error_bound(result%error_bound, body, problem, result%load_case, result%solution, &
-            result%displacement, tractions)
-      else
-         call certify(result, body, error)
-         if (allocated(error)) return
-      end if
+      call certify(result, body, error)
+      if (allocated(error)) return
       call add_result_warnings(result, body)
       known = result%uniqueness
       call new_uniqueness(result%uniqueness, problem, known)
@@ -214,17 +204,16 @@ contains
    end subroutine check_numbers
 
    !> Computes the displacements of all nodes, the certificate and the lengths, and refuses numbers that are not finite.
-   subroutine certify(result, body, error, tractions)
+   subroutine certify(result, body, error)
       type(result_t), intent(inout) :: result !! the result, its load case condensed and its contact problem solved
       type(body_t), intent(in) :: body !! the body
       type(error_t), allocatable, intent(out) :: error !! the results left the range of numbers
-      type(known_tractions_t), intent(out), optional :: tractions !! as in `evaluate`
       ! A condition number that leaves more than half of the digits explains nothing.
       real(dp), parameter :: explaining = 1.0e8_dp
       real(dp) :: condition
 
       call recover_displacement(result%displacement, body, result%load_case, result%solution%displacement)
-      call evaluate(result, body, tractions)
+      call evaluate(result, body)
       if (.not. (all(ieee_is_finite(result%displacement)) .and. result%certificate%is_finite())) then
          call new_error(error, numerical_failure, 'displacements, forces or energies leave the range of double '// &
             'precision (1.8e308): choose other units')
@@ -237,11 +226,9 @@ contains
 
    !> Computes all that follows from displacements, contact forces and statuses: certificate, lengths, key results,
    !> error estimate.
-   subroutine evaluate(result, body, tractions)
+   subroutine evaluate(result, body)
       type(result_t), intent(inout) :: result !! the result: load case, solution and displacements of all nodes
       type(body_t), intent(in) :: body !! the body
-      type(known_tractions_t), intent(out), optional :: tractions
-         !! tractions that are known but for those of contact, if the error is estimated
       real(dp) :: slip(body%zone%n_points)
       integer :: m
 
@@ -269,7 +256,7 @@ contains
       if (result%wants_error_estimate) then
          if (.not. allocated(result%error_estimate)) allocate (result%error_estimate)
          call estimate_error(result%error_estimate, body, result%load_case, result%displacement, &
-            result%solution%force, tractions)
+            result%solution%force)
       end if
    end subroutine evaluate
 
