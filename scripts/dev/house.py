@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+"""Prints two measures of the sources: code lines of src/, and modules that the smallest run enters.
+
+A code line is a line of a Fortran file that is neither blank nor only a comment. The run is that of
+input/long_bar_1.nml on one thread, watched by `valgrind --tool=callgrind`; a module is entered where any of its procedures
+is called. The program is that of a release build, build/release/bin/amontons unless another is given.
+
+Usage: house.py [--update] [PROGRAM]
+
+--update writes both numbers into doc/architecture.md. Without valgrind or a program only the lines are counted.
+"""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT/"doc"/"architecture.md"
+DECK = ROOT/"input"/"long_bar_1.nml"
+MODULE = re.compile(r"\b__(amontons_\w+?)_MOD_")
+SENTENCE = re.compile(r"\d+ lines of code in \d+ modules; the smallest run\s+enters\s+\d+ of them")
+
+
+def count_lines():
+    """Returns the code lines of src/ and the number of its modules."""
+    files = sorted((ROOT/"src").rglob("*.f90"))
+    lines = [line.strip() for file in files for line in file.read_text(encoding="utf-8").splitlines()]
+    modules = {file.name.split(".")[0] for file in files if file.name.startswith("amontons_")}
+    return sum(1 for line in lines if line and not line.startswith("!")), len(modules)
+
+
+def entered_modules(program):
+    """Returns the names of the modules that the smallest run enters."""
+    with tempfile.TemporaryDirectory() as folder:
+        profile = Path(folder)/"callgrind.out"
+        subprocess.run(["valgrind", "--quiet", "--tool=callgrind", f"--callgrind-out-file={profile}", str(program),
+                        "--quiet", "--output", folder, str(DECK)], check=True, stdout=subprocess.DEVNULL,
+                       env={**os.environ, "OMP_NUM_THREADS": "1"})
+        return sorted(set(MODULE.findall(profile.read_text(encoding="utf-8", errors="replace"))))
+
+
+def main(arguments):
+    """Prints the numbers; returns the exit status."""
+    is_update = "--update" in arguments
+    paths = [argument for argument in arguments if argument != "--update"]
+    program = Path(paths[0] if paths else ROOT/"build"/"release"/"bin"/"amontons")
+    n_lines, n_modules = count_lines()
+    print(f"{n_lines} lines of code in {n_modules} modules")
+    if not (program.is_file() and shutil.which("valgrind")):
+        print("the modules of the smallest run need valgrind and a release build", file=sys.stderr)
+        return 1
+    entered = entered_modules(program)
+    print(f"{len(entered)} modules entered by the smallest run: " + ", ".join(
+        name.removeprefix("amontons_") for name in entered))
+    if is_update:
+        sentence = f"{n_lines} lines of code in {n_modules} modules; the smallest run enters {len(entered)} of them"
+        page = PAGE.read_text(encoding="utf-8")
+        if not SENTENCE.search(page):
+            print(f"{PAGE}: no sentence to update", file=sys.stderr)
+            return 1
+        PAGE.write_text(SENTENCE.sub(sentence, page), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
