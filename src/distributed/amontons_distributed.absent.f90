@@ -1,8 +1,7 @@
 !> The run on several ranks in a build without MPI: there is one rank.
 module amontons_distributed
    use amontons_condenser, only: condenser_t
-   use amontons_constraints, only: constraints_t, spring_side_t
-   use amontons_dof_map, only: dof_map_t
+   use amontons_constraints, only: constraints_t, dof_map_t, spring_side_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t

@@ -1,10 +1,9 @@
 !> The run on several ranks, as the rest of the program sees it; a build without MPI has a twin of this module.
 module amontons_distributed
    use amontons_condenser, only: condenser_t
-   use amontons_constraints, only: constraints_t, spring_side_t
+   use amontons_constraints, only: constraints_t, dof_map_t, spring_side_t
    use amontons_distributed_condenser, only: dismiss_ranks, distributed_condenser_t, first_free_order, follow_order, &
       order_end, share_condenser, spread_and_analyze => new_distributed_condenser
-   use amontons_dof_map, only: dof_map_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t

@@ -10,8 +10,7 @@
 module amontons_distributed_condenser
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use amontons_condenser, only: condenser_t
-   use amontons_constraints, only: constraints_t, spring_side_t
-   use amontons_dof_map, only: dof_map_t
+   use amontons_constraints, only: constraints_t, dof_map_t, spring_side_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp, int64
    use amontons_lapack, only: dpotrf, dpotrs

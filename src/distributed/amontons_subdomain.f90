@@ -1,15 +1,14 @@
 !> Subdomains, the elements of a body that one rank owns by its share of the order of elimination, and what assembly
 !> needs of them. The order is found on the mesh: no matrix is needed.
 module amontons_subdomain
-   use amontons_coloring, only: coloring_t, new_coloring
-   use amontons_constraints, only: constraints_t, spring_side_t
+   use amontons_constraints, only: constraints_t, dof_map_t, spring_side_t, substitution_t
    use amontons_dissection, only: dissection_t, new_dissection
-   use amontons_dof_map, only: dof_map_t, substitution_t
    use amontons_error, only: error_t
    use amontons_graph, only: graph_t, new_graph
    use amontons_kinds, only: dp, int64
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
+   use amontons_mesh_topology, only: coloring_t, new_coloring
    use amontons_ranks, only: line_t
    use amontons_sparse_matrix, only: new_sparse_pattern, sparse_matrix_t
    implicit none (type, external)

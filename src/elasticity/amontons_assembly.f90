@@ -1,8 +1,6 @@
 !> The stiffness matrix of the unknowns, assembled from the elements, and the nodal forces of a displacement.
 module amontons_assembly
-   use amontons_coloring, only: coloring_t, worth_threads
-   use amontons_constraints, only: constraints_t, spring_side_t
-   use amontons_dof_map, only: dof_map_t
+   use amontons_constraints, only: constraints_t, dof_map_t, spring_side_t
    use amontons_elasticity, only: element_forces, element_geometry_t, element_stiffness, element_stress, &
       new_element_geometry, set_thermal_strain
    use amontons_element, only: max_nodes
@@ -10,6 +8,7 @@ module amontons_assembly
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
+   use amontons_mesh_topology, only: coloring_t, worth_threads
    use amontons_sparse_matrix, only: new_sparse_pattern, sparse_matrix_t
    implicit none (type, external)
    private

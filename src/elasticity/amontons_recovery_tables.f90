@@ -1,14 +1,114 @@
-!> What the recovery of stresses needs of a body, whatever loads it.
+!> What the recovery of stresses needs of a body: the tractions that are known on its boundary before its stresses are, and
+!> the patches of elements.
+!>
+!> Known are the tractions of the loads, and that there are none on free sides and along directions that supports leave
+!> free. A patch is made of the elements of one material around a corner node, with coordinates in which a polynomial is
+!> fitted to their stresses. Patches do not depend on the loads: one table serves all cases of a body.
 module amontons_recovery_tables
    use amontons_constraints, only: constraints_t, spring_side_t
-   use amontons_known_traction, only: known_tractions_t, new_boundary_sides
+   use amontons_elasticity, only: element_geometry_t, new_element_geometry
+   use amontons_element, only: n_corners, n_sampling_points
+   use amontons_integer_list, only: integer_list_t
+   use amontons_kinds, only: dp
+   use amontons_loads, only: load_on_sides, load_t
    use amontons_material, only: materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_patch_table, only: new_patch_table, patch_table_t
+   use amontons_mesh_topology, only: incidence_t, new_incidence, new_side_table, side_element, side_number, &
+      side_place, side_table_t, worth_threads
    implicit none (type, external)
    private
 
-   public :: new_recovery_tables, recovery_tables_t
+   public :: block_size, far_weight, find_terms, frame_t, is_linear, known_traction_t, known_tractions_t, max_terms, &
+      new_boundary_sides, new_patch_table, new_recovery_tables, patch_table_t, recovery_tables_t, samples_t, &
+      solve_normal
+
+   !> The traction on a side of the boundary, at its first corner, its middle and its second corner.
+   type :: known_traction_t
+      integer :: corner(2) = 0 !! first and second corner node; the body is on the left
+      integer :: middle = 0 !! node in the middle, 0 on a side of a linear element
+      integer :: element = 0 !! the element of the side
+      real(dp) :: position(2, 3) = 0.0_dp !! coordinates of the three places [L]
+      real(dp) :: normal(2, 3) = 0.0_dp !! unit outward normal there [-]
+      logical :: is_known(2) = .true. !! whether the traction along normal and tangent (-n_y, n_x) is known
+      real(dp) :: traction(2, 3) = 0.0_dp !! force per area along x and y at the three places [F/L^2]
+   contains
+      procedure :: goes_on => known_traction_goes_on
+      procedure :: mean => known_traction_mean
+   end type known_traction_t
+
+   !> The sides of the boundary.
+   type :: known_tractions_t
+      type(known_traction_t), allocatable :: side(:) !! the sides
+      integer, allocatable, private :: number(:) !! which side of an element each is, by `side_number`; ascending
+   contains
+      procedure :: add_loads => known_tractions_add_loads
+      procedure :: forget => known_tractions_forget
+      procedure :: add_nodal => known_tractions_add_nodal
+      procedure, private :: place_of => known_tractions_place_of
+   end type known_tractions_t
+
+   !> Terms of the largest polynomial: 1, x, y, x^2, x y, y^2, x^2 y, x y^2, x^2 y^2.
+   integer, parameter :: max_terms = 9
+   !> Terms of the polynomial of each kind of element: linear; quadratic, of quadrilaterals in x and in y.
+   integer, parameter :: n_kind_terms(*) = [3, 3, 6, 9, 9]
+
+   !> Weight of a sample of the elements that a patch grew by: far samples determine what near ones leave open, no more.
+   real(dp), parameter :: far_weight = 0.1_dp
+
+   !> Least pivot for each sample. Those of a regular patch leave a few hundredths, a row too few of them leaves 0.
+   real(dp), parameter :: least_pivot = 1.0e-4_dp
+
+   !> Coordinates of a patch in which its nodes spread alike in all directions, and along which the sides of its
+   !> elements lie where the terms depend on that: neither slender nor turned elements need another treatment. Where the
+   !> polynomial is linear, they spread the samples so: the normal matrix is a multiple of the identity.
+   type :: frame_t
+      real(dp) :: center(2) = 0.0_dp !! mean of the points that are spread [L]
+      real(dp) :: scale(2, 2) = 0.0_dp !! what the distance from there is multiplied by [1/L]
+      integer :: n_terms = 1 !! terms of the polynomial
+   end type frame_t
+
+   !> The points of the elements where their stresses are most accurate.
+   type :: samples_t
+      integer, allocatable :: start(:) !! where the samples of an element begin (n_elements + 1)
+      real(dp), allocatable :: position(:, :) !! coordinates (2, n_samples) [L]
+   end type samples_t
+
+   !> Moments of points about one of them.
+   type :: moments_t
+      real(dp) :: origin(2) = 0.0_dp !! the point [L]
+      real(dp) :: weight = 0.0_dp !! sum of the weights [-]
+      real(dp) :: first(2) = 0.0_dp !! of the distances along x and y [L]
+      real(dp) :: second(3) = 0.0_dp !! of their products xx, xy, yy [L^2]
+   contains
+      procedure :: add => moments_add
+      procedure :: covariance => moments_covariance
+   end type moments_t
+
+   !> So many elements in a row are a block: the polynomials of all patches would take more memory than anything else
+   !> but a factor, those of a block stay in a cache, and few elements share patches with those of another block.
+   integer, parameter :: block_size = 8192
+
+   !> The patches.
+   type :: patch_table_t
+      integer, allocatable :: of_corner(:)
+         !! patch of each corner of the elements, by its place in the list of its block; placed as `node` of the mesh
+      integer, allocatable :: block_start(:) !! where the list of each block of elements begins in `listed` (blocks + 1)
+      integer, allocatable :: listed(:) !! the patches that the elements of each block have corners in
+      integer, allocatable :: node(:) !! node of each patch
+      integer, allocatable :: start(:) !! where the elements of each patch begin in `element` (patches + 1)
+      integer, allocatable :: element(:) !! the elements of the patches, first those that meet at its node
+      integer, allocatable :: n_near(:) !! how many elements of each patch meet at its node
+      type(frame_t), allocatable :: frame(:) !! coordinates and terms of the patches
+      logical :: is_linear = .false. !! whether no polynomial has terms of the second order
+      type(samples_t) :: samples !! the points whose stresses are fitted
+   contains
+      procedure :: at_corner => patch_table_at_corner
+   end type patch_table_t
+
+   !> Some patches, one after the other.
+   type :: chunk_t
+      type(integer_list_t) :: elements !! their elements
+   end type chunk_t
 
    !> The tables; about as large as the mesh.
    type :: recovery_tables_t
@@ -17,6 +117,641 @@ module amontons_recovery_tables
    end type recovery_tables_t
 
 contains
+
+   !> Lists the sides of the boundary, free of tractions where supports and springs leave them known.
+   subroutine new_boundary_sides(tractions, mesh, constraints, springs)
+      type(known_tractions_t), intent(out) :: tractions !! the sides of the boundary
+      type(mesh_t), intent(in) :: mesh !! a checked mesh
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(spring_side_t), intent(in) :: springs(:) !! springs along sides
+      type(side_table_t) :: table
+      logical, allocatable :: is_there(:)
+      integer :: overlapping(2), i, left, right, number
+
+      call new_side_table(table, mesh, overlapping)
+      allocate (is_there(0:side_number(mesh%n_elements + 1, 0)), source=.false.)
+      do i = 1, table%n_sides
+         is_there(table%boundary(i)) = .true.
+      end do
+      is_there(0) = .false.
+      allocate (tractions%side(count(is_there)), tractions%number(count(is_there)))
+      i = 0
+      do number = 1, ubound(is_there, 1)
+         if (.not. is_there(number)) cycle
+         i = i + 1
+         tractions%number(i) = number
+         call place_side(tractions%side(i), mesh, side_element(number), side_place(number))
+         tractions%side(i)%is_known = .not. (held(tractions%side(i), constraints, 1) .and. &
+            held(tractions%side(i), constraints, 2))
+      end do
+      do i = 1, size(springs)
+         call table%find(springs(i)%node(1), springs(i)%node(2), left, right)
+         tractions%side(tractions%place_of(left))%is_known = .false.
+      end do
+   end subroutine new_boundary_sides
+
+   !> Adds the tractions of loads.
+   pure subroutine known_tractions_add_loads(self, mesh, loads, factor)
+      class(known_tractions_t), intent(inout) :: self !! the sides of the boundary
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(load_t), intent(in) :: loads(:) !! the loads
+      real(dp), intent(in), optional :: factor(:) !! what each load is multiplied by; 1 without it (loads) [-]
+      integer :: i
+
+      do i = 1, size(loads)
+         if (loads(i)%target /= load_on_sides) cycle
+         if (present(factor)) then
+            call add_load(self, mesh, loads(i), factor(i))
+         else
+            call add_load(self, mesh, loads(i), 1.0_dp)
+         end if
+      end do
+   end subroutine known_tractions_add_loads
+
+   !> Which of the sides one of an element is.
+   pure integer function known_tractions_place_of(self, number) result(place)
+      class(known_tractions_t), intent(in) :: self !! the sides
+      integer, intent(in) :: number !! its number, by `side_number`
+      integer :: last, middle
+
+      place = 1
+      last = size(self%number)
+      do while (place < last)
+         middle = (place + last)/2
+         if (self%number(middle) < number) then
+            place = middle + 1
+         else
+            last = middle
+         end if
+      end do
+   end function known_tractions_place_of
+
+   !> Places a side of an element.
+   pure subroutine place_side(traction, mesh, element, place)
+      type(known_traction_t), intent(out) :: traction !! the side, free of tractions
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: element !! the element
+      integer, intent(in) :: place !! the side's place in it
+      real(dp) :: tangent(2, 3), chord(2), bend(2)
+      integer :: nodes(3), i
+
+      nodes = mesh%side(element, place)
+      traction%corner = nodes(:2)
+      traction%middle = nodes(3)
+      traction%element = element
+      associate (first => mesh%coordinates(:, nodes(1)), second => mesh%coordinates(:, nodes(2)))
+         traction%position(:, 1) = first
+         traction%position(:, 2) = 0.5_dp*(first + second)
+         traction%position(:, 3) = second
+         if (nodes(3) > 0) traction%position(:, 2) = mesh%coordinates(:, nodes(3))
+         chord = second - first
+         bend = 2.0_dp*(2.0_dp*traction%position(:, 2) - first - second)
+      end associate
+      tangent(:, 1) = chord + bend
+      tangent(:, 2) = chord
+      tangent(:, 3) = chord - bend
+      do i = 1, 3
+         traction%normal(:, i) = [tangent(2, i), -tangent(1, i)]/norm2(tangent(:, i))
+      end do
+   end subroutine place_side
+
+   !> Whether supports hold normal and tangent of a side at a corner of it.
+   pure function held(side, constraints, corner)
+      type(known_traction_t), intent(in) :: side !! the side
+      type(constraints_t), intent(in) :: constraints !! the supports
+      integer, intent(in) :: corner !! the corner, 1 or 2
+      logical :: held(2)
+
+      associate (normal => side%normal(:, 2), node => side%corner(corner))
+         held = .not. [constraints%leaves_free(node, normal), constraints%leaves_free(node, [-normal(2), normal(1)])]
+      end associate
+   end function held
+
+   !> Adds the traction and the pressure of a load.
+   pure subroutine add_load(tractions, mesh, load, factor)
+      class(known_tractions_t), intent(inout) :: tractions !! the sides of the boundary
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(load_t), intent(in) :: load !! a load on the sides of a set
+      real(dp), intent(in) :: factor !! what it is multiplied by [-]
+      integer :: i, k
+
+      associate (set => mesh%sets(mesh%find_set(load%set)))
+         do i = 1, size(set%element)
+            associate (side => tractions%side(tractions%place_of(side_number(set%element(i), set%side(i)))))
+               do k = 1, 3
+                  associate (x => side%position(:, k))
+                     side%traction(:, k) = side%traction(:, k) + factor*(load%traction &
+                        + matmul(load%traction_slope, x) &
+                        - (load%pressure + dot_product(load%pressure_slope, x))*side%normal(:, k))
+                  end associate
+               end do
+            end associate
+         end do
+      end associate
+   end subroutine add_load
+
+   !> Adds to the traction on the sides of a boundary set one given at nodes, linear or quadratic between them: that of
+   !> contact, beside that of loads. Nothing is known along a direction that supports hold at a corner.
+   pure subroutine known_tractions_add_nodal(self, mesh, constraints, set, traction)
+      class(known_tractions_t), intent(inout) :: self !! the sides
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(constraints_t), intent(in) :: constraints !! the supports
+      character(*), intent(in) :: set !! name of the boundary set
+      real(dp), intent(in) :: traction(:, :) !! force per area at the nodes of the mesh, x and y (2, n_nodes) [F/L^2]
+      real(dp) :: at_places(2, 3)
+      integer :: i
+
+      associate (set_sides => mesh%sets(mesh%find_set(set)))
+         do i = 1, size(set_sides%element)
+            associate (side => self%side(self%place_of(side_number(set_sides%element(i), set_sides%side(i)))))
+               side%is_known = .not. (held(side, constraints, 1) .or. held(side, constraints, 2))
+               at_places(:, 1) = traction(:, side%corner(1))
+               at_places(:, 3) = traction(:, side%corner(2))
+               at_places(:, 2) = 0.5_dp*(at_places(:, 1) + at_places(:, 3))
+               if (side%middle > 0) at_places(:, 2) = traction(:, side%middle)
+               side%traction = side%traction + at_places
+            end associate
+         end do
+      end associate
+   end subroutine known_tractions_add_nodal
+
+   !> Leaves the traction unknown on every side between two marked corners.
+   pure subroutine known_tractions_forget(self, is_marked)
+      class(known_tractions_t), intent(inout) :: self !! the sides
+      logical, intent(in) :: is_marked(:) !! the marks of the nodes (n_nodes)
+      integer :: i
+
+      do i = 1, size(self%side)
+         if (all(is_marked(self%side(i)%corner))) self%side(i)%is_known = .false.
+      end do
+   end subroutine known_tractions_forget
+
+   !> Whether another side goes on smoothly at a node that both meet: by less than 30 degrees.
+   pure logical function known_traction_goes_on(self, other, place) result(goes_on)
+      class(known_traction_t), intent(in) :: self !! the side
+      type(known_traction_t), intent(in) :: other !! the other side
+      integer, intent(in) :: place(2) !! which place of each is the node, 1 or 3
+      real(dp), parameter :: smooth = cos(acos(-1.0_dp)/6.0_dp)
+
+      goes_on = place(1) /= place(2) .and. all(self%is_known .eqv. other%is_known) .and. &
+         dot_product(self%normal(:, place(1)), other%normal(:, place(2))) > smooth
+   end function known_traction_goes_on
+
+   !> What is known at a node where another side goes on smoothly, as the middle of a side: with the mean of normals and
+   !> tractions.
+   pure function known_traction_mean(self, other, place) result(mean)
+      class(known_traction_t), intent(in) :: self !! the side
+      type(known_traction_t), intent(in) :: other !! the other side
+      integer, intent(in) :: place(2) !! which place of each is the node, 1 or 3
+      type(known_traction_t) :: mean
+
+      mean%is_known = self%is_known
+      mean%position(:, 2) = self%position(:, place(1))
+      mean%normal(:, 2) = self%normal(:, place(1)) + other%normal(:, place(2))
+      mean%normal(:, 2) = mean%normal(:, 2)/norm2(mean%normal(:, 2))
+      mean%traction(:, 2) = 0.5_dp*(self%traction(:, place(1)) + other%traction(:, place(2)))
+   end function known_traction_mean
+
+   !> Whether a polynomial has no terms of the second order.
+   elemental logical function is_linear(frame)
+      type(frame_t), intent(in) :: frame !! coordinates and terms of its patch
+
+      is_linear = frame%n_terms <= 3
+   end function is_linear
+
+   !> Sets the coordinates of a patch, if its samples determine the polynomial.
+   pure subroutine place_patch(frame, is_determined, mesh, samples, elements, n_near)
+      type(frame_t), intent(inout) :: frame !! the coordinates; have their number of terms
+      logical, intent(out) :: is_determined
+         !! whether there is a sample more than terms and the matrix is well conditioned; always for a constant
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(samples_t), intent(in) :: samples !! the samples of all elements
+      integer, intent(in) :: elements(:) !! the elements of the patch
+      integer, intent(in) :: n_near !! how many of them meet at its node
+      real(dp) :: normal(max_terms, max_terms), right(4, max_terms), unused(4, max_terms)
+      type(moments_t) :: moments
+
+      is_determined = frame%n_terms == 1
+      if (is_determined) then
+         frame%center = samples%position(:, samples%start(elements(1)))
+         frame%scale = 0.0_dp
+         return
+      end if
+      if (sum(samples%start(elements + 1) - samples%start(elements)) <= frame%n_terms) return
+      call spread_corners(frame, mesh, elements)
+      if (is_linear(frame)) then
+         call sum_moments(moments, samples, elements, n_near)
+         is_determined = are_spread(moments, frame%scale)
+         if (is_determined) call spread_points(frame, moments)
+      else
+         call sum_products(normal, frame, samples, elements, n_near)
+         right = 0.0_dp
+         call solve_normal(unused, frame%n_terms, normal, right, is_determined)
+      end if
+   end subroutine place_patch
+
+   !> Sums the moments of the samples of a patch.
+   pure subroutine sum_moments(moments, samples, elements, n_near)
+      type(moments_t), intent(out) :: moments !! the moments
+      type(samples_t), intent(in) :: samples !! the samples of all elements
+      integer, intent(in) :: elements(:) !! the elements of the patch
+      integer, intent(in) :: n_near !! how many of them meet at its node
+      integer :: i, k
+
+      moments%origin = samples%position(:, samples%start(elements(1)))
+      do i = 1, size(elements)
+         do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
+            call moments%add(samples%position(1, k), samples%position(2, k), merge(1.0_dp, far_weight, i <= n_near))
+         end do
+      end do
+   end subroutine sum_moments
+
+   !> Sets the coordinates of a patch from the corners of its elements.
+   pure subroutine spread_corners(frame, mesh, elements)
+      type(frame_t), intent(inout) :: frame !! the coordinates; have their number of terms
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: elements(:) !! its elements
+      type(moments_t) :: moments
+      integer :: first, i, k
+
+      moments%origin = mesh%coordinates(:, mesh%node(mesh%node_start(elements(1))))
+      do i = 1, size(elements)
+         first = mesh%node_start(elements(i))
+         do k = first, first + n_corners(mesh%element_kind(elements(i))) - 1
+            call moments%add(mesh%coordinates(1, mesh%node(k)), mesh%coordinates(2, mesh%node(k)), 1.0_dp)
+         end do
+      end do
+      call spread_points(frame, moments)
+      if (frame%n_terms == max_terms) call turn_frame(frame%scale, mesh, elements)
+   end subroutine spread_corners
+
+   !> Adds a point.
+   pure subroutine moments_add(self, x, y, weight)
+      class(moments_t), intent(inout) :: self !! the moments of other points
+      real(dp), intent(in) :: x !! coordinate of the point [L]
+      real(dp), intent(in) :: y !! its other coordinate [L]
+      real(dp), intent(in) :: weight !! its weight [-]
+
+      associate (dx => x - self%origin(1), dy => y - self%origin(2))
+         self%weight = self%weight + weight
+         self%first = self%first + weight*[dx, dy]
+         self%second = self%second + weight*[dx*dx, dx*dy, dy*dy]
+      end associate
+   end subroutine moments_add
+
+   !> The covariance of the points: xx, xy, yy [L^2].
+   pure function moments_covariance(self) result(covariance)
+      class(moments_t), intent(in) :: self !! the moments of the points
+      real(dp) :: covariance(3)
+
+      associate (mean => self%first/self%weight)
+         covariance = self%second/self%weight - [mean(1)*mean, mean(2)**2]
+      end associate
+   end function moments_covariance
+
+   !> Whether points spread in all directions, in coordinates in which the corners of their elements do: whether the
+   !> pivots of 1, x and y are large enough.
+   pure logical function are_spread(moments, scale)
+      type(moments_t), intent(in) :: moments !! the moments of the points
+      real(dp), intent(in) :: scale(2, 2) !! what distances are multiplied by, a lower triangle [1/L]
+      real(dp) :: c(3), xx, xy, yy
+
+      c = moments%covariance()
+      xx = scale(1, 1)**2*c(1)
+      xy = scale(1, 1)*(scale(2, 1)*c(1) + scale(2, 2)*c(2))
+      yy = scale(2, 1)**2*c(1) + 2.0_dp*scale(2, 1)*scale(2, 2)*c(2) + scale(2, 2)**2*c(3)
+      are_spread = xx > least_pivot
+      if (are_spread) are_spread = yy - xy**2/xx > least_pivot
+   end function are_spread
+
+   !> Sets coordinates in which some points spread alike in all directions.
+   pure subroutine spread_points(frame, moments)
+      type(frame_t), intent(inout) :: frame !! the coordinates
+      type(moments_t), intent(in) :: moments !! the moments of the points, which are not in a line
+      real(dp) :: c(3), slope
+
+      c = moments%covariance()
+      frame%center = moments%origin + moments%first/moments%weight
+      ! The inverse of the Cholesky factor of the covariance.
+      frame%scale(1, 1) = 1.0_dp/sqrt(c(1))
+      slope = c(2)*frame%scale(1, 1)
+      frame%scale(2, 2) = 1.0_dp/sqrt(c(3) - slope**2)
+      frame%scale(2, 1) = -slope*frame%scale(1, 1)*frame%scale(2, 2)
+      frame%scale(1, 2) = 0.0_dp
+   end subroutine spread_points
+
+   !> Turns the coordinates of a patch until the sides of its quadrilaterals lie along the axes: in the mean of their
+   !> fourth powers as complex numbers, which are alike for sides along either axis, in either sense.
+   pure subroutine turn_frame(scale, mesh, elements)
+      real(dp), intent(inout) :: scale(2, 2) !! what distances are multiplied by [1/L]
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: elements(:) !! the elements of the patch
+      complex(dp) :: direction
+      real(dp) :: side(2), angle
+      integer :: i, k, n
+
+      direction = 0.0_dp
+      do i = 1, size(elements)
+         n = n_corners(mesh%element_kind(elements(i)))
+         if (n < 4) cycle
+         associate (corner => mesh%node(mesh%node_start(elements(i)):mesh%node_start(elements(i)) + n - 1))
+            do k = 1, n
+               side = matmul(scale, mesh%coordinates(:, corner(1 + mod(k, n))) - mesh%coordinates(:, corner(k)))
+               direction = direction + cmplx(side(1), side(2), dp)**4
+            end do
+         end associate
+      end do
+      angle = 0.25_dp*atan2(direction%im, direction%re)
+      scale = matmul(reshape([cos(angle), -sin(angle), sin(angle), cos(angle)], [2, 2]), scale)
+   end subroutine turn_frame
+
+   !> Sums the products of the terms of a patch over its samples.
+   pure subroutine sum_products(normal, frame, samples, elements, n_near)
+      real(dp), intent(out) :: normal(max_terms, max_terms) !! the lower triangle of their matrix
+      type(frame_t), intent(in) :: frame !! coordinates of the patch
+      type(samples_t), intent(in) :: samples !! the samples of all elements
+      integer, intent(in) :: elements(:) !! the elements of the patch
+      integer, intent(in) :: n_near !! how many of them meet at its node
+      real(dp) :: p(max_terms), weight
+      integer :: i, j, k
+
+      associate (n => frame%n_terms)
+         normal(:n, :n) = 0.0_dp
+         do i = 1, size(elements)
+            weight = merge(1.0_dp, far_weight, i <= n_near)
+            do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
+               call find_terms(frame, n, samples%position(:, k), p)
+               do j = 1, n
+                  normal(j:n, j) = normal(j:n, j) + (weight*p(j))*p(j:n)
+               end do
+            end do
+         end do
+      end associate
+   end subroutine sum_products
+
+   !> The terms of a patch's polynomial at a point; nothing behind the last.
+   pure subroutine find_terms(frame, n, position, p)
+      type(frame_t), intent(in) :: frame !! coordinates of the patch
+      integer, intent(in) :: n !! number of terms
+      real(dp), intent(in) :: position(2) !! the point [L]
+      real(dp), intent(inout) :: p(max_terms) !! the terms, the first always 1
+      real(dp) :: x, y, distance(2)
+
+      distance = position - frame%center
+      x = frame%scale(1, 1)*distance(1) + frame%scale(1, 2)*distance(2)
+      y = frame%scale(2, 1)*distance(1) + frame%scale(2, 2)*distance(2)
+      p(1) = 1.0_dp
+      p(2) = x
+      p(3) = y
+      if (n > 3) p(4:) = [x*x, x*y, y*y, x*x*y, x*y*y, x*x*y*y]
+   end subroutine find_terms
+
+   !> Solves the normal equations of a patch, unless their matrix is badly conditioned. They are few: BLAS would take
+   !> longer to be called than this takes.
+   pure subroutine solve_normal(x, n, normal, right, is_determined)
+      real(dp), intent(inout) :: x(4, max_terms) !! the solution (component, term) [F/L^2]
+      integer, intent(in) :: n !! number of equations
+      real(dp), intent(in) :: normal(max_terms, max_terms) !! the lower triangle of the matrix
+      real(dp), intent(in) :: right(4, max_terms) !! the right-hand sides (component, term) [F/L^2]
+      logical, intent(out) :: is_determined !! whether the matrix is well conditioned
+      ! The factors of L D L^T: below the diagonal L D, behind it the reciprocals of D.
+      real(dp) :: factor(max_terms, max_terms), reciprocal(max_terms), entry
+      integer :: i, j, k
+
+      do j = 1, n
+         do i = j, n
+            factor(i, j) = normal(i, j)
+         end do
+         x(:, j) = right(:, j)
+         do k = 1, j - 1
+            entry = factor(j, k)*reciprocal(k)
+            do i = j, n
+               factor(i, j) = factor(i, j) - entry*factor(i, k)
+            end do
+            x(:, j) = x(:, j) - entry*x(:, k)
+         end do
+         is_determined = factor(j, j) > least_pivot*normal(1, 1)
+         if (.not. is_determined) return
+         reciprocal(j) = 1.0_dp/factor(j, j)
+      end do
+      do j = n, 1, -1
+         do k = j + 1, n
+            x(:, j) = x(:, j) - factor(k, j)*x(:, k)
+         end do
+         x(:, j) = reciprocal(j)*x(:, j)
+      end do
+   end subroutine solve_normal
+
+   !> Finds the patches of a mesh.
+   subroutine new_patch_table(table, mesh, materials)
+      type(patch_table_t), intent(out) :: table !! the patches
+      type(mesh_t), intent(in) :: mesh !! a checked mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      ! So many that lists of their elements are long, and threads have enough of them.
+      integer, parameter :: chunk_size = 4096
+      type(incidence_t) :: incidence
+      type(chunk_t), allocatable :: chunks(:)
+      integer, allocatable :: first_element(:)
+      integer :: first, i, k, n
+
+      call new_samples(table%samples, mesh, materials)
+      call new_incidence(incidence, mesh)
+      call number_patches(table%of_corner, table%node, first_element, mesh, materials, incidence)
+      deallocate (incidence%corner)
+      call list_blocks(table, mesh)
+      n = size(table%node)
+      allocate (table%frame(n), table%n_near(n), table%start(n + 1), chunks((n - 1)/chunk_size + 1))
+      !$omp parallel do default(none) schedule(dynamic) if (mesh%n_elements >= worth_threads) private(k, first) &
+      !$omp shared(table, mesh, materials, incidence, chunks, first_element, n)
+      do i = 1, size(chunks)
+         do k = (i - 1)*chunk_size + 1, min(n, i*chunk_size)
+            first = chunks(i)%elements%n
+            call add_patch(table, chunks(i)%elements, k, first_element(k), mesh, materials, incidence)
+            table%start(k + 1) = chunks(i)%elements%n - first
+         end do
+      end do
+      !$omp end parallel do
+      table%start(1) = 1
+      do k = 1, n
+         table%start(k + 1) = table%start(k) + table%start(k + 1)
+      end do
+      allocate (table%element(table%start(n + 1) - 1))
+      do i = 1, size(chunks)
+         first = table%start((i - 1)*chunk_size + 1)
+         table%element(first:first + chunks(i)%elements%n - 1) = chunks(i)%elements%item(:chunks(i)%elements%n)
+         deallocate (chunks(i)%elements%item)
+      end do
+      table%is_linear = all(is_linear(table%frame))
+   end subroutine new_patch_table
+
+   !> Places the points of the elements where their stresses are most accurate.
+   subroutine new_samples(samples, mesh, materials)
+      type(samples_t), intent(out) :: samples !! the points
+      type(mesh_t), intent(in) :: mesh !! a checked mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      type(element_geometry_t) :: geometry
+      integer :: i
+
+      allocate (samples%start(mesh%n_elements + 1))
+      samples%start(1) = 1
+      do i = 1, mesh%n_elements
+         samples%start(i + 1) = samples%start(i) + n_sampling_points(mesh%element_kind(i))
+      end do
+      allocate (samples%position(2, samples%start(mesh%n_elements + 1) - 1))
+      !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
+      !$omp firstprivate(geometry) shared(samples, mesh, materials)
+      do i = 1, mesh%n_elements
+         call new_element_geometry(geometry, mesh, i, materials%list(materials%of_element(i)), &
+            n_sampling_points(mesh%element_kind(i)))
+         samples%position(:, samples%start(i):samples%start(i + 1) - 1) = geometry%position(:, :geometry%n_points)
+      end do
+      !$omp end parallel do
+   end subroutine new_samples
+
+   !> Numbers the patches: one for each corner node and each material there.
+   subroutine number_patches(of_corner, node, element, mesh, materials, incidence)
+      integer, allocatable, intent(out) :: of_corner(:) !! patch of each corner, placed as `node` of the mesh
+      integer, allocatable, intent(out) :: node(:) !! node of each patch
+      integer, allocatable, intent(out) :: element(:) !! first element of each patch
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      type(incidence_t), intent(in) :: incidence !! the elements at each node
+      integer :: n, i, k, same
+
+      allocate (of_corner(size(mesh%node)), source=0)
+      n = 0
+      do i = 1, mesh%n_nodes
+         do k = incidence%start(i), incidence%start(i + 1) - 1
+            do same = incidence%start(i), k
+               if (materials%of_element(incidence%element(same)) &
+                  == materials%of_element(incidence%element(k))) exit
+            end do
+            if (same == k) then
+               n = n + 1
+               of_corner(incidence%corner(k)) = n
+            else
+               of_corner(incidence%corner(k)) = of_corner(incidence%corner(same))
+            end if
+         end do
+      end do
+      allocate (node(n), element(n))
+      do i = mesh%n_nodes, 1, -1
+         do k = incidence%start(i + 1) - 1, incidence%start(i), -1
+            associate (patch => of_corner(incidence%corner(k)))
+               node(patch) = i
+               element(patch) = incidence%element(k)
+            end associate
+         end do
+      end do
+   end subroutine number_patches
+
+   !> Lists the patches of each block.
+   pure subroutine list_blocks(table, mesh)
+      type(patch_table_t), intent(inout) :: table !! the patches, those of the corners by their numbers; gains the lists
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(integer_list_t) :: list
+      integer, allocatable :: place(:)
+      integer :: block, element, i, before
+
+      allocate (place(size(table%node)), source=0)
+      allocate (table%block_start((mesh%n_elements - 1)/block_size + 2))
+      table%block_start(1) = 1
+      do block = 1, size(table%block_start) - 1
+         before = list%n
+         do element = (block - 1)*block_size + 1, min(mesh%n_elements, block*block_size)
+            do i = mesh%node_start(element), mesh%node_start(element) + n_corners(mesh%element_kind(element)) - 1
+               associate (patch => table%of_corner(i))
+                  if (place(patch) <= before) then
+                     call list%append(patch)
+                     place(patch) = list%n
+                  end if
+                  patch = place(patch) - before
+               end associate
+            end do
+         end do
+         table%block_start(block + 1) = list%n + 1
+      end do
+      table%listed = list%items()
+   end subroutine list_blocks
+
+   !> Adds a patch. One with too few samples for its polynomial grows by the elements around it; terms that no growth
+   !> determines are left out.
+   pure subroutine add_patch(table, list, patch, first_element, mesh, materials, incidence)
+      type(patch_table_t), intent(inout) :: table !! the patches; this one gains its coordinates
+      type(integer_list_t), intent(inout) :: list !! elements of patches; gains those of this one
+      integer, intent(in) :: patch !! number of the patch
+      integer, intent(in) :: first_element !! its first element
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      type(incidence_t), intent(in) :: incidence !! the elements at each node
+      integer, parameter :: most_growths = 2
+      integer :: first, growth
+      logical :: is_determined
+
+      first = list%n + 1
+      associate (frame => table%frame(patch), n_near => table%n_near(patch))
+         frame%n_terms = n_kind_terms(mesh%element_kind(first_element))
+         call add_elements_at(list, first, table%node(patch), materials, incidence, materials%of_element(first_element))
+         n_near = list%n - first + 1
+         do growth = 0, most_growths
+            if (growth > 0) call grow_patch(list, first, mesh, materials, incidence)
+            call place_patch(frame, is_determined, mesh, table%samples, list%item(first:list%n), n_near)
+            if (is_determined) return
+         end do
+         do while (.not. is_determined)
+            frame%n_terms = merge(1, frame%n_terms - 3, frame%n_terms == 3)
+            call place_patch(frame, is_determined, mesh, table%samples, list%item(first:list%n), n_near)
+         end do
+      end associate
+   end subroutine add_patch
+
+   !> Adds the elements of a material at a node that are not in a patch yet.
+   pure subroutine add_elements_at(list, first, node, materials, incidence, material)
+      type(integer_list_t), intent(inout) :: list !! elements of patches, those of this one last
+      integer, intent(in) :: first !! where these begin
+      integer, intent(in) :: node !! the node
+      type(materials_t), intent(in) :: materials !! the materials
+      type(incidence_t), intent(in) :: incidence !! the elements at each node
+      integer, intent(in) :: material !! number of the material
+      integer :: k
+
+      do k = incidence%start(node), incidence%start(node + 1) - 1
+         associate (element => incidence%element(k))
+            if (materials%of_element(element) /= material) cycle
+            if (list%n >= first) then
+               if (any(list%item(first:list%n) == element)) cycle
+            end if
+            call list%append(element)
+         end associate
+      end do
+   end subroutine add_elements_at
+
+   !> Adds the elements around a patch.
+   pure subroutine grow_patch(list, first, mesh, materials, incidence)
+      type(integer_list_t), intent(inout) :: list !! elements of patches, those of this one last
+      integer, intent(in) :: first !! where these begin
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! its materials
+      type(incidence_t), intent(in) :: incidence !! the elements at each node
+      integer :: i, k, element
+
+      do i = first, list%n
+         ! A copy: the list may move to a larger place as it grows.
+         element = list%item(i)
+         do k = mesh%node_start(element), mesh%node_start(element) + n_corners(mesh%element_kind(element)) - 1
+            call add_elements_at(list, first, mesh%node(k), materials, incidence, materials%of_element(element))
+         end do
+      end do
+   end subroutine grow_patch
+
+   !> The patch of a corner of an element.
+   pure integer function patch_table_at_corner(self, element, corner) result(patch)
+      class(patch_table_t), intent(in) :: self !! the patches
+      integer, intent(in) :: element !! the element
+      integer, intent(in) :: corner !! the corner, placed as `node` of the mesh
+
+      patch = self%listed(self%block_start((element - 1)/block_size + 1) - 1 + self%of_corner(corner))
+   end function patch_table_at_corner
 
    !> Makes the tables of a body.
    subroutine new_recovery_tables(tables, mesh, materials, constraints, springs)

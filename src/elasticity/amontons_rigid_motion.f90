@@ -1,11 +1,11 @@
 !> Rigid motions of the pieces of a body, and those that its supports leave free.
 module amontons_rigid_motion
-   use amontons_bins, only: fill_bins
    use amontons_constraints, only: constraints_t, spring_side_t
    use amontons_dense, only: symmetric_eigenvectors
-   use amontons_incidence, only: number_pieces
+   use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
+   use amontons_mesh_topology, only: number_pieces
    use amontons_text, only: to_text
    implicit none (type, external)
    private

@@ -1,16 +1,15 @@
 !> Stresses and strain energy density of a whole body, as result files show them, and the nodal forces that they amount
 !> to.
 module amontons_stress_field
-   use amontons_coloring, only: coloring_t, worth_threads
    use amontons_dense, only: cholesky_factor, cholesky_solve
-   use amontons_elasticity, only: add_point_forces, element_geometry_t, find_elastic_strains, new_element_geometry, &
-      set_thermal_strain
+   use amontons_elasticity, only: add_point_forces, element_geometry_t, find_elastic_strains, &
+      is_plain_quadrilateral, new_element_geometry, plane_quadrilateral_t, set_thermal_strain
    use amontons_element, only: element_names, is_triangle, max_nodes, max_points, n_element_nodes, n_element_points, &
       node_coordinates, quadrature_point
    use amontons_kinds, only: dp
    use amontons_material, only: material_t, materials_t
    use amontons_mesh, only: mesh_t
-   use amontons_plane_quadrilateral, only: is_plain_quadrilateral, plane_quadrilateral_t
+   use amontons_mesh_topology, only: coloring_t, worth_threads
    implicit none (type, external)
    private
 

@@ -1,6 +1,6 @@
 !> A symmetric matrix to multiply with: dense, or sparse with both triangles stored.
 module amontons_symmetric_matrix
-   use amontons_bins, only: fill_bins
+   use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
    use amontons_lapack, only: daxpy, dgemv, dsymv
    implicit none (type, external)

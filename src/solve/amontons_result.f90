@@ -4,7 +4,6 @@ module amontons_result
    use amontons_certificate, only: certificate_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_convergence, only: refined_quantity_t
-   use amontons_error_estimate, only: error_estimate_t
    use amontons_key_results, only: lengths_t
    use amontons_kinds, only: dp, int64
    use amontons_load_case, only: load_case_t
@@ -12,6 +11,7 @@ module amontons_result
    use amontons_outcome_words, only: solution_word, word_no_equilibrium
    use amontons_quantity, only: quantity_t
    use amontons_stress_field, only: stress_field_t
+   use amontons_stress_recovery, only: error_estimate_t
    use amontons_timings, only: timings_t
    use amontons_uniqueness, only: uniqueness_t
    use amontons_warning_list, only: warning_list_t

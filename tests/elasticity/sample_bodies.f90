@@ -2,14 +2,14 @@
 module sample_bodies
    use amontons_assembly, only: assemble_stiffness, from_unknowns, internal_forces, to_unknowns
    use amontons_cholesky, only: cholesky_t
-   use amontons_coloring, only: coloring_t, new_coloring
-   use amontons_constraints, only: constraints_t, new_constraints, new_foundation, spring_side_t, support_t
-   use amontons_dof_map, only: dof_map_t, new_dof_map
+   use amontons_constraints, only: constraints_t, dof_map_t, new_constraints, new_dof_map, new_foundation, &
+      spring_side_t, support_t
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_region, load_t, load_vector
    use amontons_material, only: material_t, materials_t, new_material, new_materials
    use amontons_mesh, only: mesh_t
+   use amontons_mesh_topology, only: coloring_t, new_coloring
    use amontons_new_cholesky, only: new_cholesky
    use amontons_sparse_matrix, only: sparse_matrix_t
    implicit none (type, external)

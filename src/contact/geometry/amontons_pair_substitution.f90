@@ -5,9 +5,8 @@
 !> `w_p = c_p u_p + sum c_q u_q`, so that it can be solved for u_p. On a quadratic side this holds in hierarchical
 !> unknowns, those of a middle node being its deviation from the mean of the corners.
 module amontons_pair_substitution
-   use amontons_constraints, only: constraints_t
+   use amontons_constraints, only: constraints_t, substitution_t
    use amontons_contact_rows, only: turned
-   use amontons_dof_map, only: substitution_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_listing_text, only: place_text

@@ -3,24 +3,24 @@ module amontons_body
    use amontons_assembly, only: assemble_stiffness, forces_of_stress => internal_forces
    use amontons_band_order, only: find_band_order, may_suit_band
    use amontons_checked_rows, only: recompute_pairs
-   use amontons_coloring, only: coloring_t, new_coloring
    use amontons_condensation, only: condensation_options_t, condensation_t, new_condensation, &
       new_distributed_condensation
    use amontons_condenser, only: condenser_t
    use amontons_conditioning, only: conditioning_text, rounded
-   use amontons_constraints, only: new_constraints, new_foundation, spring_side_t, support_t
+   use amontons_constraints, only: dof_map_t, new_constraints, new_dof_map, new_foundation, spring_side_t, &
+      substitution_t, support_t
    use amontons_contact_problem, only: contact_problem_t, new_band_problem, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_set, only: contact_t, tie_t
    use amontons_contact_zone, only: contact_zone_t, new_contact_zone
    use amontons_distributed, only: n_ranks, new_distributed_condenser
-   use amontons_dof_map, only: dof_map_t, new_dof_map, substitution_t
    use amontons_error, only: error_t, input_refused, new_error, numerical_failure
    use amontons_graph, only: half_bandwidth
    use amontons_inf_sup, only: inf_sup_constant
    use amontons_kinds, only: dp, int64
    use amontons_material, only: material_t, new_materials
    use amontons_mesh, only: mesh_t
+   use amontons_mesh_topology, only: coloring_t, new_coloring
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_new_cholesky, only: new_condenser
    use amontons_pair_substitution, only: new_pair_substitution

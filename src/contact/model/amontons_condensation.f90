@@ -14,9 +14,8 @@ module amontons_condensation
    use amontons_band_order, only: find_band_order
    use amontons_band_stiffness, only: band_stiffness_t, new_band_stiffness
    use amontons_condenser, only: condenser_t
-   use amontons_constraints, only: constraints_t
+   use amontons_constraints, only: constraints_t, dof_map_t
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_dof_map, only: dof_map_t
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_new_cholesky, only: new_condenser

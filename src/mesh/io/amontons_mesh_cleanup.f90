@@ -1,15 +1,14 @@
 !> Makes a mesh of a raw mesh: what can be put right is, with a note; the rest is refused.
 module amontons_mesh_cleanup
    use amontons_element, only: n_corners, n_element_nodes
-   use amontons_incidence, only: number_pieces
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: new_tag_map, tag_map_t
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
    use amontons_mesh_defects, only: find_hanging_node, find_slits
    use amontons_mesh_sets, only: name_sets, renumbering_t
+   use amontons_mesh_topology, only: new_side_table, number_pieces, side_element, side_place, side_table_t
    use amontons_raw_mesh, only: raw_mesh_t, n_cell_nodes
-   use amontons_side_table, only: new_side_table, side_element, side_place, side_table_t
    use amontons_text, only: counted, to_text
    implicit none (type, external)
    private

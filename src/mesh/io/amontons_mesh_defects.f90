@@ -6,7 +6,7 @@
 module amontons_mesh_defects
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
-   use amontons_side_table, only: side_element, side_place, side_table_t
+   use amontons_mesh_topology, only: side_element, side_place, side_table_t
    implicit none (type, external)
    private
 

@@ -4,8 +4,8 @@ module amontons_mesh_sets
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t, tag_map_t
    use amontons_mesh, only: boundary_set_t, mesh_t, node_set_t, region_t
+   use amontons_mesh_topology, only: side_element, side_place, side_table_t, sides_per_element
    use amontons_raw_mesh, only: raw_group_t, raw_mesh_t, point1
-   use amontons_side_table, only: side_element, side_place, side_table_t, sides_per_element
    use amontons_text, only: counted, to_text
    implicit none (type, external)
    private
